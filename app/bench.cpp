@@ -3,9 +3,9 @@
 #include "app/bench_scenes.h"
 #include "app/bench_segments.h"
 #include "app/bench_stages.h"
-#include "app/bench_words.h"
 #include "app/commands.h"
 #include "app/exit_codes.h"
+#include "app/option_names.h"
 #include "souple/error.h"
 #include "souple/scene/nearest.h"
 
@@ -32,28 +32,28 @@ int list_benchmarks() {
   std::for_each(stage_benches().begin(), stage_benches().end(), name_length);
   std::for_each(bench_scenes().begin(), bench_scenes().end(), print);
   std::for_each(stage_benches().begin(), stage_benches().end(), print);
-  std::printf("%-*s  a segment against triangles, by each of the tests; --size: triangles [%d]\n",
+  std::printf("%-*s  a segment against triangles, with each of the tests; --size: triangles [%d]\n",
               static_cast<int>(widest), segments_name, default_segments_size);
-  return fine;
+  return success;
 }
 
-/// Lists scenes, stages and segments.
+/// Throws Error unless `name` is a benchmark: a scene, a stage or `segments`.
 void require_known(const std::string& name) {
   std::vector<std::string> names;
   for (const BenchScene& scene : bench_scenes()) names.emplace_back(scene.name);
   for (const StageBench& stage : stage_benches()) names.emplace_back(stage.name);
   names.emplace_back(segments_name);
   if (std::find(names.begin(), names.end(), name) != names.end()) return;
-  throw Error("there is no benchmark called \"" + name + "\"" + scene_format::suggestion(name, names) +
+  throw Error("unknown benchmark \"" + name + "\"" + scene_format::suggestion(name, names) +
               "; `souple bench` lists them");
 }
 
-/// Checks that a number of the command line is in its useful range.
-void take(const std::optional<std::uint32_t>& given, const char* option, std::uint32_t least,
-          std::uint32_t most, int& value) {
+/// Sets `value` to an option's number; throws Error when it is out of range.
+void set_option(const std::optional<std::uint32_t>& given, const char* option, std::uint32_t min_value,
+                std::uint32_t max_value, int& value) {
   if (!given) return;
-  if (*given < least || *given > most)
-    throw Error(fmt::format("{} {}: expected {} to {}", option, *given, least, most));
+  if (*given < min_value || *given > max_value)
+    throw Error(fmt::format("{} {}: expected {} to {}", option, *given, min_value, max_value));
   value = static_cast<int>(*given);
 }
 
@@ -63,7 +63,7 @@ SolverSettings solver_settings(const BenchRequest& request) {
   if (!request.sweep.empty()) solver.sweep = value_of(sweep_names, request.sweep, "--sweep");
   if (request.relaxation) solver.relaxation = *request.relaxation;
   if (request.chebyshev) solver.chebyshev = *request.chebyshev;
-  take(request.colors, "--colors", 0, 64, solver.colors);
+  set_option(request.colors, "--colors", 0, 64, solver.colors);
   return solver;
 }
 
@@ -77,31 +77,31 @@ BenchOptions options_of(const BenchRequest& request) {
   if (!request.form.empty()) settings.form = value_of(form_names, request.form, "--form");
   if (!request.threading.empty())
     settings.threading = value_of(threading_names, request.threading, "--threading");
-  take(request.size, "--size", 1, 100000000, options.size);
-  take(request.threads, "--threads", 0, 1024, settings.threads);
-  take(request.substeps, "--substeps", 1, 10000, settings.substeps);
-  take(request.iterations, "--iterations", 1, 10000, settings.iterations);
-  take(request.warm_up, "--warm-up", 0, 1000000, options.warm_up);
-  take(request.runs, "--runs", 1, 1000000, options.runs);
+  set_option(request.size, "--size", 1, 100000000, options.size);
+  set_option(request.threads, "--threads", 0, 1024, settings.threads);
+  set_option(request.substeps, "--substeps", 1, 10000, settings.substeps);
+  set_option(request.iterations, "--iterations", 1, 10000, settings.iterations);
+  set_option(request.warm_up, "--warm-up", 0, 1000000, options.warm_up);
+  set_option(request.runs, "--runs", 1, 1000000, options.runs);
   options.residual = request.residual;
   if (options.residual && !(*options.residual > 0 && *options.residual < 0.1))
-    throw Error("--residual: expected a strain above 0 and below 0.1, at which solving begins");
+    throw Error("--residual: expected a strain above 0 and below 0.1, the strain at the start");
   return options;
 }
 
-/// Benchmark without a scene: it uses only the options --size, --runs and --json.
+/// `souple bench segments`: not a scene; takes only the options --size, --runs and --json.
 int bench_segments(const BenchRequest& request) {
   if (!request.compare.empty()) throw Error("--compare: segments has no steps to compare");
   int size = default_segments_size, runs = 10;
-  take(request.size, "--size", 1, 10000000, size);
-  take(request.runs, "--runs", 1, 1000, runs);
+  set_option(request.size, "--size", 1, 10000000, size);
+  set_option(request.runs, "--runs", 1, 1000, runs);
   const auto result = segments_json(size, measure_segments(SegmentStack(size), runs));
   if (request.json) {
     std::fputs(dump_json(result).c_str(), stdout);
   } else {
     print_segments(result);
   }
-  return fine;
+  return success;
 }
 
 }  // namespace
@@ -126,9 +126,9 @@ int bench(const BenchRequest& request) {
     } else {
       print_bench(now, compares ? &before : nullptr);
     }
-    return fine;
-  } catch (const NonFinite& bad) {
-    std::fprintf(stderr, "souple: %s: %s\n", request.name.c_str(), bad.message.c_str());
+    return success;
+  } catch (const NonFiniteError& error) {
+    std::fprintf(stderr, "souple: %s: %s\n", request.name.c_str(), error.message.c_str());
     return non_finite;
   }
 }

@@ -13,9 +13,9 @@ using scene_format::Json;
 namespace {
 
 constexpr double spacing = 0.05;    // m
-constexpr double dt = 0.002;        // usual step of SPH programs at this spacing [s]
-constexpr int iterations = 5;       // Jacobi iterations after the coarse level
-constexpr double collapsing = 0.2;  // s
+constexpr double dt = 0.002;        // s: usual time step of SPH programs at this spacing
+constexpr int iterations = 5;       // Jacobi iterations, after the coarse level
+constexpr double collapsing = 0.2;  // s: simulated before the measurement starts
 
 /// A block of water, about n x 2 n x n spacings, at one end of a tank 4 n long.
 World dam(double particles, const Settings& settings) {
@@ -43,7 +43,7 @@ World dam(double particles, const Settings& settings) {
 
 Json measure_dam_break(const BenchOptions& options) {
   World world = dam(options.size, options.settings);
-  // The measurement begins after the front started to move.
+  // Measurement starts when the front is already moving.
   for (int i = 0; i < options.warm_up + collapsing / dt; ++i) world.step(dt);
   std::vector<double> whole;
   std::array<std::vector<double>, stage_count> stages;

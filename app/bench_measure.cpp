@@ -1,7 +1,7 @@
 #include "app/bench_measure.h"
 
 #include "app/bench_scenes.h"
-#include "app/bench_words.h"
+#include "app/option_names.h"
 #include "souple/solver/instruction_set.h"
 #include "souple/world/world.h"
 
@@ -18,12 +18,12 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double frame = 1.0 / 60;          // length of a step [s]
-constexpr double projection_budget = 0.25;  // time to measure the projections of all kinds [s]
-constexpr double residual_budget = 8;       // time limit of one solve to a residual [s]
-constexpr double repeated_below = 0.1;      // shorter times are the best of three [s]
-constexpr int most_iterations = 1 << 16;
-constexpr double stretched = 0.1;  // initial stretch of the static case
+constexpr double frame = 1.0 / 60;          // s, of every step
+constexpr double projection_budget = 0.25;  // s, to time the projections of all kinds
+constexpr double residual_budget = 8;       // s, for one solve to the target residual
+constexpr double repeated_below = 0.1;      // s: shorter times are the best of three
+constexpr int max_iterations = 1 << 16;
+constexpr double stretched = 0.1;  // strain of the static case
 
 /// Lengths of all edges of tets, in a fixed order.
 std::vector<double> tet_edge_lengths(const World& world) {
@@ -46,10 +46,10 @@ double largest_strain(const World& world, const std::vector<double>& rest) {
   return largest;
 }
 
-/// Makes a step; throws NonFinite if the simulation diverged.
+/// Runs one step; throws NonFiniteError, or Error where a callback failed.
 const StepReport& step(World& world) {
   const StepReport& report = world.step(frame);
-  if (!report.ok()) throw NonFinite{report.message};
+  if (!report.ok()) throw NonFiniteError{report.message};
   if (report.has(Flag::callback_failed)) throw Error(report.message);
   return report;
 }
@@ -79,7 +79,8 @@ void time_projections(World& world, BenchResult& result) {
   double once = 0;
   for (const KindTime& kind : world.time_projections(frame, 3)) once += kind.seconds;
   const int sweeps = static_cast<int>(std::clamp(projection_budget / std::max(once, 1e-9), 5.0, 2000.0));
-  std::vector<std::pair<std::string, std::pair<double, double>>> kinds;  // constraints and seconds
+  // Per kind: number of constraints, and seconds.
+  std::vector<std::pair<std::string, std::pair<double, double>>> kinds;
   for (const KindTime& time : world.time_projections(frame, sweeps)) {
     const std::string name(time.kind);
     auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.first == name; });
@@ -98,9 +99,10 @@ CurvePoint solve(World& world, int iterations) {
   return {iterations, best.seconds * 1e3, best.mean_strain, best.rms_strain, best.largest_strain};
 }
 
-/// The minimum number of iterations, between an insufficient and a sufficient number: within 3 %, or, if
-/// another run would take long, by interpolation of their logarithms.
-CurvePoint fewest(World& world, double target, CurvePoint too_few, CurvePoint enough) {
+/// Smallest number of iterations that reaches the target, between a count that is too small and one that
+/// suffices. Accurate to 3 %. Where another try would take long: interpolated linearly between both counts in
+/// log-log scale.
+CurvePoint min_iterations(World& world, double target, CurvePoint too_few, CurvePoint enough) {
   while (enough.iterations - too_few.iterations > std::max(1, enough.iterations / 32)) {
     if (enough.milliseconds > 1e3 * repeated_below) {
       const double part =
@@ -116,7 +118,8 @@ CurvePoint fewest(World& world, double target, CurvePoint too_few, CurvePoint en
   return enough;
 }
 
-/// Each number of iterations is solved from the start, so that acceleration over iterations acts as in use.
+/// Each iteration count is solved from scratch, so acceleration over iterations has the effect that it has in
+/// use.
 ResidualResult time_to_residual(const BenchScene& scene, const BenchOptions& options, int size) {
   Settings settings = options.settings;
   settings.gravity = {};
@@ -125,11 +128,11 @@ ResidualResult time_to_residual(const BenchScene& scene, const BenchOptions& opt
   stretch_cloths(world, stretched);
   ResidualResult result;
   result.target = *options.residual;
-  world.time_solve(frame, 1);  // the first solve also prepares data
+  world.time_solve(frame, 1);  // excludes what the first solve prepares
   result.start = world.time_solve(frame, 0).mean_strain;
   CurvePoint before{0, 0, result.start, 0, 0}, point = before;
   double growth = std::sqrt(2.0);
-  for (int n = 1; n <= most_iterations; n = std::max(n + 1, static_cast<int>(n * growth))) {
+  for (int n = 1; n <= max_iterations; n = std::max(n + 1, static_cast<int>(n * growth))) {
     before = point;
     point = solve(world, n);
     result.curve.push_back(point);
@@ -138,7 +141,7 @@ ResidualResult time_to_residual(const BenchScene& scene, const BenchOptions& opt
     if (point.milliseconds > 1e3 * repeated_below) growth = 2;
   }
   if (point.mean_strain <= result.target) {
-    point = fewest(world, result.target, before, point);
+    point = min_iterations(world, result.target, before, point);
     result.milliseconds = point.milliseconds;
   }
   result.iterations = point.iterations;
@@ -180,7 +183,7 @@ BenchResult measure(const BenchOptions& options) {
                             scene.most, scene.size_means));
   describe(options, result);
   Settings settings = options.settings;
-  settings.measure_residuals = false;  // costs about an iteration per step; measured separately
+  settings.measure_residuals = false;  // costs about one iteration a step, and is measured separately
   World world(settings);
   scene.build(world, result.size);
   const std::vector<double> rest = tet_edge_lengths(world);

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-// Measurements of `souple bench`; bench_report.h prints them.
+// Measurements of `souple bench`, as numbers; bench_report.h prints them.
 
 namespace souple::app {
 
@@ -16,28 +16,28 @@ struct BenchOptions {
   std::string name;
   int size = 0;                    ///< 0: the scene's default
   Settings settings;               ///< substeps, solver, threads, ...
-  int warm_up = 5;                 ///< steps before the measurement
-  int runs = 30;                   ///< measured steps
-  std::optional<double> residual;  ///< time to this mean strain, static
+  int warm_up = 5;                 ///< steps before measurement starts
+  int runs = 30;                   ///< steps measured
+  std::optional<double> residual;  ///< mean strain to reach in the static case; its time is measured
 };
 
-/// Named rates, in order of first occurrence.
-using Named = std::vector<std::pair<std::string, double>>;
+/// Values by name, in order of first occurrence.
+using NamedValues = std::vector<std::pair<std::string, double>>;
 
-/// Progress of a solver after a duration.
+/// Convergence of a solver: strains after some iterations, and the time these took.
 struct CurvePoint {
   int iterations = 0;
   double milliseconds = 0;
   double mean_strain = 0, rms_strain = 0, largest_strain = 0;
 };
 
-/// Time to solve the stretched cloth to a mean strain, without forces or velocities.
+/// Solve of the stretched cloth to a mean strain, without forces or velocities.
 struct ResidualResult {
   double target = 0;
-  double start = 0;                    ///< initial mean strain
+  double start = 0;                    ///< mean strain at the start
   std::optional<double> milliseconds;  ///< time to the target; empty: not reached
   int iterations = 0;                  ///< iterations to the target
-  std::vector<CurvePoint> curve;       ///< by iterations; each point is a run of its own
+  std::vector<CurvePoint> curve;       ///< by number of iterations, each solved from scratch
 };
 
 struct BenchResult {
@@ -49,25 +49,25 @@ struct BenchResult {
   int colors = 0;
   int substeps = 0, iterations = 0, warm_up = 0, runs = 0;
   std::size_t particles = 0, constraints = 0;
-  double ms_per_step = 0;             ///< median of the runs, wall clock
-  double ms_fastest = 0;              ///< fastest run
-  Named ms_per_stage;                 ///< median per stage
-  double constraints_per_second = 0;  ///< whole step: constraints * substeps * iterations / time
-  Named projections_per_second;       ///< per kind, without the rest of the step
-  double max_strain = 0;              ///< at the end: largest strain of a distance or of an edge of a tet
-  std::uint64_t hash = 0;             ///< hash of the final world
-  std::string diagnostic;             ///< diagnostic of the solver
+  double ms_per_step = 0;              ///< median of the runs, wall clock
+  double ms_fastest = 0;               ///< fastest of the runs
+  NamedValues ms_per_stage;            ///< median of each stage
+  double constraints_per_second = 0;   ///< of the whole step: constraints * substeps * iterations / time
+  NamedValues projections_per_second;  ///< per kind, projection alone
+  double max_strain = 0;   ///< at the end: largest extension of a distance constraint or of an edge of a tet
+  std::uint64_t hash = 0;  ///< hash of the world at the end
+  std::string diagnostic;  ///< diagnostic message of the solver
   std::optional<ResidualResult> residual;
 };
 
-/// Throws Error for options that cannot be measured, NonFinite if the simulation diverged.
+/// Throws Error for options that cannot be measured, NonFiniteError when a value became non-finite.
 BenchResult measure(const BenchOptions& options);
 
-/// Median of one number or more.
+/// Median of one or more values.
 double median(std::vector<double> values);
 
-/// The simulation gave numbers that are not finite.
-struct NonFinite {
+/// The simulation produced a value that is not finite.
+struct NonFiniteError {
   std::string message;
 };
 

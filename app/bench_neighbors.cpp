@@ -16,25 +16,27 @@ namespace {
 
 constexpr float radius = 1;  // m
 
-/// Points of a moving fluid in a cube, each with `neighbors` others within the radius, except at walls. From
-/// step to step they move by a twentieth of the radius; their memory order is the last step's sorted order.
+/// Points of a stirred fluid: uniform in a cube, with a given mean number of others within the radius, away
+/// from walls. Each step moves every point by at most a twentieth of the radius along each axis. The memory
+/// order is that of the last step's sort.
 class Points {
  public:
   explicit Points(int count) : positions_(static_cast<std::size_t>(count)) {
-    constexpr double neighbors = 30.5;  // in the interior; 29 on average over 100 000 points with the walls
+    // Away from walls; 29 on average of 100 000, including points at the walls.
+    constexpr double neighbors = 30.5;
     const double volume = 4 * pi / 3 * std::pow(double{radius}, 3);
     const double side = std::cbrt(count * volume / neighbors);
     for (Vec4f& p : positions_) p = {uniform(side), uniform(side), uniform(side), 0};
   }
   void move() {
-    constexpr double way = 0.05 * double{radius};
+    constexpr double max_motion = 0.05 * double{radius};
     for (Vec4f& p : positions_) {
-      p.x += uniform(2 * way) - static_cast<float>(way);
-      p.y += uniform(2 * way) - static_cast<float>(way);
-      p.z += uniform(2 * way) - static_cast<float>(way);
+      p.x += uniform(2 * max_motion) - static_cast<float>(max_motion);
+      p.y += uniform(2 * max_motion) - static_cast<float>(max_motion);
+      p.z += uniform(2 * max_motion) - static_cast<float>(max_motion);
     }
   }
-  void lay(std::span<const std::uint32_t> order) {
+  void reorder(std::span<const std::uint32_t> order) {
     next_.clear();
     for (const std::uint32_t i : order) next_.push_back(positions_[i]);
     std::swap(next_, positions_);
@@ -42,7 +44,7 @@ class Points {
   std::span<const Vec4f> positions() const { return positions_; }
 
  private:
-  // Not std::uniform_real_distribution: its results differ between standard libraries.
+  // Own generator: the distributions of the standard library differ between implementations.
   float uniform(double below) {
     return static_cast<float>(below * static_cast<double>(random_()) / 4294967296.0);
   }
@@ -54,8 +56,8 @@ class Points {
 std::uint64_t hash_of(const Neighbors& neighbors) {
   std::uint64_t hash = fnv1a64_start;
   for (const Neighbors::Block& block : neighbors.blocks())
-    for (std::uint32_t place = block.begin; place < block.end; ++place)
-      hash = fnv1a64(std::as_bytes(block.of(place)), hash);
+    for (std::uint32_t slot = block.begin; slot < block.end; ++slot)
+      hash = fnv1a64(std::as_bytes(block.of(slot)), hash);
   return hash;
 }
 
@@ -73,7 +75,7 @@ Json measure_neighbors(const BenchOptions& options) {
     return std::chrono::duration<double, std::milli>(to - from).count();
   };
   for (int step = 0; step < options.warm_up + options.runs; ++step) {
-    points.lay(order.order());
+    points.reorder(order.order());
     points.move();
     const auto start = now();
     order.build(points.positions(), radius, *threads);

@@ -14,7 +14,7 @@ using scene_format::Member;
 
 namespace {
 
-/// Rounds to six digits, the precision of measurements.
+/// Rounds to six digits, the precision of the measurements.
 Json rounded(double value) {
   if (value == 0 || !std::isfinite(value)) return std::isfinite(value) ? Json::of(0.0) : Json();
   const double unit = std::pow(10.0, std::floor(std::log10(std::fabs(value))) - 5);
@@ -23,7 +23,7 @@ Json rounded(double value) {
   return Json::of(shown);
 }
 
-Json named_json(const Named& values) {
+Json named_values_json(const NamedValues& values) {
   Json object = Json::object();
   for (const auto& [name, value] : values) object.set(name, rounded(value));
   return object;
@@ -54,7 +54,7 @@ Json residual_json(const ResidualResult& residual) {
   return object;
 }
 
-/// A number of an object; 0 if there is none.
+/// A number of an object; 0 if the key is missing.
 double number_at(const Json& object, const char* key) {
   const Json* value = object.find(key);
   return value != nullptr && value->is(Json::Kind::number) ? value->number : 0;
@@ -66,7 +66,7 @@ std::string text_at(const Json& object, const char* key) {
   return value->is(Json::Kind::text) ? value->text : dump_line(*value);
 }
 
-/// Ratios of the numbers present in both objects; `inverse`: smaller is faster.
+/// Ratios of the numbers that both objects have; `inverse` for numbers of which less is faster.
 Json ratios(const Json* now, const Json* before, bool inverse) {
   Json result = Json::object();
   if (now == nullptr || before == nullptr) return result;
@@ -77,7 +77,7 @@ Json ratios(const Json* now, const Json* before, bool inverse) {
   return result;
 }
 
-/// "  1.23x", or an empty text if the number has no counterpart.
+/// " 1.23x"; empty if the number has no counterpart.
 std::string ratio_text(const Json* ratios, const std::string& key) {
   const Json* ratio = ratios == nullptr ? nullptr : ratios->find(key);
   if (ratio == nullptr) return "";
@@ -121,7 +121,7 @@ void print_residual(const Json& residual) {
               text_at(residual, "iterations").c_str(), 100 * last);
 }
 
-/// Warns about different settings of two results: their ratio is then not a speed-up of the code.
+/// Lists settings that differ between two results: then their ratio is not a speed-up of the code alone.
 void print_differences(const Json& now, const Json& before) {
   for (const char* key : {"name", "size", "threads", "simd", "substeps", "iterations", "solver", "sweep",
                           "relaxation", "chebyshev", "colors", "form", "mode"}) {
@@ -161,9 +161,9 @@ Json bench_json(const BenchResult& r) {
   object.set("constraints", Json::whole(static_cast<std::int64_t>(r.constraints)));
   object.set("ms_per_step", rounded(r.ms_per_step));
   object.set("ms_fastest", rounded(r.ms_fastest));
-  object.set("ms_per_stage", named_json(r.ms_per_stage));
+  object.set("ms_per_stage", named_values_json(r.ms_per_stage));
   object.set("constraints_per_second", rounded(r.constraints_per_second));
-  object.set("projections_per_second", named_json(r.projections_per_second));
+  object.set("projections_per_second", named_values_json(r.projections_per_second));
   object.set("max_strain", rounded(r.max_strain));
   object.set("hash", Json::of(hash));
   if (!r.diagnostic.empty()) object.set("remark", Json::of(r.diagnostic));
@@ -196,11 +196,9 @@ void print_bench(const Json& now, const Json* before) {
   std::printf("  %-22s %10.3f ms%s\n", "a step", number_at(now, "ms_per_step"),
               ratio_text(&faster, "ms_per_step").c_str());
   print_members(now, "ms_per_stage", faster.find("ms_per_stage"), 1, "ms");
-  std::printf("  %-22s %10.3f million a second\n", "constraints",
-              number_at(now, "constraints_per_second") / 1e6);
+  std::printf("  %-22s %10.3f million/s\n", "constraints", number_at(now, "constraints_per_second") / 1e6);
   std::printf("  projection alone\n");
-  print_members(now, "projections_per_second", faster.find("projections_per_second"), 1e6,
-                "million a second");
+  print_members(now, "projections_per_second", faster.find("projections_per_second"), 1e6, "million/s");
   if (const Json* residual = now.find("residual")) print_residual(*residual);
   std::printf("  largest strain %.3g %%, hash %s\n", 100 * number_at(now, "max_strain"),
               text_at(now, "hash").c_str());

@@ -14,14 +14,14 @@ namespace souple::app {
 
 namespace {
 
-constexpr double side = 2;      // width of a cloth [m]
-constexpr double cell = 0.02;   // cell of tet meshes [m]
-constexpr int small_side = 32;  // vertices of each of many cloths
-constexpr int cube_cells = 5;   // along each side of each of many cubes
-constexpr double push = 0.5;    // initial speed normal to hanging sheets, so that they do not stay flat [m/s]
-constexpr double taper_part = 0.2;  // part of the height over which stretch_cloths reaches its full width
+constexpr double side = 2;          // m, of every cloth
+constexpr double cell = 0.02;       // m, of every tet mesh
+constexpr int small_side = 32;      // vertices along each side of each of many cloths
+constexpr int cube_cells = 5;       // along each side of each of many cubes
+constexpr double push = 0.5;        // m/s, normal to the sheet: hanging cloths do not stay flat
+constexpr double taper_part = 0.2;  // fraction of the height over which stretch_cloths reaches its full width
 
-/// Rigid distances along and across edges.
+/// Rigid along edges and across them, by distance constraints alone.
 ClothMaterial rigid_material() {
   ClothMaterial material;
   material.membrane_stiffness = rigid;
@@ -39,7 +39,7 @@ ClothMaterial bending_material(BendingModel bending) {
 }
 
 /// A cloth whose upper row is pinned.
-ObjectId hang(World& world, int size, const ClothMaterial& material, const Vec3d& where = {}) {
+ObjectId add_hanging_cloth(World& world, int size, const ClothMaterial& material, const Vec3d& where = {}) {
   ObjectOptions options;
   options.transform.translation = where;
   options.velocity = {0, 0, static_cast<float>(push)};
@@ -50,8 +50,8 @@ ObjectId hang(World& world, int size, const ClothMaterial& material, const Vec3d
   return cloth;
 }
 
-/// The second diagonal of each cell (shear springs in other engines): the vertices opposite the mesh's own
-/// diagonal.
+/// Adds the other diagonal of every cell: vertices that lie across the mesh's own diagonal. Other engines
+/// call this a shear constraint.
 void add_second_diagonals(World& world, ObjectId cloth, int size) {
   const auto n = static_cast<std::uint32_t>(size);
   std::vector<std::pair<VertexRef, VertexRef>> pairs;
@@ -63,10 +63,10 @@ void add_second_diagonals(World& world, ObjectId cloth, int size) {
 }
 
 void build_cloth(World& world, int size) {
-  hang(world, size, rigid_material());
+  add_hanging_cloth(world, size, rigid_material());
 }
 
-// The sheet falls on its edge and folds over itself; the measurement begins when it lies in a heap.
+// The sheet falls on its edge and folds over itself; measurement starts when it lies in a heap.
 void build_heap(World& world, int size) {
   ClothMaterial material;
   material.thickness = 0.35f * static_cast<float>(side) / static_cast<float>(size);
@@ -80,27 +80,29 @@ void build_heap(World& world, int size) {
 }
 
 void build_dihedral(World& world, int size) {
-  add_second_diagonals(world, hang(world, size, bending_material(BendingModel::dihedral)), size);
+  add_second_diagonals(world, add_hanging_cloth(world, size, bending_material(BendingModel::dihedral)), size);
 }
 
 void build_isometric(World& world, int size) {
-  add_second_diagonals(world, hang(world, size, bending_material(BendingModel::isometric)), size);
+  add_second_diagonals(world, add_hanging_cloth(world, size, bending_material(BendingModel::isometric)),
+                       size);
 }
 
 void build_membrane(World& world, int size) {
   ClothMaterial material;
   material.stretch = StretchModel::membrane;
-  hang(world, size, material);
+  add_hanging_cloth(world, size, material);
 }
 
 /// Position of the i-th of `count` objects in rows and columns, `spacing` apart.
-Vec3d place_of(int i, int count, double spacing) {
+Vec3d row_position(int i, int count, double spacing) {
   const int columns = static_cast<int>(std::ceil(std::sqrt(count))), row = i / columns;
   return {spacing * (i % columns), 0, spacing * row};
 }
 
 void build_cloths(World& world, int count) {
-  for (int i = 0; i < count; ++i) hang(world, small_side, rigid_material(), place_of(i, count, 1.5 * side));
+  for (int i = 0; i < count; ++i)
+    add_hanging_cloth(world, small_side, rigid_material(), row_position(i, count, 1.5 * side));
 }
 
 SoftBodyMaterial rubbery() {
@@ -109,7 +111,7 @@ SoftBodyMaterial rubbery() {
   return material;
 }
 
-/// A bar of square section, five times as long as thick, fixed at one end.
+/// A bar of square cross-section, five times as long as thick, pinned at one end.
 void build_tets(World& world, int count) {
   const double cells = count / 5.0;
   const int thick = std::max(1, static_cast<int>(std::lround(std::cbrt(cells / 5))));
@@ -120,13 +122,13 @@ void build_tets(World& world, int count) {
   world.pin(bar, in_box({end - 1e-3f, -1e3f, -1e3f}, {end + 1e-3f, 1e3f, 1e3f}));
 }
 
-/// Cubes that hang from their upper sides.
+/// Cubes pinned at their upper sides.
 void build_cubes(World& world, int count) {
   constexpr double width = cube_cells * cell;
   const TetMesh mesh = tet_bar(cube_cells, cube_cells, cube_cells, {width, width, width});
   for (int i = 0; i < count; ++i) {
     ObjectOptions options;
-    options.transform.translation = place_of(i, count, 2 * width);
+    options.transform.translation = row_position(i, count, 2 * width);
     const ObjectId cube = world.add_soft_body(mesh, rubbery(), options);
     constexpr float top = static_cast<float>(width / 2);
     world.pin(cube, in_box({-1e4f, top - 1e-3f, -1e4f}, {1e4f, top + 1e-3f, 1e4f}));
@@ -138,18 +140,18 @@ constexpr std::array scenes{
                200, 2, 4000, build_cloth},
     BenchScene{"cloth-dihedral", "a cloth with rigid edges and both diagonals, dihedral bending",
                "vertices along a side", 200, 2, 4000, build_dihedral},
-    BenchScene{"cloth-isometric", "the same with isometric bending", "vertices along a side", 200, 2, 4000,
-               build_isometric},
+    BenchScene{"cloth-isometric", "a cloth with rigid edges and both diagonals, isometric bending",
+               "vertices along a side", 200, 2, 4000, build_isometric},
     BenchScene{"cloth-membrane", "a cloth of membrane triangles with isometric bending",
                "vertices along a side", 200, 2, 4000, build_membrane},
-    BenchScene{"tets", "a neo-Hookean bar held at one end", "tets, about", 43200, 5, 20000000, build_tets},
+    BenchScene{"tets", "a neo-Hookean bar pinned at one end", "tets, about", 43200, 5, 20000000, build_tets},
     BenchScene{"cloths", "many rigid cloths of 32 x 32 vertices", "cloths", 1000, 1, 10000, build_cloths},
     BenchScene{"cubes", "many neo-Hookean cubes of 5 x 5 x 5 cells", "cubes", 400, 1, 20000, build_cubes},
-    BenchScene{"heap", "a cloth of 2 m that fell on its edge, in folds", "vertices along a side", 60, 4, 1000,
-               build_heap},
+    BenchScene{"heap", "a cloth of 2 m that fell on its edge and lies in folds", "vertices along a side", 60,
+               4, 1000, build_heap},
 };
 
-/// One cloth of `size` rows and columns.
+/// Stretches one cloth of `size` rows and columns.
 void stretch(World& world, ObjectId cloth, double strain) {
   const auto now = world.positions(cloth);
   std::vector<Vec3f> x(now.begin(), now.end());
@@ -174,7 +176,7 @@ std::span<const BenchScene> bench_scenes() {
 const BenchScene& find_bench_scene(const std::string& name) {
   for (const BenchScene& scene : scenes)
     if (scene.name == name) return scene;
-  throw Error("there is no scene to measure called \"" + name + "\"");
+  throw Error("unknown scene \"" + name + "\"");
 }
 
 TriangleMesh hanging_grid(int size) {

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-// The scenes of `souple bench`: a table of scenes that are built by name and size.
+// The scenes of `souple bench`: one row of a table each, built from a name and a size.
 
 namespace souple::app {
 
@@ -14,23 +14,23 @@ struct BenchScene {
   const char* description;  ///< one line
   const char* size_means;   ///< meaning of --size
   int default_size;
-  int least, most;  ///< useful sizes
+  int min_size, max_size;  ///< range of --size
   /// Fills an empty world.
   void (*build)(World& world, int size);
 };
 
-/// All scenes, in the order of the list on screen.
+/// All scenes, in listing order.
 std::span<const BenchScene> bench_scenes();
 
-/// Throws Error with the nearest name.
+/// Finds a scene by name. Throws Error that suggests the nearest name.
 const BenchScene& find_bench_scene(const std::string& name);
 
-/// The mesh of the scene `cloth`: an upright sheet with row 0 (vertices 0 to size - 1) as its upper rim.
+/// The sheet of the scene `cloth`. It is vertical; row 0 (vertices 0 to size - 1) is its upper edge.
 TriangleMesh hanging_grid(int size);
 
 /// Stretches every cloth of a world in both directions about the middle of its upper row, which stays fixed.
-/// The stretch along that row begins at zero there, so that the rest shape solves all constraints. `strain`
-/// 0.1: 10 %.
+/// Near that row the stretch across starts at zero, so that the rest shape satisfies all constraints.
+/// `strain` 0.1 means 10 %.
 void stretch_cloths(World& world, double strain);
 
 }  // namespace souple::app

@@ -17,9 +17,9 @@ using scene_format::Json;
 namespace {
 
 constexpr int segment_count = 64;
-constexpr double shortest_try = 0.01;  // minimum duration of a run [s]
+constexpr double shortest_try = 0.01;  // s
 
-/// Uniform in [lo, hi), equal on every machine.
+/// Uniform in [lo, hi), with equal numbers on every machine.
 class Uniform {
  public:
   float operator()(float lo, float hi) {
@@ -57,7 +57,7 @@ double rate_of(SegmentTest test, const SegmentStack& stack, InstructionSet set, 
   return static_cast<double>(stack.columns().count * stack.segments.size()) * repeats / least;
 }
 
-/// A ball far from the origin, so that its corners are not round numbers, in columns.
+/// A ball far from the origin, so that its corners are not round numbers, as triangle columns.
 struct Ball {
   std::vector<Vec3f> corners;
   std::vector<Triangle> triangles;
@@ -84,15 +84,15 @@ void count_leaks(SegmentTest test, SegmentRate& rate) {
   const Ball ball;
   Crossings found(ball.triangles.size());
   const Vec3f middle{21.1f, -18.2f, 26.7f};
-  const auto gets_out = [&](const Vec3f& target) {
+  const auto escapes = [&](const Vec3f& target) {
     find_crossings(test, {middle, target - middle, 10}, ball.columns(), found.columns());
     return std::all_of(found.side.begin(), found.side.end(), [](float side) { return side == 0; });
   };
-  for (const Vec3f& corner : ball.corners) rate.corner_leaks += gets_out(corner);
+  for (const Vec3f& corner : ball.corners) rate.corner_leaks += escapes(corner);
   for (const Triangle& t : ball.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      if (a < b) rate.edge_leaks += gets_out((ball.corners[a] + ball.corners[b]) * 0.5f);  // each edge once
+      if (a < b) rate.edge_leaks += escapes((ball.corners[a] + ball.corners[b]) * 0.5f);  // each edge once
     }
 }
 
@@ -159,7 +159,7 @@ Json segments_json(int size, const std::vector<SegmentRate>& rates) {
 
 void print_segments(const Json& result) {
   const std::string& chosen = result.find("default")->text;
-  std::printf("segments: million tests of a segment and a triangle a second, one thread, of %.0f triangles\n",
+  std::printf("segments: million segment-triangle tests per second, one thread, %.0f triangles\n",
               result.find("size")->number);
   std::printf("  %-20s %10s %10s %10s %10s\n", "", "scalar", result.find("simd")->text.c_str(), "corners",
               "edges");
@@ -169,7 +169,7 @@ void print_segments(const Json& result) {
                 number("scalar_per_second") / 1e6, number("packed_per_second") / 1e6, number("corner_leaks"),
                 number("edge_leaks"), test.key == chosen ? "  the default" : "");
   }
-  std::printf("  corners, edges: rays that get out of a closed mesh, of %d and %d aimed at them\n",
+  std::printf("  corners, edges: rays that leave a closed mesh without a hit, of %d and %d aimed at them\n",
               corner_rays, edge_rays);
 }
 

@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-// `souple bench segments`: one segment against many triangles, with each test.
+// `souple bench segments`: one segment against many triangles, with each of the segment tests.
 
 namespace souple::app {
 
 inline constexpr const char* segments_name = "segments";
 inline constexpr int default_segments_size = 512;  // fits into the first-level cache
 
-/// Triangles in a row, and segments that pass through all of their boxes but none of the triangles: a
-/// hierarchy of boxes must test every triangle too. A triangle is half of a square.
+/// Triangles one behind the other, and segments that pass through the bounding boxes of all triangles but hit
+/// none. Even a bounding volume hierarchy has to test every triangle. Each triangle is half of a square.
 struct SegmentStack {
   std::vector<float> corner[3][3];
   std::vector<Segment<float>> segments;
@@ -29,13 +29,13 @@ struct SegmentRate {
   int corner_leaks = 0, edge_leaks = 0;  ///< rays that leave a closed mesh without a hit
 };
 
-/// Rays from inside a ball to each of its corners, and to the middle of each of its edges.
+/// Rays from inside a ball: to each of its corners, and to the midpoint of each of its edges.
 inline constexpr int corner_rays = 642, edge_rays = 1920;
 
-/// The fastest of `runs` runs of each test.
+/// Rates of the fastest of `runs` tries of each test.
 std::vector<SegmentRate> measure_segments(const SegmentStack& stack, int runs);
 
-/// The common entries of all results of `souple bench`, and the rates.
+/// The entries common to all results of `souple bench`, and the rates.
 scene_format::Json segments_json(int size, const std::vector<SegmentRate>& rates);
 void print_segments(const scene_format::Json& result);
 

@@ -11,32 +11,32 @@ namespace souple::app {
 namespace {
 
 constexpr double edge = 0.02;          // m
-constexpr int largest_side = 50;       // maximum number of vertices along a side
-constexpr double fold = 0.25;          // distance of folds [m]
+constexpr int largest_side = 50;       // vertices along a side of a sheet
+constexpr double fold = 0.25;          // m, between folds
 constexpr double layers_apart = 0.02;  // m
-constexpr double ripple = 0.03;        // height [m]
+constexpr double ripple = 0.03;        // m, amplitude
 constexpr double ripple_speed = 2;     // rad/s
-constexpr double drift = 0.05;         // amplitude of a sheet's motion about its center [m]
-constexpr double packing = 0.85;       // distance of sheets, in widths of a sheet
+constexpr double drift = 0.05;         // m, amplitude of a sheet's motion about its center
+constexpr double packing = 0.85;       // distance of sheet centers over a sheet's width
 
 int side_of(int triangles) {
   const int side = static_cast<int>(std::lround(std::sqrt(triangles / 2.0))) + 1;
   return std::clamp(side, 2, largest_side);
 }
 
-/// A pseudo-random number in [-1, 1) for a sheet.
-double own_number(std::size_t sheet, unsigned which) {
-  std::uint32_t hash = static_cast<std::uint32_t>(sheet) * 2654435769u + which * 0x9e3779b9u;
+/// Hash of sheet and `seed`, as a number in [-1, 1).
+double sheet_random(std::size_t sheet, unsigned seed) {
+  std::uint32_t hash = static_cast<std::uint32_t>(sheet) * 2654435769u + seed * 0x9e3779b9u;
   hash = (hash ^ hash >> 15) * 0x2c1b3c6du;
   hash = (hash ^ hash >> 12) * 0x297a2d39u;
   return double(hash ^ hash >> 15) / 2147483648.0 - 1;
 }
 
-Vec3d own_vector(std::size_t sheet, unsigned which) {
-  return {own_number(sheet, which), own_number(sheet, which + 1), own_number(sheet, which + 2)};
+Vec3d sheet_random_vector(std::size_t sheet, unsigned seed) {
+  return {sheet_random(sheet, seed), sheet_random(sheet, seed + 1), sheet_random(sheet, seed + 2)};
 }
 
-/// A sheet folded back and forth along x in stacked layers.
+/// A sheet folded back and forth along x, its layers one above the other.
 Vec3d folded(const Vec3d& flat) {
   const double along = flat.x / fold, layer = std::floor(along), part = along - layer;
   const bool back = std::fmod(layer, 2.0) != 0;
@@ -67,17 +67,17 @@ Sheets::Sheets(int triangles) {
 }
 
 Vec3d Sheets::position(std::size_t sheet, const Vec3d& flat, double time) const {
-  const Vec3d phase = own_vector(sheet, 0) * pi;
+  const Vec3d phase = sheet_random_vector(sheet, 0) * pi;
   Vec3d x = folded(flat);
   x.y += ripple * std::sin(11 * x.x + 7 * x.z + phase.x + ripple_speed * time) +
          0.3 * ripple * std::sin(23 * x.z - 17 * x.x + phase.y - 1.7 * ripple_speed * time);
-  x = turned(x, normalized(own_vector(sheet, 3)), phase.z + 0.7 * time);
+  x = turned(x, normalized(sheet_random_vector(sheet, 3)), phase.z + 0.7 * time);
   const auto columns = static_cast<std::size_t>(std::ceil(std::cbrt(double(sheets()))));
   const double width = packing * (flat_.back().z - flat_.front().z);
   const std::size_t column = sheet % columns, row = sheet / columns % columns,
                     floor = sheet / columns / columns;
-  const Vec3d place = Vec3d{double(column), double(row), double(floor)} * (0.5 * width);
-  return x + place + own_vector(sheet, 6) * (drift * std::sin(3 * time + phase.y));
+  const Vec3d center = Vec3d{double(column), double(row), double(floor)} * (0.5 * width);
+  return x + center + sheet_random_vector(sheet, 6) * (drift * std::sin(3 * time + phase.y));
 }
 
 void Sheets::move_to(int step) {

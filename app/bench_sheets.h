@@ -4,27 +4,27 @@
 
 #include <vector>
 
-// The scene of `souple bench triangles`, for that benchmark and for the peers' benchmarks.
+// The scene of `souple bench triangles`, also used by the comparison with other engines.
 
 namespace souple::app {
 
-/// Crumpled sheets in motion: rippled, folded in layers that nearly touch, packed as close as their size
-/// allows, each with its own rotation and translation. Edges are 2 cm long, thickness is 4 mm.
+/// Crumpled sheets in motion: folded in layers that nearly touch, rippled, and packed as densely as their
+/// size allows. Each sheet rotates and moves independently. Edges are 2 cm long, thickness is 4 mm.
 class Sheets {
  public:
   static constexpr double thickness = 0.004;  ///< m
-  static constexpr double dt = 1.0 / 60;      ///< step [s]
+  static constexpr double dt = 1.0 / 60;      ///< s, per step
 
-  /// Approximately this number of triangles, in sheets of at most 4802.
+  /// About this many triangles, in sheets of at most 4802.
   explicit Sheets(int triangles);
 
-  /// Moves the sheets to their positions after `step` steps and computes their boxes, swept over the next
-  /// step and thickened.
+  /// Sets positions after `step` steps, and the bounding boxes: swept over the next step and grown by the
+  /// thickness.
   void move_to(int step);
 
   const SurfaceElements& elements() const { return elements_; }
   std::span<const Bounds> boxes() const { return boxes_; }
-  /// w = inverse mass.
+  /// Per particle: position, w = inverse mass.
   std::span<const Vec4f> positions() const { return positions_; }
   /// All sheets collide with each other and with themselves.
   const ObjectMatrix& matrix() const { return matrix_; }
@@ -32,13 +32,13 @@ class Sheets {
   /// Vertices of each sheet: sheet s has particles [s n, (s + 1) n).
   std::size_t vertices_of_sheet() const { return flat_.size(); }
   const std::vector<Triangle>& triangles_of_sheet() const { return triangles_; }
-  /// Each particle's motion within the step. [m]
+  /// Per particle: motion within the step. [m]
   std::span<const Vec3f> motion() const { return motion_; }
 
  private:
   Vec3d position(std::size_t sheet, const Vec3d& flat, double time) const;
 
-  std::vector<Vec3d> flat_;  // per vertex of a sheet: position before folding
+  std::vector<Vec3d> flat_;  // per vertex of a sheet
   std::vector<Triangle> triangles_;
   SurfaceElements elements_;
   ObjectMatrix matrix_;

@@ -20,14 +20,14 @@ using scene_format::Member;
 namespace {
 
 constexpr std::array benches{
-    StageBench{"triangles", "near pairs of crumpled sheets in motion, by spatial hash", "triangles, about",
-               500000, 2, 20000000, measure_triangles},
-    StageBench{"dam-break", "a block of water falls apart in a tank: steps of 2 ms, 5 iterations",
-               "particles", 97336, 1000, 4000000, measure_dam_break},
+    StageBench{"triangles", "near pairs of crumpled sheets in motion, by spatial hash",
+               "approximate number of triangles", 500000, 2, 20000000, measure_triangles},
+    StageBench{"dam-break", "a block of water collapses in a tank: steps of 2 ms, 5 iterations", "particles",
+               97336, 1000, 4000000, measure_dam_break},
     StageBench{"neighbors", "neighbor lists of random points in motion, 29 each", "points", 100000, 100,
                20000000, measure_neighbors},
     StageBench{"surface", "the surface of a broken dam as a mesh, cells of a particle's radius",
-               "particles, about", 98000, 100, 5000000, measure_surface},
+               "approximate number of particles", 98000, 100, 5000000, measure_surface},
 };
 
 void print_member(const Member& member, int indent) {
@@ -57,10 +57,10 @@ const StageBench* find_stage_bench(const std::string& name) {
 
 Json measure_stage(const StageBench& bench, BenchOptions options) {
   if (options.size == 0) options.size = bench.default_size;
-  if (options.size < bench.least || options.size > bench.most)
-    throw Error(fmt::format("--size {}: {} takes {} to {} {}", options.size, bench.name, bench.least,
-                            bench.most, bench.size_means));
-  if (options.residual) throw Error(std::string("--residual: ") + bench.name + " solves nothing");
+  if (options.size < bench.min_size || options.size > bench.max_size)
+    throw Error(fmt::format("--size {}: {} takes {} to {} {}", options.size, bench.name, bench.min_size,
+                            bench.max_size, bench.size_means));
+  if (options.residual) throw Error(std::string("--residual: ") + bench.name + " uses no solver");
   Json result = Json::object();
   result.set("name", Json::of(bench.name));
   result.set("size", Json::whole(options.size));

@@ -16,7 +16,7 @@ namespace {
 
 constexpr float spacing = 0.02f;  // m
 
-/// Not a standard distribution: its results differ between libraries.
+/// Own generator: the distributions of the standard library differ between implementations.
 class Uniform {
  public:
   double operator()(double lo, double hi) {
@@ -27,11 +27,11 @@ class Uniform {
   std::mt19937 random_{1};
 };
 
-/// A water column some time after its dam broke (Ritter 1892), in units of its height:
+/// A column of water some time after the dam before it broke (Ritter 1892), in units of its height:
 ///
 ///   h(x) = (2 - x)^2 / 9,   -1 <= x <= 2;   h = 1 behind, from -1.5 on
 ///
-/// as wide as the column was high. One particle in a hundred is spray above it.
+/// as wide as it was high. One particle in a hundred is spray above it.
 std::vector<Vec3f> broken_dam(int count) {
   const double volume = 1.5, height = std::cbrt(0.99 * count / volume);  // spacings
   const auto depth = [&](double x) {

@@ -56,7 +56,7 @@ Json measure_triangles(const BenchOptions& options) {
   Json found = Json::object(), result = Json::object();
   found.set("vertex_triangle", count(pairs.vertex_triangle.size()));
   found.set("edge_edge", count(pairs.edge_edge.size()));
-  // A query: all triangles near one vertex, or all edges near one edge.
+  // A query finds all triangles near one vertex, or all edges near one edge.
   const auto queries = static_cast<double>(elements.vertices().size() + elements.edges().size());
   result.set("triangles", count(elements.triangles().size()));
   result.set("vertices", count(elements.vertices().size()));

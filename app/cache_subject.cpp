@@ -17,16 +17,16 @@ std::optional<SceneDescription> embedded_scene(const RunManifest& manifest,
   return parse_recorded_scene(manifest.scene, path.string() + ": embedded scene");
 }
 
-/// Whether the object's mesh, if it has one, is still readable.
+/// Whether the collider's mesh file, if it has one, can still be read.
 bool can_be_shown(const ColliderDescription& collider) {
   const auto* field = std::get_if<SignedDistanceFieldDescription>(&collider.shape);
   const auto* mesh = field ? std::get_if<FileMesh>(&field->mesh.source) : nullptr;
   return !mesh || std::filesystem::exists(mesh->file);
 }
 
-/// A world with only the scene's colliders, for drawing. A field is drawn as its mesh, so the coarsest
-/// suffices.
-World stage_of(const std::optional<SceneDescription>& scene) {
+/// A world with the scene's colliders alone, to draw. A distance field is drawn as its mesh, so the coarsest
+/// field suffices.
+World collider_world(const std::optional<SceneDescription>& scene) {
   SceneDescription colliders;
   if (scene) {
     colliders.source = scene->source;
@@ -60,7 +60,9 @@ struct Radius {
 }  // namespace
 
 CacheSubject::CacheSubject(const std::filesystem::path& path)
-    : playback_(path), scene_(embedded_scene(playback_.manifest(), path)), stage_(stage_of(scene_)) {
+    : playback_(path),
+      scene_(embedded_scene(playback_.manifest(), path)),
+      collider_world_(collider_world(scene_)) {
   velocities_.resize(playback_.objects().size());
 }
 
@@ -76,10 +78,10 @@ const render::Subject& CacheSubject::read(std::uint64_t frame, bool velocities) 
   describe_bodies();
   const double time = playback_.time(frame);
   subject_.colliders.clear();
-  for (const ColliderId collider : stage_.colliders()) {
-    const ColliderOptions& options = stage_.collider_options(collider);
+  for (const ColliderId collider : collider_world_.colliders()) {
+    const ColliderOptions& options = collider_world_.collider_options(collider);
     subject_.colliders.push_back(
-        {collider.value, options.name, &stage_.shape(collider), options.motion.at(time), {}});
+        {collider.value, options.name, &collider_world_.shape(collider), options.motion.at(time), {}});
   }
   if (scene_) add_colors(*scene_, subject_);
   return subject_;
@@ -91,7 +93,7 @@ void CacheSubject::find_velocities(std::uint64_t frame) {
   const auto rate = static_cast<float>(1 / (playback_.time(frame) - playback_.time(frame - 1)));
   for (std::size_t i = 0; i < velocities_.size(); ++i) {
     const std::vector<Vec3f>& now = playback_.objects()[i].positions;
-    if (now.size() != velocities_[i].size()) {  // the object appeared between the two frames
+    if (now.size() != velocities_[i].size()) {  // the object appeared or vanished between the frames
       velocities_[i].clear();
       continue;
     }
@@ -106,7 +108,7 @@ void CacheSubject::describe_bodies() {
     shape.push_back(object.positions.size());
     shape.push_back(object.triangles.size());
   }
-  if (shape != shape_) ++subject_.topology;  // an object appeared, disappeared or was cut
+  if (shape != shape_) ++subject_.topology;  // an object appeared, vanished or changed its mesh
   shape_ = std::move(shape);
   subject_.bodies.clear();
   for (std::size_t i = 0; i < playback_.objects().size(); ++i) {

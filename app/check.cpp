@@ -30,9 +30,9 @@ void print_object(const World& world, ObjectId object) {
 
 int check(const std::string& scene_name, const std::vector<std::string>& settings) {
   const SceneDescription scene = load_scene(find_scene(scene_name), settings);
-  std::vector<std::string> remarks;
-  const World world =
-      build_world(scene, [&](LogLevel, std::string_view remark) { remarks.emplace_back(remark); });
+  std::vector<std::string> diagnostics;
+  const World world = build_world(
+      scene, [&](LogLevel, std::string_view diagnostic) { diagnostics.emplace_back(diagnostic); });
 
   std::printf("%s\n", scene.source.c_str());
   if (!scene.description.empty()) std::printf("%s\n", scene.description.c_str());
@@ -47,10 +47,10 @@ int check(const std::string& scene_name, const std::vector<std::string>& setting
     std::printf("  %s: %s%s\n", collider.name.c_str(), std::string(shape_name(collider.shape)).c_str(),
                 collider.keyframes.empty() ? "" : ", moving");
   }
-  if (!remarks.empty()) std::printf("remarks:\n");
-  for (const std::string& remark : remarks) std::printf("  %s\n", remark.c_str());
-  std::printf("the scene is fine\n");
-  return fine;
+  if (!diagnostics.empty()) std::printf("diagnostics:\n");
+  for (const std::string& diagnostic : diagnostics) std::printf("  %s\n", diagnostic.c_str());
+  std::printf("the scene is valid\n");
+  return success;
 }
 
 }  // namespace souple::app

@@ -11,21 +11,21 @@
 namespace souple::app {
 
 struct RunOptions {
-  std::string scene;  ///< a file or a shipped scene's name; empty with `resume`
+  std::string scene;  ///< a file or the name of a shipped scene; empty with `resume`
   std::optional<std::uint32_t> frames, substeps, iterations;
-  std::optional<int> threads;         ///< empty: as Settings::threads = 0
+  std::optional<int> threads;         ///< empty: Settings::threads = 0
   std::filesystem::path out;          ///< empty: out/NAME
   std::vector<std::string> formats;   ///< empty: pc2
   std::vector<std::string> settings;  ///< path=value
   std::filesystem::path resume;
   std::optional<std::uint32_t> checkpoint_every;
-  std::filesystem::path picture;  ///< picture of the last frame; empty: none
-  std::string surface;            ///< method of meshing fluids during the run; empty: none
+  std::filesystem::path picture;  ///< file for a picture of the last frame; empty: none
+  std::string surface;            ///< method with which fluids are meshed during the run; empty: no meshes
   bool quiet = false;
 };
 int run(const RunOptions& options);
 
-/// The words of the command line, as they were written; empty: the default.
+/// Arguments of `souple render` as written; empty: the default.
 struct RenderRequest {
   std::string source;  ///< a scene, a run's folder, or its run.json
   std::filesystem::path out;
@@ -36,7 +36,7 @@ struct RenderRequest {
   bool quiet = false;
 };
 int render_frames(const RenderRequest& request);
-/// Two lines for `souple info`: whether pictures and films can be made, and missing packages.
+/// Two lines for `souple info`: whether pictures and films can be made, and what is missing.
 std::string picture_support();
 
 struct ViewRequest {
@@ -46,25 +46,25 @@ struct ViewRequest {
   bool paused = false, debug = false;
 };
 int view(const ViewRequest& request);
-/// Whether the program was built with the viewer.
+/// Whether the viewer was built in.
 bool has_viewer();
 
-/// The words of the command line; empty: the default.
+/// Arguments of `souple surface`; empty: the default.
 struct SurfaceRequest {
   std::filesystem::path cache;  ///< a run's folder, or its run.json
-  std::filesystem::path out;    ///< empty: NAME_surface beside the cache
+  std::filesystem::path out;    ///< empty: NAME_surface, beside the cache
   std::string method = "anisotropic", format = "obj", particles = "none";
-  std::vector<std::string> objects;        ///< empty: all fluids, else all grains
+  std::vector<std::string> objects;        ///< empty: all fluids, or all grains if there is no fluid
   std::optional<float> spacing, cell;      ///< m
   std::optional<std::uint32_t> smoothing;  ///< passes
-  std::optional<int> threads;              ///< empty: as Settings::threads = 0
+  std::optional<int> threads;              ///< empty: Settings::threads = 0
   bool quiet = false;
 };
 int surface(const SurfaceRequest& request);
 
-/// The words of the command line; empty: the default.
+/// Arguments of `souple bench`; empty: the default.
 struct BenchRequest {
-  std::string name;  ///< empty: list them
+  std::string name;  ///< empty: list the benchmarks
   std::optional<std::uint32_t> size, threads, substeps, iterations, warm_up, runs, colors;
   std::string solver, sweep, form, mode, threading;
   std::optional<float> relaxation, chebyshev;
@@ -80,7 +80,7 @@ int check(const std::string& scene, const std::vector<std::string>& settings);
 
 enum class InfoPart { all, schema, scene_format };
 int info(InfoPart part);
-/// Prints the memory of a running scene by parts.
+/// Prints the memory of a running scene, part by part.
 int memory(const std::string& scene, const std::vector<std::string>& settings);
 
 }  // namespace souple::app

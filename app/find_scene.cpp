@@ -71,9 +71,9 @@ fs::path find_scene(const std::string& scene) {
     names.push_back(shipped.name);
   }
   const bool looks_like_file = scene.find('/') != std::string::npos || fs::path(scene).extension() == ".json";
-  if (looks_like_file) throw Error(scene + ": there is no such file");
-  throw Error(scene + ": there is no such file, and no scene of that name" +
-              scene_format::suggestion(scene, names) + " (`souple list` shows all)");
+  if (looks_like_file) throw Error(scene + ": no such file");
+  throw Error(scene + ": no such file, and no scene of that name" + scene_format::suggestion(scene, names) +
+              " (`souple list` lists all scenes)");
 }
 
 }  // namespace souple::app

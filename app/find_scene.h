@@ -6,19 +6,19 @@
 
 namespace souple::app {
 
-/// Folders of shipped scenes, in search order: those of the environment variable SOUPLE_SCENES (separated by
-/// colons), ../share/souple/scenes relative to the program, the program's source tree. Each folder once,
-/// existing or not.
+/// Folders that are searched for shipped scenes, first to last: those of the environment variable
+/// SOUPLE_SCENES (separated by colons), ../share/souple/scenes relative to the program, and the source tree
+/// it was built from. Each is listed once, whether it exists or not.
 std::vector<std::filesystem::path> scene_folders();
 
 struct ShippedScene {
-  std::string name;  ///< the file without .json
+  std::string name;  ///< file name without .json
   std::filesystem::path file;
 };
-/// All scenes of these folders by name; of scenes with equal names, the first.
+/// All scenes of these folders by name; of two with the same name, the first found.
 std::vector<ShippedScene> shipped_scenes();
 
-/// The file of `scene`: a file, or the name of a shipped scene. Throws Error with the nearest name.
+/// `scene` is a file or the name of a shipped scene. Throws Error that suggests the nearest name.
 std::filesystem::path find_scene(const std::string& scene);
 
 }  // namespace souple::app

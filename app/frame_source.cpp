@@ -26,17 +26,17 @@ class SceneFrames : public FrameSource {
   const CameraDescription* camera() const override { return &scene_.camera; }
   bool has_world() const override { return true; }
 
-  Arrival go_to(std::uint64_t frame, const GoOn& go_on) override {
+  AdvanceResult advance_to(std::uint64_t frame, const ShouldContinue& should_continue) override {
     while (frame_ < frame) {
-      if (frame_ > 0 && !go_on(frame_)) return Arrival::stopped;
+      if (frame_ > 0 && !should_continue(frame_)) return AdvanceResult::stopped;
       const StepReport& report = world_.step(1 / scene_.frame_rate);
       if (!report.ok()) {
-        trouble_ = non_finite_text(scene_.source, report, frame_ + 1);
-        return Arrival::non_finite;
+        failure_ = non_finite_text(scene_.source, report, frame_ + 1);
+        return AdvanceResult::non_finite;
       }
       ++frame_;
     }
-    return Arrival::there;
+    return AdvanceResult::reached;
   }
   std::uint64_t frame() const override { return frame_; }
   double time() const override { return static_cast<double>(frame_) / scene_.frame_rate; }
@@ -45,10 +45,10 @@ class SceneFrames : public FrameSource {
     add_colors(scene_, subject_);
     return subject_;
   }
-  std::string trouble() const override { return trouble_; }
+  std::string failure() const override { return failure_; }
 
  private:
-  std::string name_, trouble_;
+  std::string name_, failure_;
   SceneDescription scene_;
   World world_;
   std::uint64_t frame_ = 0;
@@ -72,11 +72,11 @@ class CacheFrames : public FrameSource {
   }
   bool has_world() const override { return false; }
 
-  Arrival go_to(std::uint64_t frame, const GoOn& go_on) override {
-    if (frame_ > 0 && !go_on(frame_)) return Arrival::stopped;
+  AdvanceResult advance_to(std::uint64_t frame, const ShouldContinue& should_continue) override {
+    if (frame_ > 0 && !should_continue(frame_)) return AdvanceResult::stopped;
     subject_ = &cache_.read(frame, velocities_);
     frame_ = frame;
-    return Arrival::there;
+    return AdvanceResult::reached;
   }
   std::uint64_t frame() const override { return frame_; }
   double time() const override { return frame_ > 0 ? cache_.playback().time(frame_) : 0; }
@@ -90,7 +90,7 @@ class CacheFrames : public FrameSource {
   const render::Subject* subject_ = nullptr;
 };
 
-/// The folder (or run.json) if it belongs to a run, else nullopt.
+/// Whether `path` is a run's folder or its run.json.
 bool is_run(const fs::path& path) {
   std::error_code error;
   if (path.filename() == "run.json") return fs::exists(path, error);
@@ -99,22 +99,22 @@ bool is_run(const fs::path& path) {
 
 }  // namespace
 
-std::unique_ptr<FrameSource> open_source(const SourceWish& wish) {
-  if (is_run(wish.what)) {
-    if (!wish.settings.empty()) {
-      throw Error("--set is for scenes: " + wish.what +
-                  " is a run that is over; render the scene, or run it again with other settings");
+std::unique_ptr<FrameSource> open_source(const SourceRequest& request) {
+  if (is_run(request.path)) {
+    if (!request.settings.empty()) {
+      throw Error("--set is for scenes: " + request.path +
+                  " is a finished run; render the scene, or run it again with other settings");
     }
-    return std::make_unique<CacheFrames>(wish.what, wish.velocities);
+    return std::make_unique<CacheFrames>(request.path, request.velocities);
   }
   std::error_code error;
-  if (fs::is_directory(wish.what, error)) {
+  if (fs::is_directory(request.path, error)) {
     for (const ShippedScene& scene : shipped_scenes()) {
-      if (scene.name == wish.what) return std::make_unique<SceneFrames>(scene.file, wish.settings);
+      if (scene.name == request.path) return std::make_unique<SceneFrames>(scene.file, request.settings);
     }
-    throw Error(wish.what + ": the folder has no run.json; expected the folder of a run, or a scene");
+    throw Error(request.path + ": the folder has no run.json; expected the folder of a run, or a scene");
   }
-  return std::make_unique<SceneFrames>(find_scene(wish.what), wish.settings);
+  return std::make_unique<SceneFrames>(find_scene(request.path), request.settings);
 }
 
 }  // namespace souple::app

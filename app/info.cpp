@@ -25,11 +25,11 @@ const char* compiler() {
 }
 
 void print_folders() {
-  std::printf("scenes are looked for in:\n");
+  std::printf("folders of scenes:\n");
   for (const std::filesystem::path& folder : scene_folders()) {
     std::error_code error;
-    const bool there = std::filesystem::is_directory(folder, error);
-    std::printf("  %s%s\n", folder.string().c_str(), there ? "" : " (not there)");
+    const bool exists = std::filesystem::is_directory(folder, error);
+    std::printf("  %s%s\n", folder.string().c_str(), exists ? "" : " (missing)");
   }
 }
 
@@ -38,13 +38,13 @@ void print_folders() {
 int info(InfoPart part) {
   if (part == InfoPart::schema) {
     std::fputs(scene_schema().c_str(), stdout);
-    return fine;
+    return success;
   }
   if (part == InfoPart::scene_format) {
     std::fputs(scene_manual().c_str(), stdout);
-    return fine;
+    return success;
   }
-  const std::string instructions(simd_name());  // may throw: before anything is printed
+  const std::string instructions(simd_name());  // may throw: before any output
   const int threads = thread_count(0);
   std::printf("souple %s\n", version);
   std::printf("compiler: %s, %s\n", compiler(), SOUPLE_BUILD_TYPE);
@@ -58,7 +58,7 @@ int info(InfoPart part) {
   std::fputs(picture_support().c_str(), stdout);
   std::printf("viewer: %s\n", has_viewer() ? "yes" : "no (not built in)");
   print_folders();
-  return fine;
+  return success;
 }
 
 namespace {
@@ -74,7 +74,7 @@ int memory(const std::string& scene, const std::vector<std::string>& settings) {
   const SceneDescription description = load_scene(find_scene(scene), settings);
   World world = build_world(description);
   world.step(1 / description.frame_rate);
-  for (const ObjectId object : world.objects()) world.positions(object);  // a run reads the mirrors too
+  for (const ObjectId object : world.objects()) world.positions(object);  // as a run does when it records
   const MemoryReport report = world.memory();
   std::printf("%zu particles\n%-40s %12s %8s\n", report.particles, "", "bytes", "each");
   for (const auto& [title, parts] :
@@ -85,7 +85,7 @@ int memory(const std::string& scene, const std::vector<std::string>& settings) {
   }
   print_memory("total", MemoryReport::total(report.simulation) + MemoryReport::total(report.objects),
                report.particles);
-  return fine;
+  return success;
 }
 
 }  // namespace souple::app

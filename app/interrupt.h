@@ -2,10 +2,9 @@
 
 namespace souple::app {
 
-/// Installs handlers: the first SIGINT or SIGTERM is only recorded, a second one ends the program
-/// immediately.
+/// From now on the first SIGINT or SIGTERM is only recorded; a second one ends the program immediately.
 void watch_interrupts();
 /// Whether a signal was recorded.
-bool interrupt_came();
+bool interrupt_requested();
 
 }  // namespace souple::app

@@ -9,12 +9,12 @@ namespace souple::app {
 
 namespace {
 
-SinkWish sink_wish(const std::filesystem::path& file) {
+SinkRequest sink_request(const std::filesystem::path& file) {
   if (output_kind(file, false) != OutputKind::picture)
     throw Error("--picture " + file.string() + ": expected the name of a picture, ending in .png");
-  SinkWish wish;
-  wish.out = file;
-  return wish;
+  SinkRequest request;
+  request.out = file;
+  return request;
 }
 
 }  // namespace
@@ -25,9 +25,9 @@ struct LastPicture::Impl {
 };
 
 LastPicture::LastPicture(const std::filesystem::path& file) {
-  const SinkWish wish = sink_wish(file);
+  const SinkRequest request = sink_request(file);
   impl_ = std::make_unique<Impl>();
-  impl_->sink = open_sink(wish);
+  impl_->sink = open_sink(request);
 }
 
 LastPicture::~LastPicture() = default;

@@ -10,13 +10,13 @@ namespace souple::app {
 /// `souple run --picture FILE.png`.
 class LastPicture {
  public:
-  /// Throws Error, before any simulation, if no picture can be rendered or written to the file.
+  /// Throws Error, before any simulation, when no picture can be made or written to this file.
   explicit LastPicture(const std::filesystem::path& file);
   ~LastPicture();
   LastPicture(const LastPicture&) = delete;
   LastPicture& operator=(const LastPicture&) = delete;
 
-  /// Renders the current world with the scene's camera. Throws Error if the file cannot be written.
+  /// Renders the world's current state with the scene's camera. Throws Error when the file cannot be written.
   void write(const World& world, const SceneDescription& scene);
 
  private:

@@ -12,7 +12,7 @@ namespace souple::app {
 
 namespace {
 
-/// The description of an invalid scene is its error message.
+/// The scene's description; if the scene cannot be read, the reason.
 std::string describe(const std::filesystem::path& file) {
   try {
     return load_scene(file).description;
@@ -40,15 +40,16 @@ int list(bool as_json) {
   const std::vector<ShippedScene> scenes = shipped_scenes();
   if (as_json) {
     print_json(scenes);
-    return fine;
+    return success;
   }
   std::size_t widest = 0;
   for (const ShippedScene& scene : scenes) widest = std::max(widest, scene.name.size());
   for (const ShippedScene& scene : scenes) {
     std::printf("%-*s  %s\n", static_cast<int>(widest), scene.name.c_str(), describe(scene.file).c_str());
   }
-  if (scenes.empty()) std::fputs("no scenes found; `souple info` says where they are looked for\n", stdout);
-  return fine;
+  if (scenes.empty())
+    std::fputs("no scenes found; `souple info` lists the folders that are searched\n", stdout);
+  return success;
 }
 
 }  // namespace souple::app

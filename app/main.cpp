@@ -9,7 +9,7 @@
 #include <functional>
 #include <new>
 
-// The only file that sees CLI11: it costs seconds.
+// The only file that includes CLI11, which costs seconds of compile time.
 #include <CLI/CLI.hpp>
 
 namespace {
@@ -17,39 +17,39 @@ namespace {
 using souple::app::bad_input;
 using souple::app::BenchRequest;
 using souple::app::failed;
-using souple::app::fine;
 using souple::app::InfoPart;
 using souple::app::RenderRequest;
 using souple::app::RunOptions;
+using souple::app::success;
 using souple::app::SurfaceRequest;
 using souple::app::ViewRequest;
 
 constexpr const char* scene_help = "a scene file, or the name of a shipped scene (see `souple list`)";
 
 constexpr const char* main_footer = R"(Examples:
-  souple list                                  lists the shipped scenes
-  souple run flag                              simulates a scene, writes out/flag
+  souple list                                  list the shipped scenes
+  souple run flag                              simulate a scene, write out/flag
   souple run my/scene.json --frames 100 --write pc2,obj --out renders/a
-  souple run --resume out/flag                 resumes an interrupted run
-  souple render flag                           simulates a scene, renders its last frame, out/flag.png
-  souple render out/flag --out flag.mp4        renders a film of a run
-  souple view flag                             simulates a scene in an interactive window
-  souple check my/scene.json                   validates a scene and prints a summary
-  souple surface out/dam                       meshes the surface of a run's fluids, frame by frame
-  souple bench cloth                           measures how fast this machine simulates
+  souple run --resume out/flag                 resume an interrupted run
+  souple render flag                           simulate a scene, write a picture of its last frame, out/flag.png
+  souple render out/flag --out flag.mp4        make a film of a run
+  souple view flag                             simulate a scene and show it in a window
+  souple check my/scene.json                   read a scene and report what it contains
+  souple surface out/dam                       make a mesh of a fluid's particles, frame by frame
+  souple bench cloth                           measure how fast this machine simulates
 
-Exit codes: 0 success, 1 writing failed, 2 invalid input, 3 the simulation diverged, 130 interrupted.)";
+Exit codes: 0 success, 1 writing failed, 2 bad input, 3 the simulation became non-finite, 130 interrupted.)";
 
 constexpr const char* run_footer = R"(Examples:
   souple run flag --set objects.flag.material.bending_stiffness=1e-5 --set substeps=20
   souple run scene.json --frames 600 --checkpoint-every 100 --out renders/a
   souple run --resume renders/a
   souple run flag --picture flag.png
-  souple run dam_break --surface anisotropic   also meshes the water, in out/dam_break_surface
+  souple run dam_break --surface anisotropic   also meshes of the water, in out/dam_break_surface
 
-Writes DIR/run.json and, for each object, a mesh with a cache (PC2, MDD) or a sequence (OBJ, PLY). Ctrl-C finishes
-the frame, writes a checkpoint and prints how to resume; a second Ctrl-C ends the program immediately. --surface
-writes the files that `souple surface` would write from DIR afterwards; --resume continues them.)";
+Writes DIR/run.json and, for each object, a mesh and its cache (PC2, MDD) or a sequence (OBJ, PLY). Ctrl-C finishes
+the frame, writes a checkpoint and prints the command to resume; a second Ctrl-C ends the program immediately.
+--surface writes the meshes that `souple surface` would make from DIR afterwards; --resume continues them.)";
 
 constexpr const char* surface_footer = R"(Examples:
   souple surface out/dam
@@ -58,10 +58,10 @@ constexpr const char* surface_footer = R"(Examples:
   souple surface out/dam --format vdb --out volumes          signed distances, for renderers
   souple render out/dam_surface --out dam.mp4                a film of the surface
 
-Writes DIR/NAME_0001.obj, ... with normals, and DIR/run.json, so that other commands can read the folder. A frame in
-which a fluid has no particles has no file. --format vdb writes OpenVDB level sets DIR/NAME_0001.vdb, ..., which other
-commands do not read. --particles writes DIR/NAME_particles_0001.bgeo, ... with velocities; if the cache has none, they
-are the displacements since the previous frame divided by its time. Ctrl-C finishes the frame.)";
+Writes DIR/NAME_0001.obj, ... with normals, and DIR/run.json, so that other commands read the folder. A frame in which
+a fluid has no particles gets no file. --format vdb writes DIR/NAME_0001.vdb, ...: OpenVDB level sets, which other
+commands do not read. --particles writes DIR/NAME_particles_0001.bgeo, ... with velocities (if the cache holds none:
+displacement since the previous frame divided by its duration). Ctrl-C finishes the frame.)";
 
 constexpr const char* render_footer = R"(Examples:
   souple render flag --out flag.png --frames 120 --size 1920x1080 --samples 64
@@ -71,11 +71,11 @@ constexpr const char* render_footer = R"(Examples:
   souple render tablecloth --sheet 4x3 --display strain
   souple render flag --camera "from 3,2,4 to 0,1.5,0 fov 30" --set substeps=40
 
-SOURCE is a scene, which is simulated first, or the folder of a run (or its run.json). The ending of --out selects the
-output: a picture .png, a film .mp4 or .gif (encoded by the program ffmpeg), else a folder of pictures NAME_0001.png,
-numbered by frame. Without --frames, --sheet and --out the output is a picture of the last frame. A .gif shows at most
-50 pictures per second: of faster runs every second or third frame. Rendering needs EGL, but no screen. Equal frames
-give equal files. Ctrl-C finishes the current picture and the film so far.
+A scene is simulated while it is rendered; the folder of a run (or its run.json) is read. --out selects the output: a
+picture .png, a film .mp4 or .gif (made by the program ffmpeg), or else a folder of pictures NAME_0001.png, numbered
+by frame. The default is a picture of the last frame; --frames, --sheet or --out select more. A .gif shows at most
+50 pictures a second: of faster runs every second or third frame. Rendering needs EGL, but no screen; the same frame
+gives the same file each time. Ctrl-C finishes the picture and the film so far.
 
 displays:     shaded, plain, wireframe, strain, speed, particles, lattice, normals, contacts
 constraints:  none, kind, color, strain, residual)";
@@ -83,37 +83,37 @@ constraints:  none, kind, color, strain, residual)";
 const std::string view_footer = R"(Examples:
   souple view flag
   souple view my/scene.json --paused
-  souple view out/flag                         plays a finished run, with a time slider
+  souple view out/flag                         play a finished run, with a time slider
 
 )";
 
 constexpr const char* check_footer = R"(Example:
   souple check flag --set objects.flag.mesh.grid.columns=100
 
-Prints a summary of the scene and the repairs of its meshes. Exit code 2: the scene is invalid.)";
+Prints what the scene contains and which repairs its meshes needed; exit code 2 if the scene cannot be used.)";
 
 constexpr const char* list_footer = R"(Example:
   souple list --json)";
 
 constexpr const char* bench_footer = R"(Examples:
-  souple bench                                 lists the benchmarks
+  souple bench                                 list the benchmarks
   souple bench cloth --threads 2
   souple bench cloth --json > before.json      then, after a change:
   souple bench cloth --compare before.json
   souple bench cloth --solver hierarchical --iterations 2
-  souple bench cloth --residual 0.01 --json    also measures the time until the strain is 1 %
+  souple bench cloth --residual 0.01 --json    also measure the time of a solve to a strain of 1 %
 
-Steps of 1/60 s are timed by the wall clock: medians of --runs steps after --warm-up untimed ones. Projections per
-second are those of one kind alone. Reports do not measure residuals meanwhile; the largest strain is that after the
-last step. --residual removes gravity, stretches the cloth by 10 % and solves once, without steps. Measure on an idle
-machine.
+Steps of 1/60 s are timed by the wall clock: medians of --runs steps after --warm-up others. Projections per second
+count each kind of constraint alone. Reports measure no residuals meanwhile; the largest strain is that after the last
+step. --residual removes gravity, stretches the cloth by 10 % and solves once, without steps. For reliable numbers,
+run nothing else on the machine.
 
 solvers: gauss_seidel, jacobi, direct, conjugate_gradient, dense, hierarchical)";
 
 constexpr const char* info_footer = R"(Examples:
   souple info
-  souple info --schema > scene.schema.json     for editors that validate JSON
-  souple info --memory flag                    memory of a running scene, bytes by part)";
+  souple info --schema > scene.schema.json     for editors that check JSON during typing
+  souple info --memory flag                    memory of a running scene, in bytes per part)";
 
 void add_settings(CLI::App& command, std::vector<std::string>& settings) {
   command
@@ -130,7 +130,7 @@ void add_run(CLI::App& app, std::function<int()>& action) {
   command.add_option("SCENE", options->scene, scene_help);
   command.add_option("--frames", options->frames, "number of frames to simulate, instead of the scene's")
       ->type_name("N");
-  command.add_option("--out", options->out, "output folder [out/NAME]")->type_name("DIR");
+  command.add_option("--out", options->out, "the folder to write to [out/NAME]")->type_name("DIR");
   command.add_option("--write", options->formats, "caches to write: pc2, mdd, obj, ply [pc2]")
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -141,8 +141,8 @@ void add_run(CLI::App& app, std::function<int()>& action) {
                   "number of threads; results do not depend on it [SOUPLE_THREADS, else all processors]")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");
-  command.add_option("--substeps", options->substeps, "short for --set substeps=N")->type_name("N");
-  command.add_option("--iterations", options->iterations, "short for --set iterations=N")->type_name("N");
+  command.add_option("--substeps", options->substeps, "the same as --set substeps=N")->type_name("N");
+  command.add_option("--iterations", options->iterations, "the same as --set iterations=N")->type_name("N");
   add_settings(command, options->settings);
   command.add_option("--resume", options->resume, "resume the interrupted run of this folder")
       ->type_name("DIR");
@@ -152,7 +152,7 @@ void add_run(CLI::App& app, std::function<int()>& action) {
       .add_option("--surface", options->surface,
                   "also write meshes of fluids, into DIR_surface: anisotropic, isotropic")
       ->type_name("METHOD");
-  command.add_option("--picture", options->picture, "render the last frame into a picture, 1280x720")
+  command.add_option("--picture", options->picture, "render the last frame to a picture, 1280x720")
       ->type_name("FILE.png");
   command.add_flag("--quiet", options->quiet, "print nothing but errors");
   command.callback([options, &action] { action = [options] { return souple::app::run(*options); }; });
@@ -160,7 +160,7 @@ void add_run(CLI::App& app, std::function<int()>& action) {
 
 void add_render(CLI::App& app, std::function<int()>& action) {
   auto request = std::make_shared<RenderRequest>();
-  CLI::App& command = *app.add_subcommand("render", "render pictures and films of a scene or of a run");
+  CLI::App& command = *app.add_subcommand("render", "make pictures and films of a scene or of a run");
   command.footer(render_footer);
   command
       .add_option("SOURCE", request->source,
@@ -173,39 +173,37 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       ->type_name("PATH");
   command
       .add_option("--frames", request->frames,
-                  "frames to render: N, A-B, A-B/STEP, last, all; B may be last [a picture: last; else all]")
+                  "which frames: N, A-B, A-B/STEP, last, all; B may be last [a picture: last; else all]")
       ->type_name("FRAMES");
-  command.add_option("--sheet", request->sheet, "arrange frames of the run on one page of this size")
+  command.add_option("--sheet", request->sheet, "frames of the run on one page: columns x rows")
       ->type_name("COLUMNSxROWS");
   command
       .add_option("--size", request->size,
-                  "size of a picture in pixels [1280x720; .gif 640x360; each of a sheet 480x270]")
+                  "of a picture, in pixels [1280x720; .gif 640x360; each of a sheet 480x270]")
       ->type_name("WIDTHxHEIGHT");
-  command
-      .add_option("--samples", request->samples,
-                  "number of pictures averaged into one [16; films and folders 4]")
+  command.add_option("--samples", request->samples, "pictures averaged into one [16; films and folders 4]")
       ->type_name("N");
   command
       .add_option("--colors", request->colors,
-                  "reduce pictures to N colors, at most 256: a third of the file size")
+                  "reduce pictures to this number of colors, at most 256: a third of the size")
       ->type_name("N");
   command
-      .add_option(
-          "--camera", request->camera,
-          "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it, or auto: fit all objects into the picture "
-          "[the scene's, else auto]")
+      .add_option("--camera", request->camera,
+                  "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it, or auto: frame all objects [the "
+                  "scene's, else auto]")
       ->type_name("CAMERA");
-  command.add_option("--display", request->display, "display of objects, see below [shaded]")
+  command.add_option("--display", request->display, "how objects are shown, see below [shaded]")
       ->type_name("DISPLAY");
-  command.add_option("--constraints", request->constraints, "coloring of constraints, see below [none]")
+  command.add_option("--constraints", request->constraints, "how constraints are colored, see below [none]")
       ->type_name("CONSTRAINTS");
   command
       .add_option("--liquid-splats", request->liquid_splats,
-                  "shape of a fluid's particles: spheres, ellipsoids [ellipsoids]")
+                  "shape of each particle of a fluid: spheres, ellipsoids [ellipsoids]")
       ->type_name("SPLATS");
   command
-      .add_option("--liquid-filter", request->liquid_filter,
-                  "filter of fluid surfaces: narrow-range, curvature-flow or none [narrow-range]")
+      .add_option(
+          "--liquid-filter", request->liquid_filter,
+          "how the surface of fluids is smoothed: narrow-range, curvature-flow or none [narrow-range]")
       ->type_name("FILTER");
   command
       .add_option("--liquid-steps", request->liquid_steps,
@@ -219,39 +217,42 @@ void add_render(CLI::App& app, std::function<int()>& action) {
 
 void add_view(CLI::App& app, std::function<int()>& action) {
   auto request = std::make_shared<ViewRequest>();
-  CLI::App& command = *app.add_subcommand("view", "simulate a scene, or play a finished run, in a window");
+  CLI::App& command = *app.add_subcommand("view", "show a running scene or a finished run in a window");
   command.footer(view_footer + souple::viewer::keys_text());
   command.add_option(
       "SOURCE", request->source,
       "a scene file, the name of a shipped scene, or the folder of a run or its run.json [curtain]");
-  command.add_flag("--paused", request->paused, "do not start before Space is pressed");
+  command.add_flag("--paused", request->paused, "start paused; Space starts");
   command.add_option("--size", request->size, "size of the window [1440x900]")->type_name("WIDTHxHEIGHT");
-  command.add_option("--frames", request->frames, "quit after N frames of the window")->type_name("N");
-  command.add_flag("--debug", request->debug, "quit with a message if OpenGL reports an error");
+  command.add_option("--frames", request->frames, "quit after this number of frames drawn")->type_name("N");
+  command.add_flag("--debug", request->debug, "end with a message when OpenGL reports an error");
   command.callback([request, &action] { action = [request] { return souple::app::view(*request); }; });
 }
 
 void add_surface(CLI::App& app, std::function<int()>& action) {
   auto request = std::make_shared<SurfaceRequest>();
-  CLI::App& command = *app.add_subcommand("surface", "mesh the surfaces of a run's fluids");
+  CLI::App& command = *app.add_subcommand("surface", "make meshes of a run's fluids");
   command.footer(surface_footer);
   command.add_option("CACHE", request->cache, "the folder of a run, or its run.json")->required();
-  command.add_option("--out", request->out, "output folder [CACHE_surface]")->type_name("DIR");
-  command.add_option("--method", request->method, "kernels: anisotropic, isotropic [anisotropic]")
+  command.add_option("--out", request->out, "folder to write [CACHE_surface]")->type_name("DIR");
+  command.add_option("--method", request->method, "anisotropic, isotropic [anisotropic]")
       ->type_name("METHOD");
   command.add_option("--format", request->format, "meshes: obj, ply; volumes: vdb [obj]")
       ->type_name("FORMAT");
   command
-      .add_option("--particles", request->particles, "also write the particles: none, ply, vtk, bgeo [none]")
+      .add_option("--particles", request->particles,
+                  "write the particles as well: none, ply, vtk, bgeo [none]")
       ->type_name("FORMAT");
   command
       .add_option("--object", request->objects,
-                  "mesh only this object; repeatable [all fluids, else all grains]")
+                  "only of this object; repeatable [all fluids, else all grains]")
       ->type_name("NAME");
-  command.add_option("--cell", request->cell, "cell size of the meshing grid [half a spacing]")
-      ->type_name("METERS");
-  command.add_option("--spacing", request->spacing, "spacing of the particles [the scene's]")
-      ->type_name("METERS");
+  command
+      .add_option("--cell", request->cell,
+                  "cell of the grid the mesh is extracted from, in meters [half a spacing]")
+      ->type_name("METerS");
+  command.add_option("--spacing", request->spacing, "spacing of the particles, in meters [the scene's]")
+      ->type_name("METerS");
   command.add_option("--smoothing", request->smoothing, "passes of Laplacian smoothing [0]")->type_name("N");
   command.add_option("--threads", request->threads, "threads; 0: one for each processor [0]")->type_name("N");
   command.add_flag("--quiet", request->quiet, "print nothing but errors");
@@ -259,7 +260,8 @@ void add_surface(CLI::App& app, std::function<int()>& action) {
 }
 
 void add_bench_solver(CLI::App& command, BenchRequest& request) {
-  command.add_option("--solver", request.solver, "solver, see below [gauss_seidel]")->type_name("SOLVER");
+  command.add_option("--solver", request.solver, "how constraints are solved, see below [gauss_seidel]")
+      ->type_name("SOLVER");
   command.add_option("--sweep", request.sweep, "order of the colors: forward, symmetric [forward]")
       ->type_name("SWEEP");
   command.add_option("--relaxation", request.relaxation, "factor on corrections, between 0 and 2 [1]")
@@ -267,7 +269,8 @@ void add_bench_solver(CLI::App& command, BenchRequest& request) {
   command.add_option("--chebyshev", request.chebyshev, "acceleration: spectral radius, below 1 [0: none]")
       ->type_name("RHO");
   command
-      .add_option("--colors", request.colors, "partition constraints into N colors [0: as many as necessary]")
+      .add_option("--colors", request.colors,
+                  "partition the constraint graph for this number of colors [0: do not]")
       ->type_name("N");
 }
 
@@ -275,26 +278,25 @@ void add_bench(CLI::App& app, std::function<int()>& action) {
   auto request = std::make_shared<BenchRequest>();
   CLI::App& command = *app.add_subcommand("bench", "measure how fast this machine simulates");
   command.footer(bench_footer);
-  command.add_option("NAME", request->name, "name of the benchmark; without it, lists all benchmarks");
-  command.add_option("--size", request->size, "size of the benchmark; the list gives its meaning")
-      ->type_name("N");
+  command.add_option("NAME", request->name, "name of the benchmark; without it, all are listed");
+  command.add_option("--size", request->size, "size; the list shows its unit")->type_name("N");
   command.add_option("--threads", request->threads, "threads; 0: one for each processor [1]")->type_name("N");
   command.add_option("--threading", request->threading, "automatic, serial, pool, tbb [automatic]")
       ->type_name("KIND");
   command.add_option("--substeps", request->substeps, "substeps of a step [10]")->type_name("N");
-  command.add_option("--iterations", request->iterations, "solver iterations in each substep [1]")
+  command.add_option("--iterations", request->iterations, "iterations of the solver in each substep [1]")
       ->type_name("N");
   add_bench_solver(command, *request);
   command.add_option("--mode", request->mode, "small_steps, xpbd, pbd [small_steps]")->type_name("MODE");
   command.add_option("--form", request->form, "displacement, plain [displacement]")->type_name("FORM");
-  command.add_option("--warm-up", request->warm_up, "untimed steps before the measurement [5]")
+  command.add_option("--warm-up", request->warm_up, "number of steps before the measurement [5]")
       ->type_name("N");
-  command.add_option("--runs", request->runs, "timed steps [30]")->type_name("N");
+  command.add_option("--runs", request->runs, "number of measured steps [30]")->type_name("N");
   command
       .add_option("--residual", request->residual,
                   "also measure the time to this mean strain, such as 0.01; cloths only")
       ->type_name("STRAIN");
-  command.add_option("--compare", request->compare, "print ratios to the result in this file")
+  command.add_option("--compare", request->compare, "show ratios to the result in this file")
       ->type_name("FILE.json");
   command.add_flag("--json", request->json, "print JSON");
   command.callback([request, &action] { action = [request] { return souple::app::bench(*request); }; });
@@ -311,7 +313,7 @@ void add_list(CLI::App& app, std::function<int()>& action) {
 void add_check(CLI::App& app, std::function<int()>& action) {
   auto scene = std::make_shared<std::string>();
   auto settings = std::make_shared<std::vector<std::string>>();
-  CLI::App& command = *app.add_subcommand("check", "validate a scene and its meshes, print a summary");
+  CLI::App& command = *app.add_subcommand("check", "read a scene and its meshes and report their contents");
   command.footer(check_footer);
   command.add_option("SCENE", *scene, scene_help)->required();
   add_settings(command, *settings);
@@ -371,8 +373,8 @@ std::string command_names(const CLI::App& app) {
   return names;
 }
 
-/// Error message for the command line, on one line.
-std::string complaint(CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+/// What is wrong with the command line, in one line.
+std::string usage_error(CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && app.get_subcommands().empty()) {
     const std::string commands = command_names(app);
     if (argc < 2) return "expected a command: " + commands;
@@ -384,7 +386,7 @@ std::string complaint(CLI::App& app, const CLI::ParseError& error, int argc, cha
     for (const std::string& argument : app.remaining(true)) {
       if (argument.rfind('-', 0) == 0) return argument + ": there is no such option";
     }
-    for (const std::string& argument : app.remaining(true)) return argument + ": one argument too many";
+    for (const std::string& argument : app.remaining(true)) return argument + ": unexpected argument";
   }
   std::string what = error.what(), conversion = "Could not convert: ";
   if (what.rfind(conversion, 0) == 0)
@@ -414,9 +416,9 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error) == 0 ? fine : bad_input;  // --help, --version
+    if (error.get_exit_code() == 0) return app.exit(error) == 0 ? success : bad_input;  // --help, --version
     std::fprintf(stderr, "souple: %s; see `souple --help` and `souple run --help`\n",
-                 complaint(app, error, argc, argv).c_str());
+                 usage_error(app, error, argc, argv).c_str());
     return bad_input;
   }
   return perform(action);

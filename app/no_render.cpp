@@ -2,7 +2,7 @@
 #include "app/last_picture.h"
 #include "souple/error.h"
 
-// Replaces render.cpp and last_picture.cpp if the packages of render/ are missing.
+// Replaces render.cpp and last_picture.cpp where the packages for render/ were missing.
 
 namespace souple::app {
 

@@ -1,7 +1,7 @@
 #include "app/vdb.h"
 #include "souple/error.h"
 
-// Replaces vdb.cpp if OpenVDB is missing.
+// Replaces vdb.cpp where OpenVDB was missing.
 
 namespace souple::app {
 

@@ -1,7 +1,7 @@
 #include "app/commands.h"
 #include "souple/error.h"
 
-// Replaces view.cpp if the viewer's packages are missing.
+// Replaces view.cpp where the viewer's packages were missing.
 
 namespace souple::app {
 

@@ -27,10 +27,10 @@ std::string lower_extension(const fs::path& file) {
 void make_folder(const fs::path& folder) {
   std::error_code error;
   if (!folder.empty()) fs::create_directories(folder, error);
-  if (error) throw Error(folder.string() + ": the folder cannot be made: " + error.message());
+  if (error) throw Error(folder.string() + ": cannot create the folder: " + error.message());
 }
 
-/// Detects a full disk or a folder without permission before minutes of work.
+/// Detects a full disk or a folder without write permission now, not after minutes of work.
 void require_writable(const fs::path& file) {
   make_folder(file.parent_path());
   if (std::error_code error; fs::is_directory(file, error))
@@ -84,7 +84,7 @@ class FilmFile : public PictureSink {
   bool empty_ = true;
 };
 
-/// Pictures have the numbers of their frames: a frame rendered again replaces its picture.
+/// Pictures are numbered by frame: a frame that is rendered again replaces its picture.
 class Folder : public PictureSink {
  public:
   Folder(fs::path folder, std::string name, int colors)
@@ -116,24 +116,24 @@ OutputKind output_kind(const fs::path& out, bool sheet) {
   };
   if (std::find(foreign.begin(), foreign.end(), extension) != foreign.end())
     refuse("a picture .png, a film .mp4 or .gif, or a folder");
-  if (sheet && extension != ".png") refuse("a picture .png: --sheet makes one page");
+  if (sheet && extension != ".png") refuse("a picture .png, since --sheet makes one page");
   if (sheet) return OutputKind::sheet;
   if (extension == ".png") return OutputKind::picture;
   return render::is_film(out) ? OutputKind::film : OutputKind::folder;
 }
 
-std::unique_ptr<PictureSink> open_sink(const SinkWish& wish) {
-  switch (wish.kind) {
+std::unique_ptr<PictureSink> open_sink(const SinkRequest& request) {
+  switch (request.kind) {
     case OutputKind::picture:
-      return std::make_unique<OnePicture>(wish.out, wish.colors);
+      return std::make_unique<OnePicture>(request.out, request.colors);
     case OutputKind::sheet:
-      return std::make_unique<Sheet>(wish.out, wish.sheet, wish.colors);
+      return std::make_unique<Sheet>(request.out, request.sheet, request.colors);
     case OutputKind::film:
-      return std::make_unique<FilmFile>(wish.out, wish.film_rate);
+      return std::make_unique<FilmFile>(request.out, request.film_rate);
     case OutputKind::folder:
       break;
   }
-  return std::make_unique<Folder>(wish.out, wish.name, wish.colors);
+  return std::make_unique<Folder>(request.out, request.name, request.colors);
 }
 
 }  // namespace souple::app

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/picture_words.h"
+#include "app/picture_arguments.h"
 #include "render/image.h"
 
 #include <cstdint>
@@ -13,10 +13,10 @@ namespace souple::app {
 
 enum class OutputKind { picture, sheet, film, folder };
 
-/// The output kind for a path and --sheet. Throws Error for unsupported endings.
+/// The kind of output that a path (and --sheet) selects. Throws Error for unknown extensions.
 OutputKind output_kind(const std::filesystem::path& out, bool sheet);
 
-/// Destination of pictures. Files appear completely: a film and a sheet when they are finished.
+/// Output for pictures. Files appear complete: a film and a sheet when they are finished.
 class PictureSink {
  public:
   virtual ~PictureSink() = default;
@@ -24,15 +24,15 @@ class PictureSink {
   virtual void finish() = 0;
 };
 
-struct SinkWish {
+struct SinkRequest {
   OutputKind kind = OutputKind::picture;
   std::filesystem::path out;
-  std::string name;       ///< prefix of the pictures in a folder: NAME_0012.png
+  std::string name;       ///< base name of the pictures in a folder: NAME_0012.png
   double film_rate = 60;  ///< pictures per second
   SheetShape sheet;
-  int colors = 0;  ///< colors of a picture's palette, at most 256; 0: full color
+  int colors = 0;  ///< colors of a picture, at most 256; 0: all
 };
-/// Throws Error, before any picture, if the destination cannot be written or ffmpeg is missing.
-std::unique_ptr<PictureSink> open_sink(const SinkWish& wish);
+/// Throws Error, before the first picture, when the output cannot be written or ffmpeg is missing.
+std::unique_ptr<PictureSink> open_sink(const SinkRequest& request);
 
 }  // namespace souple::app

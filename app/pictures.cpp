@@ -8,7 +8,7 @@ namespace souple::app {
 
 namespace {
 
-/// Default camera of a scene without the key `camera`.
+/// Whether the camera differs from the default, which a scene without the key `camera` has.
 bool is_given(const CameraDescription& camera) {
   const CameraDescription standard;
   return !(camera.from == standard.from && camera.to == standard.to && camera.fov == standard.fov);
@@ -24,7 +24,7 @@ render::Bounds bounds_of(const render::Subject& subject) {
   return bounds;
 }
 
-render::Camera camera_for(const CameraWish& wish, const CameraDescription* scene,
+render::Camera camera_for(const CameraRequest& request, const CameraDescription* scene,
                           const render::Subject& subject, float aspect) {
   render::Camera camera;
   const bool given = scene != nullptr && is_given(*scene);
@@ -33,13 +33,14 @@ render::Camera camera_for(const CameraWish& wish, const CameraDescription* scene
     camera.to = Vec3f(scene->to);
     camera.fov = static_cast<float>(scene->fov);
   }
-  camera.from = wish.from.value_or(camera.from);
-  camera.to = wish.to.value_or(camera.to);
-  camera.fov = wish.fov.value_or(camera.fov);
-  if (camera.from == camera.to) throw Error("--camera: it stands at the very point that it looks at");
-  const bool placed = given || wish.from || wish.to;
+  camera.from = request.from.value_or(camera.from);
+  camera.to = request.to.value_or(camera.to);
+  camera.fov = request.fov.value_or(camera.fov);
+  if (camera.from == camera.to)
+    throw Error("--camera: \"from\" and \"to\" are the same point; expected two different points");
+  const bool placed = given || request.from || request.to;
   const render::Bounds bounds = bounds_of(subject);
-  if ((wish.automatic || !placed) && !bounds.empty()) camera.frame(bounds, aspect);
+  if ((request.automatic || !placed) && !bounds.empty()) camera.frame(bounds, aspect);
   return camera;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/picture_words.h"
+#include "app/picture_arguments.h"
 #include "render/camera.h"
 #include "render/context.h"
 #include "render/display.h"
@@ -18,27 +18,27 @@ struct PictureStyle {
   int samples = 16;
   render::DisplayOptions display;
   render::LiquidFilter liquid_filter = render::LiquidFilter::narrow_range;
-  int liquid_steps = 0;  ///< as of RenderOptions
+  int liquid_steps = 0;  ///< see RenderOptions
 
   float aspect() const { return static_cast<float>(size.width) / static_cast<float>(size.height); }
 };
 
-/// The smallest box around all objects; colliders do not count.
+/// Bounding box of all objects, without colliders.
 render::Bounds bounds_of(const render::Subject& subject);
 
-/// The camera that is meant: what the wish leaves open comes from `scene`; where the scene (or a run of no
-/// scene, nullptr) says nothing either, the objects as they are in `subject` fill the picture. Throws Error
-/// when it would stand where it looks.
-render::Camera camera_for(const CameraWish& wish, const CameraDescription* scene,
+/// The requested camera. Values that `request` leaves open come from `scene`. Where the scene has no camera
+/// either (or a run embeds no scene, nullptr), the objects in `subject` are framed. Throws Error when the
+/// camera's position equals its target.
+render::Camera camera_for(const CameraRequest& request, const CameraDescription* scene,
                           const render::Subject& subject, float aspect);
 
-/// Pictures without window or screen.
+/// Renders pictures without window or screen.
 class PictureMaker {
  public:
-  /// Throws Error that says what the machine lacks.
+  /// Throws Error that names what the machine lacks.
   PictureMaker() = default;
 
-  /// `label` is written into the lower left corner. The same subject gives the same picture.
+  /// Draws `label` in the lower left corner. The same subject gives the same picture.
   render::Image picture(const render::Subject& subject, const render::Camera& camera,
                         const PictureStyle& style, const std::string& label = {});
 

@@ -6,11 +6,12 @@
 
 namespace souple::app {
 
-/// One line that is rewritten on a terminal: frame, ms/frame, time left. Silent when stderr is no terminal.
+/// One line that is rewritten on a terminal: frame, ms/frame, time left. Prints nothing when stderr is no
+/// terminal.
 class Progress {
  public:
   Progress(std::string name, std::uint64_t frames, std::uint64_t done_before, bool quiet);
-  /// Removes the line.
+  /// Erases the line.
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;

@@ -24,16 +24,16 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// The parsed command line.
-struct Order {
+/// The command line's request, parsed and completed.
+struct RenderJob {
   OutputKind kind = OutputKind::picture;
   fs::path out;
   PictureStyle style;
-  CameraWish camera;
+  CameraRequest camera;
   SheetShape sheet;
   std::vector<std::uint64_t> frames;  ///< frames to render, ascending
   double film_rate = 60;              ///< pictures per second
-  int colors = 0;                     ///< colors of a picture's palette; 0: full color
+  int colors = 0;                     ///< colors of a picture; 0: all
   bool quiet = false;
 };
 
@@ -62,9 +62,9 @@ void choose_liquids(const RenderRequest& request, PictureStyle& style) {
     throw Error(std::string("--liquid-filter: ") + error.what());
   }
   if (!request.liquid_steps) return;
-  if (*request.liquid_steps < 1 || *request.liquid_steps > render::most_liquid_steps)
+  if (*request.liquid_steps < 1 || *request.liquid_steps > render::max_liquid_steps)
     throw Error(
-        fmt::format("--liquid-steps {}: expected 1 to {}", *request.liquid_steps, render::most_liquid_steps));
+        fmt::format("--liquid-steps {}: expected 1 to {}", *request.liquid_steps, render::max_liquid_steps));
   style.liquid_steps = static_cast<int>(*request.liquid_steps);
 }
 
@@ -87,7 +87,7 @@ PictureStyle style_of(const RenderRequest& request) {
   return style;
 }
 
-/// The default of --out: a film for several frames, a picture for one.
+/// Default output: a film of several frames, a picture of one.
 fs::path default_out(const RenderRequest& request, const FrameSource& source) {
   const bool several = request.sheet.empty() && !request.frames.empty() &&
                        parse_frames(request.frames, source.frames()).size() > 1;
@@ -99,92 +99,92 @@ bool is_gif(const fs::path& out) {
   return extension == ".gif" || extension == ".GIF";
 }
 
-/// A .gif shows at most 50 pictures per second: omits the frames that it would drop.
+/// Step between the frames of a .gif, which shows at most 50 pictures a second: frames in between are not
+/// rendered.
 std::uint64_t gif_step(double frame_rate) {
   return static_cast<std::uint64_t>(std::max(1.0, std::ceil(frame_rate / 50 - 1e-9)));
 }
 
-void choose_frames(const RenderRequest& request, const FrameSource& source, Order& order) {
+void choose_frames(const RenderRequest& request, const FrameSource& source, RenderJob& job) {
   std::string words = request.frames;
-  if (words.empty()) words = order.kind == OutputKind::picture ? "last" : "all";
-  order.frames = parse_frames(words, source.frames());
-  if (order.kind == OutputKind::picture && order.frames.size() > 1) {
+  if (words.empty()) words = job.kind == OutputKind::picture ? "last" : "all";
+  job.frames = parse_frames(words, source.frames());
+  if (job.kind == OutputKind::picture && job.frames.size() > 1) {
     throw Error(fmt::format(
         "--out {}: {} frames do not fit into one picture: give --sheet, a film .mp4 or .gif, or a folder",
-        order.out.string(), order.frames.size()));
+        job.out.string(), job.frames.size()));
   }
   std::uint64_t step = step_of_frames(words);
-  if (order.kind == OutputKind::film && is_gif(order.out) && step == 1) {
+  if (job.kind == OutputKind::film && is_gif(job.out) && step == 1) {
     step = gif_step(source.frame_rate());
     std::vector<std::uint64_t> kept;
-    for (std::size_t i = 0; i < order.frames.size(); i += step) kept.push_back(order.frames[i]);
-    order.frames = std::move(kept);
+    for (std::size_t i = 0; i < job.frames.size(); i += step) kept.push_back(job.frames[i]);
+    job.frames = std::move(kept);
   }
-  order.film_rate = source.frame_rate() / static_cast<double>(step);
-  if (order.kind == OutputKind::sheet) {
-    const auto cells =
-        static_cast<std::size_t>(order.sheet.columns) * static_cast<std::size_t>(order.sheet.rows);
+  job.film_rate = source.frame_rate() / static_cast<double>(step);
+  if (job.kind == OutputKind::sheet) {
+    const auto cells = static_cast<std::size_t>(job.sheet.columns) * static_cast<std::size_t>(job.sheet.rows);
     std::vector<std::uint64_t> shown;
-    for (const std::uint64_t position : render::sheet_frames(order.frames.size(), cells))
-      shown.push_back(order.frames[position - 1]);
-    order.frames = std::move(shown);
+    for (const std::uint64_t position : render::sheet_frames(job.frames.size(), cells))
+      shown.push_back(job.frames[position - 1]);
+    job.frames = std::move(shown);
   }
 }
 
-/// Defaults of size and samples: small and fast for sheets, GIFs and films.
-void choose_size(const RenderRequest& request, Order& order) {
-  const bool still = order.kind == OutputKind::picture || order.kind == OutputKind::sheet;
-  if (!request.samples) order.style.samples = still ? 16 : 4;
+/// Default size and samples. Small or numerous pictures are rendered small and fast unless the user chooses
+/// otherwise.
+void choose_size(const RenderRequest& request, RenderJob& job) {
+  const bool still = job.kind == OutputKind::picture || job.kind == OutputKind::sheet;
+  if (!request.samples) job.style.samples = still ? 16 : 4;
   if (!request.size.empty()) {
-    order.style.size = parse_size(request.size);
-  } else if (order.kind == OutputKind::sheet) {
-    order.style.size = {480, 270};
-  } else if (is_gif(order.out)) {
-    order.style.size = {640, 360};
+    job.style.size = parse_size(request.size);
+  } else if (job.kind == OutputKind::sheet) {
+    job.style.size = {480, 270};
+  } else if (is_gif(job.out)) {
+    job.style.size = {640, 360};
   }
-  if (order.kind != OutputKind::sheet) return;
+  if (job.kind != OutputKind::sheet) return;
   constexpr int longest = 16384;
-  if (order.sheet.columns * order.style.size.width > longest ||
-      order.sheet.rows * order.style.size.height > longest)
+  if (job.sheet.columns * job.style.size.width > longest || job.sheet.rows * job.style.size.height > longest)
     throw Error("--sheet: the page would be more than 16384 pixels wide or high; give a smaller --size");
 }
 
-/// Throws for displays that need a world when the source is a cache.
-void require_world(const Order& order, const RenderRequest& request, const FrameSource& source) {
+/// Throws Error for displays that show the inside of a world, which caches do not hold.
+void require_world(const RenderJob& job, const RenderRequest& request, const FrameSource& source) {
   if (source.has_world()) return;
   const auto refuse = [&](const std::string& option) {
     throw Error(option + ": " + request.source +
                 " holds positions only; render the scene instead of the folder to see this");
   };
-  const render::Display display = order.style.display.display;
+  const render::Display display = job.style.display.display;
   if (display == render::Display::lattice || display == render::Display::contacts)
     refuse("--display " + request.display);
-  if (order.style.display.constraints != render::ConstraintDisplay::none)
+  if (job.style.display.constraints != render::ConstraintDisplay::none)
     refuse("--constraints " + request.constraints);
 }
 
-int colors_of(std::uint32_t colors, const Order& order) {
+int colors_of(std::uint32_t colors, const RenderJob& job) {
   const std::string option = fmt::format("--colors {}", colors);
   if (colors < 2 || colors > 256) throw Error(option + ": expected 2 to 256");
-  if (order.kind == OutputKind::film)
-    throw Error(option + ": is for pictures; " + order.out.string() + " is a film");
+  if (job.kind == OutputKind::film)
+    throw Error(option + ": is for pictures; " + job.out.string() + " is a film");
   return static_cast<int>(colors);
 }
 
-Order order_of(const RenderRequest& request, const FrameSource& source, PictureStyle style, CameraWish camera,
-               SheetShape sheet) {
-  Order order;
-  order.style = style;
-  order.camera = camera;
-  order.sheet = sheet;
-  order.quiet = request.quiet;
-  order.out = request.out.empty() ? default_out(request, source) : request.out;
-  order.kind = output_kind(order.out, !request.sheet.empty());
-  if (request.colors) order.colors = colors_of(*request.colors, order);
-  choose_frames(request, source, order);
-  choose_size(request, order);
-  require_world(order, request, source);
-  return order;
+RenderJob job_of(const RenderRequest& request, const FrameSource& source, PictureStyle style,
+                 CameraRequest camera, SheetShape sheet) {
+  RenderJob job;
+  job.style = style;
+  job.camera = camera;
+  job.sheet = sheet;
+  job.quiet = request.quiet;
+  job.out = request.out.empty() ? default_out(request, source) : request.out;
+  job.kind = output_kind(job.out, !request.sheet.empty());
+  if (request.colors) job.colors = colors_of(*request.colors, job);
+  choose_frames(request, source, job);
+  choose_size(request, job);
+  require_world(job, request, source);
+  return job;
 }
 
 std::string counted(std::uint64_t count, const std::string& one) {
@@ -201,27 +201,28 @@ std::string label_of(const FrameSource& source) {
 /// Renders frame by frame.
 class Rendering {
  public:
-  Rendering(const Order& order, FrameSource& source, PictureMaker& maker, PictureSink& sink)
-      : order_(order), source_(source), maker_(maker), sink_(sink) {}
+  Rendering(const RenderJob& job, FrameSource& source, PictureMaker& maker, PictureSink& sink)
+      : job_(job), source_(source), maker_(maker), sink_(sink) {}
 
-  Arrival run() {
-    const std::uint64_t first = source_.has_world() ? 0 : order_.frames.front() - 1;
-    Progress progress(source_.name(), order_.frames.back(), first, order_.quiet);
-    const FrameSource::GoOn go_on = [&](std::uint64_t frame) {
+  AdvanceResult run() {
+    const std::uint64_t first = source_.has_world() ? 0 : job_.frames.front() - 1;
+    Progress progress(source_.name(), job_.frames.back(), first, job_.quiet);
+    const FrameSource::ShouldContinue should_continue = [&](std::uint64_t frame) {
       progress.frame_done(frame);
-      return !interrupt_came();
+      return !interrupt_requested();
     };
-    Arrival arrival = Arrival::there;
-    for (const std::uint64_t frame : order_.frames) {
-      arrival = source_.go_to(frame, go_on);
-      // A scene that diverges before any picture: at least its last valid frame is shown.
-      const bool worth = arrival == Arrival::non_finite && pictures_ == 0 && source_.frame() > 0;
-      if (arrival == Arrival::there || worth) render_one();
-      if (arrival != Arrival::there) break;
+    AdvanceResult result = AdvanceResult::reached;
+    for (const std::uint64_t frame : job_.frames) {
+      result = source_.advance_to(frame, should_continue);
+      // Where a scene becomes non-finite before the first picture, its last valid frame is rendered.
+      const bool show_last_valid =
+          result == AdvanceResult::non_finite && pictures_ == 0 && source_.frame() > 0;
+      if (result == AdvanceResult::reached || show_last_valid) render_one();
+      if (result != AdvanceResult::reached) break;
     }
     sink_.finish();
     seconds_ = progress.seconds();
-    return arrival;
+    return result;
   }
 
   std::uint64_t pictures() const { return pictures_; }
@@ -230,13 +231,13 @@ class Rendering {
  private:
   void render_one() {
     const render::Subject& subject = source_.subject();
-    if (!camera_) camera_ = camera_for(order_.camera, source_.camera(), subject, order_.style.aspect());
-    const std::string label = order_.kind == OutputKind::sheet ? label_of(source_) : "";
-    sink_.add(maker_.picture(subject, *camera_, order_.style, label), source_.frame());
+    if (!camera_) camera_ = camera_for(job_.camera, source_.camera(), subject, job_.style.aspect());
+    const std::string label = job_.kind == OutputKind::sheet ? label_of(source_) : "";
+    sink_.add(maker_.picture(subject, *camera_, job_.style, label), source_.frame());
     ++pictures_;
   }
 
-  const Order& order_;
+  const RenderJob& job_;
   FrameSource& source_;
   PictureMaker& maker_;
   PictureSink& sink_;
@@ -245,55 +246,54 @@ class Rendering {
   double seconds_ = 0;
 };
 
-int report_non_finite(const Order& order, const FrameSource& source, std::uint64_t pictures) {
+int report_non_finite(const RenderJob& job, const FrameSource& source, std::uint64_t pictures) {
   const std::string left =
-      pictures == 0 ? "there is nothing to show"
-      : order.kind == OutputKind::picture
-          ? fmt::format("{} shows the last valid frame, {}", order.out.string(), source.frame())
-          : order.out.string() + " shows " + counted(pictures, "frame") + " before it";
-  std::fprintf(stderr, "souple: %s; %s. %s\n", source.trouble().c_str(), left.c_str(),
+      pictures == 0 ? "no picture was written"
+      : job.kind == OutputKind::picture
+          ? fmt::format("{} shows the last valid frame, {}", job.out.string(), source.frame())
+          : job.out.string() + " shows " + counted(pictures, "frame") + " before it";
+  std::fprintf(stderr, "souple: %s; %s. %s\n", source.failure().c_str(), left.c_str(),
                std::string(advice(Flag::non_finite)).c_str());
   return non_finite;
 }
 
-int say_interrupted(const Order& order, const FrameSource& source, std::uint64_t pictures) {
+int report_interrupted(const RenderJob& job, const FrameSource& source, std::uint64_t pictures) {
   const std::string left =
-      pictures == 0 ? "nothing was written" : order.out.string() + " holds " + counted(pictures, "picture");
+      pictures == 0 ? "nothing was written" : job.out.string() + " holds " + counted(pictures, "picture");
   std::fprintf(stderr, "souple: interrupted after frame %llu; %s\n",
                static_cast<unsigned long long>(source.frame()), left.c_str());
   return interrupted;
 }
 
-void print_summary(const Order& order, const FrameSource& source, const Rendering& rendering) {
+void print_summary(const RenderJob& job, const FrameSource& source, const Rendering& rendering) {
   std::string what = counted(rendering.pictures(), "picture");
-  if (order.kind == OutputKind::picture) what = fmt::format("frame {}", order.frames.front());
-  std::printf("%s: %s of %dx%d in %.2f s, in %s\n", source.name().c_str(), what.c_str(),
-              order.style.size.width, order.style.size.height, rendering.seconds(),
-              order.out.string().c_str());
+  if (job.kind == OutputKind::picture) what = fmt::format("frame {}", job.frames.front());
+  std::printf("%s: %s of %dx%d in %.2f s, in %s\n", source.name().c_str(), what.c_str(), job.style.size.width,
+              job.style.size.height, rendering.seconds(), job.out.string().c_str());
 }
 
 }  // namespace
 
 int render_frames(const RenderRequest& request) {
   const PictureStyle style = style_of(request);
-  const CameraWish camera = parse_camera(request.camera);
+  const CameraRequest camera = parse_camera(request.camera);
   const SheetShape sheet = request.sheet.empty() ? SheetShape{} : parse_sheet(request.sheet);
   if (!request.size.empty()) parse_size(request.size);
-  SourceWish wish{request.source, request.settings, style.display.display == render::Display::speed};
-  const std::unique_ptr<FrameSource> source = open_source(wish);
-  const Order order = order_of(request, *source, style, camera, sheet);
+  SourceRequest wanted{request.source, request.settings, style.display.display == render::Display::speed};
+  const std::unique_ptr<FrameSource> source = open_source(wanted);
+  const RenderJob job = job_of(request, *source, style, camera, sheet);
   PictureMaker maker;
   const std::unique_ptr<PictureSink> sink =
-      open_sink({order.kind, order.out, source->name(), order.film_rate, order.sheet, order.colors});
-  // From here on files exist: an interrupt must leave them complete.
+      open_sink({job.kind, job.out, source->name(), job.film_rate, job.sheet, job.colors});
+  // From here on files are written; an interrupt ends the work with complete files.
   watch_interrupts();
   try {
-    Rendering rendering(order, *source, maker, *sink);
-    const Arrival arrival = rendering.run();
-    if (arrival == Arrival::non_finite) return report_non_finite(order, *source, rendering.pictures());
-    if (arrival == Arrival::stopped) return say_interrupted(order, *source, rendering.pictures());
-    if (!order.quiet) print_summary(order, *source, rendering);
-    return fine;
+    Rendering rendering(job, *source, maker, *sink);
+    const AdvanceResult result = rendering.run();
+    if (result == AdvanceResult::non_finite) return report_non_finite(job, *source, rendering.pictures());
+    if (result == AdvanceResult::stopped) return report_interrupted(job, *source, rendering.pictures());
+    if (!job.quiet) print_summary(job, *source, rendering);
+    return success;
   } catch (const Error& error) {
     std::fprintf(stderr, "souple: %s\n", error.what());
     return failed;

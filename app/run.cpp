@@ -29,13 +29,13 @@ namespace {
 
 constexpr const char* checkpoint_name = "checkpoint.souple";
 
-/// A run that is about to begin or to resume.
+/// A run that is about to start or to resume.
 struct Job {
   RunRecord record;
   SceneDescription scene;
   fs::path out;
-  std::uint64_t done = 0;        ///< frames simulated earlier
-  std::vector<std::byte> state;  ///< state of the world after them
+  std::uint64_t done = 0;        ///< frames simulated before
+  std::vector<std::byte> state;  ///< the world's state after these frames
 };
 
 std::vector<CacheFormat> formats_of(const std::vector<std::string>& names) {
@@ -50,7 +50,7 @@ std::vector<CacheFormat> formats_of(const std::vector<std::string>& names) {
   return formats;
 }
 
-/// Converts the command's own flags to settings, which are checked like all others.
+/// Settings from the command line's options, checked like those of --set.
 std::vector<std::string> settings_of(const RunOptions& options) {
   std::vector<std::string> settings = options.settings;
   if (options.frames) settings.push_back(fmt::format("frames={}", *options.frames));
@@ -89,10 +89,10 @@ Job stopped_job(const RunOptions& options) {
   refuse_changes(options);
   const fs::path file = options.resume / checkpoint_name;
   if (std::error_code error; !fs::exists(options.resume, error))
-    throw Error(options.resume.string() + ": there is no such folder");
+    throw Error(options.resume.string() + ": no such folder");
   if (std::error_code error; !fs::exists(file, error)) {
     throw Error(options.resume.string() + ": has no " + checkpoint_name +
-                ": no run was stopped here, or it was finished since");
+                ": holds no checkpoint; the run was not interrupted, or has finished since");
   }
   Checkpoint checkpoint = read_checkpoint(file, version);
   Job job;
@@ -106,8 +106,8 @@ Job stopped_job(const RunOptions& options) {
   job.done = checkpoint.frame;
   job.state = std::move(checkpoint.state);
   if (job.done > job.scene.frames) {
-    throw Error(fmt::format("--frames {}: the stopped run already has {} frames; expected at least as many",
-                            job.scene.frames, job.done));
+    throw Error(fmt::format("--frames {}: the interrupted run already has {} frames; expected at least {}",
+                            job.scene.frames, job.done, job.done));
   }
   return job;
 }
@@ -121,9 +121,9 @@ void save_checkpoint(const Job& job, const World& world, std::uint64_t frame) {
   write_checkpoint(job.out / checkpoint_name, checkpoint);
 }
 
-/// Summary of a finished run.
-struct Tally {
-  std::array<std::uint64_t, 5> flagged{};  ///< frames with each flag
+/// Statistics of a run that are printed after it.
+struct RunStatistics {
+  std::array<std::uint64_t, 5> flagged{};  ///< number of frames with each flag
   double largest_strain = 0;
 
   static constexpr std::array<Flag, 5> flags{Flag::non_finite, Flag::large_strain, Flag::deep_contact,
@@ -134,12 +134,13 @@ struct Tally {
   }
 };
 
-void print_remarks(const Tally& tally, const Recorder& recorder) {
+void print_diagnostics(const RunStatistics& statistics, const Recorder& recorder) {
   for (const std::string& note : recorder.notes()) std::fprintf(stderr, "souple: %s\n", note.c_str());
-  for (std::size_t i = 0; i < Tally::flags.size(); ++i) {
-    if (tally.flagged[i] == 0 || Tally::flags[i] == Flag::non_finite) continue;
-    std::fprintf(stderr, "souple: in %llu frames: %s\n", static_cast<unsigned long long>(tally.flagged[i]),
-                 std::string(advice(Tally::flags[i])).c_str());
+  for (std::size_t i = 0; i < RunStatistics::flags.size(); ++i) {
+    if (statistics.flagged[i] == 0 || RunStatistics::flags[i] == Flag::non_finite) continue;
+    std::fprintf(stderr, "souple: in %llu frames: %s\n",
+                 static_cast<unsigned long long>(statistics.flagged[i]),
+                 std::string(advice(RunStatistics::flags[i])).c_str());
   }
 }
 
@@ -147,28 +148,28 @@ std::string frames_text(std::uint64_t frames) {
   return fmt::format("{} {}", frames, frames == 1 ? "frame" : "frames");
 }
 
-void print_summary(const Job& job, const Tally& tally, double seconds) {
+void print_summary(const Job& job, const RunStatistics& statistics, double seconds) {
   const std::uint64_t frames = job.scene.frames - job.done;
   const double each = frames > 0 ? 1e3 * seconds / static_cast<double>(frames) : 0;
   std::printf("%s: %s in %.2f s (%.2f ms/frame), largest strain %.2g %%, in %s\n", job.record.name.c_str(),
-              frames_text(frames).c_str(), seconds, each, 100 * tally.largest_strain,
+              frames_text(frames).c_str(), seconds, each, 100 * statistics.largest_strain,
               job.out.string().c_str());
 }
 
 int report_non_finite(const Job& job, const StepReport& report, std::uint64_t frame) {
-  std::fprintf(stderr, "souple: %s; the frames before are in %s. %s\n",
+  std::fprintf(stderr, "souple: %s; the frames before it are in %s. %s\n",
                non_finite_text(job.record.source, report, frame).c_str(), job.out.string().c_str(),
                std::string(advice(Flag::non_finite)).c_str());
   return non_finite;
 }
 
-int say_interrupted(const Job& job, std::uint64_t frame) {
+int report_interrupted(const Job& job, std::uint64_t frame) {
   std::fprintf(stderr, "souple: interrupted after frame %llu of %u; resume with: souple run --resume %s\n",
                static_cast<unsigned long long>(frame), job.scene.frames, job.out.string().c_str());
   return interrupted;
 }
 
-/// Outputs of a run. Surfaces and picture may be null.
+/// Outputs of a run, and whether it prints. Surfaces and picture may be null.
 struct Output {
   Recorder& recorder;
   RunSurfaces* surfaces;
@@ -179,7 +180,8 @@ struct Output {
     recorder.capture();
     if (surfaces != nullptr) surfaces->write(world, frame);
   }
-  /// Saves manifests before a checkpoint, so that a run killed later resumes with its reports.
+  /// Called before a checkpoint is written: otherwise a run that is killed later would resume without its
+  /// reports.
   void save_manifests() const {
     recorder.save_manifest();
     if (surfaces != nullptr) surfaces->save();
@@ -190,16 +192,16 @@ struct Output {
   }
 };
 
-/// Simulates and records; leaves complete files on every exit.
+/// Simulates and records; leaves complete files however it ends.
 int simulate(const Job& job, World& world, const Output& output) {
   const double dt = 1 / job.scene.frame_rate;
-  Tally tally;
+  RunStatistics statistics;
   double seconds = 0;
   {
     Progress progress(job.record.name, job.scene.frames, job.done, output.quiet);
     for (std::uint64_t frame = job.done + 1; frame <= job.scene.frames; ++frame) {
       const StepReport& report = world.step(dt);
-      tally.add(report);
+      statistics.add(report);
       if (!report.ok()) {
         output.finish();
         if (output.picture != nullptr && frame > 1) output.picture->write(world, job.scene);
@@ -208,10 +210,10 @@ int simulate(const Job& job, World& world, const Output& output) {
       output.capture(world, frame);
       progress.frame_done(frame);
       const bool last = frame == job.scene.frames;
-      if (!last && interrupt_came()) {
+      if (!last && interrupt_requested()) {
         save_checkpoint(job, world, frame);
         output.finish();
-        return say_interrupted(job, frame);
+        return report_interrupted(job, frame);
       }
       const std::uint32_t every = job.record.checkpoint_every;
       if (!last && every > 0 && frame % every == 0) {
@@ -223,14 +225,14 @@ int simulate(const Job& job, World& world, const Output& output) {
   }
   output.finish();
   std::error_code error;
-  fs::remove(job.out / checkpoint_name, error);  // a finished run cannot resume
+  fs::remove(job.out / checkpoint_name, error);  // the run is complete: there is nothing to resume
   if (output.picture != nullptr) output.picture->write(world, job.scene);
   if (!output.quiet) {
-    print_remarks(tally, output.recorder);
-    print_summary(job, tally, seconds);
+    print_diagnostics(statistics, output.recorder);
+    print_summary(job, statistics, seconds);
     if (output.surfaces != nullptr) std::printf("%s\n", output.surfaces->summary().c_str());
   }
-  return fine;
+  return success;
 }
 
 RecorderOptions recorder_options(const Job& job) {
@@ -247,7 +249,7 @@ RecorderOptions recorder_options(const Job& job) {
 
 int run(const RunOptions& options) {
   if (options.resume.empty() && options.scene.empty()) {
-    throw Error("expected a scene: souple run SCENE (`souple list` shows those that are shipped)");
+    throw Error("expected a scene: souple run SCENE (`souple list` lists the shipped scenes)");
   }
   Job job = options.resume.empty() ? new_job(options) : stopped_job(options);
   job.scene.settings.threads = options.threads.value_or(0);
@@ -257,25 +259,25 @@ int run(const RunOptions& options) {
       world.restore(Snapshot{job.state});
     } catch (const Error& error) {
       throw Error((job.out / checkpoint_name).string() +
-                  ": does not fit the scene any more (has a mesh changed?): " + error.what());
+                  ": does not match the scene (was a mesh changed?): " + error.what());
     }
   }
   std::unique_ptr<RunSurfaces> surfaces;
   if (!job.record.surface.empty())
     surfaces = std::make_unique<RunSurfaces>(job.record.surface, job.scene, world, job.out, job.done);
   const auto picture = options.picture.empty() ? nullptr : std::make_unique<LastPicture>(options.picture);
-  // From here on files exist: an interrupt must leave them complete.
+  // From here on files are written; an interrupt ends the run with complete files.
   watch_interrupts();
   if (job.done == 0) {
     std::error_code error;
-    fs::remove(job.out / checkpoint_name, error);  // left by an older run
+    fs::remove(job.out / checkpoint_name, error);  // of an earlier run
     if (surfaces) surfaces->start();
   }
   Recorder recorder(world, job.out, recorder_options(job));
   try {
     const int code = simulate(job, world, {recorder, surfaces.get(), picture.get(), options.quiet});
-    if (code == fine && picture != nullptr && !options.quiet)
-      std::printf("%s: the last frame is shown in %s\n", job.record.name.c_str(), options.picture.c_str());
+    if (code == success && picture != nullptr && !options.quiet)
+      std::printf("%s: picture of the last frame: %s\n", job.record.name.c_str(), options.picture.c_str());
     return code;
   } catch (const Error& error) {
     std::fprintf(stderr, "souple: %s\n", error.what());

@@ -33,27 +33,27 @@ RunSurfaces::RunSurfaces(const std::string& method, const SceneDescription& scen
       threads_(make_threads(Threading::automatic, scene.settings.threads)),
       fluids_(objects_of(world, ObjectKind::fluid)),
       frames_(done),
-      begun_(done) {
-  order_.surface.method = surface_method_of(method, "--surface");
-  order_.out = surface_folder(run);
+      done_before_(done) {
+  file_options_.surface.method = surface_method_of(method, "--surface");
+  file_options_.out = surface_folder(run);
   if (fluids_.empty()) fluids_ = objects_of(world, ObjectKind::grains);
   if (fluids_.empty())
     throw Error("--surface " + method + ": " + scene.source +
-                " has neither fluids nor grains; only of particles a surface is made");
-  const RunManifest before = done > 0 ? read_manifest(order_.out) : RunManifest{};
+                " has neither fluids nor grains; expected an object of particles to mesh");
+  const RunManifest before = done > 0 ? read_manifest(file_options_.out) : RunManifest{};
   FileNames names;
   for (const ObjectId fluid : fluids_) {
     const std::string& name = world.name(fluid);
-    files_.push_back(
-        std::make_unique<SurfaceFiles>(order_, spacing_in(scene, name), name, names.add(name), *threads_));
+    files_.push_back(std::make_unique<SurfaceFiles>(file_options_, spacing_in(scene, name), name,
+                                                    names.add(name), *threads_));
     if (done > 0) files_.back()->resume(before, done);
   }
 }
 
 void RunSurfaces::start() {
-  create_folder(order_.out);
+  create_folder(file_options_.out);
   std::error_code ignored;
-  fs::remove(order_.out / "run.json", ignored);  // left by an older run
+  fs::remove(file_options_.out / "run.json", ignored);  // of an earlier run
 }
 
 void RunSurfaces::write(const World& world, std::uint64_t frame) {
@@ -63,7 +63,7 @@ void RunSurfaces::write(const World& world, std::uint64_t frame) {
 }
 
 void RunSurfaces::save() const {
-  write_manifest(order_.out, surface_manifest(read_manifest(run_), frames_, files_));
+  write_manifest(file_options_.out, surface_manifest(read_manifest(run_), frames_, files_));
 }
 
 void RunSurfaces::finish() {
@@ -72,7 +72,7 @@ void RunSurfaces::finish() {
 }
 
 std::string RunSurfaces::summary() const {
-  return order_.out.string() + ": " + surface_summary(frames_ - begun_, files_);
+  return file_options_.out.string() + ": " + surface_summary(frames_ - done_before_, files_);
 }
 
 }  // namespace souple::app

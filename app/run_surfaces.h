@@ -11,36 +11,36 @@
 
 namespace souple::app {
 
-/// Meshes of a run's fluids, written during the run: bit for bit the files that `souple surface` writes from
-/// its folder afterwards.
+/// Meshes of a run's fluids, written during the run: bitwise the files that `souple surface` would write from
+/// the run's folder afterwards.
 class RunSurfaces {
  public:
-  /// `method`: the value of the run's option; `run`: its folder; `done`: number of frames written earlier.
-  /// Meshes all fluids, or all grains if there are no fluids. Writes no file. Throws Error if there is no
-  /// object to mesh or a mesh of an earlier frame is missing.
+  /// `method` is the argument of --surface, `run` the run's folder, `done` the number of frames written
+  /// before. Meshes all fluids, or all grains if there is no fluid. Writes nothing. Throws Error where there
+  /// is no object to mesh, or, with `done` above 0, where meshes of these frames are missing.
   RunSurfaces(const std::string& method, const SceneDescription& scene, const World& world,
               const std::filesystem::path& run, std::uint64_t done);
 
-  /// Creates the folder, for a new run.
+  /// Creates the folder for a new run.
   void start();
-  /// Writes the meshes of the current world.
+  /// Meshes the world's current state.
   void write(const World& world, std::uint64_t frame);
   /// Writes run.json for the frames so far; the run's own run.json must be up to date.
   void save() const;
-  /// Removes files of an earlier, longer run, and saves. The run itself must be finished first.
+  /// Removes files of a longer earlier run and saves run.json. The run must be complete up to the same frame.
   void finish();
 
   /// Folder, frames, triangles and time.
   std::string summary() const;
 
  private:
-  SurfaceOrder order_;
+  SurfaceFileOptions file_options_;
   std::filesystem::path run_;
   double rate_;  // frames per second
   std::unique_ptr<Threads> threads_;
   std::vector<ObjectId> fluids_;
   ObjectFiles files_;  // per object
-  std::uint64_t frames_, begun_;
+  std::uint64_t frames_, done_before_;
 };
 
 }  // namespace souple::app

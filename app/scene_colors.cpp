@@ -8,17 +8,17 @@ namespace souple::app {
 
 namespace {
 
-template <class Things>
-void color(Things& things, std::string_view name, const std::optional<std::uint32_t>& wish) {
-  if (!wish) return;
-  for (auto& thing : things) {
-    if (thing.name == name) thing.color = render::srgb(*wish);
+template <class Items>
+void color(Items& items, std::string_view name, const std::optional<std::uint32_t>& color_value) {
+  if (!color_value) return;
+  for (auto& item : items) {
+    if (item.name == name) item.color = render::srgb(*color_value);
   }
 }
 
-void leave_out(std::vector<render::ColliderBody>& colliders, std::string_view name) {
-  const auto is_it = [&](const auto& collider) { return collider.name == name; };
-  colliders.erase(std::remove_if(colliders.begin(), colliders.end(), is_it), colliders.end());
+void remove_collider(std::vector<render::ColliderBody>& colliders, std::string_view name) {
+  const auto has_name = [&](const auto& collider) { return collider.name == name; };
+  colliders.erase(std::remove_if(colliders.begin(), colliders.end(), has_name), colliders.end());
 }
 
 }  // namespace
@@ -28,7 +28,7 @@ void add_colors(const SceneDescription& scene, render::Subject& subject) {
     color(subject.bodies, common(object).name, common(object).color);
   for (const ColliderDescription& collider : scene.colliders) {
     color(subject.colliders, collider.name, collider.color);
-    if (!collider.show) leave_out(subject.colliders, collider.name);
+    if (!collider.show) remove_collider(subject.colliders, collider.name);
   }
 }
 

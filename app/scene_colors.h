@@ -5,8 +5,8 @@
 
 namespace souple::app {
 
-/// Applies the colors of the scene's entries to the bodies and colliders of `subject` with equal names. Omits
-/// hidden colliders.
+/// Gives the bodies and colliders of `subject` the colors of the scene's entries with the same name. Removes
+/// colliders that the scene hides.
 void add_colors(const SceneDescription& scene, render::Subject& subject);
 
 }  // namespace souple::app

@@ -23,33 +23,34 @@ namespace fs = std::filesystem;
 
 namespace {
 
-SurfaceOrder order_of(const SurfaceRequest& request) {
-  SurfaceOrder order;
-  order.surface.method = surface_method_of(request.method, "--method");
-  order.format = value_of<SurfaceFormat>(
+SurfaceFileOptions file_options_of(const SurfaceRequest& request) {
+  SurfaceFileOptions file_options;
+  file_options.surface.method = surface_method_of(request.method, "--method");
+  file_options.format = value_of<SurfaceFormat>(
       {{"obj", SurfaceFormat::obj}, {"ply", SurfaceFormat::ply}, {"vdb", SurfaceFormat::vdb}}, request.format,
       "--format");
-  if (order.format == SurfaceFormat::vdb) require_vdb();
-  order.particles = value_of<std::optional<ParticleFormat>>({{"none", std::nullopt},
-                                                             {"ply", ParticleFormat::ply},
-                                                             {"vtk", ParticleFormat::vtk},
-                                                             {"bgeo", ParticleFormat::bgeo}},
-                                                            request.particles, "--particles");
+  if (file_options.format == SurfaceFormat::vdb) require_vdb();
+  file_options.particles = value_of<std::optional<ParticleFormat>>({{"none", std::nullopt},
+                                                                    {"ply", ParticleFormat::ply},
+                                                                    {"vtk", ParticleFormat::vtk},
+                                                                    {"bgeo", ParticleFormat::bgeo}},
+                                                                   request.particles, "--particles");
   const auto take_length = [](const std::optional<float>& given, const char* option, float& value) {
     if (given && !(*given > 0)) throw Error(std::string(option) + ": expected a length above 0 [m]");
     value = given.value_or(0);
   };
-  take_length(request.spacing, "--spacing", order.surface.spacing);
-  take_length(request.cell, "--cell", order.surface.cell);
+  take_length(request.spacing, "--spacing", file_options.surface.spacing);
+  take_length(request.cell, "--cell", file_options.surface.cell);
   if (request.smoothing) {
     if (*request.smoothing > 1000) throw Error("--smoothing: expected at most 1000 passes");
-    order.surface.smoothing_passes = static_cast<int>(*request.smoothing);
+    file_options.surface.smoothing_passes = static_cast<int>(*request.smoothing);
   }
-  order.out = request.out.empty() ? surface_folder(request.cache) : request.out;
-  return order;
+  file_options.out = request.out.empty() ? surface_folder(request.cache) : request.out;
+  return file_options;
 }
 
-/// The objects to mesh: the requested ones, else all fluids, else all grains.
+/// Indices of particle objects to mesh: the requested objects; by default all fluids; without fluids all
+/// grains.
 std::vector<std::size_t> chosen_objects(const SurfaceRequest& request, const Playback& playback) {
   const auto of_kind = [&](const char* kind) {
     std::vector<std::size_t> found;
@@ -63,7 +64,7 @@ std::vector<std::size_t> chosen_objects(const SurfaceRequest& request, const Pla
     if (chosen.empty()) chosen = grains;
     if (chosen.empty())
       throw Error(request.cache.string() +
-                  ": has neither fluids nor grains; only of particles a surface is made");
+                  ": has neither fluids nor grains; expected an object of particles to mesh");
     return chosen;
   }
   chosen.insert(chosen.end(), grains.begin(), grains.end());
@@ -81,7 +82,7 @@ std::vector<std::size_t> chosen_objects(const SurfaceRequest& request, const Pla
   return result;
 }
 
-/// Spacing from the scene embedded in run.json.
+/// The particle spacing from the scene that run.json embeds.
 float spacing_of(const Playback& playback, const std::string& object, const fs::path& cache) {
   const std::string& text = playback.manifest().scene;
   if (!text.empty()) {
@@ -96,25 +97,26 @@ float spacing_of(const Playback& playback, const std::string& object, const fs::
 }
 
 /// Meshes frame by frame.
-class Work {
+class MeshingJob {
  public:
-  Work(const SurfaceRequest& request, const SurfaceOrder& order, Playback& playback)
-      : order_(order),
+  MeshingJob(const SurfaceRequest& request, const SurfaceFileOptions& file_options, Playback& playback)
+      : file_options_(file_options),
         playback_(playback),
         threads_(make_threads(Threading::automatic, request.threads.value_or(0))) {
     FileNames names;
     for (const std::size_t i : chosen_objects(request, playback)) {
       const std::string& name = playback.objects()[i].name;
       const float spacing = request.spacing ? *request.spacing : spacing_of(playback, name, request.cache);
-      objects_.push_back(std::make_unique<SurfaceFiles>(order, spacing, name, names.add(name), *threads_));
+      objects_.push_back(
+          std::make_unique<SurfaceFiles>(file_options, spacing, name, names.add(name), *threads_));
       indices_.push_back(i);
     }
   }
 
-  /// Returns whether all frames were done.
+  /// Returns whether all frames are complete.
   bool run(const SurfaceRequest& request) {
     Progress progress(request.cache.string(), playback_.frames(), 0, request.quiet);
-    for (std::uint64_t frame = 1; frame <= playback_.frames() && !interrupt_came(); ++frame) {
+    for (std::uint64_t frame = 1; frame <= playback_.frames() && !interrupt_requested(); ++frame) {
       playback_.read(frame);
       const double before = frame > 1 ? playback_.time(frame - 1) : 0;
       const double rate = 1 / (playback_.time(frame) - before);
@@ -126,7 +128,7 @@ class Work {
       progress.frame_done(frame);
     }
     for (const auto& object : objects_) object->finish();
-    write_manifest(order_.out, surface_manifest(playback_.manifest(), frames_, objects_));
+    write_manifest(file_options_.out, surface_manifest(playback_.manifest(), frames_, objects_));
     return frames_ == playback_.frames();
   }
 
@@ -134,43 +136,43 @@ class Work {
   std::string summary() const { return surface_summary(frames_, objects_); }
 
  private:
-  const SurfaceOrder& order_;
+  const SurfaceFileOptions& file_options_;
   Playback& playback_;
   std::unique_ptr<Threads> threads_;
   ObjectFiles objects_;
-  std::vector<std::size_t> indices_;  // per object: its index in the playback
+  std::vector<std::size_t> indices_;  // per object: index in the playback
   std::uint64_t frames_ = 0;
 };
 
 }  // namespace
 
 int surface(const SurfaceRequest& request) {
-  const SurfaceOrder order = order_of(request);
+  const SurfaceFileOptions file_options = file_options_of(request);
   Playback playback(request.cache);
   if (playback.frames() == 0)
     throw Error(request.cache.string() + ": holds no frame yet; expected at least one");
-  Work work(request, order, playback);
+  MeshingJob job(request, file_options, playback);
   std::error_code ignored;
   const fs::path source =
       request.cache.filename() == "run.json" ? request.cache.parent_path() : request.cache;
-  if (fs::equivalent(source.empty() ? "." : source, order.out, ignored))
-    throw Error("--out " + order.out.string() + ": is the folder that is read; choose another");
-  create_folder(order.out);
-  // From here on files exist: an interrupt must leave them complete.
+  if (fs::equivalent(source.empty() ? "." : source, file_options.out, ignored))
+    throw Error("--out " + file_options.out.string() + ": is the input folder; choose another");
+  create_folder(file_options.out);
+  // From here on files are written; an interrupt ends the work with complete files.
   watch_interrupts();
   try {
-    if (!work.run(request)) {
-      std::fprintf(stderr, "souple: interrupted after frame %llu of %llu; %s holds these\n",
-                   static_cast<unsigned long long>(work.frames()),
-                   static_cast<unsigned long long>(playback.frames()), order.out.string().c_str());
+    if (!job.run(request)) {
+      std::fprintf(stderr, "souple: interrupted after frame %llu of %llu; %s holds these frames\n",
+                   static_cast<unsigned long long>(job.frames()),
+                   static_cast<unsigned long long>(playback.frames()), file_options.out.string().c_str());
       return interrupted;
     }
   } catch (const Error& error) {
     std::fprintf(stderr, "souple: %s\n", error.what());
     return failed;
   }
-  if (!request.quiet) std::printf("%s: %s\n", order.out.string().c_str(), work.summary().c_str());
-  return fine;
+  if (!request.quiet) std::printf("%s: %s\n", file_options.out.string().c_str(), job.summary().c_str());
+  return success;
 }
 
 }  // namespace souple::app

@@ -25,7 +25,7 @@ const char* extension_of(SurfaceFormat format) {
   return format == SurfaceFormat::vdb ? "vdb" : format == SurfaceFormat::ply ? "ply" : "obj";
 }
 
-/// Half width of a volume's band around the surface. [cells]
+/// Width of the narrow band of a volume on each side of the surface. [cells]
 constexpr int band_cells = 3;
 
 struct Spacing {
@@ -54,20 +54,20 @@ float particle_spacing(const AnyObjectDescription& description) {
   return std::visit(Spacing{}, description);
 }
 
-SurfaceFiles::SurfaceFiles(const SurfaceOrder& order, float spacing, std::string object,
+SurfaceFiles::SurfaceFiles(const SurfaceFileOptions& file_options, float spacing, std::string object,
                            const std::string& file_name, Threads& threads)
-    : folder_(order.out),
+    : folder_(file_options.out),
       object_(std::move(object)),
       file_name_(file_name),
-      format_(order.format),
-      extension_(extension_of(order.format)),
+      format_(file_options.format),
+      extension_(extension_of(file_options.format)),
       threads_(threads),
-      surface_(with_spacing(order.surface, spacing)),
-      meshes_(order.out, file_name, extension_, [this](auto, auto) { return bytes(); }) {
-  if (order.particles) {
-    const ParticleFormat format = *order.particles;
+      surface_(with_spacing(file_options.surface, spacing)),
+      meshes_(file_options.out, file_name, extension_, [this](auto, auto) { return bytes(); }) {
+  if (file_options.particles) {
+    const ParticleFormat format = *file_options.particles;
     particles_.emplace(
-        order.out, file_name + "_particles", std::string(particle_format_name(format)),
+        file_options.out, file_name + "_particles", std::string(particle_format_name(format)),
         [format](auto positions, auto velocities) { return particle_bytes(format, positions, velocities); });
   }
 }
@@ -75,23 +75,23 @@ SurfaceFiles::SurfaceFiles(const SurfaceOrder& order, float spacing, std::string
 void SurfaceFiles::resume(const RunManifest& before, std::uint64_t done) {
   const auto known = std::find_if(before.objects.begin(), before.objects.end(),
                                   [&](const ManifestObject& object) { return object.name == object_; });
-  std::uint64_t there = 0;
+  std::uint64_t mesh_count = 0;
   for (std::uint64_t frame = 1; frame <= done; ++frame) {
     std::error_code ignored;
-    if (fs::exists(folder_ / frame_file_name(file_name_, frame, extension_), ignored)) ++there;
+    if (fs::exists(folder_ / frame_file_name(file_name_, frame, extension_), ignored)) ++mesh_count;
   }
   const bool has_any = known != before.objects.end() && !known->files.empty();
   const std::uint64_t written = has_any ? known->files.front().frames : 0;
   // That run.json may list later frames too.
-  if (before.frames < done || there > written || written - there > before.frames - done)
-    throw Error(fmt::format(
-        "{}: lacks meshes of \"{}\": {} of the first {} frames are there; start the run again, or "
-        "make them of its folder with `souple surface`",
-        folder_.string(), object_, there, done));
+  if (before.frames < done || mesh_count > written || written - mesh_count > before.frames - done)
+    throw Error(
+        fmt::format("{}: lacks meshes of \"{}\": {} of the first {} frames exist; start the run again, "
+                    "or make them from its folder with `souple surface`",
+                    folder_.string(), object_, mesh_count, done));
   meshes_.go_on_after(done);
-  if (there == 0) return;
-  listed_ = *known;
-  listed_.files.front().frames = there;
+  if (mesh_count == 0) return;
+  manifest_object_ = *known;
+  manifest_object_.files.front().frames = mesh_count;
 }
 
 void SurfaceFiles::write(std::uint64_t frame, std::span<const Vec3f> positions,
@@ -103,15 +103,15 @@ void SurfaceFiles::write(std::uint64_t frame, std::span<const Vec3f> positions,
   if (!mesh.triangles.empty()) {
     meshes_.skip_to(frame);
     meshes_.append(mesh.positions, {});
-    if (listed_.files.empty()) list_first(frame, mesh);
-    ++listed_.files.front().frames;
+    if (manifest_object_.files.empty()) add_first_to_manifest(frame, mesh);
+    ++manifest_object_.files.front().frames;
   }
   if (particles_ && !positions.empty()) {
     particles_->skip_to(frame);
     particles_->append(positions,
                        velocities.empty() ? differences(positions, static_cast<float>(rate)) : velocities);
   }
-  before_.assign(positions.begin(), positions.end());
+  previous_.assign(positions.begin(), positions.end());
 }
 
 void SurfaceFiles::finish() {
@@ -127,19 +127,20 @@ std::string SurfaceFiles::bytes() {
   return vdb_bytes(narrow_band(mesh.positions, mesh.triangles, cell, band_cells, threads_), object_);
 }
 
-void SurfaceFiles::list_first(std::uint64_t frame, const SurfaceMesh& mesh) {
-  listed_ = {object_, "fluid", {{extension_, frame_file_name(file_name_, frame, extension_), 0}}, 0, 0};
+void SurfaceFiles::add_first_to_manifest(std::uint64_t frame, const SurfaceMesh& mesh) {
+  manifest_object_ = {
+      object_, "fluid", {{extension_, frame_file_name(file_name_, frame, extension_), 0}}, 0, 0};
   if (format_ == SurfaceFormat::vdb) return;  // a volume has neither
-  listed_.points = mesh.positions.size();
-  listed_.triangles = mesh.triangles.size();
+  manifest_object_.points = mesh.positions.size();
+  manifest_object_.triangles = mesh.triangles.size();
 }
 
-/// Velocities for a cache of positions: displacement since the previous frame over its time. 0 if there is
-/// no such frame, or it has another number of particles.
+/// Velocities where the cache holds positions only: displacement since the frame before, divided by its
+/// duration. Zero where there was no such frame, or where its number of particles differs.
 std::span<const Vec3f> SurfaceFiles::differences(std::span<const Vec3f> positions, float rate) {
   velocities_.assign(positions.size(), {});
-  if (before_.size() == positions.size())
-    for (std::size_t i = 0; i < positions.size(); ++i) velocities_[i] = (positions[i] - before_[i]) * rate;
+  if (previous_.size() == positions.size())
+    for (std::size_t i = 0; i < positions.size(); ++i) velocities_[i] = (positions[i] - previous_[i]) * rate;
   return velocities_;
 }
 
@@ -151,7 +152,7 @@ RunManifest surface_manifest(const RunManifest& source, std::uint64_t frames, co
   result.frame_rate = source.frame_rate;
   result.frames = frames;
   for (const auto& object : objects)
-    if (!object->listed().files.empty()) result.objects.push_back(object->listed());
+    if (!object->manifest_object().files.empty()) result.objects.push_back(object->manifest_object());
   result.notes = {"surfaces of particles, by souple surface"};
   for (const FrameReport& report : source.reports)
     if (report.frame <= frames) result.reports.push_back({report.frame, report.time, {}, {}, {}});

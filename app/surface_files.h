@@ -17,18 +17,18 @@
 #include <utility>
 #include <vector>
 
-// Meshes of fluids in a folder for other commands: of a finished run (`souple surface`), or during a run
-// (`souple run --surface`).
+// Meshes of fluids in a folder that other commands read: from a finished run (`souple surface`), or during
+// the run (`souple run --surface`).
 
 namespace souple::app {
 
-/// The words of an option and their values.
+/// The arguments that an option accepts, with their values.
 template <class Value>
-using Words = std::vector<std::pair<std::string, Value>>;
+using OptionValues = std::vector<std::pair<std::string, Value>>;
 
-/// Throws Error that lists the words.
+/// Throws Error that lists the accepted arguments.
 template <class Value>
-Value value_of(const Words<Value>& words, const std::string& word, const char* option) {
+Value value_of(const OptionValues<Value>& words, const std::string& word, const char* option) {
   std::vector<std::string> known;
   for (const auto& [name, value] : words) {
     if (name == word) return value;
@@ -40,11 +40,11 @@ Value value_of(const Words<Value>& words, const std::string& word, const char* o
               scene_format::suggestion(word, known));
 }
 
-/// Formats of meshes (OBJ, PLY) and of volumes around them (VDB).
+/// Meshes, or volumes around them.
 enum class SurfaceFormat { obj, ply, vdb };
 
-/// Options of meshing and writing surfaces.
-struct SurfaceOrder {
+/// Settings of surfaces and of the files they are written to.
+struct SurfaceFileOptions {
   SurfaceOptions surface;
   SurfaceFormat format = SurfaceFormat::obj;
   std::optional<ParticleFormat> particles;
@@ -54,35 +54,35 @@ struct SurfaceOrder {
 /// Parses "anisotropic" or "isotropic". Throws Error that names the option.
 SurfaceMethod surface_method_of(const std::string& word, const char* option);
 
-/// out/dam_surface for out/dam or out/dam/run.json.
+/// Maps out/dam, or out/dam/run.json, to out/dam_surface.
 std::filesystem::path surface_folder(const std::filesystem::path& cache);
 
-/// Distance of particles [m]; 0 for objects without particles of their own.
+/// Spacing of an object's particles [m]; 0 if the object does not consist of particles.
 float particle_spacing(const AnyObjectDescription& description);
 
-/// The files of one object.
+/// Writes the files of one object.
 class SurfaceFiles {
  public:
-  SurfaceFiles(const SurfaceOrder& order, float spacing, std::string object, const std::string& file_name,
-               Threads& threads);
+  SurfaceFiles(const SurfaceFileOptions& file_options, float spacing, std::string object,
+               const std::string& file_name, Threads& threads);
   SurfaceFiles(const SurfaceFiles&) = delete;
   SurfaceFiles& operator=(const SurfaceFiles&) = delete;
 
-  /// Continues after frame `done` with the existing meshes of earlier frames. `before`: the run.json written
-  /// with them or later. Throws Error if it does not match.
+  /// Resumes after frame `done`, and keeps the existing meshes up to that frame. `before` is the run.json
+  /// that was written with these meshes or after later ones. Throws Error where it does not match.
   void resume(const RunManifest& before, std::uint64_t done);
-  /// `velocities` may be empty; `rate`: frames per second. An absent object, or one too thin for the grid,
-  /// gets no file.
+  /// `velocities` may be empty; `rate` is the frame rate [1/s]. Writes no file for an object without
+  /// particles, or too thin for the grid.
   void write(std::uint64_t frame, std::span<const Vec3f> positions, std::span<const Vec3f> velocities,
              double rate);
   void finish();
-  const ManifestObject& listed() const { return listed_; }
+  const ManifestObject& manifest_object() const { return manifest_object_; }
   std::uint64_t triangles() const { return triangles_; }
   double milliseconds() const { return milliseconds_; }
 
  private:
   std::string bytes();
-  void list_first(std::uint64_t frame, const SurfaceMesh& mesh);
+  void add_first_to_manifest(std::uint64_t frame, const SurfaceMesh& mesh);
   std::span<const Vec3f> differences(std::span<const Vec3f> positions, float rate);
 
   std::filesystem::path folder_;
@@ -93,15 +93,15 @@ class SurfaceFiles {
   FluidSurface surface_;
   SequenceWriter meshes_;
   std::optional<SequenceWriter> particles_;
-  ManifestObject listed_;
-  std::vector<Vec3f> before_, velocities_;
+  ManifestObject manifest_object_;
+  std::vector<Vec3f> previous_, velocities_;
   std::uint64_t vertices_ = 0, triangles_ = 0;
   double milliseconds_ = 0;
 };
 
 using ObjectFiles = std::vector<std::unique_ptr<SurfaceFiles>>;
 
-/// The run.json of the meshes of the first `frames` frames of a run.
+/// The run.json for the meshes of the first `frames` frames of a run.
 RunManifest surface_manifest(const RunManifest& source, std::uint64_t frames, const ObjectFiles& objects);
 
 /// "300 frames, 20000 triangles and 31.5 ms each".

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <sstream>
 
-// The only source that includes OpenVDB, because its headers take seconds to compile.
+// The only file of the program that includes OpenVDB, which costs seconds of compile time.
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/SignedFloodFill.h>
 
@@ -17,7 +17,7 @@ namespace {
 using Leaf = openvdb::FloatGrid::TreeType::LeafNodeType;
 static_assert(Leaf::SIZE == NarrowBand::brick_points && Leaf::DIM == NarrowBand::side);
 
-/// Creates the grid inside the library: FloatGrid::create would instantiate all functions of a grid again.
+/// The library creates the grid: FloatGrid::create would instantiate all operations of a grid once more.
 openvdb::FloatGrid::Ptr grid_of(const NarrowBand& band, const std::string& object) {
   const openvdb::GridBase::Ptr made = openvdb::GridBase::createGrid(openvdb::FloatGrid::gridType());
   openvdb::FloatGrid::Ptr grid = openvdb::gridPtrCast<openvdb::FloatGrid>(made);
@@ -36,7 +36,7 @@ openvdb::FloatGrid::Ptr grid_of(const NarrowBand& band, const std::string& objec
   return grid;
 }
 
-/// A file in memory as openvdb::io::File writes it, with offsets of its parts, which io::Stream omits.
+/// A file in memory, as openvdb::io::File writes it: with offsets of its parts, which io::Stream omits.
 class Archive : public openvdb::io::Archive {
  public:
   std::string bytes_of(const openvdb::GridBase::ConstPtr& grid) const {
@@ -46,14 +46,14 @@ class Archive : public openvdb::io::Archive {
   }
 };
 
-/// Replaces OpenVDB's random file name (UUID) by one computed from the content.
+/// OpenVDB gives each file a random name (UUID). This one is a hash of the file's content.
 void name_by_content(std::string& bytes) {
   constexpr std::size_t at = 8 + 4 + 4 + 4 + 1;  // after magic number, three versions and a flag
   constexpr std::size_t size = 36;
   if (bytes.size() < at + size) return;
   std::string name(size, '0');
   for (const std::size_t dash : {8u, 13u, 18u, 23u}) {
-    if (bytes[at + dash] != '-') return;  // unknown format
+    if (bytes[at + dash] != '-') return;  // an unknown format
     name[dash] = '-';
   }
   bytes.replace(at, size, name);

@@ -6,13 +6,13 @@
 
 namespace souple::app {
 
-/// Whether the program was built with OpenVDB.
+/// Whether the build includes OpenVDB.
 bool has_vdb();
-/// Throws Error that names the package, if the program was built without OpenVDB.
+/// Throws Error that names the package to install when the build does not include OpenVDB.
 void require_vdb();
 
-/// An OpenVDB file: a level set named "surface" (float, negative inside, meters) with filled interior tiles.
-/// The metadata entry "object" holds `object`. Equal bands give equal bytes.
+/// An OpenVDB file with a level set named "surface" (float, negative inside, meters), tiles inside filled.
+/// `object` becomes its metadata entry of that name. The same band gives the same bytes.
 std::string vdb_bytes(const NarrowBand& band, const std::string& object);
 
 }  // namespace souple::app

@@ -2,7 +2,7 @@
 #include "app/exit_codes.h"
 #include "app/find_scene.h"
 #include "app/interrupt.h"
-#include "app/picture_words.h"
+#include "app/picture_arguments.h"
 #include "app/view/scene_list.h"
 #include "app/view/window.h"
 #include "souple/error.h"
@@ -15,7 +15,7 @@ namespace souple::app {
 
 namespace {
 
-/// An existing folder or file, else the name of a shipped scene.
+/// An existing folder or file as it is; otherwise the shipped scene of that name.
 std::filesystem::path what_to_view(const std::string& what) {
   std::error_code error;
   if (!what.empty())
@@ -44,13 +44,13 @@ int view(const ViewRequest& request) {
   window.debug = request.debug;
   window.viewer.paused = request.paused;
   viewer::SceneList scenes(shipped_scenes());
-  // Before opening a window: errors of a scene go to the terminal.
+  // Opened before the window: errors in a scene are printed in the terminal.
   std::unique_ptr<viewer::Session> session = scenes.open(what_to_view(request.source));
-  // Ctrl-C in the terminal finishes a film in progress.
+  // Ctrl-C in the terminal finishes a film that is being recorded.
   watch_interrupts();
-  window.interrupted = interrupt_came;
+  window.interrupted = interrupt_requested;
   viewer::run_window(std::move(scenes), std::move(session), window);
-  return interrupt_came() ? interrupted : fine;
+  return interrupt_requested() ? interrupted : success;
 }
 
 }  // namespace souple::app

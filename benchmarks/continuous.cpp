@@ -10,8 +10,8 @@
 
 #include <benchmark/benchmark.h>
 
-// Nanoseconds a call of continuous detection: safe times by how they end, the cubic alone, nearest points in
-// float and double and in packs of the instruction set this file is compiled for.
+// Nanoseconds per call of continuous detection: safe times by outcome, the cubic alone, and nearest points in
+// float, in double and in packs of this file's instruction set.
 
 namespace souple {
 
@@ -27,7 +27,8 @@ using test::Random;
 
 enum Case { boxes, apart, turning, crossing };
 
-/// A particle above a triangle (or edges crossed at a height) of a millimeter to a centimeter, as in cloth.
+/// A particle a millimeter to a centimeter above a triangle (or edges that cross at such a distance), as in
+/// cloth.
 Moving4 motion(Case kind, bool edges, Random& random) {
   Moving4 m;
   const int upper = edges ? 2 : 1;
@@ -43,10 +44,10 @@ Moving4 motion(Case kind, bool edges, Random& random) {
   for (int i = 0; i < 4; ++i) {
     m.p[i] = m.x[i] + random.point(-0.0002, 0.0002);
     if (i < upper && kind == crossing) m.p[i].y -= 0.006;
-    // Turned while it moves on: no one direction keeps them apart.
+    // Rotated during the motion: no single direction separates them.
     if (kind == turning) m.p[i] = Vec3d{m.p[i].x, m.p[i].z, -m.p[i].y} + random.point(-0.0002, 0.0002);
   }
-  // Oblique, so that boxes do not tell.
+  // Oblique, so that the bounding boxes overlap.
   const auto tilt = [](Vec3d& v) { v = {v.x * 0.8 - v.y * 0.6, v.x * 0.6 + v.y * 0.8, v.z + 0.8 * v.y}; };
   for (int i = 0; i < 4 && kind != boxes; ++i) tilt(m.x[i]), tilt(m.p[i]);
   return m;
@@ -124,7 +125,7 @@ BENCHMARK_TEMPLATE(edge_parameters, double);
 #if defined(__x86_64__)
 constexpr int packs = 64;
 
-/// Items are triangles or pairs of edges: their inverse rate is the time of one.
+/// Items are triangles or pairs of edges: the inverse rate is the time per item.
 void nearest_of_packs(benchmark::State& state, int lanes, void (*run)(const float*, int, float*),
                       bool supported) {
   if (!supported) return state.SkipWithError("this processor has no such instructions");

@@ -1,13 +1,13 @@
-// How fast each solver takes the stretch out of a rigid cloth: residual against iterations and CPU time.
+// How fast each solver removes the stretch of a rigid cloth: residual against iterations and CPU time.
 //
 //   convergence SOLVER SIZE BUDGET_MS [--relaxation X] [--chebyshev RHO] [--symmetric] [--threads N]
 //
 // A cloth of SIZE x SIZE vertices and 2 m, rigid along the edges of its triangles and across interior edges,
-// no gravity, its first row pinned, stretched 10 % away from that row (the pinned row itself cannot be
-// mended, so it is not stretched). One solve of 1, 2, 4, ... iterations, each from that start, until one
-// takes longer than the budget. Prints JSON: the curve's points with `iterations`, `ms` (CPU time of the
-// process in the solve, least of three), `strain` (largest |C| / l) and `rms` (root mean square of C / l),
-// both as shares of the 10 % at the start.
+// no gravity, its first row pinned, stretched 10 % away from that row (no solver can move the pinned row, so
+// it is not stretched). One solve of 1, 2, 4, ... iterations, each from that start, until one takes longer
+// than the budget. Prints JSON: the curve's points with `iterations`, `ms` (CPU time of the process in the
+// solve, minimum of three), `strain` (maximum of |C| / l) and `rms` (root mean square of C / l), both as
+// fractions of the 10 % at the start.
 
 #include "souple/constraints/distance.h"
 #include "souple/error.h"

@@ -1,10 +1,10 @@
-// The path of Gauss-Seidel in the plane of two unknowns, from the real solver: what script/figures draws.
+// The path of Gauss-Seidel in the plane of two unknowns, from the real solver, as script/figures draws it.
 //
 //   gauss_seidel_2d
 //
-// One particle, free in the xy plane, and two constraints a . x = b, two lines in that plane; first far from
-// parallel, then nearly so. Prints JSON: for each case and each relaxation the points that GaussSeidel
-// visits, as the constraints see them.
+// One particle, free in the xy plane, and two constraints a . x = b, two lines in that plane: first at a
+// large angle, then nearly parallel. Prints JSON: for each case and each relaxation, the points at which
+// GaussSeidel evaluates the constraints.
 
 #include "souple/solver/custom_constraint.h"
 #include "souple/solver/solver.h"
@@ -31,7 +31,7 @@ struct Case {
   Vec3f start;
 };
 
-// Whoever evaluates a constraint tells it where the particle is.
+// Each evaluation of a constraint records the particle's position.
 std::vector<Vec3f> path_of(const Case& scene, float relaxation, int iterations) {
   std::vector<Vec3f> path;
   std::vector<Vec4f> position{{scene.start.x, scene.start.y, 0, 1}};

@@ -1,6 +1,7 @@
-// What each pass of a picture of a liquid costs: a pool with a wave in it that fills most of the picture.
+// Cost of each pass of a picture of a liquid: a pool with a wave that fills most of the picture.
 //   liquid_passes [--particles N] [--size WIDTHxHEIGHT] [--runs N] [--picture FILE.png]
-// Prints the medians in milliseconds, for both splats and each filter, and what shaping the ellipsoids takes.
+// Prints the medians in milliseconds, for both splats and each filter, and the time of shaping the
+// ellipsoids.
 
 #include "render/context.h"
 #include "render/display.h"
@@ -29,7 +30,7 @@ struct Options {
   std::string picture;
 };
 
-/// Height of the water at a place of the pool, which is 2 m long and 0.8 m wide. [m]
+/// Height of the water at a point of the pool, which is 2 m long and 0.8 m wide. [m]
 float height_of_water(float x, float z) {
   const float from_crest = (x + 0.55f + 0.1f * z) / 0.28f;
   return 0.16f + 0.34f * std::exp(-from_crest * from_crest) + 0.012f * std::sin(19 * x + 5 * z);
@@ -55,7 +56,7 @@ std::vector<Vec3f> pool(float spacing) {
   return centers;
 }
 
-/// The spacing at which the pool has about so many particles. [m]
+/// The spacing at which the pool has about this many particles. [m]
 float spacing_for(int particles) {
   const float coarse = 0.04f;
   return coarse * std::cbrt(float(pool(coarse).size()) / float(particles));
@@ -106,7 +107,7 @@ void measure(Renderer& renderer, const DrawList& list, SplatShape splat, LiquidF
   std::vector<std::string> order;
   std::map<std::string, std::vector<double>> times;
   std::vector<double> sums;
-  renderer.picture(list, camera, rendering, options.width, options.height);  // shaders are compiled
+  renderer.picture(list, camera, rendering, options.width, options.height);  // compiles the shaders
   for (int run = 0; run < options.runs; ++run) {
     double sum = 0;
     for (const PassTime& time : renderer.measure(list, camera, rendering, options.width, options.height)) {

@@ -5,14 +5,14 @@
 
 #include <benchmark/benchmark.h>
 
-// What showing a 200 x 200 cloth costs a frame before anything is drawn: its positions in user order and its
-// normals. With the upload to the graphics card they have to stay far below 3 ms.
+// Cost per frame of preparing a 200 x 200 cloth for drawing: its positions in user order and its normals.
+// Together with the upload to the graphics card it must stay far below 3 ms.
 
 namespace souple {
 namespace {
 
-/// Hangs from two corners, some frames after it was let go. An impulse of nothing makes its mirror as stale
-/// as a step does.
+/// A cloth that hangs from two corners, some frames after its release. A zero impulse makes its mirror as
+/// stale as a step does.
 struct HangingCloth {
   World world{{.substeps = 2}};
   ObjectId cloth;
@@ -46,7 +46,7 @@ void normals(benchmark::State& state) {
 }
 BENCHMARK(normals)->Arg(200)->Unit(benchmark::kMillisecond);
 
-/// A grab starts with a click: it has to be there before the next frame.
+/// A grab starts with a click and must be ready before the next frame.
 void grab_and_release(benchmark::State& state) {
   HangingCloth hanging(static_cast<int>(state.range(0)));
   const Vec3f point = hanging.world.positions(hanging.cloth)[20100];
@@ -54,7 +54,7 @@ void grab_and_release(benchmark::State& state) {
 }
 BENCHMARK(grab_and_release)->Arg(200)->Unit(benchmark::kMillisecond);
 
-/// All constraints as a renderer asks for them.
+/// All constraints as a renderer draws them.
 void debug_draw_constraints(benchmark::State& state) {
   HangingCloth hanging(static_cast<int>(state.range(0)));
   std::size_t points = 0;

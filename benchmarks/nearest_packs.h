@@ -5,8 +5,9 @@
 
 namespace souple {
 
-// Compiled once for each instruction set; all below carries the set in its name and uses nothing else, so
-// that the linker never takes one set's code for another's. benchmarks/continuous.cpp times it.
+// Compiled once for each instruction set. Every name below contains the set, and the code uses nothing
+// outside this set: otherwise the linker might replace one set's code by another's. benchmarks/continuous.cpp
+// measures it.
 
 template <class Isa>
 struct PackedPoints {
@@ -20,7 +21,8 @@ struct PackedPoints {
   }
 };
 
-/// nearest_on_triangle of `count` packs of four points; a sum lane by lane keeps it from being left out.
+/// nearest_on_triangle of `count` packs of four points; summing each lane prevents the compiler from omitting
+/// it.
 template <class Isa>
 void triangles_of_packs(const float* x, int count, float* sum) {
   simd::Pack<Isa> total(0.0f), weight[3];
@@ -32,7 +34,7 @@ void triangles_of_packs(const float* x, int count, float* sum) {
   total.store(sum);
 }
 
-/// nearest_on_edges likewise.
+/// nearest_on_edges of `count` packs of four points.
 template <class Isa>
 void edges_of_packs(const float* x, int count, float* sum) {
   simd::Pack<Isa> total(0.0f), s, t;

@@ -1,13 +1,13 @@
-// What phantoms cost and bring: colors asked for against time and convergence, for docs/solvers.md.
+// Cost and benefit of phantoms: requested colors against time and convergence, for docs/solvers.md.
 //
 //   partition [--threads N] [--runs N]
 //
 // Rigid bodies, every particle moved at random by up to a tenth of the mean edge, no gravity, the particles
 // of lowest X pinned; one set each: the springs of a 200 x 200 cloth, of a ball, of a sheet some of whose
 // edges are flipped, of a 32 x 32 cloth, and the neo-Hookean tets of a bar. Prints a Markdown table. The
-// variants of a body take turns, and the least time of all turns counts: the time of a solve of one
-// iteration, and what each further iteration adds. Error: the root mean square of C as a percentage of that
-// before, after 64 iterations, and in the time that 64 take without phantoms.
+// variants of a body run alternately, and the minimum time over all rounds is reported: the time of a solve
+// of one iteration, and the time that each further iteration adds. Error: the root mean square of C as a
+// percentage of its initial value, after 64 iterations, and in the time that 64 take without phantoms.
 
 #include "souple/constraints/distance.h"
 #include "souple/constraints/neo_hookean.h"
@@ -66,7 +66,7 @@ double mean_length(const std::vector<Edge>& edges, const std::vector<Vec3d>& x) 
   return sum / static_cast<double>(edges.size());
 }
 
-/// Particles along the Morton curve, as a world numbers them.
+/// Orders particles along the Morton curve, as a world does.
 template <class Mesh, class Elements>
 Mesh renumbered(Mesh mesh, Elements Mesh::*elements) {
   const std::vector<std::uint32_t> order = morton_order(mesh.positions), number = inverse_order(order);
@@ -107,7 +107,7 @@ Body bar() {
   return body;
 }
 
-/// A sheet whose triangles are irregular: flips edges of a grid, no triangle twice in a round.
+/// A sheet of irregular triangles: flips edges of a grid, each triangle at most once in a round.
 TriangleMesh irregular(int n) {
   TriangleMesh mesh = grid(n, n, 2);
   std::uint32_t random = 1;
@@ -118,10 +118,10 @@ TriangleMesh irregular(int n) {
     std::vector<std::vector<std::uint32_t>> sides(all.edges.size());
     for (std::uint32_t t = 0; t < all.of_triangle.size(); ++t)
       for (const std::uint32_t edge : all.of_triangle[t]) sides[edge].push_back(t);
-    std::vector<bool> touched(mesh.triangles.size());
+    std::vector<bool> changed(mesh.triangles.size());
     for (std::size_t e = 0; e < sides.size(); ++e) {
       random = random * 1664525u + 1013904223u;
-      if (sides[e].size() != 2 || random >> 30 != 0 || touched[sides[e][0]] || touched[sides[e][1]]) continue;
+      if (sides[e].size() != 2 || random >> 30 != 0 || changed[sides[e][0]] || changed[sides[e][1]]) continue;
       const std::uint32_t a = all.edges[e][0], b = all.edges[e][1];
       const auto opposite = [&](std::uint32_t t) {
         for (const std::uint32_t i : mesh.triangles[t])
@@ -131,20 +131,20 @@ TriangleMesh irregular(int n) {
       const std::uint32_t c = opposite(sides[e][0]), d = opposite(sides[e][1]);
       if (c == d || !edges.insert({std::min(c, d), std::max(c, d)}).second) continue;
       mesh.triangles[sides[e][0]] = {a, c, d}, mesh.triangles[sides[e][1]] = {d, c, b};
-      touched[sides[e][0]] = touched[sides[e][1]] = true;
+      changed[sides[e][0]] = changed[sides[e][1]] = true;
     }
   }
   return mesh;
 }
 
-/// With one thread the time of the processor: it counts nothing that others do meanwhile.
+/// With one thread, CPU time: it excludes the time of other programs.
 double milliseconds(const Threads& threads) {
   timespec now{};
   clock_gettime(threads.count() > 1 ? CLOCK_MONOTONIC : CLOCK_PROCESS_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
 }
 
-/// One number of colors on a body. Splitting changes the set, so the variants of a body take turns.
+/// A body with one number of colors. Splitting changes the set, so the variants of a body run alternately.
 struct Variant {
   int colors = 0;
   int color_count = 0;
@@ -155,7 +155,7 @@ struct Variant {
   double each() const { return (all - one) / (many - 1); }
 };
 
-/// Runs f(solve) on the body in the start position, solve(iterations) returning its time.
+/// Runs f(solve) on the body at its initial positions, where solve(iterations) returns its time.
 template <class Function>
 void with_solver(Body& body, Variant& variant, Threads& threads, const Function& f) {
   Projector* const projectors[] = {body.set.get()};
@@ -212,7 +212,7 @@ void run(int threads, int runs) {
   const std::unique_ptr<Threads> workers =
       make_threads(threads > 1 ? Threading::pool : Threading::serial, threads);
   std::printf(
-      "| constraints | colors asked for | used | phantoms | one iteration [ms] | each further [ms] | error "
+      "| constraints | colors requested | used | phantoms | one iteration [ms] | each further [ms] | error "
       "after %d [%%] | error in equal time [%%] |\n|---|---:|---:|---:|---:|---:|---:|---:|\n",
       many);
   std::vector<Body> bodies;

@@ -12,15 +12,15 @@
 
 #include <benchmark/benchmark.h>
 
-// Projection alone, kind by kind and form by form, through SetProjector: all colors of a mesh, once an
-// iteration; and the stages of a step. SOUPLE_SIMD chooses the instruction set.
+// Projection alone, by kind and form, through SetProjector: all colors of a mesh, once per iteration; and the
+// stages of a step. SOUPLE_SIMD selects the instruction set.
 
 namespace souple {
 namespace {
 
-constexpr int side = 200;  // vertices of the cloths
+constexpr int side = 200;  // vertices along a side of the cloths
 
-/// Particles where a mesh rests, stretched by 1 %, numbered as a world numbers them.
+/// Particles at a mesh's rest positions, stretched by 1 %, numbered as in a world.
 struct Particles {
   std::vector<Vec4f> position, moving, start;
   std::vector<Vec3d> rest;
@@ -93,7 +93,7 @@ void fill(SetProjector<NeoHookean>& set, const TetMesh& mesh, const Particles& p
   }
 }
 
-/// Projects until the time is over, always from the same positions.
+/// Projects for the duration of the benchmark, always from the same positions.
 template <class Kind, class Mesh>
 void project_all(benchmark::State& state, const Mesh& mesh) {
   Particles particles(mesh.positions, state.range(0) == 0 ? Form::displacement : Form::plain);
@@ -126,7 +126,7 @@ BENCHMARK(project_cloth<IsometricBending>)->Arg(0)->Arg(1)->Unit(benchmark::kMic
 BENCHMARK(project_cloth<TriangleMembrane>)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
 BENCHMARK(project_neo_hookean)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
 
-/// One stage of the steps of the cloth that `souple bench` measures, by the world's own clock.
+/// One stage of the steps of the cloth of `souple bench`, timed by the world's own clock.
 void stage(benchmark::State& state) {
   Settings settings;
   settings.threads = 1;

@@ -1,6 +1,6 @@
 // The segment-triangle tests of Souple beside Embree's, in one run, on the triangles of `souple bench
-// segments`: boxes on the way of every segment, so that Embree's hierarchy rules out none of them and all are
-// tested.
+// segments`: every segment passes through all bounding boxes, so that Embree's hierarchy excludes none and
+// all triangles are tested.
 //   segments [--size N] [--runs N] [--json]
 
 #include "app/bench_segments.h"
@@ -65,12 +65,12 @@ class EmbreeScene {
   RTCScene scene_;
 };
 
-/// Seconds of one ray after the other.
+/// Seconds for all rays, one after another.
 double seconds_of(const EmbreeScene& scene, const SegmentStack& stack, int repeats) {
   const auto start = std::chrono::steady_clock::now();
   for (int i = 0; i < repeats; ++i)
     for (const Segment<float>& segment : stack.segments)
-      if (scene.hits(segment)) throw Error("a segment that was to miss everything hit something in Embree");
+      if (scene.hits(segment)) throw Error("Embree reports a hit for a segment that misses all triangles");
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
@@ -97,7 +97,7 @@ scene_format::Json measure(int size, int runs) {
 void print(const scene_format::Json& result) {
   print_segments(result);
   for (const scene_format::Member& member : result.find("embree")->members)
-    std::printf("  Embree, %-12s %10s %10.1f  with the way through its boxes\n", member.key.c_str(), "",
+    std::printf("  Embree, %-12s %10s %10.1f  including traversal of its boxes\n", member.key.c_str(), "",
                 member.value.number / 1e6);
 }
 

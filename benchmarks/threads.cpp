@@ -8,15 +8,16 @@
 
 #include <benchmark/benchmark.h>
 
-// What it costs to hand work to other threads and to wait for them, as between two colors of a cloth. Real
-// time; more threads than processors measure the scheduler.
+// Cost of passing work to other threads and of waiting for them, as between two colors of a cloth. Real time;
+// with more threads than processors it measures the scheduler.
 
 namespace souple {
 namespace {
 
 constexpr const char* names[] = {"automatic", "serial", "pool", "tbb"};
 
-/// An empty job of one item a thread, whoever does it: the pool's caller takes what no worker has begun.
+/// An empty task of one item per thread, on any thread: the caller processes items that no worker has
+/// started.
 void fork_and_join(benchmark::State& state) {
   const auto kind = static_cast<Threading>(state.range(0));
   const int count = static_cast<int>(state.range(1));
@@ -28,8 +29,8 @@ void fork_and_join(benchmark::State& state) {
   state.SetLabel(names[state.range(0)]);
 }
 
-/// Two parts that wait for each other, so that both threads are in it: the way there and back.
-void meet_and_part(benchmark::State& state) {
+/// Two items that wait for each other, so that both threads take part: the full round trip.
+void rendezvous(benchmark::State& state) {
   const auto threads = make_threads(static_cast<Threading>(state.range(0)), 2);
   const ActiveScope awake(*threads);
   std::atomic<std::int64_t> arrived{0};
@@ -45,7 +46,7 @@ void meet_and_part(benchmark::State& state) {
   state.SetLabel(names[state.range(0)]);
 }
 
-/// A color of some 10 microseconds on one thread: square roots in registers.
+/// A color that takes about 10 microseconds on one thread: square roots in registers.
 void short_color(benchmark::State& state) {
   const auto threads = make_threads(static_cast<Threading>(state.range(0)), static_cast<int>(state.range(1)));
   std::vector<float> values(8192, 2.0f);
@@ -59,8 +60,8 @@ void short_color(benchmark::State& state) {
   state.SetLabel(names[state.range(0)]);
 }
 
-/// What the first job of a step pays: the workers sleep until it comes.
-void wake_and_rest(benchmark::State& state) {
+/// Cost of the first task of a step: the workers sleep until it starts.
+void wake_workers(benchmark::State& state) {
   const int count = static_cast<int>(state.range(1));
   const auto threads = make_threads(static_cast<Threading>(state.range(0)), count);
   for (auto _ : state)
@@ -76,13 +77,13 @@ void kinds_and_counts(benchmark::internal::Benchmark* benchmark) {
     for (const int count : {2, 4, 8}) benchmark->Args({static_cast<int>(kind), count});
 }
 BENCHMARK(fork_and_join)->Apply(kinds_and_counts);
-BENCHMARK(meet_and_part)
+BENCHMARK(rendezvous)
     ->ArgName("kind")
     ->Arg(static_cast<int>(Threading::pool))
     ->Arg(static_cast<int>(Threading::tbb))
     ->UseRealTime();
 BENCHMARK(short_color)->Apply(kinds_and_counts);
-BENCHMARK(wake_and_rest)->Apply(kinds_and_counts);
+BENCHMARK(wake_workers)->Apply(kinds_and_counts);
 
 }  // namespace
 }  // namespace souple

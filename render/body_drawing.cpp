@@ -8,7 +8,7 @@
 namespace souple::render {
 namespace {
 
-/// Mean side of the first few hundred triangles, to determine the size of marks. [m]
+/// Mean edge length of the first few hundred triangles, from which the size of marks follows. [m]
 float mean_edge_length(const Body& body) {
   double sum = 0;
   const std::size_t count = std::min<std::size_t>(body.triangles.size(), 300);
@@ -57,22 +57,22 @@ Bounds BodyDrawing::bounds(const Body& body) const {
   return result;
 }
 
-bool BodyDrawing::draws_particles(const Drawing& drawing) const {
-  const Display display = drawing.options.display;
+bool BodyDrawing::draws_particles(const DrawContext& context) const {
+  const Display display = context.options.display;
   return display == Display::particles ||
-         (display == Display::lattice && kind_ == ObjectKind::soft_body && drawing.has_world);
+         (display == Display::lattice && kind_ == ObjectKind::soft_body && context.has_world);
 }
 
-bool BodyDrawing::draws_liquid(const Drawing& drawing) const {
-  return kind_ == ObjectKind::fluid && triangle_count_ == 0 && !draws_particles(drawing) &&
-         !is_measured(drawing.options.display) && drawing.options.constraints == ConstraintDisplay::none;
+bool BodyDrawing::draws_liquid(const DrawContext& context) const {
+  return kind_ == ObjectKind::fluid && triangle_count_ == 0 && !draws_particles(context) &&
+         !is_measured(context.options.display) && context.options.constraints == ConstraintDisplay::none;
 }
 
-Look BodyDrawing::look(const Drawing& drawing) const {
-  const Display display = drawing.options.display;
-  Look result = own_look();
+Look BodyDrawing::look(const DrawContext& context) const {
+  const Display display = context.options.display;
+  Look result = base_look();
   if (!colors_.empty() && is_measured(display)) return measured_look();
-  const bool behind_lines = drawing.options.constraints != ConstraintDisplay::none ||
+  const bool behind_lines = context.options.constraints != ConstraintDisplay::none ||
                             display == Display::contacts || display == Display::lattice ||
                             is_measured(display);
   if (behind_lines) return pale(result);
@@ -80,8 +80,8 @@ Look BodyDrawing::look(const Drawing& drawing) const {
   return result;
 }
 
-Look BodyDrawing::own_look() const {
-  // A rope's particles are more visible in a color of the palette than in the color of hemp.
+Look BodyDrawing::base_look() const {
+  // A rope's particles are more visible in a palette color than in the color of hemp.
   const bool as_balls = as_particles_ && kind_ == ObjectKind::rope;
   const std::optional<Color> chosen =
       kind_ == ObjectKind::fluid ? std::optional(liquid_color(density_, chosen_)) : chosen_;
@@ -89,41 +89,42 @@ Look BodyDrawing::own_look() const {
 }
 
 void BodyDrawing::draw(const Body& body, std::uint32_t pick, std::span<const float> rope_strain,
-                       const Drawing& drawing) {
+                       const DrawContext& context) {
   if (body.positions.empty()) return;
-  as_particles_ = draws_particles(drawing);
-  refresh(body, rope_strain, drawing);
+  as_particles_ = draws_particles(context);
+  refresh(body, rope_strain, context);
   if (as_particles_) {
-    draw_particles(body, pick, drawing);
+    draw_particles(body, pick, context);
   } else if (kind_ == ObjectKind::rope) {
-    draw_tube(pick, drawing);
-  } else if (draws_liquid(drawing)) {
-    draw_liquid(body, pick, drawing);
+    draw_tube(pick, context);
+  } else if (draws_liquid(context)) {
+    draw_liquid(body, pick, context);
   } else if (kind_ == ObjectKind::grains || body.triangles.empty()) {
-    draw_grains(body, pick, drawing);
+    draw_grains(body, pick, context);
   } else {
-    draw_surface(body, pick, drawing);
+    draw_surface(body, pick, context);
   }
 }
 
-/// Rebuilds the parts that depend on the frame or on the display options; nothing if neither has changed.
-void BodyDrawing::refresh(const Body& body, std::span<const float> rope_strain, const Drawing& drawing) {
-  const DisplayOptions& options = drawing.options;
-  Shown now{drawing.frame, body.positions.data(), options.display};
+/// Rebuilds the parts that depend on the frame or on the display options; does nothing if neither has
+/// changed.
+void BodyDrawing::refresh(const Body& body, std::span<const float> rope_strain, const DrawContext& context) {
+  const DisplayOptions& options = context.options;
+  UploadedState now{context.frame, body.positions.data(), options.display};
   now.pale = options.constraints != ConstraintDisplay::none;
   now.radius = body.radius;
-  if (draws_liquid(drawing)) now.splats = options.liquid_splats;
-  if (options.display == Display::strain) now.largest = options.largest_strain;
-  if (options.display == Display::speed) now.largest = options.largest_speed;
-  if (version_ > 0 && now == shown_) return;
-  shown_ = now;
+  if (draws_liquid(context)) now.splats = options.liquid_splats;
+  if (options.display == Display::strain) now.largest = options.max_strain;
+  if (options.display == Display::speed) now.largest = options.max_speed;
+  if (version_ > 0 && now == uploaded_) return;
+  uploaded_ = now;
   ++version_;
   if (kind_ == ObjectKind::rope && !as_particles_) tube_.update(body.positions, body.radius);
   if (creased_.has_creases()) creased_.update(body.positions);
-  if (now.splats == SplatShape::ellipsoids) shape_splats(body, drawing.threads);
-  set_colors(body, rope_strain, drawing);
+  if (now.splats == SplatShape::ellipsoids) shape_splats(body, context.threads);
+  set_colors(body, rope_strain, context);
   if (!creased_.has_creases() || colors_.empty()) return;
-  colors_.reserve(creased_.source().size());  // copies follow the original vertices
+  colors_.reserve(creased_.source().size());  // the duplicates follow the vertices themselves
   for (const std::uint32_t v : creased_.source().subspan(colors_.size())) colors_.push_back(colors_[v]);
 }
 
@@ -133,7 +134,7 @@ void BodyDrawing::shape_splats(const Body& body, Threads& threads) {
   splats_->build(body.positions, threads);
 }
 
-/// Value of a measuring display per vertex; empty if unknown.
+/// Per vertex: the value that a measuring display shows; empty if unknown.
 std::span<const float> BodyDrawing::values(const Body& body, std::span<const float> rope_strain,
                                            Display display) {
   if (display == Display::speed) {
@@ -143,7 +144,7 @@ std::span<const float> BodyDrawing::values(const Body& body, std::span<const flo
     return values_;
   }
   if (kind_ == ObjectKind::rope) return rope_strain;
-  if (kind_ == ObjectKind::obstacle) return {};  // obstacles have no strain
+  if (kind_ == ObjectKind::obstacle) return {};  // an obstacle has no strain
   if (body.triangles.empty() || body.rest.size() != body.positions.size()) return {};
   if (!has_strain_) strain_ = EdgeStrain(body.rest, body.triangles);
   has_strain_ = true;
@@ -151,27 +152,28 @@ std::span<const float> BodyDrawing::values(const Body& body, std::span<const flo
   return values_;
 }
 
-void BodyDrawing::set_colors(const Body& body, std::span<const float> rope_strain, const Drawing& drawing) {
+void BodyDrawing::set_colors(const Body& body, std::span<const float> rope_strain,
+                             const DrawContext& context) {
   colors_.clear();
-  const Display display = drawing.options.display;
+  const Display display = context.options.display;
   const bool is_tube = kind_ == ObjectKind::rope;
   if (display == Display::normals) color_normals(is_tube ? tube_.normals() : body.normals, colors_);
   if (display != Display::strain && display != Display::speed) return;
   const std::span<const float> known = values(body, rope_strain, display);
   if (known.size() != body.positions.size()) return;
-  if (!is_tube) return drawing.heat.color(known, shown_.largest, colors_);
+  if (!is_tube) return context.heat.color(known, uploaded_.largest, colors_);
   std::vector<float> along(tube_.positions().size());
   for (std::size_t v = 0; v < along.size(); ++v) {
-    const float place = tube_.parameter(v);
-    const auto i = static_cast<std::size_t>(place);
-    const float part = place - static_cast<float>(i);
+    const float parameter = tube_.parameter(v);
+    const auto i = static_cast<std::size_t>(parameter);
+    const float part = parameter - static_cast<float>(i);
     along[v] = known[i] * (1 - part) + known[std::min(i + 1, known.size() - 1)] * part;
   }
-  drawing.heat.color(along, shown_.largest, colors_);
+  context.heat.color(along, uploaded_.largest, colors_);
 }
 
-void BodyDrawing::draw_surface(const Body& body, std::uint32_t pick, const Drawing& drawing) {
-  const Look seen = look(drawing);
+void BodyDrawing::draw_surface(const Body& body, std::uint32_t pick, const DrawContext& context) {
+  const Look seen = look(context);
   if (seen.checker_size > 0 && kind_ == ObjectKind::cloth && checker_.texture.empty() &&
       body.rest.size() == vertices_) {
     checker_ = cloth_checker(body.rest, body.triangles);
@@ -189,13 +191,13 @@ void BodyDrawing::draw_surface(const Body& body, std::uint32_t pick, const Drawi
   surface.colors = colors_;
   surface.look = seen;
   if (checker_.texture.empty()) surface.look.checker_size = 0;
-  surface.wireframe = drawing.options.wireframe || drawing.options.display == Display::wireframe;
+  surface.wireframe = context.options.wireframe || context.options.display == Display::wireframe;
   surface.pick = pick;
-  drawing.list.surfaces.push_back(surface);
-  if (drawing.options.display == Display::normals) draw_normals(body, drawing.list);
+  context.list.surfaces.push_back(surface);
+  if (context.options.display == Display::normals) draw_normals(body, context.list);
 }
 
-void BodyDrawing::draw_tube(std::uint32_t pick, const Drawing& drawing) {
+void BodyDrawing::draw_tube(std::uint32_t pick, const DrawContext& context) {
   Surface surface;
   surface.key = key_;
   surface.topology = topology_;
@@ -205,15 +207,15 @@ void BodyDrawing::draw_tube(std::uint32_t pick, const Drawing& drawing) {
   surface.triangles = tube_.triangles();
   surface.texture = tube_.texture();
   surface.colors = colors_;
-  surface.look = look(drawing);
-  surface.wireframe = drawing.options.wireframe || drawing.options.display == Display::wireframe;
+  surface.look = look(context);
+  surface.wireframe = context.options.wireframe || context.options.display == Display::wireframe;
   surface.pick = pick;
-  drawing.list.surfaces.push_back(surface);
+  context.list.surfaces.push_back(surface);
 }
 
-void BodyDrawing::draw_liquid(const Body& body, std::uint32_t pick, const Drawing& drawing) {
-  // Half the edge of a cube of the liquid's volume, so that its color is independent of the scene's size and
-  // resolution; at least some spacings, for the start of an emitter.
+void BodyDrawing::draw_liquid(const Body& body, std::uint32_t pick, const DrawContext& context) {
+  // Half the edge of a cube with the liquid's volume: its color does not depend on the size or the resolution
+  // of the scene. A liquid of few particles, which may grow, gets at least some spacings.
   const float spacing = 2 * body.radius;
   const float edge = std::max(std::cbrt(static_cast<float>(body.positions.size())), 16.0f) * spacing;
   Liquid liquid;
@@ -222,13 +224,13 @@ void BodyDrawing::draw_liquid(const Body& body, std::uint32_t pick, const Drawin
   liquid.centers = body.positions;
   liquid.spacing = spacing;
   liquid.radius = 0.75f * spacing;
-  if (shown_.splats == SplatShape::ellipsoids) {
+  if (uploaded_.splats == SplatShape::ellipsoids) {
     liquid.centers = splats_->centers();
     liquid.ellipsoids = splats_->axes();
   }
   liquid.look = liquid_look(density_, 0.5f * edge, chosen_);
   liquid.pick = pick;
-  drawing.list.liquids.push_back(liquid);
+  context.list.liquids.push_back(liquid);
   if (body.foam.empty()) return;
   Foam foam;
   foam.key = key_;
@@ -236,36 +238,36 @@ void BodyDrawing::draw_liquid(const Body& body, std::uint32_t pick, const Drawin
   foam.centers = body.foam;
   foam.radius = 0.2f * spacing;
   foam.opacity = 0.4f;
-  drawing.list.foams.push_back(foam);
+  context.list.foams.push_back(foam);
 }
 
-void BodyDrawing::draw_grains(const Body& body, std::uint32_t pick, const Drawing& drawing) {
+void BodyDrawing::draw_grains(const Body& body, std::uint32_t pick, const DrawContext& context) {
   Spheres spheres;
   spheres.key = key_ + 1;
   spheres.version = version_;
   spheres.centers = body.positions;
   spheres.radius = body.radius;
-  spheres.look = look(drawing);
+  spheres.look = look(context);
   const bool as_sand =
-      drawing.options.display <= Display::wireframe && drawing.options.constraints == ConstraintDisplay::none;
+      context.options.display <= Display::wireframe && context.options.constraints == ConstraintDisplay::none;
   if (as_sand) spheres.colors = grain_colors_;
   if (!colors_.empty()) spheres.colors = colors_;
   spheres.pick = pick;
-  drawing.list.spheres.push_back(spheres);
+  context.list.spheres.push_back(spheres);
 }
 
-void BodyDrawing::draw_particles(const Body& body, std::uint32_t pick, const Drawing& drawing) {
+void BodyDrawing::draw_particles(const Body& body, std::uint32_t pick, const DrawContext& context) {
   Spheres spheres;
   spheres.key = key_ + 1;
   spheres.version = version_;
-  const bool of_world = drawing.has_world;
+  const bool of_world = context.has_world;
   spheres.centers = of_world ? std::span<const Vec3f>(particles_.centers) : body.positions;
   if (of_world) spheres.radii = particles_.radii;
   spheres.radius = body.radius;
-  spheres.look = own_look();
-  if (drawing.options.constraints != ConstraintDisplay::none) spheres.look = pale(spheres.look);
+  spheres.look = base_look();
+  if (context.options.constraints != ConstraintDisplay::none) spheres.look = pale(spheres.look);
   spheres.pick = pick;
-  drawing.list.spheres.push_back(spheres);
+  context.list.spheres.push_back(spheres);
 }
 
 void BodyDrawing::draw_normals(const Body& body, DrawList& list) const {
@@ -281,7 +283,7 @@ std::uint32_t BodyDrawing::vertex_of(const Body& body, std::uint32_t element) co
     return element < tube_.positions().size() ? tube_.point_of(element) : element;
   if (!as_particles_) return element < creased_.source().size() ? creased_.source()[element] : element;
   if (element >= particles_.centers.size()) return element;
-  // A particle has no index in user order: returns the vertex at it, or nearest to it.
+  // A particle has no index in the user's order: the vertex at the particle, or nearest to it, is returned.
   std::uint32_t best = 0;
   for (std::uint32_t v = 1; v < body.positions.size(); ++v)
     if (length_squared(body.positions[v] - particles_.centers[element]) <

@@ -30,8 +30,8 @@ struct Range {
   }
 };
 
-/// Position of an eye that sees points at x (across) and f (along the view) within the slope s on both
-/// sides: |x_i - center| <= s (distance + f_i) for all i, with the smallest such distance.
+/// Position of an eye that sees points at x (across) and f (along the view) within the slope s on both sides:
+/// |x_i - center| <= s (distance + f_i) for all i, with the smallest such distance.
 struct Fit {
   float distance = 0, center = 0;
 };
@@ -67,7 +67,7 @@ Vec3f Camera::forward() const {
 
 Vec3f Camera::right() const {
   const Vec3f side = cross(forward(), Vec3f{0, 1, 0});
-  // For a vertical view any direction serves.
+  // Looking straight up or down, any right vector is valid.
   return length_squared(side) < 1e-12f ? Vec3f{1, 0, 0} : normalized(side);
 }
 
@@ -88,8 +88,8 @@ Mat4 Camera::projection(float aspect, const Bounds& scene) const {
   } else {
     for (const Vec3f& corner : corners(scene)) depth.add(dot(corner - from, forward()));
   }
-  // Only `near` determines a depth buffer's error: near = far / 2000 still resolves 0.1 %
-  // of `far`, and shows near objects to an eye inside the scene.
+  // The error of a depth buffer depends on far / near mainly through near. With near = far / 2000, depths at
+  // the far end are resolved to 0.1 %, and an eye inside the scene sees objects close to it.
   const float far = 1.1f * std::max(depth.hi, reach);
   const float nearest = std::min(far / 2000, 0.1f * reach);
   const float near = std::clamp(0.9f * depth.lo, nearest, far / 2);
@@ -140,7 +140,7 @@ void Camera::zoom(float factor) {
 
 void Camera::frame(const Bounds& box, float aspect) {
   if (box.empty()) return;
-  const float filled = 0.88f;  // filled part of the picture; the rest is margin
+  const float filled = 0.88f;  // fraction of the picture that is filled; the rest is margin
   const float s = filled * std::tan(half_fov(fov));
   const Vec3f along = forward(), middle = box.center();
   const std::array<Vec3f, 8> points = corners(box);

@@ -15,7 +15,7 @@ struct Bounds {
   void add(const Vec3f& point, float radius = 0);
   void add(const Bounds& other);
   Vec3f center() const { return (lo + hi) * 0.5f; }
-  float radius() const { return empty() ? 0 : length(hi - lo) * 0.5f; }  ///< of the circumscribed ball [m]
+  float radius() const { return empty() ? 0 : length(hi - lo) * 0.5f; }  ///< radius of the enclosing ball [m]
 };
 
 struct Ray {
@@ -28,13 +28,13 @@ struct ScreenPoint {
   float depth = 0;  ///< distance along the view direction [m]
 };
 
-/// An eye that orbits a target. Y is up.
+/// A camera that orbits a target. Y is up.
 class Camera {
  public:
   Vec3f from{2, 1.5f, 3}, to{0, 0.5f, 0};  ///< m
   float fov = 40;                          ///< vertical [degrees], in (1, 170)
 
-  /// `aspect`: width / height. The near and far planes enclose `scene` tightly enough for a 24-bit depth
+  /// `aspect` is width / height. The near and far planes enclose `scene` tightly enough for a 24 bit depth
   /// buffer.
   Mat4 view() const;
   Mat4 projection(float aspect, const Bounds& scene) const;
@@ -46,20 +46,21 @@ class Camera {
 
   /// The ray through a point of a picture of this size.
   Ray ray(float x, float y, int width, int height) const;
-  /// Screen position of a point; nullopt behind the eye.
+  /// Screen position of a point; empty if it is behind the eye.
   std::optional<ScreenPoint> project(const Vec3f& point, int width, int height) const;
-  /// World length of a pixel at this depth. [m]
+  /// World length of one pixel at this depth. [m]
   float pixel_size(float depth, int height) const;
 
-  /// Rotates about the target [rad]: yaw > 0 counterclockwise seen from above, pitch > 0 upward. Stops before
-  /// the poles.
+  /// Rotates about the target [rad]: yaw > 0 counterclockwise as seen from above, pitch > 0 upwards. Stops
+  /// just before the poles.
   void orbit(float yaw, float pitch);
-  /// Moves eye and target by pixels of a picture of this height, with the mouse motion (y down): points at
-  /// the target's depth stay under the mouse.
+  /// Moves eye and target by a mouse motion in pixels of a picture of this height (y down): a point at the
+  /// target's depth stays under the mouse.
   void pan(float dx, float dy, int height);
-  /// Scales the distance to the target; > 1 moves away. The distance stays in [1e-3, 1e5] m.
+  /// Scales the distance to the target; > 1 moves away. Clamped to [1e-3, 1e5] m.
   void zoom(float factor);
-  /// Moves without rotation so that the box fills the picture, centered and with a margin.
+  /// Keeps the view direction and moves the camera so that the box fills the picture, centered, with some
+  /// margin.
   void frame(const Bounds& box, float aspect);
 };
 

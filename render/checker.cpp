@@ -12,24 +12,24 @@ namespace souple::render {
 namespace {
 
 constexpr double pi = 3.14159265358979;
-constexpr double fields_across = 8;  ///< number of fields along the shorter side
-constexpr double rim = 0.06;         ///< part by which a field at the rim is narrower
-constexpr double flat = 1e-3;        ///< thinner than this fraction of its size: a flat cloth
+constexpr double fields_across = 8;  ///< along the shorter side
+constexpr double rim = 0.06;         ///< fraction by which a field at the rim is narrower
+constexpr double flat = 1e-3;        ///< a cloth is flat if it is thinner than this fraction of its size
 
-/// Twice the area of all triangles, as a vector: its direction is the normal of a flat mesh.
+/// Twice the sum of the triangles' area vectors: for a flat mesh its direction is the normal.
 Vec3d area_vector(std::span<const Vec3d> x, std::span<const Triangle> triangles) {
   Vec3d sum{};
   for (const Triangle& t : triangles) sum += cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]);
   return sum;
 }
 
-/// Extent of points along a direction.
-struct Reach {
+/// Range of points along a direction.
+struct Extent {
   double lo = std::numeric_limits<double>::infinity(), hi = -lo;
   double size() const { return hi - lo; }
 };
-Reach reach(std::span<const Vec3d> points, const Vec3d& direction) {
-  Reach result;
+Extent extent_along(std::span<const Vec3d> points, const Vec3d& direction) {
+  Extent result;
   for (const Vec3d& p : points) {
     const double s = dot(p, direction);
     result.lo = std::min(result.lo, s);
@@ -38,9 +38,9 @@ Reach reach(std::span<const Vec3d> points, const Vec3d& direction) {
   return result;
 }
 
-/// Direction, in the plane of u and v, of the outline's smallest enclosing rectangle. A smallest
-/// rectangle has a side along the outline (Freeman and Shapira 1975): tries the outline's directions, one
-/// per half degree.
+/// Direction, in the plane of u and v, of a side of the outline's smallest rectangle. A smallest rectangle
+/// has a side along the outline (Freeman and Shapira 1975): the outline's directions are tried, one in each
+/// half degree.
 Vec3d side_direction(std::span<const Vec3d> rest, std::span<const Triangle> triangles, const Vec3d& u,
                      const Vec3d& v) {
   std::vector<Vec3d> outline;
@@ -59,7 +59,7 @@ Vec3d side_direction(std::span<const Vec3d> rest, std::span<const Triangle> tria
   for (std::size_t bin = 0; bin < direction.size(); ++bin) {
     if (!seen[bin] || direction[bin] == Vec3d{}) continue;
     const Vec3d aside = cross(cross(u, v), direction[bin]);
-    const double area = reach(outline, direction[bin]).size() * reach(outline, aside).size();
+    const double area = extent_along(outline, direction[bin]).size() * extent_along(outline, aside).size();
     if (area < smallest * (1 - 1e-9)) smallest = area, best = direction[bin];
   }
   return best;
@@ -68,11 +68,12 @@ Vec3d side_direction(std::span<const Vec3d> rest, std::span<const Triangle> tria
 Checker flat_checker(std::span<const Vec3d> rest, std::span<const Triangle> triangles, const Vec3d& normal) {
   const Vec3d any = normalized(cross(normal, std::abs(normal.y) < 0.9 ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1}));
   const Vec3d u = side_direction(rest, triangles, any, cross(normal, any)), v = cross(normal, u);
-  const Reach along_u = reach(rest, u), along_v = reach(rest, v);
+  const Extent along_u = extent_along(rest, u), along_v = extent_along(rest, v);
   const double size = std::min(along_u.size(), along_v.size()) / fields_across;
-  // A whole number of fields from side to side: fields may be slightly non-square, and narrower at the rim,
-  // or a smooth border between fields would line the cloth's edge. Across, inside a field.
-  const auto scale = [size](const Reach& side) {
+  // A whole number of fields from side to side. They may differ a little from squares, and fields at the rim
+  // are slightly narrower: otherwise a smooth border between fields would line the cloth's edge. Across:
+  // inside a field.
+  const auto scale = [size](const Extent& side) {
     return (std::max(1.0, std::round(side.size() / size)) - 2 * rim) / side.size();
   };
   const double per_u = scale(along_u), per_v = scale(along_v);
@@ -86,7 +87,8 @@ Checker flat_checker(std::span<const Vec3d> rest, std::span<const Triangle> tria
 Checker solid_checker(std::span<const Vec3d> rest, const BoundingBox& box) {
   const Vec3d size = box.size(), center = box.center();
   const double field = std::max({size.x, size.y, size.z}) / fields_across;
-  // A side of the box on the border of two fields would flicker: shifts such an axis by a quarter field.
+  // A side of the box on the border between two fields would flicker: such an axis is moved by a quarter
+  // field.
   Vec3d shift{};
   for (int k = 0; k < 3; ++k) {
     const double side = size[k] / 2 / field;
@@ -100,7 +102,7 @@ Checker solid_checker(std::span<const Vec3d> rest, const BoundingBox& box) {
 }  // namespace
 
 Checker cloth_checker(std::span<const Vec3d> exact_rest, std::span<const Triangle> triangles) {
-  // Rounded as in a cache, so that a run's picture equals its scene's.
+  // With the precision of a cache, so that the picture of a run equals that of its scene.
   std::vector<Vec3d> rest;
   rest.reserve(exact_rest.size());
   for (const Vec3d& x : exact_rest) rest.emplace_back(Vec3f(x));
@@ -109,7 +111,7 @@ Checker cloth_checker(std::span<const Vec3d> exact_rest, std::span<const Triangl
   if (!(diagonal > 0)) return {std::vector<Vec3f>(rest.size(), Vec3f{0.5f, 0.5f, 0.5f})};
   const Vec3d area = area_vector(rest, triangles), normal = normalized(area);
   const bool is_flat = length(area) > 1e-9 * diagonal * diagonal &&  // not closed
-                       reach(rest, normal).size() < flat * diagonal;
+                       extent_along(rest, normal).size() < flat * diagonal;
   return is_flat ? flat_checker(rest, triangles, normal) : solid_checker(rest, box);
 }
 

@@ -35,14 +35,15 @@ PackedColor pack(const Color& color) {
 }
 
 Color heat(float t) {
-  // "plasma" of matplotlib at tenths: uniform increase of lightness, ordered under red-green blindness.
+  // matplotlib's "plasma" at tenths: its lightness increases evenly, and its order remains visible with
+  // red-green blindness.
   static constexpr std::array<std::uint32_t, 10> stops{0x0d0887, 0x47039f, 0x7301a8, 0x9c179e, 0xbd3786,
                                                        0xd8576b, 0xed7953, 0xfa9e3b, 0xfdc926, 0xf0f921};
   if (std::isnan(t)) return srgb(0xff00ff);
   const float place = std::clamp(t, 0.0f, 1.0f) * float(stops.size() - 1);
   const std::size_t i = std::min(std::size_t(place), stops.size() - 2);
   const float part = place - float(i);
-  // Interpolates encoded values, which are perceptually more uniform than linear ones.
+  // Perceptually even steps: interpolated between encoded values, not linear ones.
   const auto channel = [&](int shift) {
     const auto value = [&](std::uint32_t hex) { return float((hex >> shift) & 0xff) / 255; };
     return linear_of_srgb(value(stops[i]) * (1 - part) + value(stops[i + 1]) * part);

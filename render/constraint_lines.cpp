@@ -15,7 +15,7 @@ namespace souple::render {
 namespace {
 
 constexpr float width = 1.2f;    ///< pixels
-constexpr float shrunk = 0.85f;  ///< scale of elements, so that neighbors do not overlap
+constexpr float shrunk = 0.85f;  ///< elements are drawn smaller, so that they do not cover their neighbors
 
 struct KindStyle {
   std::string_view kind;
@@ -49,7 +49,7 @@ Vec3f centroid(std::span<const Vec3f> points) {
   return sum / static_cast<float>(points.size());
 }
 
-/// Tethers cross the whole object and are therefore transparent.
+/// Tethers span the whole object: makes them transparent, so that objects behind them remain visible.
 PackedColor thinned(std::string_view kind, PackedColor color) {
   return kind == "tether" ? (color & 0x00ffffffu) | 0x50000000u : color;
 }
@@ -82,7 +82,7 @@ class Pen {
     for (const Vec3f& axis : {Vec3f{size_, 0, 0}, Vec3f{0, size_, 0}, Vec3f{0, 0, size_}})
       segment(x - axis, x + axis);
   }
-  /// From the center of a triangle over the shared edge to the center of its neighbor.
+  /// From the center of one triangle over the shared edge to the center of the other triangle.
   void hinge(std::span<const Vec3f> x) {
     const Vec3f edge = (x[0] + x[1]) / 2.0f;
     segment((x[0] + x[1] + x[2]) / 3.0f, edge);
@@ -101,10 +101,10 @@ class Pen {
   PackedColor color_ = 0;
 };
 
-/// Data of the legend for the constraints of a kind.
+/// Data of one kind of constraint for the legend.
 struct KindSummary {
   std::size_t count = 0;
-  float residual = 0, strain = 0;  ///< the largest
+  float residual = 0, strain = 0;  ///< maximum
   int colors = 0;
 };
 using Summary = std::map<std::string, KindSummary, std::less<>>;
@@ -119,13 +119,13 @@ void note(Summary& summary, const DebugConstraint& c) {
   kind.colors = std::max(kind.colors, c.color + 1);
 }
 
-/// Largest values per kind, computed before the first line: units differ between kinds, so
-/// each has a scale of its own.
+/// Units differ between kinds, so each kind has its own scale: the maximum of each must be known before the
+/// first line.
 bool takes_two_passes(ConstraintDisplay display) {
   return display == ConstraintDisplay::residual || display == ConstraintDisplay::strain;
 }
 
-/// Omits kinds without a strain, which would hide the others.
+/// Kinds without a strain would cover kinds that have one.
 bool has_strain(const Summary& summary, std::string_view kind) {
   return kind == "distance" || summary.find(kind)->second.strain > 0;
 }
@@ -136,7 +136,7 @@ PackedColor color_of(const DebugConstraint& c, const DisplayOptions& options, co
     case ConstraintDisplay::color:
       return distinct_color(static_cast<std::uint32_t>(c.color));
     case ConstraintDisplay::strain:
-      return heat(options.largest_strain > 0 ? std::abs(c.strain) / options.largest_strain : 0);
+      return heat(options.max_strain > 0 ? std::abs(c.strain) / options.max_strain : 0);
     case ConstraintDisplay::residual: {
       const float largest = summary.find(c.kind)->second.residual;
       return heat(largest > 0 ? c.residual / largest : 0);
@@ -164,7 +164,7 @@ void explain(const Summary& summary, const DisplayOptions& options, const HeatSc
       return;
     case ConstraintDisplay::strain:
       legend.title("constraints by |strain|");
-      legend.scale(heat, 100 * options.largest_strain, "%");
+      legend.scale(heat, 100 * options.max_strain, "%");
       for (const auto& [kind, of] : summary)
         if (has_strain(summary, kind)) legend.title(fmt::format("{}  {}", kind, of.count));
       return;

@@ -14,16 +14,16 @@ Image contact_sheet(std::span<const Image> pictures, int columns, int rows) {
     throw Error(fmt::format("contact sheet: {} x {} cells; expected at least 1 x 1", columns, rows));
   }
   if (pictures.empty() || pictures.size() > std::size_t(columns) * std::size_t(rows)) {
-    throw Error(
-        fmt::format("contact sheet: {} pictures for {} x {} cells; expected 1 to as many as there are cells",
-                    pictures.size(), columns, rows));
+    throw Error(fmt::format(
+        "contact sheet: {} pictures for {} x {} cells; expected at least 1 picture and at most one per cell",
+        pictures.size(), columns, rows));
   }
   const int width = pictures[0].width, height = pictures[0].height;
   Image page(columns * width + (columns - 1) * gap, rows * height + (rows - 1) * gap);
   std::fill(page.pixels.begin(), page.pixels.end(), std::uint8_t{255});
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     if (pictures[i].width != width || pictures[i].height != height) {
-      throw Error(fmt::format("contact sheet: picture {} is {} x {}, the first {} x {}; expected one size",
+      throw Error(fmt::format("contact sheet: picture {} is {} x {}, the first {} x {}; expected equal sizes",
                               i + 1, pictures[i].width, pictures[i].height, width, height));
     }
     const int column = int(i) % columns, row = int(i) / columns;

@@ -23,7 +23,7 @@ constexpr std::string_view remedy =
   throw Error(what + std::string(remedy));
 }
 
-// libepoxy ends the program if a library or a function is missing, so both are checked beforehand.
+// libepoxy ends the program when a library or a function is missing, so both are checked beforehand.
 void require_library(const char* file, const char* what) {
   void* library = dlopen(file, RTLD_LAZY | RTLD_LOCAL);
   if (library == nullptr)
@@ -36,8 +36,8 @@ bool client_has(std::string_view extension) {
   return all != nullptr && std::string_view(all).find(extension) != std::string_view::npos;
 }
 
-// The displays to try, best first: Mesa's (which uses a GPU that it supports), then the displays that
-// other drivers offer per device.
+// Displays to try, best first: one for each hardware device, then Mesa's surfaceless platform (a GPU if Mesa
+// has a driver for one, else llvmpipe).
 std::vector<EGLDisplay> displays() {
   std::vector<EGLDisplay> found;
   if (!client_has("EGL_EXT_platform_base")) return found;
@@ -49,7 +49,7 @@ std::vector<EGLDisplay> displays() {
         const char* extensions = eglQueryDeviceStringEXT(devices.at(std::size_t(i)), EGL_EXTENSIONS);
         const bool software =
             extensions != nullptr && std::string_view(extensions).find("software") != std::string_view::npos;
-        if (software) continue;  // Mesa's own; below
+        if (software) continue;  // llvmpipe; the surfaceless platform below finds it
         found.push_back(
             eglGetPlatformDisplayEXT(EGL_PLATFORM_DEVICE_EXT, devices.at(std::size_t(i)), nullptr));
       }
@@ -84,7 +84,7 @@ EGLContext make_context(EGLDisplay display, Api api) {
                           api == Api::es3 ? es.data() : desktop.data());
 }
 
-// Errors of the debug callback and glGetError, per thread, because a context is current in one thread.
+// Messages of the debug callback and of glGetError, per thread, since a context is current in one thread.
 std::vector<std::string>& gl_messages() {
   thread_local std::vector<std::string> messages;
   return messages;
@@ -120,14 +120,14 @@ OffscreenContext::OffscreenContext(Api api) : impl_(std::make_unique<Impl>()) {
     *impl_ = {display, context};
     return;
   }
-  fail("EGL can make no " + std::string(name) + " context on this machine");
+  fail("EGL cannot create an " + std::string(name) + " context on this machine");
 }
 
 OffscreenContext::~OffscreenContext() {
   if (eglGetCurrentContext() == impl_->context) {
     eglMakeCurrent(impl_->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   }
-  // The display stays initialized: the whole program shares it, and another context may use it.
+  // The display stays initialized: the whole program has one, and another context may use it.
   eglDestroyContext(impl_->display, impl_->context);
 }
 
@@ -150,7 +150,7 @@ bool draws_in_software() {
 
 void watch_gl_errors() {
   gl_messages().clear();
-  if (!epoxy_has_gl_extension("GL_KHR_debug")) return;  // only glGetError remains
+  if (!epoxy_has_gl_extension("GL_KHR_debug")) return;  // only glGetError is available
   if (epoxy_is_desktop_gl()) {
     glEnable(GL_DEBUG_OUTPUT);
     glEnable(GL_DEBUG_OUTPUT_SYNCHRONOUS);

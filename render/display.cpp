@@ -30,7 +30,7 @@ constexpr std::array<std::string_view, splat_shape_count> splat_shape_names{"sph
 const PackedColor against_collider = pack(srgb(0xd9480f)), against_object = pack(srgb(0x1864ab)),
                   lattice_ink = pack(srgb(0x37474f));
 
-/// Keys are unique per drawing, because a renderer may draw several subjects.
+/// A unique range of keys for each drawing: one renderer may draw several subjects.
 std::uint64_t next_key_base() {
   static std::atomic<std::uint64_t> drawings{0};
   return ++drawings << 32;
@@ -76,7 +76,7 @@ struct SameShape {
   }
 };
 
-/// Height of a plane that is currently horizontal and faces up.
+/// The height of a plane that is currently a level floor; empty otherwise.
 std::optional<float> floor_height(const ColliderBody& collider) {
   const auto* plane = std::get_if<Plane>(collider.shape);
   if (!plane) return {};
@@ -95,10 +95,10 @@ Value value_of(const std::array<std::string_view, n>& names, std::string_view na
     if (names[i] == name) return static_cast<Value>(i);
     known += (i > 0 ? ", " : "") + std::string(names[i]);
   }
-  throw Error(missing + (" '" + std::string(name)) + "', expected one of: " + known);
+  throw Error(missing + (" '" + std::string(name)) + "'; expected one of: " + known);
 }
 
-/// Half a meter for scenes of a few meters; larger and smaller scenes in steps of two.
+/// Half a meter for scenes of a few meters; larger and smaller scenes in powers of two.
 float tile_for(float radius) {
   return 0.5f * std::exp2(std::round(std::log2(std::clamp(radius, 1e-3f, 1e4f) / 2)));
 }
@@ -110,7 +110,7 @@ std::string_view display_name(Display display) {
 }
 
 Display display_of(std::string_view name) {
-  return value_of<Display>(display_names, name, "there is no display");
+  return value_of<Display>(display_names, name, "unknown display");
 }
 
 std::string_view constraint_display_name(ConstraintDisplay display) {
@@ -122,17 +122,18 @@ std::string_view splat_shape_name(SplatShape shape) {
 }
 
 SplatShape splat_shape_of(std::string_view name) {
-  return value_of<SplatShape>(splat_shape_names, name, "there are no liquid splats");
+  return value_of<SplatShape>(splat_shape_names, name, "unknown liquid splats");
 }
 
 struct SubjectDrawing::Impl {
   DrawList list;
-  std::unique_ptr<Threads> threads = make_threads(Threading::automatic, 0);  ///< start at the first work
+  /// Workers start with the first task.
+  std::unique_ptr<Threads> threads = make_threads(Threading::automatic, 0);
   HeatScale heat;
   Legend legend;
   std::uint64_t next_key = next_key_base();
-  std::optional<std::uint64_t> topology;               ///< topology of the previous subject
-  std::uint32_t next_index = 0;                        ///< index of the next object, for its color
+  std::optional<std::uint64_t> topology;               ///< topology of the last subject
+  std::uint32_t next_index = 0;                        ///< color index of the next object
   std::map<std::uint32_t, BodyDrawing> bodies;         ///< by Body::id
   std::map<std::uint32_t, ColliderDrawing> colliders;  ///< by ColliderBody::id
   Bounds scene;                                        ///< bounds when an object was last added or removed
@@ -142,13 +143,13 @@ struct SubjectDrawing::Impl {
   std::vector<PackedColor> contact_colors;
   std::vector<std::vector<float>> rope_strain;  ///< per body, per point
 
-  std::uint64_t take_key() { return next_key += 2; }
+  std::uint64_t allocate_key() { return next_key += 2; }
   float size() const { return std::max(scene.radius(), 1e-3f); }
 
   void start(const Subject& subject);
-  void meet(const Subject& subject);
-  void meet_colliders(const Subject& subject);
-  void gather_particles(const Subject& subject, const Drawing& drawing);
+  void update_bodies(const Subject& subject);
+  void update_colliders(const Subject& subject);
+  void gather_particles(const Subject& subject, const DrawContext& drawing);
   void draw_colliders(const Subject& subject, const DisplayOptions& options);
   void draw_collider(const ColliderBody& collider, std::uint32_t pick);
   void draw_pins(const Subject& subject);
@@ -158,7 +159,8 @@ struct SubjectDrawing::Impl {
   void update(const Subject& subject, const DisplayOptions& options);
 };
 
-/// Starts a new world. The first color depends on the first object's name, so that not every cloth is blue.
+/// Starts with another world. The first color depends on the first object's name: otherwise the first cloth
+/// of every scene would be blue.
 void SubjectDrawing::Impl::start(const Subject& subject) {
   topology = subject.topology;
   bodies.clear();
@@ -169,7 +171,7 @@ void SubjectDrawing::Impl::start(const Subject& subject) {
 }
 
 /// Creates drawings for new objects and removes those of deleted objects.
-void SubjectDrawing::Impl::meet(const Subject& subject) {
+void SubjectDrawing::Impl::update_bodies(const Subject& subject) {
   bool changed = false;
   std::map<std::uint32_t, BodyDrawing> present;
   for (const Body& body : subject.bodies) {
@@ -179,7 +181,7 @@ void SubjectDrawing::Impl::meet(const Subject& subject) {
       continue;
     }
     changed = true;
-    present.try_emplace(body.id, body, next_index++, take_key());
+    present.try_emplace(body.id, body, next_index++, allocate_key());
   }
   changed = changed || !bodies.empty();
   bodies = std::move(present);
@@ -188,13 +190,13 @@ void SubjectDrawing::Impl::meet(const Subject& subject) {
   for (const Body& body : subject.bodies) scene.add(bodies.at(body.id).bounds(body));
 }
 
-void SubjectDrawing::Impl::meet_colliders(const Subject& subject) {
+void SubjectDrawing::Impl::update_colliders(const Subject& subject) {
   std::map<std::uint32_t, ColliderDrawing> present;
   for (const ColliderBody& collider : subject.colliders) {
     auto known = colliders.extract(collider.id);
     ColliderDrawing drawing;
     if (known) drawing = std::move(known.mapped());
-    if (drawing.key == 0) drawing.key = take_key();
+    if (drawing.key == 0) drawing.key = allocate_key();
     if (drawing.topology == 0 || !std::visit(SameShape{*collider.shape}, drawing.shape)) {
       drawing.shape = *collider.shape;
       const Vec3d center =
@@ -208,8 +210,8 @@ void SubjectDrawing::Impl::meet_colliders(const Subject& subject) {
   colliders = std::move(present);
 }
 
-/// Collects the particles of a world, which differ from the vertices: soft bodies have interior particles.
-void SubjectDrawing::Impl::gather_particles(const Subject& subject, const Drawing& drawing) {
+/// The particles of a world are not the vertices; those of soft bodies lie inside.
+void SubjectDrawing::Impl::gather_particles(const Subject& subject, const DrawContext& drawing) {
   const Display display = drawing.options.display;
   if (!subject.world || (display != Display::particles && display != Display::lattice)) return;
   for (auto& [id, body] : bodies) body.particles().clear();
@@ -219,8 +221,8 @@ void SubjectDrawing::Impl::gather_particles(const Subject& subject, const Drawin
     if (found == bodies.end() || !found->second.draws_particles(drawing)) return;
     ParticleCloud& cloud = found->second.particles();
     cloud.centers.push_back(particle.position);
-    // Thin cloth would be almost invisible. Lattice nodes outside their surface have negative radii: the
-    // surface makes contact before they do.
+    // Thin cloth would be hardly visible. Lattice nodes outside the embedded surface have negative radii: the
+    // surface is in contact before they are.
     const float dot = 0.006f * size();
     const float least = particle.radius > 0 ? 0.12f * found->second.mean_edge() : dot;
     cloud.radii.push_back(display == Display::lattice ? dot : std::max(particle.radius, least));
@@ -238,13 +240,13 @@ void SubjectDrawing::Impl::draw_collider(const ColliderBody& collider, std::uint
   surface.triangles = drawing.mesh.triangles;
   surface.pose = collider.pose;
   surface.look = collider_look(collider.color);
-  // The walls of a tank: front walls are invisible from outside.
+  // A tank's walls are seen from inside only: the front walls do not hide its content.
   surface.one_sided = std::holds_alternative<Plane>(*collider.shape);
   surface.pick = pick;
   list.surfaces.push_back(surface);
 }
 
-/// The first horizontal floor is the ground; every other collider has a mesh.
+/// The first level floor is drawn as the ground, every other collider as a mesh.
 void SubjectDrawing::Impl::draw_colliders(const Subject& subject, const DisplayOptions& options) {
   list.ground = {};
   list.ground.shown = false;
@@ -277,7 +279,7 @@ void SubjectDrawing::Impl::draw_pins(const Subject& subject) {
     }
   }
   if (centers.empty()) return;
-  if (pins_key == 0) pins_key = take_key();
+  if (pins_key == 0) pins_key = allocate_key();
   if (centers != pins) {
     pins = std::move(centers);
     ++pins_version;
@@ -298,27 +300,28 @@ void SubjectDrawing::Impl::draw_lattice(const World& world) {
   legend.title(fmt::format("lattice: {} edges of tets", list.lines.size()));
 }
 
-/// Lines along the normals from a small ball; their length is proportional to the root of the impulse.
+/// Lines along the contact normals, of length proportional to the square root of the impulse, starting from a
+/// small ball.
 void SubjectDrawing::Impl::draw_contacts(const World& world) {
-  float strongest = 0;
+  float max_impulse = 0;
   std::array<std::size_t, 2> count{};
-  for (const ContactEvent& event : world.contacts()) strongest = std::max(strongest, event.impulse);
+  for (const ContactEvent& event : world.contacts()) max_impulse = std::max(max_impulse, event.impulse);
   contact_points.clear();
   contact_colors.clear();
   for (const ContactEvent& event : world.contacts()) {
     const PackedColor color = event.other_is_collider ? against_collider : against_object;
-    const float share = strongest > 0 ? std::sqrt(std::max(event.impulse, 0.0f) / strongest) : 0;
-    const float reach = size() * (0.02f + 0.13f * share);
+    const float fraction = max_impulse > 0 ? std::sqrt(std::max(event.impulse, 0.0f) / max_impulse) : 0;
+    const float reach = size() * (0.02f + 0.13f * fraction);
     list.top_lines.push_back({event.point, event.point + event.normal * reach, color, 2});
     contact_points.push_back(event.point);
     contact_colors.push_back(color);
     ++count[event.other_is_collider ? 0 : 1];
   }
-  legend.title("contacts; longest line " + short_number(static_cast<double>(strongest)) + " N s");
+  legend.title("contacts; longest line " + short_number(static_cast<double>(max_impulse)) + " N s");
   legend.entry(against_collider, fmt::format("with colliders  {}", count[0]));
   legend.entry(against_object, fmt::format("between objects  {}", count[1]));
   if (contact_points.empty()) return;
-  if (contacts_key == 0) contacts_key = take_key();
+  if (contacts_key == 0) contacts_key = allocate_key();
   Spheres spheres;
   spheres.key = contacts_key;
   spheres.version = ++contacts_version;
@@ -329,16 +332,16 @@ void SubjectDrawing::Impl::draw_contacts(const World& world) {
   list.spheres.push_back(spheres);
 }
 
-/// Adds the meaning of the surfaces' colors, and the limits of a cache.
+/// Adds the meaning of the surface colors to the legend, and a note on data that a cache lacks.
 void SubjectDrawing::Impl::explain(const Subject& subject, const DisplayOptions& options) {
   const Display display = options.display;
   if (display == Display::strain) {
     legend.title("stretch of edges");
-    legend.scale(heat, 100 * options.largest_strain, "%");
+    legend.scale(heat, 100 * options.max_strain, "%");
   }
   if (display == Display::speed) {
     legend.title("speed");
-    legend.scale(heat, options.largest_speed, "m/s");
+    legend.scale(heat, options.max_speed, "m/s");
   }
   if (display == Display::particles) {
     std::size_t count = 0;
@@ -354,8 +357,8 @@ void SubjectDrawing::Impl::explain(const Subject& subject, const DisplayOptions&
 
 void SubjectDrawing::Impl::update(const Subject& subject, const DisplayOptions& options) {
   if (subject.topology != topology) start(subject);
-  meet(subject);
-  meet_colliders(subject);
+  update_bodies(subject);
+  update_colliders(subject);
 
   list.surfaces.clear();
   list.spheres.clear();
@@ -367,7 +370,7 @@ void SubjectDrawing::Impl::update(const Subject& subject, const DisplayOptions& 
   legend.clear();
 
   const World* world = subject.world;
-  const Drawing drawing{options, heat, subject.frame, world != nullptr, *threads, list};
+  const DrawContext drawing{options, heat, subject.frame, world != nullptr, *threads, list};
   gather_particles(subject, drawing);
   rope_strain.clear();
   if (world && options.display == Display::strain) rope_strain = rope_strains(subject);

@@ -7,7 +7,8 @@ namespace souple::render {
 
 namespace {
 
-// The box of finite points: a diverged object must not hide the others.
+// Bounding box of the finite points: otherwise an object with non-finite points would move the others out of
+// view.
 Bounds box_of(std::span<const Vec3f> points) {
   Bounds box;
   for (const Vec3f& p : points) {
@@ -32,7 +33,7 @@ Bounds box_of_ellipsoids(const Liquid& liquid) {
   return box;
 }
 
-// The box of the posed corners: a little larger than that of the posed points.
+// Bounding box of the transformed corners: a little larger than that of the transformed points.
 Bounds box_of(const Surface& surface) {
   const Bounds own = box_of(surface.positions);
   Bounds box;

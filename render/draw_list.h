@@ -12,42 +12,43 @@
 #include <string>
 #include <vector>
 
-// The content of a picture in the renderer's terms, without worlds or caches. Spans must be valid until the
-// list is drawn.
+// The content of one picture as the renderer draws it, independent of worlds and caches. Spans must stay
+// valid until the list is drawn.
 
 namespace souple::render {
 
 /// Appearance of a surface.
 struct Look {
   Color color = srgb(0xc8c8c8);
-  Color second = srgb(0xc8c8c8);  ///< second color of the checker
-  float checker_size = 0;         ///< edge of a field, in units of `texture` below [m]; 0: plain `color`
+  Color second = srgb(0xc8c8c8);  ///< color of every other field of the checker
+  float checker_size = 0;         ///< edge of a field, in units of Surface::texture [m]; 0: only `color`
   float roughness = 0.55f;        ///< GGX, in (0, 1]
   float metalness = 0;            ///< in [0, 1]
   float sheen = 0;                ///< light scattered at grazing angles, as by cloth, in [0, 1]
 };
 
-/// Triangles, two-sided by default. GPU buffers persist from picture to picture under `key`.
+/// Triangles, two-sided by default. The renderer keeps their buffers on the GPU between pictures, under
+/// `key`.
 struct Surface {
-  std::uint64_t key = 0;             ///< unique among the surfaces of all lists of a renderer
-  std::uint64_t topology = 0;        ///< a new number means: triangles and texture changed
-  std::uint64_t version = 0;         ///< a new number means: positions, normals and colors changed
+  std::uint64_t key = 0;             ///< unique among the surfaces of all lists drawn by one renderer
+  std::uint64_t topology = 0;        ///< changes when triangles or texture have changed
+  std::uint64_t version = 0;         ///< changes when positions, normals or colors have changed
   std::span<const Vec3f> positions;  ///< m
   std::span<const Vec3f> normals;    ///< unit, one per vertex; empty: flat shading
   std::span<const Triangle> triangles;
-  std::span<const Vec3f> texture;       ///< empty, or per vertex: coordinates in a solid checker
+  std::span<const Vec3f> texture;       ///< empty, or each vertex's coordinates in a solid checker
   std::span<const PackedColor> colors;  ///< empty, or one per vertex instead of look.color
-  Transform pose{};                     ///< applied to positions and normals
+  Transform pose{};                     ///< transforms positions and normals
   Look look{};
   bool wireframe = false;  ///< edges drawn over the surface
-  bool one_sided = false;  ///< visible, shadow-casting and pickable from the front only
+  bool one_sided = false;  ///< visible, lit by the sun and pickable only from its front
   bool casts_shadow = true;
-  std::uint32_t pick = 0;  ///< result of picking; 0: cannot be picked
+  std::uint32_t pick = 0;  ///< value returned by picking; 0: cannot be picked
 };
 
 /// Balls, exact at any size.
 struct Spheres {
-  std::uint64_t key = 0, version = 0;  ///< see Surface
+  std::uint64_t key = 0, version = 0;  ///< as in Surface
   std::span<const Vec3f> centers;      ///< m
   std::span<const float> radii;        ///< empty: `radius` for all [m]
   float radius = 0.01f;
@@ -59,23 +60,24 @@ struct Spheres {
 
 /// Optical properties of a liquid.
 struct LiquidLook {
-  Vec3f absorption{1.6f, 0.42f, 0.2f};  ///< absorption of red, green and blue light [1/m]
-  Vec3f scattering{};                   ///< scattering of red, green and blue light: cloudiness [1/m]
-  float refractive_index = 1.33f;       ///< at least 1
-  float roughness = 0.08f;              ///< GGX, in (0, 1]
+  Vec3f absorption{1.6f, 0.42f, 0.2f};  ///< of red, green and blue light [1/m]
+  /// Makes the liquid cloudy: scattering coefficients of red, green and blue light [1/m].
+  Vec3f scattering{};
+  float refractive_index = 1.33f;  ///< at least 1
+  float roughness = 0.08f;         ///< GGX, in (0, 1]
 };
-/// The absorption after which white light has the color `left` at `distance` meters. Channels are clamped to
+/// The absorption with which white light has this color after `distance` meters. Channels are clamped to
 /// [0.005, 1].
 Vec3f absorption_of(const Color& left, float distance);
 
-/// A liquid, given by its particles and drawn as a smooth transparent body.
+/// A liquid, given by the particles that fill it: drawn as one smooth, clear volume.
 struct Liquid {
-  std::uint64_t key = 0, version = 0;  ///< see Surface
+  std::uint64_t key = 0, version = 0;  ///< as in Surface
   std::span<const Vec3f> centers;      ///< m
-  float radius = 0.015f;  ///< radius of the balls before smoothing: 0.6 to 0.9 of the spacing [m]
+  float radius = 0.015f;  ///< radius of the balls whose surface is smoothed: 0.6 to 0.9 of the spacing [m]
   float spacing = 0.02f;  ///< each particle represents a cube with this edge [m]
-  /// Empty, or per particle: an ellipsoid instead of the ball, A times the unit ball [m]. A particle with A =
-  /// 0 is invisible and only adds thickness.
+  /// Empty, or an ellipsoid instead of each ball: A times the unit ball [m]. A particle with A = 0 is
+  /// invisible and only adds to the liquid's thickness.
   std::span<const Mat3f> ellipsoids;
   LiquidLook look{};
   bool casts_shadow = true;
@@ -84,10 +86,10 @@ struct Liquid {
 
 /// Foam, spray and bubbles: small white particles, too many to be distinguished.
 struct Foam {
-  std::uint64_t key = 0, version = 0;  ///< unique among foams; see Surface
+  std::uint64_t key = 0, version = 0;  ///< `key` is unique among foams; as in Surface
   std::span<const Vec3f> centers;      ///< m
   float radius = 0.01f;                ///< m
-  float opacity = 0.5f;                ///< opacity of a particle at its center, in [0, 1)
+  float opacity = 0.5f;                ///< of one particle at its center, in [0, 1)
 };
 
 /// A line of constant width on screen.
@@ -103,7 +105,7 @@ struct Label {
   float x = 0, y = 0;  ///< top left corner, rounded to whole pixels
   float size = 16;     ///< height of a line, rounded to a whole number in [6, 128] [pixels]
   Color color = srgb(0xffffff);
-  Color background{0, 0, 0, 0};  ///< color of a box slightly larger than the text
+  Color background{0, 0, 0, 0};  ///< color of a box behind the text, a little larger than it
 };
 
 /// The infinite floor y = height.
@@ -114,11 +116,11 @@ struct Ground {
   float tile = 0.5f;  ///< m
 };
 
-/// The sun and the sky around it.
+/// The sun and the sky.
 struct Light {
   Vec3f to_sun{-0.35f, 0.85f, 0.5f};  ///< need not be a unit vector
   float sun = 3.0f;                   ///< irradiance, relative to the exposure
-  float sun_size = 2.5f;              ///< apparent radius of the sun: softness of shadows [degrees]
+  float sun_size = 2.5f;              ///< apparent radius [degrees]: the softness of shadows
   Color sky = srgb(0xbfd4ee), horizon = srgb(0xeef2f6), floor = srgb(0x9a9894);
 };
 
@@ -133,7 +135,7 @@ struct DrawList {
   Ground ground{};
   Light light{};
 
-  Bounds bounds() const;  ///< of all but lines and labels: extent of shadows and depth
+  Bounds bounds() const;  ///< bounds of all elements but lines and labels, for shadows and depth
 };
 
 }  // namespace souple::render

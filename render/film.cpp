@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Path of a program in the folders of PATH, first to last; empty if it is in none.
+/// Path of a program in the folders of PATH, first to last. Empty if no folder contains it.
 fs::path find_program(const char* name) {
   const char* listed = std::getenv("PATH");
   const std::string_view folders = listed != nullptr ? listed : "/usr/bin:/bin";
@@ -40,7 +40,7 @@ fs::path find_program(const char* name) {
     const std::size_t end = std::min(folders.find(':', begin), folders.size());
     fs::path file = fs::path(folders.substr(begin, end - begin)) / name;
     std::error_code error;
-    // An empty entry would mean the working folder, whose programs must not run by accident.
+    // An empty entry would mean the working folder, from which no program should be run unintentionally.
     if (end > begin && fs::is_regular_file(file, error) && access(file.c_str(), X_OK) == 0) return file;
     begin = end + 1;
   }
@@ -51,10 +51,10 @@ std::string reason(int number) {
   return std::generic_category().message(number);
 }
 
-/// A running ffmpeg that reads our output. Its arguments are passed unchanged, without a shell.
+/// A running ffmpeg that reads from this process. Its arguments are passed unchanged, without a shell.
 class Ffmpeg {
  public:
-  explicit Ffmpeg(const std::vector<std::string>& arguments) : said_(std::tmpfile()) {
+  explicit Ffmpeg(const std::vector<std::string>& arguments) : log_(std::tmpfile()) {
     const fs::path program = find_program("ffmpeg");
     if (program.empty()) {
       throw Error(
@@ -62,12 +62,12 @@ class Ffmpeg {
           "ffmpeg, "
           "or write single pictures into a folder instead");
     }
-    // A socket instead of a pipe: writing to a dead ffmpeg is then an error and not a signal, however
-    // the program handles SIGPIPE.
+    // A socket instead of a pipe: writing to an ffmpeg that has ended is then an error rather than a signal,
+    // however the program handles SIGPIPE.
     std::array<int, 2> ends{-1, -1};
-    if (said_ == nullptr || socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+    if (log_ == nullptr || socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
       const int why = errno;
-      close_said();
+      close_log();
       throw Error("ffmpeg cannot be started: " + reason(why));
     }
     input_ = ends[0];
@@ -75,7 +75,7 @@ class Ffmpeg {
     close(ends[1]);
     if (failure != 0) {
       close_input();
-      close_said();
+      close_log();
       throw Error(program.string() + " cannot be started: " + reason(failure));
     }
   }
@@ -85,12 +85,12 @@ class Ffmpeg {
       close_input();
       wait();
     }
-    close_said();
+    close_log();
   }
   Ffmpeg(const Ffmpeg&) = delete;
   Ffmpeg& operator=(const Ffmpeg&) = delete;
 
-  /// Returns false if ffmpeg accepts no more data; `finish` then returns the reason.
+  /// False when ffmpeg accepts no more data: `finish` then returns the reason.
   bool write(std::span<const std::uint8_t> bytes) {
     while (!bytes.empty()) {
       const ssize_t sent = send(input_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
@@ -101,7 +101,7 @@ class Ffmpeg {
     return true;
   }
 
-  /// Ends ffmpeg's input and waits. Returns its last message on failure, else an empty text.
+  /// Closes ffmpeg's input and waits. Empty on success, else ffmpeg's last message.
   std::string finish() {
     close_input();
     const int status = wait();
@@ -114,19 +114,19 @@ class Ffmpeg {
 
  private:
   int spawn(const std::string& program, const std::vector<std::string>& arguments, int input) {
-    std::vector<std::string> words{program, "-hide_banner", "-nostdin", "-loglevel", "error", "-y"};
-    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<std::string> command{program, "-hide_banner", "-nostdin", "-loglevel", "error", "-y"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
-    argv.reserve(words.size() + 1);
-    for (std::string& word : words) argv.push_back(word.data());
+    argv.reserve(command.size() + 1);
+    for (std::string& word : command) argv.push_back(word.data());
     argv.push_back(nullptr);
 
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_adddup2(&files, input, STDIN_FILENO);
     posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_adddup2(&files, fileno(said_), STDERR_FILENO);
-    // A process group of its own: Ctrl-C in the terminal reaches only this program, which finishes the film.
+    posix_spawn_file_actions_adddup2(&files, fileno(log_), STDERR_FILENO);
+    // Its own process group: Ctrl-C in the terminal reaches only this program, which then finishes the film.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
@@ -146,11 +146,11 @@ class Ffmpeg {
     return status;
   }
 
-  /// The last line of ffmpeg's errors.
+  /// The last line of ffmpeg's messages.
   std::string last_line() {
     std::string line, found;
-    std::rewind(said_);
-    for (int c = std::fgetc(said_); c != EOF; c = std::fgetc(said_)) {
+    std::rewind(log_);
+    for (int c = std::fgetc(log_); c != EOF; c = std::fgetc(log_)) {
       if (c != '\n') line += static_cast<char>(c);
       if (c == '\n' && !line.empty()) found = std::exchange(line, {});
     }
@@ -161,12 +161,12 @@ class Ffmpeg {
     if (input_ >= 0) close(input_);
     input_ = -1;
   }
-  void close_said() {
-    if (said_ != nullptr) std::fclose(said_);
-    said_ = nullptr;
+  void close_log() {
+    if (log_ != nullptr) std::fclose(log_);
+    log_ = nullptr;
   }
 
-  std::FILE* said_;  ///< a file, because a pipe could fill up
+  std::FILE* log_;  ///< a file, not a pipe: it never fills up
   int input_ = -1;
   pid_t process_ = -1;
 };
@@ -182,8 +182,8 @@ fs::path part_of(const fs::path& file, const char* extension) {
   return file.parent_path() / (file.stem().string() + ".part" + extension);
 }
 
-/// A name that ffmpeg interprets only as a file, for any characters (-x.mp4, a:b.mp4).
-std::string file_word(const fs::path& file) {
+/// An argument that ffmpeg takes as a file, whatever its characters (-x.mp4, a:b.mp4).
+std::string file_argument(const fs::path& file) {
   return "file:" + file.string();
 }
 
@@ -200,10 +200,10 @@ std::string number_text(double number) {
 void make_folder(const fs::path& folder) {
   std::error_code error;
   if (!folder.empty()) fs::create_directories(folder, error);
-  if (error) throw Error(folder.string() + ": cannot be made: " + error.message());
+  if (error) throw Error(folder.string() + ": cannot create the folder: " + error.message());
 }
 
-/// Detects an unwritable path before minutes of work.
+/// Detects failure now, not after minutes of work.
 void require_writable(const fs::path& file) {
   std::FILE* const opened = std::fopen(file.c_str(), "wb");
   if (opened == nullptr) throw Error(file.string() + ": cannot be written: " + reason(errno));
@@ -231,8 +231,8 @@ struct Film::Impl {
   int film_width = 0, film_height = 0;  ///< size of the pictures for ffmpeg
   std::uint64_t added = 0;
   bool finished = false;
-  fs::path part;                 ///< file that ffmpeg writes: the film, or all pictures of a .gif
-  std::vector<fs::path> spares;  ///< removed at the end in any case
+  fs::path part;  ///< ffmpeg's output while pictures are added: the film, or for a .gif all pictures
+  std::vector<fs::path> temporary_files;  ///< removed at the end in any case
   std::unique_ptr<Ffmpeg> ffmpeg;
   Image padded;
 
@@ -246,10 +246,10 @@ struct Film::Impl {
     }
     if (std::error_code error; fs::is_directory(file, error))
       throw Error(file.string() + ": is a folder; expected the name of a film");
-    if (!has_ffmpeg()) Ffmpeg({});  // throws with the missing package
+    if (!has_ffmpeg()) Ffmpeg({});  // throws Error that names the package
     make_folder(file.parent_path());
     part = part_of(file, kind == Kind::gif ? ".mkv" : ".mp4");
-    spares.push_back(part);
+    temporary_files.push_back(part);
     require_writable(part);
   }
   ~Impl() {
@@ -259,10 +259,10 @@ struct Film::Impl {
     }
     ffmpeg.reset();
     std::error_code error;
-    for (const fs::path& spare : spares) fs::remove(spare, error);
+    for (const fs::path& temporary_file : temporary_files) fs::remove(temporary_file, error);
   }
 
-  /// A .gif shows every n-th picture; returns n.
+  /// Step between the pictures of a .gif.
   std::uint64_t stride() const {
     constexpr double fastest_gif = 50;  // browsers show a picture for at least 2/100 s
     return kind == Kind::gif ? static_cast<std::uint64_t>(std::ceil(rate / fastest_gif - 1e-9)) : 1;
@@ -272,21 +272,21 @@ struct Film::Impl {
     const int side = kind == Kind::mp4 ? 2 : 1;  // H.264 stores colors for 2 x 2 pixels
     film_width = (width + side - 1) / side * side;
     film_height = (height + side - 1) / side * side;
-    std::vector<std::string> words{"-f",
-                                   "rawvideo",
-                                   "-pixel_format",
-                                   "rgba",
-                                   "-video_size",
-                                   size_text(film_width, film_height),
-                                   "-framerate",
-                                   number_text(rate / static_cast<double>(stride())),
-                                   "-i",
-                                   "pipe:0",
-                                   "-an",
-                                   "-fflags",
-                                   "+bitexact",
-                                   "-flags:v",
-                                   "+bitexact"};
+    std::vector<std::string> arguments{"-f",
+                                       "rawvideo",
+                                       "-pixel_format",
+                                       "rgba",
+                                       "-video_size",
+                                       size_text(film_width, film_height),
+                                       "-framerate",
+                                       number_text(rate / static_cast<double>(stride())),
+                                       "-i",
+                                       "pipe:0",
+                                       "-an",
+                                       "-fflags",
+                                       "+bitexact",
+                                       "-flags:v",
+                                       "+bitexact"};
     const std::vector<std::string> mp4{"-vf",
                                        "scale=out_color_matrix=bt709:out_range=tv",
                                        "-pix_fmt",
@@ -307,15 +307,16 @@ struct Film::Impl {
                                        "+faststart",
                                        "-f",
                                        "mp4"};
-    // A .gif has one palette for all pictures: until the last picture they are stored without loss.
+    // A .gif has one palette, known only after the last picture: until then, pictures are stored without
+    // loss.
     const std::vector<std::string> lossless{"-pix_fmt", "bgr0", "-c:v", "ffv1", "-f", "matroska"};
     const std::vector<std::string>& encoding = kind == Kind::mp4 ? mp4 : lossless;
-    words.insert(words.end(), encoding.begin(), encoding.end());
-    words.push_back(file_word(part));
-    ffmpeg = std::make_unique<Ffmpeg>(words);
+    arguments.insert(arguments.end(), encoding.begin(), encoding.end());
+    arguments.push_back(file_argument(part));
+    ffmpeg = std::make_unique<Ffmpeg>(arguments);
   }
 
-  /// The picture, with its last column and row repeated if the film is larger.
+  /// The picture; if the film is larger, with the last column and row repeated.
   std::span<const std::uint8_t> frame_of(const Image& image) {
     if (film_width == width && film_height == height) return image.pixels;
     Image grown(film_width, film_height);
@@ -352,7 +353,7 @@ struct Film::Impl {
   std::string picture_name(std::uint64_t number) const {
     char text[32];
     std::snprintf(text, sizeof(text), "_%04llu.png", static_cast<unsigned long long>(number));
-    const fs::path folder = file.has_filename() ? file : file.parent_path();  // "films/" is called films
+    const fs::path folder = file.has_filename() ? file : file.parent_path();  // "films/" has the name films
     return folder.lexically_normal().filename().string() + text;
   }
 
@@ -362,8 +363,8 @@ struct Film::Impl {
     throw Error(file.string() + ": ffmpeg failed: " + why);
   }
 
-  void run_to_end(const std::vector<std::string>& words) {
-    ffmpeg = std::make_unique<Ffmpeg>(words);
+  void run_to_end(const std::vector<std::string>& arguments) {
+    ffmpeg = std::make_unique<Ffmpeg>(arguments);
     if (const std::string why = ffmpeg->finish(); !why.empty()) fail(why);
     ffmpeg.reset();
   }
@@ -381,17 +382,18 @@ struct Film::Impl {
     if (error) throw Error(file.string() + ": cannot be written: " + error.message());
   }
 
-  /// Two passes: the best palette for all pictures, then the film in these colors.
+  /// Two passes: the best palette for all pictures, then the film in its colors.
   fs::path make_gif() {
     const fs::path colors = part_of(file, ".png");
     fs::path gif = part_of(file, ".gif");
-    spares.push_back(colors);
-    spares.push_back(gif);
-    run_to_end({"-i", file_word(part), "-vf", "palettegen=stats_mode=full:reserve_transparent=0", "-frames:v",
-                "1", "-update", "1", "-fflags", "+bitexact", file_word(colors)});
-    run_to_end({"-i", file_word(part), "-f", "image2", "-pattern_type", "none", "-i", file_word(colors),
-                "-filter_complex", "[0:v][1:v]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle",
-                "-fflags", "+bitexact", "-f", "gif", file_word(gif)});
+    temporary_files.push_back(colors);
+    temporary_files.push_back(gif);
+    run_to_end({"-i", file_argument(part), "-vf", "palettegen=stats_mode=full:reserve_transparent=0",
+                "-frames:v", "1", "-update", "1", "-fflags", "+bitexact", file_argument(colors)});
+    run_to_end({"-i", file_argument(part), "-f", "image2", "-pattern_type", "none", "-i",
+                file_argument(colors), "-filter_complex",
+                "[0:v][1:v]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle", "-fflags", "+bitexact",
+                "-f", "gif", file_argument(gif)});
     return gif;
   }
 };

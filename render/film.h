@@ -7,25 +7,25 @@
 
 namespace souple::render {
 
-/// A film from pictures of one size: .mp4 (H.264), .gif, or, for any other path, a folder of PNG files
-/// NAME_0001.png with the folder's NAME. The program ffmpeg encodes films.
+/// A film from pictures of equal size: .mp4 (H.264), .gif, or, for any path without such an extension, a
+/// folder of PNG files NAME_0001.png, where NAME is the folder's name. The program ffmpeg encodes films.
 ///
-/// An .mp4 needs even sides: an odd one gets its last row or column twice. A .gif has at most 50 pictures per
-/// second, because players slow down faster ones: of a faster film every second picture, or every third, and
-/// so on, is kept.
+/// An .mp4 has even sides: at an odd size the last row or column is doubled. A .gif has at most 50 pictures a
+/// second, because players slow down faster ones: of a faster film it keeps every second picture, or every
+/// third, and so on.
 class Film {
  public:
-  /// Throws Error if ffmpeg is missing (the message names its package) or the file cannot be written.
+  /// Throws Error when ffmpeg is missing (and names its package) or the file cannot be written.
   Film(std::filesystem::path file, double frame_rate);
-  /// Finishes and ignores failures; a failed film, or one without pictures, leaves no file.
+  /// Finishes the film without exceptions; a film that failed or has no picture leaves no file.
   ~Film();
   Film(const Film&) = delete;
   Film& operator=(const Film&) = delete;
 
-  /// Throws Error if the size differs from the first picture's, or with ffmpeg's last message if ffmpeg
+  /// Throws Error when the size differs from the first picture's, or, with ffmpeg's last message, when ffmpeg
   /// failed.
   void add(const Image& image);
-  /// Renames the film from NAME.part.mp4 to its path. Throws Error if it has no picture.
+  /// Moves the film from NAME.part.mp4 to its path. Throws Error when it has no picture.
   void finish();
 
  private:
@@ -33,10 +33,10 @@ class Film {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Whether the path is that of a film for ffmpeg: it ends in .mp4 or .gif, in any letter case.
+/// Whether the path is a film for ffmpeg: it ends in .mp4 or .gif, in lower or upper case.
 bool is_film(const std::filesystem::path& file);
 
-/// Whether the program ffmpeg is on PATH.
+/// Whether the program ffmpeg can be found on PATH.
 bool has_ffmpeg();
 
 }  // namespace souple::render

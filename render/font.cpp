@@ -5,17 +5,18 @@
 #include <imgui.h>
 #include <iterator>
 
-// Dear ImGui serves only as a rasterizer of fonts: an ImFontAtlas needs no context.
+// Dear ImGui serves only as a font rasterizer: an ImFontAtlas needs no context.
 
 namespace souple::render {
 
 namespace {
 
-/// Number of bytes after a character's first byte, and the bits of that byte; empty for an invalid byte.
+/// A lead byte of UTF-8: the number of bytes that follow it, and the bits it contributes; none for an invalid
+/// byte.
 struct Lead {
   int more = -1;
   char32_t bits = 0;
-  char32_t least = 0;  ///< smaller code points have shorter forms, so this form is invalid for them
+  char32_t min_point = 0;  ///< smallest valid code point; longer encodings of smaller ones are invalid
 };
 
 Lead lead_of(unsigned char byte) {
@@ -32,7 +33,7 @@ std::size_t big_endian(const std::vector<char>& data, std::size_t at, std::size_
   return value;
 }
 
-/// Whether this is a TrueType font with all of its tables: the rasterizer does not validate.
+/// Whether this is a TrueType font with all its tables: the rasterizer does not check its input.
 bool is_whole_font(const std::vector<char>& data) {
   constexpr std::size_t head = 12, entry = 16;  // bytes; an entry is tag, checksum, offset, length
   if (data.size() < head || big_endian(data, 0, 4) != 0x00010000) return false;
@@ -45,20 +46,20 @@ bool is_whole_font(const std::vector<char>& data) {
   return true;
 }
 
-/// Adds the font in `data`, or the built-in one if that is empty. Returns false for a damaged font.
+/// Uses the font in `data`, or the built-in one if it is empty. False for a damaged font.
 bool rasterize(ImFontAtlas& atlas, const std::vector<char>& data, int size, const ImVector<ImWchar>& ranges) {
   atlas.Flags = ImFontAtlasFlags_NoMouseCursors | ImFontAtlasFlags_NoBakedLines;
   ImFontConfig config;
   config.SizePixels = float(size);
   config.GlyphRanges = ranges.Data;
-  config.OversampleH = 1;  // text starts at whole pixels
+  config.OversampleH = 1;  // text starts at whole pixels, so no subpixel samples are needed
   config.OversampleV = 1;
   config.PixelSnapH = true;
   if (data.empty()) {
     atlas.AddFontDefault(&config);
   } else {
     config.FontDataOwnedByAtlas = false;
-    auto* bytes = const_cast<char*>(data.data());  // which it only reads
+    auto* bytes = const_cast<char*>(data.data());  // ImGui only reads it
     atlas.AddFontFromMemoryTTF(bytes, int(data.size()), float(size), &config);
   }
   return atlas.Build();
@@ -80,13 +81,13 @@ std::vector<char32_t> code_points(std::string_view utf8) {
       point = point << 6 | (static_cast<unsigned char>(utf8[i++]) & 0x3fu);
     }
     const bool good =
-        more == 0 && point >= lead.least && point <= 0xffff && (point < 0xd800 || point > 0xdfff);
+        more == 0 && point >= lead.min_point && point <= 0xffff && (point < 0xd800 || point > 0xdfff);
     result.push_back(good ? point : U'?');
   }
   return result;
 }
 
-std::filesystem::path Font::usual_file() {
+std::filesystem::path Font::default_file() {
   return "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
 }
 

@@ -19,7 +19,7 @@ namespace souple::render {
 
 namespace {
 
-/// libpng's simplified interface reports errors by value, without longjmp; the destructor frees it.
+/// libpng's simplified interface reports errors by value, without longjmp; this frees its memory.
 class Png {
  public:
   Png() {
@@ -61,7 +61,7 @@ std::vector<std::uint8_t> encode(const Image& image, int palette) {
   }
   png_alloc_size_t size = 0;
   std::vector<std::uint8_t> bytes;
-  // First determines the size; this encodes twice, which takes milliseconds.
+  // The first call returns the size. Both calls encode; encoding a picture takes milliseconds.
   bool good = png_image_write_to_memory(&png.image, nullptr, &size, 0, samples.data(), 0, colors) != 0;
   if (good) {
     bytes.resize(size);
@@ -102,7 +102,7 @@ std::vector<std::uint8_t> bytes_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-/// Coverage of the `from` pixels by a pixel of `to`: weights of the pixels from `begin` on.
+/// Per target pixel i: the first source pixel that it covers, and the weights of that and the following ones.
 struct Cover {
   int begin = 0;
   std::vector<float> weights;  ///< sum to 1

@@ -26,17 +26,17 @@ struct Image {
   bool operator==(const Image&) const = default;
 };
 
-/// Writes an opaque PNG, completely or not at all (NAME.part, then a rename). Equal pictures give equal
-/// files. `palette` > 0 first reduces the picture to that many colors (at most 256), dithered: a third of the
-/// size. Throws Error on failure.
+/// Writes an opaque PNG, completely or not at all (NAME.part, then renamed). Equal pictures give equal files.
+/// `palette` > 0 first reduces the picture to that many colors (at most 256), dithered: a third of the size.
+/// Throws Error when the file cannot be written.
 void write_png(const std::filesystem::path& file, const Image& image, int palette = 0);
-/// Reads a PNG. Throws Error if the file is none.
+/// Throws Error for a file that is not a PNG.
 Image read_png(const std::filesystem::path& file);
 
 /// Averages blocks in linear light to `width` x `height`; neither may exceed that of `image`.
 Image downscale(const Image& image, int width, int height);
 
-/// Copies `from` into `to` with its top left corner at (x, y); parts outside are clipped.
+/// Copies `from` into `to` with its top left corner at (x, y); clips parts outside.
 void paste(const Image& from, Image& to, int x, int y);
 
 }  // namespace souple::render

@@ -11,7 +11,7 @@ namespace {
 
 constexpr float margin = 14, line_height = 22, text_size = 15;  // pixels
 
-/// Black or white, whichever has more contrast.
+/// Black or white, the one with more contrast.
 Color ink_on(const Color& background) {
   const float luminance = 0.2126f * background.r + 0.7152f * background.g + 0.0722f * background.b;
   return luminance > 0.2f ? srgb(0x101418) : srgb(0xffffff);

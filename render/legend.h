@@ -13,9 +13,9 @@ class Legend {
  public:
   void clear() { labels_.clear(); }
   void title(std::string text);
-  /// Adds a text about this color.
+  /// Text on a background of this color.
   void entry(PackedColor color, std::string text);
-  /// Adds the color scale from 0 to `largest`, hottest first.
+  /// The scale of colors from 0 to `largest`, hottest first.
   void scale(const HeatScale& heat, float largest, const std::string& unit);
 
   const std::vector<Label>& labels() const { return labels_; }
@@ -26,10 +26,10 @@ class Legend {
   std::vector<Label> labels_;
 };
 
-/// Linear light of a packed color.
+/// Converts a packed color to linear light.
 Color unpack(PackedColor color);
 
-/// Three significant digits: "0.0123", "12.3", "123000".
+/// Rounds to three significant digits: "0.0123", "12.3", "123000".
 std::string short_number(double value);
 
 }  // namespace souple::render

@@ -8,7 +8,7 @@ namespace {
 
 const Color linen = srgb(0xf4ede0), hemp = srgb(0xe8d9bd);
 
-/// A pseudo-random number in [0, 1) from an index (SplitMix64), equal on every machine.
+/// Hash of an index as a number in [0, 1), equal on every machine. The mixing is that of SplitMix64.
 float noise(std::uint64_t index) {
   std::uint64_t z = (index + 1) * 0x9e3779b97f4a7c15u;
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -17,9 +17,9 @@ float noise(std::uint64_t index) {
 }
 
 struct LiquidKind {
-  Color left;        // white light after its path through a medium-sized body of the liquid
-  Color particles;   // color of single particles
-  float cloudiness;  // approximate part of the light scattered along that path
+  Color left;        // white light after a typical path through the liquid
+  Color particles;   // color of particles drawn individually
+  float cloudiness;  // approximate fraction of light scattered on that path
   float refractive_index;
 };
 
@@ -68,12 +68,12 @@ Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Color>&
   return {.color = sand, .second = sand, .roughness = 0.9f};
 }
 
-LiquidLook liquid_look(float density, float path, const std::optional<Color>& chosen) {
+LiquidLook liquid_look(float density, float path_length, const std::optional<Color>& chosen) {
   const LiquidKind& kind = liquid_kind(density);
   const Color left = chosen.value_or(kind.left);
   LiquidLook look;
-  look.absorption = absorption_of(left, path);
-  look.scattering = Vec3f{left.r, left.g, left.b} * (kind.cloudiness / path);
+  look.absorption = absorption_of(left, path_length);
+  look.scattering = Vec3f{left.r, left.g, left.b} * (kind.cloudiness / path_length);
   look.refractive_index = kind.refractive_index;
   return look;
 }
@@ -116,7 +116,7 @@ std::vector<PackedColor> grain_colors(std::size_t count, std::uint32_t index,
 }
 
 PackedColor distinct_color(std::uint32_t index) {
-  // Hues a golden angle apart, in three lightnesses.
+  // Hues at multiples of the golden angle, in three lightnesses.
   const float hue = std::fmod(static_cast<float>(index) * 0.61803399f, 1.0f) * 6;
   const float light = 0.55f + 0.2f * static_cast<float>(index % 3);
   const auto channel = [&](float shift) {

@@ -12,29 +12,29 @@
 
 namespace souple::render {
 
-/// The look of the index-th object; `chosen`: the color set by a user.
+/// The look of the object with this index; `chosen` is the color from the scene.
 Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Color>& chosen = {});
-/// A pale version of the look, as background of lines.
+/// A paler look, for objects behind lines.
 Look pale(const Look& look);
-/// A neutral look for vertex colors.
+/// For objects with colors per vertex: a neutral look, so that only these colors show.
 Look measured_look();
 Look collider_look(const std::optional<Color>& chosen = {});
 Look pin_look();
 
-/// Appearance of a liquid in which light travels about `path` meters. `chosen`: color of white light after
-/// that path. By default the color is that of water, or of oil or honey for their densities.
-LiquidLook liquid_look(float density, float path, const std::optional<Color>& chosen = {});
-/// Color of the liquid's particles.
+/// The look of a liquid through which light travels about `path_length` meters. `chosen` is the color of
+/// white light after that path. Without it: the look of water, or of oil or honey for densities like theirs.
+LiquidLook liquid_look(float density, float path_length, const std::optional<Color>& chosen = {});
+/// The color of a liquid's particles.
 Color liquid_color(float density, const std::optional<Color>& chosen = {});
 
-/// Colors of grains: slightly different, and constant for each grain.
+/// Colors that differ a little between grains; each grain keeps its color.
 std::vector<PackedColor> grain_colors(std::size_t count, std::uint32_t index,
                                       const std::optional<Color>& chosen = {});
 
 /// (1 - t) a + t b, in linear light.
 Color mix(const Color& a, const Color& b, float t);
 
-/// Colors for any number of lines; neighboring numbers get clearly different colors.
+/// Colors for any number of lines; consecutive numbers get clearly different colors.
 PackedColor distinct_color(std::uint32_t index);
 
 }  // namespace souple::render

@@ -26,7 +26,8 @@ Vec4 operator*(const Mat4& m, const Vec4& v) {
 }
 
 Mat4 inverse(const Mat4& m) {
-  // Gauss-Jordan with the largest pivot of each column, in double: near and far planes lie decades apart.
+  // Gauss-Jordan elimination with the largest pivot of each column, in double: near and far planes differ by
+  // orders of magnitude.
   std::array<std::array<double, 8>, 4> rows{};
   for (std::size_t r = 0; r < 4; ++r) {
     for (std::size_t c = 0; c < 4; ++c) rows[r][c] = double(m.m[4 * c + r]);

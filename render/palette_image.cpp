@@ -11,7 +11,7 @@ namespace {
 
 using Rgb = std::array<float, 3>;  // sRGB-encoded, in [0, 255]: distances approximate perceived differences
 
-/// All pixels whose colors agree in the upper five bits of each channel.
+/// All pixels whose colors agree in the upper five bits of each channel, merged.
 struct Bin {
   Rgb color{};
   float pixels = 0;
@@ -29,7 +29,7 @@ Rgb rgb(const std::uint8_t* pixel) {
 }
 
 float distance_squared(const Rgb& a, const Rgb& b) {
-  // Green weighs most in brightness, blue least.
+  // Green contributes most to brightness, blue least.
   const float r = a[0] - b[0], g = a[1] - b[1], bl = a[2] - b[2];
   return 2 * r * r + 4 * g * g + bl * bl;
 }
@@ -50,11 +50,11 @@ std::vector<Bin> bins_of(const Image& image) {
   return bins;
 }
 
-/// A range of bins and its spread along its widest channel.
+/// A range of bins, and its variation along its widest channel.
 struct Box {
   std::size_t begin = 0, end = 0;
   std::size_t channel = 0;
-  double spread = 0;  ///< sum of squares about the mean
+  double spread = 0;  ///< sum of squared deviations from the mean
 };
 
 Box box_of(const std::vector<Bin>& bins, std::size_t begin, std::size_t end) {
@@ -76,8 +76,8 @@ Box box_of(const std::vector<Bin>& bins, std::size_t begin, std::size_t end) {
   return box;
 }
 
-/// Index that divides a box, sorted along its channel, into halves of about equal numbers of pixels.
-std::size_t middle_of(const std::vector<Bin>& bins, const Box& box) {
+/// Index at which to cut a box, sorted along its channel, into halves of about equal numbers of pixels.
+std::size_t cut_position(const std::vector<Bin>& bins, const Box& box) {
   float total = 0, below = 0;
   for (std::size_t i = box.begin; i < box.end; ++i) total += bins[i].pixels;
   std::size_t cut = box.begin;
@@ -94,7 +94,7 @@ std::vector<Rgb> median_cut(std::vector<Bin>& bins, std::size_t count) {
     const Box box = *worst;
     std::stable_sort(bins.begin() + std::ptrdiff_t(box.begin), bins.begin() + std::ptrdiff_t(box.end),
                      [&](const Bin& a, const Bin& b) { return a.color[box.channel] < b.color[box.channel]; });
-    const std::size_t cut = middle_of(bins, box);
+    const std::size_t cut = cut_position(bins, box);
     *worst = box_of(bins, box.begin, cut);
     boxes.push_back(box_of(bins, cut, box.end));
   }
@@ -124,7 +124,7 @@ std::size_t nearest(const std::vector<Rgb>& colors, const Rgb& color) {
   return best;
 }
 
-/// One iteration of Lloyd's method: each color moves to the mean of its nearest pixels.
+/// One iteration of Lloyd's method: each color moves to the mean of the pixels nearest to it.
 void improve(std::vector<Rgb>& colors, const std::vector<Bin>& bins) {
   std::vector<std::array<double, 4>> sums(colors.size());
   for (const Bin& bin : bins) {
@@ -138,11 +138,11 @@ void improve(std::vector<Rgb>& colors, const std::vector<Bin>& bins) {
   }
 }
 
-/// Each pixel gets the color nearest to its own color plus the diffused error of its neighbors.
+/// Error diffusion: each pixel gets the color nearest to its value plus the errors of its neighbors.
 std::vector<std::uint8_t> diffuse(const Image& image, const std::vector<Rgb>& colors) {
   const auto width = std::size_t(image.width);
   std::vector<std::uint8_t> indices(width * std::size_t(image.height));
-  std::vector<Rgb> here(width + 2), below(width + 2);  // accumulated error, with one pixel of margin
+  std::vector<Rgb> here(width + 2), below(width + 2);  // accumulated errors, with one pixel of margin
   for (std::size_t y = 0; y < std::size_t(image.height); ++y) {
     const bool rightwards = y % 2 == 0;  // alternating directions avoid slanted patterns
     for (std::size_t step = 0; step < width; ++step) {

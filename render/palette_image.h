@@ -7,11 +7,11 @@ namespace souple::render {
 /// A picture with a palette.
 struct PaletteImage {
   std::vector<std::uint8_t> indices;  ///< width * height, rows from the top
-  std::vector<std::uint8_t> colors;   ///< R, G, B of each palette entry
+  std::vector<std::uint8_t> colors;   ///< R, G, B of each color
 };
 
-/// Chooses up to `count` (in [1, 256]) colors by median cut and improves them by Lloyd's method. Diffuses the
-/// error of each pixel to its neighbors (Floyd and Steinberg 1976). Drops alpha. Deterministic.
+/// Chooses up to `count` (in [1, 256]) colors by median cut, improves them with Lloyd's method, and diffuses
+/// each pixel's error to its neighbors (Floyd and Steinberg 1976). Alpha is dropped. Deterministic.
 PaletteImage reduce_colors(const Image& image, int count);
 
 }  // namespace souple::render

@@ -55,7 +55,7 @@ void PointTree::search(std::size_t begin, std::size_t end, const Vec3f& to, Best
   const float beyond = to[node.axis] - node.point[node.axis];
   const bool before = beyond <= 0;
   search(before ? begin : middle + 1, before ? middle : end, to, best);
-  // The other side, if it may contain an equally near point.
+  // Search the other side, which may contain an equally near point.
   if (beyond * beyond <= best.distance_squared)
     search(before ? middle + 1 : begin, before ? end : middle, to, best);
 }

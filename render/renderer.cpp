@@ -29,13 +29,13 @@ namespace souple::render {
 
 namespace {
 
-constexpr int largest_side = 8192;
+constexpr int max_side = 8192;
 
 void require_extensions() {
   const int version = epoxy_gl_version();
   if (gl::is_es() && version < 30) throw Error("the renderer needs OpenGL ES 3.0; this context has less");
   if (!gl::is_es() && version < 33) throw Error("the renderer needs OpenGL 3.3; this context has less");
-  // Desktop OpenGL renders into floating-point buffers since 3.0.
+  // Desktop OpenGL can draw into floating-point buffers since 3.0.
   if (gl::is_es() && !epoxy_has_gl_extension("GL_EXT_color_buffer_float")) {
     throw Error(
         "the renderer needs the OpenGL ES extension EXT_color_buffer_float, which this driver lacks; Mesa's "
@@ -43,7 +43,7 @@ void require_extensions() {
   }
 }
 
-// Resources that depend only on the picture's size.
+// Resources that depend only on the size of the picture.
 struct Targets {
   int width, height;
   gl::Texture albedo, normal, depth, color;
@@ -60,7 +60,7 @@ struct Targets {
         lighting("light", {&color}, &depth) {}
 };
 
-// Render target of pictures in memory.
+// Framebuffer of pictures that are read back to memory.
 struct Canvas {
   gl::Texture color;
   gl::Framebuffer target;
@@ -68,22 +68,23 @@ struct Canvas {
   Canvas(int width, int height) : color(GL_RGBA8, width, height), target("a picture", {&color}, nullptr) {}
 };
 
-// The fractional part of i times the golden ratio's powers: well spread points (Roberts 2018, R2 sequence).
-std::array<float, 2> spread(int i) {
+// Fractional part of i times powers of the inverse plastic number: evenly distributed points (Roberts 2018,
+// R2 sequence).
+std::array<float, 2> r2_point(int i) {
   const double x = 0.5 + 0.7548776662466927 * i, y = 0.5 + 0.5698402909980532 * i;
   return {float(x - std::floor(x)), float(y - std::floor(y))};
 }
 
-// Position of a sample in the sun's disk: Vogel's spiral covers it evenly.
+// Position in the sun's disk for a sample, on Vogel's spiral: all samples together cover the disk evenly.
 std::array<float, 2> sample_on_disk(int i, int count) {
   if (count <= 1) return {0, 0};
   const double radius = std::sqrt((i + 0.5) / count), angle = 2.399963229728653 * i;
   return {float(radius * std::cos(angle)), float(radius * std::sin(angle))};
 }
 
-// `all`: bounds of the whole list.
+// `all` is the bounding box of the whole list.
 Bounds bounds_of_casters(const DrawList& list, const Bounds& all) {
-  const auto casts = [](const auto& thing) { return thing.casts_shadow; };
+  const auto casts = [](const auto& object) { return object.casts_shadow; };
   if (std::all_of(list.surfaces.begin(), list.surfaces.end(), casts) &&
       std::all_of(list.spheres.begin(), list.spheres.end(), casts) &&
       std::all_of(list.liquids.begin(), list.liquids.end(), casts) && list.foams.empty()) {
@@ -117,9 +118,9 @@ Vec4 vec4(const Color& c, float scale) {
 }
 
 void require_size(int width, int height) {
-  if (width >= 1 && height >= 1 && width <= largest_side && height <= largest_side) return;
-  throw Error(fmt::format("a picture of {} x {} pixels: each side has to be in [1, {}]", width, height,
-                          largest_side));
+  if (width >= 1 && height >= 1 && width <= max_side && height <= max_side) return;
+  throw Error(
+      fmt::format("a picture of {} x {} pixels: expected each side in [1, {}]", width, height, max_side));
 }
 
 constexpr std::array<std::string_view, liquid_filter_count> liquid_filter_names{"none", "curvature-flow",
@@ -137,13 +138,13 @@ LiquidFilter liquid_filter_of(std::string_view name) {
     if (liquid_filter_names[i] == name) return LiquidFilter(i);
     known += (i > 0 ? ", " : "") + std::string(liquid_filter_names[i]);
   }
-  throw Error("there is no liquid filter '" + std::string(name) + "', expected one of: " + known);
+  throw Error("unknown liquid filter '" + std::string(name) + "'; expected one of: " + known);
 }
 
 struct Renderer::Impl {
   Impl() { require_extensions(); }
 
-  gl::VertexArray nothing;  // for draw_screen
+  gl::VertexArray empty_array;  // for draw_screen
   gl::Buffer frame_buffer;
   gl::Program ground{"ray.vert.glsl", "ground.frag.glsl"};
   gl::Program lighting{"ray.vert.glsl", "lighting.frag.glsl"};
@@ -191,7 +192,7 @@ void default_state() {
 
 Targets& Renderer::Impl::targets_of(int width, int height) {
   if (!targets || targets->width != width || targets->height != height) {
-    targets.reset();  // frees memory before the next allocation
+    targets.reset();  // frees memory before allocating
     targets.emplace(width, height);
   }
   return *targets;
@@ -203,7 +204,7 @@ Frame Renderer::Impl::frame(const DrawList& list, const Camera& camera, const Re
   const auto w = float(width), h = float(height);
   f.view = camera.view();
   f.projection = camera.projection(w / h, bounds);
-  const std::array<float, 2> offset = spread(sample);
+  const std::array<float, 2> offset = r2_point(sample);
   if (options.samples > 1) {
     f.projection.m[8] += (2 * offset[0] - 1) / w;
     f.projection.m[9] += (2 * offset[1] - 1) / h;
@@ -244,7 +245,7 @@ void Renderer::Impl::draw_material(const DrawList& list, const PassContext& cont
   spheres.draw(context);
   if (list.ground.shown) {
     ground.use();
-    nothing.bind();
+    empty_array.bind();
     draw_screen();
   }
 }
@@ -259,7 +260,7 @@ void Renderer::Impl::draw_lighting() {
   shadow.bind();
   occlusion.bind(targets->normal);
   (liquid_splats.casts_shadow() ? lighting_with_liquids : lighting).use();
-  nothing.bind();
+  empty_array.bind();
   draw_screen();
   glDepthMask(GL_TRUE);
 }
@@ -274,18 +275,18 @@ void Renderer::Impl::draw_lines(const DrawList& list, const PassContext& context
   glDepthMask(GL_TRUE);
 }
 
-/// Draws one sample to linear color. Requires a drawn shadow map and the bound `frame`.
+/// One sample, from an empty buffer to linear color. The shadow map is drawn, `frame` bound.
 void Renderer::Impl::draw_sample(const DrawList& list, const PassContext& context, const Frame& frame,
                                  const RenderOptions& options) {
   draw_material(list, context);
   clock.done("material");
-  if (frame.sample_info.w != 0) occlusion.draw(targets->normal, targets->depth, nothing);
+  if (frame.sample_info.w != 0) occlusion.draw(targets->normal, targets->depth, empty_array);
   clock.done("occlusion");
   draw_lighting();
   clock.done("lighting");
   if (!liquid_splats.empty())
     liquids.draw(liquid_splats, bounds_of_liquids(list), {targets->normal, targets->depth, targets->lighting},
-                 context, options, shadow, nothing, clock);
+                 context, options, shadow, empty_array, clock);
   draw_lines(list, context);
   clock.done("lines");
 }
@@ -317,9 +318,9 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
     m.bind(frame);
     const PassContext context{width, height, Target::material, frame.view, frame.projection, camera.from};
     m.draw_sample(list, context, frame, options);
-    if (samples > 1) m.finish.add(m.targets->color, sample == 0, m.nothing);
+    if (samples > 1) m.finish.add(m.targets->color, sample == 0, m.empty_array);
   }
-  m.finish.draw(m.targets->color, samples, framebuffer, m.nothing);
+  m.finish.draw(m.targets->color, samples, framebuffer, m.empty_array);
   m.labels.draw(list.labels, width, height);
   m.clock.done("finish");
   default_state();

@@ -13,9 +13,9 @@
 
 namespace souple::render {
 
-/// Filter that smooths the depth of a liquid's particles.
+/// Filter that turns the depth of a liquid's particles into a smooth surface.
 enum class LiquidFilter {
-  none,            ///< unfiltered balls
+  none,            ///< no smoothing: the balls themselves
   curvature_flow,  ///< van der Laan, Green, Sainz 2009
   narrow_range     ///< Truong, Yuksel 2018
 };
@@ -23,18 +23,18 @@ inline constexpr std::size_t liquid_filter_count = 3;
 std::string_view liquid_filter_name(LiquidFilter filter);
 /// Throws Error that lists the names.
 LiquidFilter liquid_filter_of(std::string_view name);
-inline constexpr int most_liquid_steps = 500;
+inline constexpr int max_liquid_steps = 500;
 
 struct RenderOptions {
   bool shadows = true;
   bool ambient_occlusion = true;
-  /// Number of averaged pictures, with a jitter of pixel grid, sun and occlusion rays: 1 for a window, 16 or
-  /// more for an anti-aliased still. Deterministic.
+  /// Number of averaged pictures, each with slight offsets of the pixel grid, the sun and the occlusion rays:
+  /// 1 for a window, 16 and more for a still image without aliasing. Deterministic.
   int samples = 1;
   float exposure = 1;
   LiquidFilter liquid_filter = LiquidFilter::narrow_range;
-  /// Steps of curvature flow, or passes of the narrow-range filter; 0: 40 or 2. Neither this number nor the
-  /// picture's size changes the amount of smoothing: more steps only increase accuracy.
+  /// Steps of curvature flow, or passes of the narrow-range filter; 0: 40 or 2. The amount of smoothing does
+  /// not depend on it, nor on the size of the picture: more steps are only more accurate.
   int liquid_steps = 0;
 };
 
@@ -43,10 +43,10 @@ struct PassTime {
   double seconds = 0;
 };
 
-/// The object under a pixel.
+/// The object at a pixel.
 struct Picked {
-  std::uint32_t pick = 0;  ///< `pick` of the Surface, Spheres or Liquid; 0: no object
-  /// Spheres and liquids: index of the particle; surface: the vertex nearest to the point.
+  std::uint32_t pick = 0;  ///< pick of the Surface, Spheres or Liquid; 0: none
+  /// For spheres and liquids the index; for a surface the vertex nearest to the point.
   std::uint32_t element = 0;
   Vec3f point{};  ///< m
 };
@@ -54,45 +54,46 @@ struct Picked {
 /// The pick buffer of a whole picture.
 struct PickImage {
   int width = 0, height = 0;
-  std::vector<std::uint32_t> pick, element;  ///< see Picked; width * height, rows from the top
-  std::vector<float> depth;                  ///< along the view direction [m]; 0: no object
+  std::vector<std::uint32_t> pick, element;  ///< as in Picked; width * height, rows from the top
+  std::vector<float> depth;                  ///< along the view direction [m]; 0 where there is no object
 };
 
-/// The surface of all liquids as shaded, and their thickness.
+/// The surface of all liquids as it is shaded, and their thickness.
 struct LiquidImage {
   int width = 0, height = 0;
-  std::vector<float> depth;      ///< along the view direction [m]; 0: no liquid; width * height, rows
-                                 ///< from the top; opaque objects in front are ignored
+  /// Along the view direction [m]; 0 where there is no liquid; width * height, rows from the top; opaque
+  /// objects in front are ignored.
+  std::vector<float> depth;
   std::vector<float> thickness;  ///< along the ray through each pixel; opaque objects are ignored [m]
 };
 
-/// Draws lists with the OpenGL context that was current at construction; it must be current at each use.
+/// Draws lists with the OpenGL context that was current at construction; it must be current for every use.
 /// Requires OpenGL ES 3.0 with EXT_color_buffer_float (and EXT_float_blend for samples > 1).
 class Renderer {
  public:
-  /// Throws Error that names a missing feature of the context.
+  /// Throws Error that names a feature the context lacks.
   Renderer();
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
 
-  /// Draws into a framebuffer of this size (framebuffer 0: the window). No effect if a side is 0.
+  /// Draws into a framebuffer of this size (0 is the window's). Draws nothing when a side is 0.
   void draw(const DrawList& list, const Camera& camera, const RenderOptions& options, int width, int height,
             std::uint32_t framebuffer = 0);
-  /// Draws into memory. Throws Error if the size is not in [1, 8192].
+  /// Draws into memory. Throws Error when the size is not in [1, 8192].
   Image picture(const DrawList& list, const Camera& camera, const RenderOptions& options, int width,
                 int height);
 
-  /// Draws off-screen and returns the duration of each pass, summed over samples. OpenGL finishes all work
-  /// after each pass, so the sum slightly exceeds the time of a picture.
+  /// Draws off-screen and returns the time of each pass, summed over all samples. Calls glFinish after each
+  /// pass, so the sum is a little more than the time of a picture.
   std::vector<PassTime> measure(const DrawList& list, const Camera& camera, const RenderOptions& options,
                                 int width, int height);
 
-  /// The object under pixel (x, y), counted from the top left.
+  /// The object under the pixel (x, y), counted from the top left.
   Picked pick(const DrawList& list, const Camera& camera, int x, int y, int width, int height);
   PickImage pick_image(const DrawList& list, const Camera& camera, int width, int height);
 
-  /// The liquids' surface of one sample.
+  /// With one sample.
   LiquidImage liquid_image(const DrawList& list, const Camera& camera, RenderOptions options, int width,
                            int height);
 

@@ -8,7 +8,7 @@
 namespace souple::render {
 namespace {
 
-/// A point of a rope, identified by its position: constraints give only positions of their particles.
+/// A point of a rope, identified by its position: constraints do not store more about their particles.
 struct RopePoint {
   std::array<float, 3> at;
   std::uint32_t body, point;

@@ -6,8 +6,8 @@
 
 namespace souple::render {
 
-/// Strain of ropes: per body of the subject, per point, the larger strain of its two segments; empty for
-/// other bodies. Requires a subject of a world, whose constraints hold the rest lengths.
+/// Strain of ropes: per body of the subject and per point, the larger strain of its two segments; empty for
+/// other bodies. The subject must be of a world, whose constraints store the rest lengths.
 std::vector<std::vector<float>> rope_strains(const Subject& subject);
 
 }  // namespace souple::render

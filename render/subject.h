@@ -21,12 +21,12 @@ struct Body {
   std::span<const Vec3f> normals;     ///< empty for ropes and grains
   std::span<const Vec3f> velocities;  ///< m/s; may be empty
   std::span<const Triangle> triangles;
-  std::span<const Vec3d> rest;   ///< rest positions of the mesh; empty for ropes and grains [m]
-  float radius = 0.005f;         ///< ropes, grains: radius; fluids: half the spacing; others: half the
-                                 ///< thickness [m]
-  float density = 0;             ///< fluids only; 0: unknown [kg/m^3]
-  std::span<const Vec3f> foam;   ///< first fluid only: spray, foam and bubbles of all fluids [m]
-  std::optional<Color> color{};  ///< if empty: a color of the palette
+  std::span<const Vec3d> rest;  ///< of the mesh; empty for ropes and grains
+  /// Of ropes and grains; half the thickness of others; half the spacing of a fluid [m].
+  float radius = 0.005f;
+  float density = 0;             ///< of fluids; 0: unknown [kg/m^3]
+  std::span<const Vec3f> foam;   ///< set for the first fluid only: spray, foam and bubbles of all fluids [m]
+  std::optional<Color> color{};  ///< empty: a color of the palette
 };
 
 struct ColliderBody {
@@ -34,23 +34,23 @@ struct ColliderBody {
   std::string_view name;
   const Shape* shape = nullptr;
   Transform pose{};              ///< current pose
-  std::optional<Color> color{};  ///< if empty: light gray
+  std::optional<Color> color{};  ///< empty: light gray
 };
 
-/// The scene to draw. Spans point into the world or the cache, which must exist unchanged until the picture
+/// Content of a picture. Spans refer to the world or the cache, which must stay unchanged until the picture
 /// is drawn.
 struct Subject {
   std::vector<Body> bodies;
   std::vector<ColliderBody> colliders;
   std::uint64_t frame = 0;       ///< increases with every step: positions may have changed
-  std::uint64_t topology = 0;    ///< a new number means: another world
+  std::uint64_t topology = 0;    ///< changes when the world is replaced
   const World* world = nullptr;  ///< for constraints, contacts and lattices; nullptr for a cache
 };
 
-/// Assigns the common foam of all fluids to the first one.
+/// Assigns foam, which belongs to no particular fluid, to the first fluid.
 void show_foam(Subject& subject, std::span<const Vec3f> foam);
 
-/// `world_number` distinguishes a world from its replacement.
+/// `world_number` distinguishes a world from another that replaced it.
 Subject subject_of(const World& world, std::uint64_t world_number = 0);
 
 }  // namespace souple::render

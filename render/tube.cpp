@@ -4,15 +4,15 @@
 #include <array>
 #include <cmath>
 
-// Rows of vertices from one end to the other: a pole, cap_rings - 1 rings of the first cap, a ring for each
-// sample of the curve, the second cap the same way.
+// Rows of vertices from one end to the other end: a pole, cap_rings - 1 rings of the first cap, a ring for
+// each sample of the curve, and the second cap in reverse.
 
 namespace souple::render {
 namespace {
 
 constexpr float pi = 3.14159265f;
-constexpr std::size_t most_rings = 2000;    ///< limit: long ropes have enough points to look smooth
-constexpr float fields_per_radius = 0.18f;  ///< checker fields per radius: tightness of the strands
+constexpr std::size_t max_rings = 2000;     ///< long ropes have enough points to look smooth
+constexpr float fields_per_radius = 0.18f;  ///< pitch of the strands
 
 /// Catmull and Rom 1974, uniform: passes p1 at t = 0 and p2 at t = 1.
 Vec3f catmull_rom(const std::array<Vec3f, 4>& p, float t) {
@@ -21,8 +21,8 @@ Vec3f catmull_rom(const std::array<Vec3f, 4>& p, float t) {
   return (a + (b + (c + d * t) * t) * t) * 0.5f;
 }
 
-/// Unit vector perpendicular to `along` that changes smoothly with it, except at one direction that
-/// ropes seldom have: `fixed`, rotated by the shortest rotation from `pole` to `along`.
+/// Unit vector perpendicular to `along` that depends smoothly on it, except at one direction that ropes
+/// seldom have: `fixed`, rotated by the shortest rotation from `pole` to `along`.
 Vec3f perpendicular(const Vec3f& along) {
   const Vec3f pole{0.48f, 0.6f, 0.64f}, fixed{0.8f, 0, -0.6f};
   const float c = 1 + dot(pole, along);
@@ -31,7 +31,7 @@ Vec3f perpendicular(const Vec3f& along) {
   return fixed - sum * (dot(fixed, sum) / c);  // Rodrigues, with fixed . pole = 0
 }
 
-/// Extrapolates a curve through the evenly spaced points c, b, a with its curvature.
+/// Extrapolates a curve through c, b, a, evenly spaced, with constant curvature.
 Vec3f beyond(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
   return (a - b) * 3.0f + c;
 }
@@ -45,7 +45,7 @@ Vec3f reflected(const Vec3f& v, const Vec3f& mirror) {
 
 void Tube::resize(std::size_t points, float radius, float length) {
   points_ = std::max<std::size_t>(points, 1);
-  steps_ = static_cast<std::uint32_t>(std::clamp<std::size_t>(most_rings / points_, 1, 4));
+  steps_ = static_cast<std::uint32_t>(std::clamp<std::size_t>(max_rings / points_, 1, 4));
   frames_.assign((points_ - 1) * steps_ + 1, {});
   const std::size_t rings = ring_count();
   positions_.assign(rings * row + 2, {});
@@ -101,8 +101,8 @@ void Tube::sample_curve(std::span<const Vec3f> points) {
   }
 }
 
-// Coinciding neighbors have no direction: they get the previous one, and the first valid direction serves
-// the points before it.
+// Where neighbors coincide, the tangent is undefined: it is copied from the previous sample, or at the start
+// from the first defined one.
 void Tube::set_tangents() {
   const std::size_t n = frames_.size();
   Vec3f along{};
@@ -121,8 +121,8 @@ void Tube::set_tangents() {
     for (Frame& frame : frames_) frame.along = {0, 1, 0};
 }
 
-// Rotation-minimizing frames: double reflection, Wang, Jüttler, Zheng and Liu 2008.
-void Tube::turn_frames() {
+// Rotation-minimizing frames by double reflection (Wang, Jüttler, Zheng and Liu 2008).
+void Tube::propagate_frames() {
   frames_[0].across = perpendicular(frames_[0].along);
   for (std::size_t j = 0; j < frames_.size(); ++j) {
     Frame& frame = frames_[j];
@@ -153,7 +153,7 @@ void Tube::set_ring(std::size_t ring, const Frame& frame, float angle, float rad
 void Tube::update(std::span<const Vec3f> points, float radius) {
   sample_curve(points);
   set_tangents();
-  turn_frames();
+  propagate_frames();
   for (std::size_t j = 0; j < frames_.size(); ++j) set_ring(cap_rings - 1 + j, frames_[j], 0, radius);
   for (std::size_t c = 1; c < cap_rings; ++c) {
     const float angle = 0.5f * pi * static_cast<float>(c) / static_cast<float>(cap_rings);

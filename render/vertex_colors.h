@@ -10,11 +10,11 @@
 
 namespace souple::render {
 
-/// Table-based `heat` for many values.
+/// Tabulated `heat`, for many values.
 class HeatScale {
  public:
   HeatScale();
-  PackedColor operator()(float t) const;  ///< t in [0, 1], clamped; NaN is magenta
+  PackedColor operator()(float t) const;  ///< t in [0, 1], clamped; NaN has a color of its own
   /// out[i] = color of values[i] / largest.
   void color(std::span<const float> values, float largest, std::vector<PackedColor>& out) const;
 
@@ -30,7 +30,7 @@ class EdgeStrain {
   /// Edges of triangles over these rest positions [m]; edges of zero length are omitted.
   EdgeStrain(std::span<const Vec3d> rest, std::span<const Triangle> triangles);
 
-  /// out[v] = the largest (l - l0) / l0 of the edges at v; 0 if all are compressed or there is none.
+  /// out[v] = maximum of (l - l0) / l0 over the edges at v; 0 where all are compressed or there is none.
   void evaluate(std::span<const Vec3f> positions, std::vector<float>& out) const;
 
  private:

@@ -11,8 +11,9 @@ void Clock::tick(double seconds) {
   measure();
 }
 
-bool Clock::take(double dt) {
-  // A step is due when most of its time has passed; otherwise a screen of 59.94 Hz would skip steps.
+bool Clock::consume(double dt) {
+  // A step is due once half of its time has passed: otherwise a screen of 59.94 Hz would skip one now and
+  // then.
   if (due_ < 0.5 * dt) return false;
   due_ -= dt;
   simulated_ += dt;

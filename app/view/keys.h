@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-// The viewer's key bindings: this table defines the actions, the list on screen, the output of `souple view
-// --help` and the table in docs/viewer.md.
+// The viewer's only table of keys: it defines their actions, the list on screen, the output of `souple view
+// --help` and the tables of docs/viewer.md.
 
 namespace souple::viewer {
 
@@ -29,21 +29,21 @@ enum class Action {
 
 struct Key {
   std::string_view key;    ///< name of the key
-  std::string_view brief;  ///< one or two words, for the list on screen
+  std::string_view brief;  ///< one or two words for the list on screen
   std::string_view does;   ///< description
   Action action;
-  char character = 0;    ///< its character, lower case, in the keyboard's layout
-  bool repeats = false;  ///< repeats while held down
+  char character = 0;  ///< character that the key types, in lower case: letters follow the keyboard's layout
+  bool repeats = false;  ///< whether the key repeats while it is pressed
 };
 
-/// ASCII escape: the window passes the key Esc as a character, so that a press shorter than a frame is not
+/// ASCII escape: the window passes the key Esc as this character, so that a press shorter than a frame is not
 /// lost.
 inline constexpr char escape = 27;
 
 inline constexpr std::array<Key, 14> keys{{
-    {"Space", "pause", "pause and go on", Action::pause, ' '},
+    {"Space", "pause", "pause and resume", Action::pause, ' '},
     {".", "frame", "one frame", Action::step_frame, '.', true},
-    {",", "substep", "one substep; of a recording, one frame back", Action::step_substep, ',', true},
+    {",", "substep", "one substep; in a recording, one frame back", Action::step_substep, ',', true},
     {"R", "reset", "reset: back to the start", Action::reset, 'r'},
     {"N", "next", "next scene", Action::next_scene, 'n'},
     {"P", "previous", "previous scene", Action::previous_scene, 'p'},
@@ -68,7 +68,7 @@ inline constexpr std::array<Gesture, 5> gestures{{
     {"Double click", "double click", "pin", "pin or unpin a particle"},
 }};
 
-/// Both tables as text, one line each.
+/// Both tables as text, one entry per line.
 inline std::string keys_text() {
   constexpr std::size_t column = 28;
   std::string text = "Keys:\n";

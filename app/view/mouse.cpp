@@ -13,7 +13,7 @@ namespace {
 constexpr float radians_per_unit = 0.008f;
 constexpr float zoom_per_notch = 0.88f;
 
-/// Position in pixels of the area.
+/// Mouse position in pixels of the area.
 ImVec2 in_area(const ImVec2& at, const ViewArea& area) {
   return {at.x * area.scale - static_cast<float>(area.x), at.y * area.scale - static_cast<float>(area.y)};
 }
@@ -29,25 +29,25 @@ host::Ray ray_under(const render::Camera& camera, const ViewArea& area, const Im
 Mouse::Mouse() = default;
 Mouse::~Mouse() = default;
 
-void Mouse::forget() {
+void Mouse::release() {
   grab_.reset();
   plane_.reset();
   drag_ = Drag::none;
 }
 
-Vec3f Mouse::grabbed_at() const {
-  return grab_ ? grab_->point() : pulled_to();
+Vec3f Mouse::grabbed_point() const {
+  return grab_ ? grab_->point() : drag_target();
 }
 
-Vec3f Mouse::pulled_to() const {
+Vec3f Mouse::drag_target() const {
   return plane_ ? plane_->point() : Vec3f{};
 }
 
 void Mouse::update(render::Camera& camera, Simulation* simulation, const ViewArea& area, const Pick& pick) {
   const ImGuiIO& io = ImGui::GetIO();
-  if (area.empty()) return forget();
+  if (area.empty()) return release();
   const bool held = ImGui::IsMouseDown(drag_ == Drag::pan ? 1 : 0);
-  if (drag_ != Drag::none && !held) forget();
+  if (drag_ != Drag::none && !held) release();
   if (io.WantCaptureMouse && drag_ == Drag::none) return;
   press(camera, simulation, area, pick);
   drag(camera, area);
@@ -61,7 +61,7 @@ void Mouse::press(const render::Camera& camera, Simulation* simulation, const Vi
   if (!ImGui::IsMouseClicked(0)) return;
   drag_ = Drag::orbit;
   const ImVec2 mouse = ImGui::GetIO().MouseClickedPos[0], at = in_area(mouse, area);
-  const std::optional<Found> found = pick(static_cast<int>(at.x), static_cast<int>(at.y));
+  const std::optional<PickedVertex> found = pick(static_cast<int>(at.x), static_cast<int>(at.y));
   if (!found || simulation == nullptr) return;
   drag_ = Drag::none;
   if (ImGui::IsMouseDoubleClicked(0)) {
@@ -70,7 +70,7 @@ void Mouse::press(const render::Camera& camera, Simulation* simulation, const Vi
     return;
   }
   grab_ = std::make_unique<Grab>(simulation->world(), found->object, found->vertex, found->point);
-  if (!grab_->holds()) return grab_.reset();  // the vertex is pinned
+  if (!grab_->holds()) return grab_.reset();  // a pinned vertex cannot be grabbed
   plane_.emplace(found->point, ray_under(camera, area, mouse), camera.forward());
   drag_ = Drag::grab;
 }

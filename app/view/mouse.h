@@ -25,32 +25,32 @@ struct ViewArea {
   bool empty() const { return width < 1 || height < 1; }
 };
 
-/// Mouse interaction with the scene: grabs objects, pins particles, moves the camera.
+/// Mouse actions in the scene: grabbing objects, pinning particles, moving the camera.
 class Mouse {
  public:
-  /// A vertex of an object under the mouse.
-  struct Found {
+  /// The vertex of an object under the mouse.
+  struct PickedVertex {
     ObjectId object;
     std::uint32_t vertex = 0;
     Vec3f point{};  ///< m
   };
-  /// Finds the object under a pixel of the area; empty if there is none.
-  using Pick = std::function<std::optional<Found>(int x, int y)>;
+  /// Finds the vertex under a pixel of the area; empty where there is no object.
+  using Pick = std::function<std::optional<PickedVertex>(int x, int y)>;
 
   Mouse();
   ~Mouse();
   Mouse(const Mouse&) = delete;
   Mouse& operator=(const Mouse&) = delete;
 
-  /// Processes the mouse input of a frame from ImGui. `simulation` is nullptr if a recording is shown. Throws
-  /// Error if an action fails.
+  /// Handles the mouse input of one frame, read from ImGui. `simulation` is nullptr while a recording is
+  /// shown. Throws Error when a requested action is impossible.
   void update(render::Camera& camera, Simulation* simulation, const ViewArea& area, const Pick& pick);
-  /// Releases everything: the scene, or its world, was replaced.
-  void forget();
+  /// Releases grab and drag, for instance when the scene or its world was replaced.
+  void release();
 
   bool grabbing() const { return grab_ != nullptr; }
-  Vec3f grabbed_at() const;  ///< current position of the grabbed point [m]
-  Vec3f pulled_to() const;   ///< its target [m]
+  Vec3f grabbed_point() const;  ///< current position of the grabbed point [m]
+  Vec3f drag_target() const;    ///< position to which the mouse pulls it [m]
 
  private:
   enum class Drag { none, grab, orbit, pan };

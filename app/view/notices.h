@@ -5,27 +5,28 @@
 
 namespace souple::viewer {
 
-/// Messages that appear on screen for some seconds, and in the terminal.
+/// Messages that are shown on screen for some seconds and printed to the terminal.
 class Notices {
  public:
-  /// Information, such as the path of a written picture; also to standard output.
-  void say(const std::string& text);
-  /// An error; also to standard error. Stays longer.
-  void complain(const std::string& text);
-  void pass(double seconds);  ///< adds elapsed real time
-  /// Draws upward from the lower left corner of the scene's part of the window; legends are at its top.
+  /// Information, such as the file of a picture; printed to standard output.
+  void info(const std::string& text);
+  /// An error; printed to standard error and shown longer.
+  void error(const std::string& text);
+  void advance(double seconds);  ///< removes messages whose time has passed
+  /// Draws upwards from the lower left corner of the part of the window that shows the scene; legends are
+  /// above.
   void draw(float x, float bottom, float width);
 
-  /// The visible messages, newest last.
+  /// The messages on screen, newest last.
   std::vector<std::string> texts() const;
 
  private:
   struct Notice {
     std::string text;
-    bool bad = false;
-    double left = 0;  ///< remaining time [s]
+    bool is_error = false;
+    double remaining = 0;  ///< s
   };
-  void add(const std::string& text, bool bad);
+  void add(const std::string& text, bool is_error);
   std::vector<Notice> notices_;
 };
 

@@ -10,7 +10,7 @@ namespace souple::viewer {
 
 namespace {
 
-/// Names as on the command line, with their keys.
+/// Names as on the command line, with the key that selects each.
 template <class Value, class Name>
 std::vector<std::string> names_of(std::size_t count, Name name, bool numbered) {
   std::vector<std::string> names;
@@ -33,7 +33,7 @@ void liquid_rows(render::DisplayOptions& display, render::RenderOptions& renderi
       names_of<render::SplatShape>(render::splat_shape_count, render::splat_shape_name, false);
   int shape = static_cast<int>(display.liquid_splats);
   if (choice_row("Liquid splats", "##liquid_splats", shape, pointers(shapes),
-                 "What each particle of a fluid is drawn as. Ellipsoids are smoother, and take some time."))
+                 "Shape of each particle of a fluid. Ellipsoids are smoother but slower."))
     display.liquid_splats = static_cast<render::SplatShape>(shape);
   const auto filters =
       names_of<render::LiquidFilter>(render::liquid_filter_count, render::liquid_filter_name, false);
@@ -65,9 +65,9 @@ void display_panel(render::DisplayOptions& display, render::RenderOptions& rende
     if (choice_row("Constraints", "##constraints", constraints, pointers(kinds)))
       display.constraints = static_cast<render::ConstraintDisplay>(constraints);
   }
-  slider_row("Hottest strain", "##largest_strain", display.largest_strain, {0.001f, 1, true}, "",
-             "What the warmest color of a strain means; 0.1 is 10 %.");
-  slider_row("Hottest speed", "##largest_speed", display.largest_speed, {0.01f, 100, true}, "m/s");
+  slider_row("Hottest strain", "##largest_strain", display.max_strain, {0.001f, 1, true}, "",
+             "The strain that the warmest color shows; 0.1 is 10 %.");
+  slider_row("Hottest speed", "##largest_speed", display.max_speed, {0.01f, 100, true}, "m/s");
   check_row("Wireframe", "##wireframe", display.wireframe);
   check_row("Pins", "##pins", display.pins);
   check_row("Colliders", "##colliders", display.colliders);

@@ -22,7 +22,7 @@ void forces_panel(Simulation& simulation) {
   changed |= vec3_row("Wind m/s", "##wind", settings.wind.velocity, 0.05f,
                       "Along X, Y (up) and Z. Drag to change, Ctrl + click to type.");
   changed |= slider_row("Gusts", "##gust", settings.wind.gust, {0, 1}, "",
-                        "By which fraction the wind's strength varies.");
+                        "Relative variation of the wind's strength.");
   changed |= slider_row("Gust period", "##gust_period", settings.wind.gust_period, {0.1f, 20, true}, "s");
   changed |= slider_row("Air density", "##air_density", settings.wind.air_density, {0, 5}, "kg/m\xc2\xb3");
   changed |= slider_row("Drag", "##drag", settings.drag, {1e-3f, 100, true}, "1/s",

@@ -10,7 +10,7 @@ namespace souple::viewer {
 
 namespace {
 
-/// The presets of this kind; `find` returns one, or nullptr.
+/// Presets of one kind of material: `find` returns one by name, or nullptr.
 template <class Material, class Find>
 bool preset_row(MaterialDescription<Material>& material, Find find) {
   static const std::vector<std::string> names = material::names();
@@ -47,7 +47,7 @@ bool preset_row(MaterialDescription<FluidMaterial>& material) {
   return changed;
 }
 bool preset_row(const ObstacleMaterial&) {
-  return false;  // there is none
+  return false;  // there are no presets
 }
 
 bool model_rows(MaterialDescription<ClothMaterial>& material) {

@@ -10,16 +10,17 @@ void solver_panel(Simulation& simulation) {
   Settings settings = simulation.scene().settings;
   int mode = static_cast<int>(settings.mode), integrator = static_cast<int>(settings.integrator);
   int form = static_cast<int>(settings.form);
-  bool changed = count_row("Substeps", "##substeps", settings.substeps, 1, 100,
-                           "Parts of one frame. More is stiffer, more exact, and costs in proportion.");
+  bool changed =
+      count_row("Substeps", "##substeps", settings.substeps, 1, 100,
+                "Substeps of one frame. More are stiffer and more accurate, at proportional cost.");
   changed |= count_row("Iterations", "##iterations", settings.iterations, 1, 100,
-                       "Of the solver in each substep. More substeps usually serve better.");
+                       "Iterations of the solver in each substep. More substeps are usually better.");
   changed |= choice_row("Mode", "##mode", mode, {"small steps", "XPBD", "PBD"},
-                        "PBD knows stiffnesses from 0 to 1 instead of a material.");
+                        "PBD uses stiffnesses from 0 to 1 instead of a material.");
   changed |= choice_row("Integrator", "##integrator", integrator,
                         {"semi-implicit", "explicit Euler", "implicit Euler"});
   changed |= choice_row("Form", "##form", form, {"displacements", "positions"},
-                        "What the solver moves. Displacements keep the digits that small steps need.");
+                        "Unknowns of the solver. Displacements keep the precision that small steps need.");
   if (!changed) return;
   settings.mode = static_cast<Mode>(mode);
   settings.integrator = static_cast<Integrator>(integrator);

@@ -14,11 +14,11 @@ namespace souple::viewer {
 
 namespace {
 
-// Distinguishable with color blindness; in the order of Stage.
+// Distinguishable for the color-blind; in the order of Stage.
 constexpr std::array<unsigned, stage_count> stage_colors{0x5b8def, 0x8d97a6, 0x3fb4e0, 0xf0a35e,
                                                          0x4fb6a8, 0xd7dbe2, 0xc983d6, 0xe0dc7a};
 
-/// Converts "isometric_bending" to "isometric bending".
+/// Replaces underscores by spaces: "isometric_bending" to "isometric bending".
 std::string spaced(std::string_view name) {
   std::string words(name);
   std::replace(words.begin(), words.end(), '_', ' ');
@@ -31,7 +31,7 @@ double sum(const StageTimes& times) {
   return total;
 }
 
-/// Mean over about the last half second.
+/// Mean of the last half second or so.
 StageTimes recent_mean(const std::deque<StageTimes>& history) {
   StageTimes mean{};
   const std::size_t count = std::min<std::size_t>(history.size(), 30);
@@ -59,8 +59,8 @@ void stage_bar(const StageTimes& mean) {
   ImGui::Dummy({width, height});
 }
 
-/// Value of the chart's upper edge [ms]: nearly all frames fit, and a single slow one does not flatten the
-/// rest. The line of real time appears when frames come near it.
+/// Upper limit of the chart [ms]: nearly all frames fit, and a single slow frame does not flatten the rest.
+/// The line of real time is shown once frames come near it.
 double top_of(const std::deque<StageTimes>& history, double budget) {
   std::vector<double> sums;
   sums.reserve(history.size());
@@ -72,7 +72,7 @@ double top_of(const std::deque<StageTimes>& history, double budget) {
   return top > 0.3 * budget ? std::max(top, 1.35 * budget) : top;
 }
 
-/// One column per frame, newest on the right; a line marks real time.
+/// One column for each frame, the newest on the right; a line marks real time.
 void history_chart(const std::deque<StageTimes>& history, double budget) {
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = ImGui::GetContentRegionAvail().x, height = ImGui::GetFontSize() * 4;
@@ -150,7 +150,7 @@ void timing_panel(const Simulation& simulation) {
   const StageTimes mean = recent_mean(simulation.history());
   ImGui::Text("%.2f ms", sum(mean));
   ImGui::SameLine();
-  ImGui::TextDisabled("of %.1f ms that real time allows", 1e3 / simulation.frame_rate());
+  ImGui::TextDisabled("of %.1f ms for real time", 1e3 / simulation.frame_rate());
   stage_bar(mean);
   history_chart(simulation.history(), 1e3 / simulation.frame_rate());
   legend(mean);
@@ -163,9 +163,9 @@ void numbers_panel(const Simulation& simulation) {
   value_row("Constraints", fmt::format("{}", report.constraints));
   value_row("Contacts", fmt::format("{}", report.contacts));
   value_row("Deepest contact", text("%.2g mm", 1e3 * report.deepest_contact));
-  value_row("Largest strain", text("%.2g %%", 100 * report.largest_strain));
+  value_row("Largest strain", text("%.2g %%", 100 * report.max_strain));
   residual_table(report);
-  if (report.message.empty() || simulation.trouble()) return;
+  if (report.message.empty() || simulation.failure()) return;
   ImGui::PushStyleColor(ImGuiCol_Text, ui_color(theme::warm));
   ImGui::TextWrapped("%s", report.message.c_str());
   ImGui::PopStyleColor();

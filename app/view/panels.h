@@ -7,14 +7,14 @@
 #include <cstddef>
 #include <deque>
 
-// Sections of the panel on the left, one file each. User changes act immediately. The functions throw Error
-// if the world rejects a change, and then change nothing.
+// Contents of the panel on the left, one file each. A change by the user takes effect immediately; the
+// functions throw Error when the world rejects it, and then have changed nothing.
 
 namespace souple::viewer {
 
 void solver_panel(Simulation& simulation);
 void forces_panel(Simulation& simulation);
-/// Material of the chosen object; `chosen` is its index in the scene.
+/// Panel of the object selected in it; `chosen` is the object's position in the scene.
 void material_panel(Simulation& simulation, std::size_t& chosen);
 void timing_panel(const Simulation& simulation);
 void numbers_panel(const Simulation& simulation);

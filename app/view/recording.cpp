@@ -11,8 +11,8 @@ namespace souple::viewer {
 
 namespace {
 
-// Maximum number of frames that a late picture catches up.
-constexpr int most_frames = 8;
+// A delayed frame of the viewer catches up by at most this many frames of the recording.
+constexpr int max_frames = 8;
 
 std::filesystem::path folder_of(const std::filesystem::path& path) {
   std::filesystem::path folder = path.filename() == "run.json" ? path.parent_path() : path;
@@ -26,8 +26,7 @@ Recording::Recording(const std::filesystem::path& path)
     : name_(folder_of(path).filename().string()), cache_(path) {
   if (cache_.frames() == 0) {
     throw Error(path.string() +
-                ": holds no frame that can be played; `souple run` writes frames as PC2, MDD, "
-                "OBJ or PLY");
+                ": holds no frame to play; expected PC2, MDD, OBJ or PLY files from `souple run`");
   }
   rate_ = cache_.playback().manifest().frame_rate;
   description_ = cache_.scene() ? cache_.scene()->description : fmt::format("A run of {} frames.", frames());
@@ -43,9 +42,9 @@ void Recording::advance(double seconds) {
   if (!playing_) return;
   clock_.tick(seconds);
   std::uint64_t wanted = frame();
-  for (int steps = 0; clock_.take(1 / rate_); ++steps) {
+  for (int steps = 0; clock_.consume(1 / rate_); ++steps) {
     ++wanted;
-    if (steps + 1 >= most_frames) clock_.drop();
+    if (steps + 1 >= max_frames) clock_.drop();
   }
   if (wanted != frame()) seek(wanted);
   if (frame() == frames()) playing_ = false;

@@ -11,10 +11,10 @@
 
 namespace souple::viewer {
 
-/// Playback of a finished run from its folder, at its frame rate or frame by frame.
+/// A finished run, played from its folder: at its frame rate, or frame by frame.
 class Recording : public Session {
  public:
-  /// Throws Error if `path` is no run's folder or the run has no frame.
+  /// Throws Error when the folder is not that of a run, or holds no frame.
   explicit Recording(const std::filesystem::path& path);
 
   const std::string& name() const override { return name_; }
@@ -25,19 +25,19 @@ class Recording : public Session {
   render::Subject subject() const override { return subject_; }
   std::optional<render::Camera> camera() const override;
 
-  /// Stops at the last frame; throws Error if a file can no longer be read.
+  /// Stops at the last frame; throws Error when a file cannot be read.
   void advance(double seconds) override;
   void step_frame() override;
   void step_fine() override;
   void reset() override;
-  /// Starts over if the last frame is shown.
+  /// At the last frame, starts again from the first.
   void set_playing(bool playing) override;
   bool playing() const override { return playing_; }
   double speed() const override { return clock_.speed(); }
-  const std::optional<Trouble>& trouble() const override { return trouble_; }
+  const std::optional<Failure>& failure() const override { return failure_; }
 
   std::uint64_t frames() const { return cache_.frames(); }
-  /// Shows a frame in [1, frames()], clamped. Throws Error.
+  /// Shows a frame in [1, frames()]; other numbers are clamped. Throws Error.
   void seek(std::uint64_t frame);
 
  private:
@@ -47,7 +47,7 @@ class Recording : public Session {
   render::Subject subject_;
   Clock clock_;
   bool playing_ = true;
-  std::optional<Trouble> trouble_;  // always empty
+  std::optional<Failure> failure_;  // a recording cannot fail
 };
 
 }  // namespace souple::viewer

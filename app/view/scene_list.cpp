@@ -39,7 +39,7 @@ std::unique_ptr<Session> SceneList::open(std::size_t entry) {
   const std::string ending = file.extension().string();
   if (std::error_code error; fs::exists(file, error) && ending != ".json")
     throw Error(file.string() +
-                ": is no scene; expected a scene file (.json) or the folder of a finished run");
+                ": not a scene; expected a scene file (.json) or the folder of a finished run");
   return std::make_unique<Simulation>(file);
 }
 

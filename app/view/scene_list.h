@@ -11,19 +11,19 @@
 
 namespace souple::viewer {
 
-/// The scenes and runs offered by the viewer: the shipped scenes and those opened since its start.
+/// Entries that the viewer can show: the shipped scenes, and every scene or run opened since.
 class SceneList {
  public:
   explicit SceneList(std::vector<app::ShippedScene> scenes) : entries_(std::move(scenes)) {}
 
   const std::vector<app::ShippedScene>& entries() const { return entries_; }
-  /// The entry opened last, even if that failed; entries().size() before the first.
+  /// The entry opened last, successfully or not; entries().size() before the first.
   std::size_t current() const { return current_; }
 
-  /// Opens a scene file, a finished run's folder, or its run.json, and adds it to the list. Throws Error.
+  /// Opens a scene file, a finished run's folder or its run.json, and adds it to the list. Throws Error.
   std::unique_ptr<Session> open(const std::filesystem::path& path);
   std::unique_ptr<Session> open(std::size_t entry);
-  /// The entry `by` positions after the current one, cyclically.
+  /// The entry at an offset of `by` from the current one; wraps around at the ends.
   std::size_t neighbor(int by) const;
 
  private:

@@ -15,15 +15,16 @@ inline render::Camera camera_of(const CameraDescription& scene) {
   return {Vec3f(scene.from), Vec3f(scene.to), static_cast<float>(scene.fov)};
 }
 
-/// Cause and position of a simulation's failure.
-struct Trouble {
+/// The cause and position of a failed step.
+struct Failure {
   std::string message;  ///< one line: the object, the particle, the remedy
   std::string object;
   std::uint32_t vertex = 0;  ///< user order
-  Vec3f position{};          ///< last finite position of the vertex [m]
+  Vec3f position{};          ///< last valid position of the vertex [m]
 };
 
-/// Content of the viewer: a running simulation or the playback of a finished run. Independent of the screen.
+/// Content of the viewer: a running simulation, or the recording of a finished run. Independent of any
+/// screen.
 class Session {
  public:
   Session() = default;
@@ -35,25 +36,25 @@ class Session {
   virtual const std::string& description() const = 0;
   virtual double frame_rate() const = 0;    ///< frames per second
   virtual double time() const = 0;          ///< s
-  virtual std::uint64_t frame() const = 0;  ///< current frame; 0 is the start
+  virtual std::uint64_t frame() const = 0;  ///< frame on screen; 0 is the start
   virtual render::Subject subject() const = 0;
-  /// The scene's camera, if it defines one.
+  /// The scene's camera; empty where it has none.
   virtual std::optional<render::Camera> camera() const = 0;
 
-  /// Adds elapsed real time [s]; advances while playing.
+  /// Adds real time [s]; advances if it is playing.
   virtual void advance(double seconds) = 0;
-  /// Advances one frame and pauses.
+  /// Advances one frame, and pauses.
   virtual void step_frame() = 0;
-  /// Makes the smallest possible step and pauses: one substep, or, in a recording, one frame back.
+  /// Makes the smallest possible step, and pauses: one substep forward, or one frame back in a recording.
   virtual void step_fine() = 0;
-  /// Returns to the start. Throws Error and changes nothing if that fails.
+  /// Returns to the start. Throws Error, and then has changed nothing, when that fails.
   virtual void reset() = 0;
   virtual void set_playing(bool playing) = 0;
   virtual bool playing() const = 0;
 
-  /// Ratio of actual to requested speed; below 1 on a machine that is too slow.
+  /// Achieved speed over requested speed; below 1 when the machine is too slow.
   virtual double speed() const = 0;
-  virtual const std::optional<Trouble>& trouble() const = 0;
+  virtual const std::optional<Failure>& failure() const = 0;
 };
 
 }  // namespace souple::viewer

@@ -15,9 +15,9 @@ namespace souple::viewer {
 
 namespace {
 
-// Maximum number of steps per picture, and the time after which a picture starts no step [s]. If drawing is
-// slow, a picture needs many steps.
-constexpr int most_steps = 20;
+// Limits of one frame of the viewer: number of steps, and time [s] after which no further step starts. Where
+// drawing dominates, a frame has to make many steps.
+constexpr int max_steps = 20;
 constexpr double time_for_steps = 0.025;
 
 class Stopwatch {
@@ -52,7 +52,7 @@ Simulation::Simulation(SceneDescription scene, std::string name)
 void Simulation::start() {
   clock_.restart();
   history_.clear();
-  trouble_.reset();
+  failure_.reset();
   steps_ = 0;
   pinned_at_start_.clear();
   for (const AnyObjectDescription& any : scene_.objects) {
@@ -86,9 +86,9 @@ void Simulation::advance(double seconds) {
   const double dt = 1 / scene_.frame_rate;
   clock_.tick(seconds);
   const Stopwatch watch;
-  for (int steps = 0; playing_ && clock_.take(dt); ++steps) {
+  for (int steps = 0; playing_ && clock_.consume(dt); ++steps) {
     step(dt, scene_.settings.substeps);
-    if (steps + 1 >= most_steps || watch.seconds() > time_for_steps) clock_.drop();
+    if (steps + 1 >= max_steps || watch.seconds() > time_for_steps) clock_.drop();
   }
 }
 
@@ -110,20 +110,20 @@ void Simulation::step(double dt, int substeps) {
   ++steps_;
   history_.push_back(report.milliseconds);
   if (history_.size() > history_length) history_.pop_front();
-  if (!report.ok()) take_trouble();
+  if (!report.ok()) record_failure();
 }
 
-void Simulation::take_trouble() {
+void Simulation::record_failure() {
   const StepReport& report = world_.report();
   playing_ = false;
-  Trouble trouble;
-  trouble.object = report.bad_object;
-  trouble.vertex = report.bad_vertex;
+  Failure failure;
+  failure.object = report.bad_object;
+  failure.vertex = report.bad_vertex;
   const std::span<const Vec3f> positions = world_.positions(world_.find_object(report.bad_object));
-  if (report.bad_vertex < positions.size()) trouble.position = positions[report.bad_vertex];
-  trouble.message = fmt::format("object \"{}\", particle {} is no longer finite: {}", report.bad_object,
+  if (report.bad_vertex < positions.size()) failure.position = positions[report.bad_vertex];
+  failure.message = fmt::format("object \"{}\", particle {} is no longer finite: {}", report.bad_object,
                                 report.bad_vertex, advice(Flag::non_finite));
-  trouble_ = std::move(trouble);
+  failure_ = std::move(failure);
 }
 
 void Simulation::reset() {
@@ -176,7 +176,7 @@ std::size_t Simulation::index_of(ObjectId object) const {
   for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
     if (common(scene_.objects[i]).name == wanted) return i;
   }
-  throw Error(wanted + ": is no object of the scene");
+  throw Error(wanted + ": not an object of the scene");
 }
 
 bool Simulation::is_pinned(ObjectId object, std::uint32_t vertex) const {
@@ -188,7 +188,7 @@ bool Simulation::toggle_pin(ObjectId object, std::uint32_t vertex) {
   ++steps_;
   if (is_pinned(object, vertex)) {
     world_.unpin(object, vertices({vertex}));
-    forget_pin(index, vertex);
+    remove_from_pins(index, vertex);
     return false;
   }
   world_.pin(object, vertices({vertex}));
@@ -199,17 +199,17 @@ bool Simulation::toggle_pin(ObjectId object, std::uint32_t vertex) {
   return true;
 }
 
-/// A pin that selected other vertices too is replaced by a list of them.
-void Simulation::forget_pin(std::size_t object, std::uint32_t vertex) {
+/// Removes a vertex from the scene's pins. A pin of several vertices keeps the others, listed one by one.
+void Simulation::remove_from_pins(std::size_t object, std::uint32_t vertex) {
   std::vector<PinDescription>& pins = common(scene_.objects[object]).pins;
-  std::vector<std::vector<std::uint32_t>>& meant = pinned_at_start_[object];
+  std::vector<std::vector<std::uint32_t>>& pinned = pinned_at_start_[object];
   for (std::size_t i = pins.size(); i-- > 0;) {
-    if (!holds(meant[i], vertex)) continue;
-    meant[i] = without(meant[i], vertex);
-    pins[i].where = vertices(meant[i]);
-    if (!meant[i].empty()) continue;
+    if (!holds(pinned[i], vertex)) continue;
+    pinned[i] = without(pinned[i], vertex);
+    pins[i].where = vertices(pinned[i]);
+    if (!pinned[i].empty()) continue;
     pins.erase(pins.begin() + static_cast<std::ptrdiff_t>(i));
-    meant.erase(meant.begin() + static_cast<std::ptrdiff_t>(i));
+    pinned.erase(pinned.begin() + static_cast<std::ptrdiff_t>(i));
   }
 }
 

@@ -15,14 +15,14 @@
 
 namespace souple::viewer {
 
-/// Time of each stage in a frame. [ms]
+/// Duration of each stage of one frame. [ms]
 using StageTimes = std::array<double, stage_count>;
 
-/// A running scene that may be changed meanwhile. Every change acts immediately and appears in
-/// `scene_text()`, so that a user can save the result of experiments.
+/// A running scene that may be changed meanwhile: every change takes effect immediately and enters
+/// `scene_text()`, so the result of experiments can be saved.
 class Simulation : public Session {
  public:
-  /// Throws Error if the scene cannot be read or built.
+  /// Throws Error when the scene cannot be read or built.
   explicit Simulation(const std::filesystem::path& scene);
   Simulation(SceneDescription scene, std::string name);
 
@@ -41,14 +41,14 @@ class Simulation : public Session {
   void set_playing(bool playing) override;
   bool playing() const override { return playing_; }
   double speed() const override { return clock_.speed(); }
-  const std::optional<Trouble>& trouble() const override { return trouble_; }
+  const std::optional<Failure>& failure() const override { return failure_; }
 
   const SceneDescription& scene() const { return scene_; }
   const World& world() const { return world_; }
-  /// Access for objects that refer to the world, such as a grab. `reset` replaces the world: see
+  /// For objects that refer to the world from outside, such as a grab. `reset` replaces the world: see
   /// `generation`.
   World& world() { return world_; }
-  /// A new number means: the world was replaced.
+  /// Changes when the world is replaced.
   std::uint64_t generation() const { return generation_; }
   /// Report of the last step; empty before the first.
   const StepReport& report() const { return world_.report(); }
@@ -56,7 +56,7 @@ class Simulation : public Session {
   const std::deque<StageTimes>& history() const { return history_; }
   static constexpr std::size_t history_length = 240;
 
-  // --- changes. Each throws Error on bad values and then changes nothing.
+  // --- changes. Each throws Error on invalid values, and then has changed nothing.
   void set_settings(const Settings& settings);
   void set_material(std::size_t object, const MaterialDescription<ClothMaterial>& material);
   void set_material(std::size_t object, const MaterialDescription<SoftBodyMaterial>& material);
@@ -64,24 +64,24 @@ class Simulation : public Session {
   void set_material(std::size_t object, const MaterialDescription<GrainsMaterial>& material);
   void set_material(std::size_t object, const MaterialDescription<FluidMaterial>& material);
   void set_material(std::size_t object, const ObstacleMaterial& material);
-  /// Index in scene().objects.
+  /// Position in scene().objects.
   std::size_t index_of(ObjectId object) const;
   bool is_pinned(ObjectId object, std::uint32_t vertex) const;
-  /// Pins the vertex at its current position, or releases it. Returns whether it is now pinned.
-  /// `scene_text()` pins it at its initial position.
+  /// Pins the vertex at its current position, or releases it. Returns whether it is pinned now. In
+  /// `scene_text()` it is pinned at its initial position.
   bool toggle_pin(ObjectId object, std::uint32_t vertex);
-  /// Sets the camera for `scene_text()`.
+  /// Sets the camera of `scene_text()`.
   void set_camera(const render::Camera& camera);
 
-  /// The current scene as the text of a scene file.
+  /// The current scene as a scene file.
   std::string scene_text() const;
 
  private:
   template <class Description, class Material>
   void change_material(std::size_t object, const Material& material);
   void step(double dt, int substeps);
-  void take_trouble();
-  void forget_pin(std::size_t object, std::uint32_t vertex);
+  void record_failure();
+  void remove_from_pins(std::size_t object, std::uint32_t vertex);
   void start();
 
   std::string name_;
@@ -89,11 +89,11 @@ class Simulation : public Session {
   World world_;
   Clock clock_;
   std::uint64_t generation_ = 1;
-  std::uint64_t steps_ = 0;  // steps of any length: a change means that objects may have moved
+  std::uint64_t steps_ = 0;  // of any length; shows that positions may have changed
   bool playing_ = true;
-  std::optional<Trouble> trouble_;
+  std::optional<Failure> failure_;
   std::deque<StageTimes> history_;
-  // Per object and pin of the scene: its vertices at the start.
+  // Per object and pin of the scene: the vertices it selected at the start.
   std::vector<std::vector<std::vector<std::uint32_t>>> pinned_at_start_;
 };
 

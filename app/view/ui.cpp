@@ -16,7 +16,7 @@ namespace {
 
 constexpr float font_size = 15;
 
-/// The file's bytes if it is a TrueType font; ImGui asserts on other files.
+/// The file's bytes if it is a TrueType font: ImGui asserts on any other file. Otherwise empty.
 std::vector<char> font_bytes(const std::filesystem::path& file) {
   if (std::error_code error; !std::filesystem::is_regular_file(file, error)) return {};
   std::ifstream stream(file, std::ios::binary);
@@ -32,7 +32,7 @@ std::string add_font(float scale, const std::vector<std::filesystem::path>& font
   for (const std::filesystem::path& file : fonts) {
     std::vector<char> bytes = font_bytes(file);
     if (bytes.empty()) continue;
-    // The atlas frees the data with its own allocator.
+    // The atlas frees this copy with its own allocator.
     void* copy = ImGui::MemAlloc(bytes.size());
     std::memcpy(copy, bytes.data(), bytes.size());
     atlas.AddFontFromMemoryTTF(copy, static_cast<int>(bytes.size()), font_size * scale);
@@ -94,7 +94,7 @@ void set_style(float scale) {
 
 }  // namespace
 
-std::vector<std::filesystem::path> Ui::usual_fonts() {
+std::vector<std::filesystem::path> Ui::default_fonts() {
   return {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/TTF/DejaVuSans.ttf",
           "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf", "/usr/share/fonts/dejavu/DejaVuSans.ttf"};
 }
@@ -102,7 +102,7 @@ std::vector<std::filesystem::path> Ui::usual_fonts() {
 Ui::Ui(float scale, const std::vector<std::filesystem::path>& fonts) {
   IMGUI_CHECKVERSION();
   ImGui::CreateContext();
-  ImGui::GetIO().IniFilename = nullptr;  // writes no file into the current folder
+  ImGui::GetIO().IniFilename = nullptr;  // write no settings into the working folder
   font_ = add_font(scale, fonts);
   set_style(scale);
   if (!ImGui_ImplOpenGL3_Init("#version 330")) {

@@ -40,8 +40,9 @@ void ViewTarget::resize(int width, int height) {
   glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width, height);
   glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
   if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-    throw Error(fmt::format("the graphics card gave no picture of {} x {} pixels; try a smaller window",
-                            width, height));
+    throw Error(
+        fmt::format("the graphics card cannot allocate a picture of {} x {} pixels; try a smaller window",
+                    width, height));
   }
 }
 

@@ -6,7 +6,8 @@
 
 namespace souple::viewer {
 
-/// Render target of the scene's part of the window; it is then copied beside the panel.
+/// Framebuffer in which the scene is drawn before it is copied beside the panel: the remaining part of the
+/// window.
 class ViewTarget {
  public:
   ViewTarget() = default;
@@ -14,12 +15,13 @@ class ViewTarget {
   ViewTarget(const ViewTarget&) = delete;
   ViewTarget& operator=(const ViewTarget&) = delete;
 
-  /// Sets the size, at least 1 x 1. Throws Error if graphics memory is insufficient.
+  /// Sides are at least 1. Throws Error when the graphics card has not enough memory.
   void resize(int width, int height);
   int width() const { return width_; }
   int height() const { return height_; }
   std::uint32_t framebuffer() const { return framebuffer_; }
-  /// Copies the target into another framebuffer: lower left corner at (x, y), scaled to this size.
+  /// Copies into another framebuffer with the lower left corner at (x, y) from the lower left, stretched to
+  /// this size.
   void copy_to(std::uint32_t framebuffer, int x, int y, int width, int height) const;
 
  private:
@@ -29,7 +31,7 @@ class ViewTarget {
   int width_ = 0, height_ = 0;
 };
 
-/// Reads a framebuffer of this size.
+/// The content of a framebuffer of this size.
 render::Image read_framebuffer(std::uint32_t framebuffer, int width, int height);
 
 }  // namespace souple::viewer

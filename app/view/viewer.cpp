@@ -24,9 +24,9 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr float panel_width = 350;  // maximum, in pixels of an ordinary screen
-constexpr int still_samples = 8;    // samples of screenshots and films
-constexpr int largest_picture = 8192;
+constexpr float panel_width = 350;  // maximum, in units of an ordinary screen
+constexpr int still_samples = 8;    // of screenshots and films
+constexpr int max_picture_size = 8192;
 
 }  // namespace
 
@@ -37,7 +37,7 @@ Viewer::Viewer(SceneList scenes, std::unique_ptr<Session> session, ViewerOptions
 }
 
 Viewer::~Viewer() {
-  mouse_.forget();  // a grab is released while its world still exists
+  mouse_.release();  // a grab is released while its world still exists
 }
 
 Simulation* Viewer::simulation() {
@@ -47,26 +47,26 @@ Recording* Viewer::recording() {
   return dynamic_cast<Recording*>(session_.get());
 }
 
-/// Shows errors of user actions on screen; the viewer continues.
+/// Shows an error on screen when a requested action fails; the viewer continues.
 void Viewer::guarded(const std::function<void()>& what) {
   try {
     what();
   } catch (const Error& error) {
-    notices_.complain(error.what());
+    notices_.error(error.what());
   }
 }
 
-// --- frame ---------------------------------------------------------------------------------
+// --- one picture ---------------------------------------------------------------------------------
 
 void Viewer::frame(double seconds, std::uint32_t framebuffer) {
   Ui::begin();
-  lay_out();
-  notices_.pass(seconds);
-  guarded([&] { obey_keys(); });
-  lay_out();  // a key may have hidden the panels
-  guarded([&] { use_mouse(); });
-  guarded([&] { go_on(seconds); });
-  announce_trouble();
+  update_layout();
+  notices_.advance(seconds);
+  guarded([&] { handle_keys(); });
+  update_layout();  // a key may have hidden the panels
+  guarded([&] { handle_mouse(); });
+  guarded([&] { advance(seconds); });
+  report_failure();
   if (panels_shown_) {
     draw_panel();
     draw_key_list();
@@ -78,29 +78,29 @@ void Viewer::frame(double seconds, std::uint32_t framebuffer) {
   notices_.draw(static_cast<float>(area_.x) / area_.scale + 12,
                 static_cast<float>(area_.height) / area_.scale - slider - 12,
                 std::max(static_cast<float>(area_.width) / area_.scale - 24, 1.0f));
-  draw_trouble();
+  draw_failure();
   ImGui::Render();
   guarded([&] { add_to_film(); });
   draw_scene(framebuffer);
 }
 
-void Viewer::go_on(double seconds) {
+void Viewer::advance(double seconds) {
   try {
-    // A film contains every frame, however long a picture takes.
+    // A film contains every frame, however long drawing takes.
     session_->advance(film_ ? 1 / session_->frame_rate() : seconds);
   } catch (const Error&) {
-    session_->set_playing(false);  // report the error once, not with every picture
+    session_->set_playing(false);  // report the error once, not with every frame
     throw;
   }
 }
 
-void Viewer::lay_out() {
+void Viewer::update_layout() {
   const ImGuiIO& io = ImGui::GetIO();
   area_.scale = io.DisplayFramebufferScale.x > 0 ? io.DisplayFramebufferScale.x : 1;
   width_ = static_cast<int>(std::lround(io.DisplaySize.x * area_.scale));
   height_ = static_cast<int>(std::lround(io.DisplaySize.y * area_.scale));
-  const float wished = panel_width * ImGui::GetFontSize() / 15 * area_.scale;
-  area_.x = panels_shown_ ? static_cast<int>(std::min(wished, 0.45f * static_cast<float>(width_))) : 0;
+  const float preferred = panel_width * ImGui::GetFontSize() / 15 * area_.scale;
+  area_.x = panels_shown_ ? static_cast<int>(std::min(preferred, 0.45f * static_cast<float>(width_))) : 0;
   area_.y = 0;
   area_.width = width_ - area_.x;
   area_.height = height_;
@@ -109,19 +109,19 @@ void Viewer::lay_out() {
   area_.height -= static_cast<int>(std::min(bar, 0.4f * static_cast<float>(height_)));
 }
 
-/// Each session numbers its worlds from 1: makes the numbers unique, or a scene would be drawn with another's
-/// triangles.
-void Viewer::look_at_session() {
+/// Each session numbers its worlds from 1. Adds the session's number: otherwise a scene would be drawn with
+/// the triangles of another.
+void Viewer::update_subject() {
   subject_ = session_->subject();
   subject_.topology += session_number_ << 32;
 }
 
 void Viewer::update_list() {
-  look_at_session();
+  update_subject();
   drawing_.update(subject_, display_);
   if (mouse_.grabbing()) {
     const render::PackedColor color = render::pack(render::srgb(theme::warm));
-    drawing_.list().top_lines.push_back({mouse_.grabbed_at(), mouse_.pulled_to(), color, 2.5f});
+    drawing_.list().top_lines.push_back({mouse_.grabbed_point(), mouse_.drag_target(), color, 2.5f});
   }
 }
 
@@ -139,15 +139,15 @@ void Viewer::draw_scene(std::uint32_t framebuffer) {
   Ui::draw();
 }
 
-// --- content -------------------------------------------------------------------------------
+// --- what is shown -------------------------------------------------------------------------------
 
 void Viewer::show(std::unique_ptr<Session> session) {
-  mouse_.forget();
+  mouse_.release();
   subject_ = {};
   session_ = std::move(session);
   ++session_number_;
   chosen_object_ = 0;
-  trouble_told_ = false;
+  failure_reported_ = false;
   if (const std::optional<render::Camera> camera = session_->camera()) {
     camera_ = *camera;
   } else {
@@ -163,10 +163,10 @@ void Viewer::open_entry(std::size_t entry) {
   guarded([&] { show(scenes_.open(entry)); });
 }
 
-void Viewer::announce_trouble() {
-  const bool trouble = session_->trouble().has_value();
-  if (trouble && !trouble_told_) notices_.complain(session_->name() + ": " + session_->trouble()->message);
-  trouble_told_ = trouble;
+void Viewer::report_failure() {
+  const bool failure = session_->failure().has_value();
+  if (failure && !failure_reported_) notices_.error(session_->name() + ": " + session_->failure()->message);
+  failure_reported_ = failure;
 }
 
 void Viewer::frame_all() {
@@ -178,21 +178,21 @@ void Viewer::frame_all() {
 
 // --- keys ----------------------------------------------------------------------------------------
 
-void Viewer::obey_keys() {
+void Viewer::handle_keys() {
   const ImGuiIO& io = ImGui::GetIO();
   const bool any_down =
       std::any_of(std::begin(io.KeysDown), std::end(io.KeysDown), [](bool down) { return down; });
   if (!io.WantTextInput) {
-    for (const ImWchar character : io.InputQueueCharacters) obey_character(character);
+    for (const ImWchar character : io.InputQueueCharacters) handle_character(character);
   }
-  if (!any_down) held_ = 0;
+  if (!any_down) key_down_ = 0;
 }
 
-/// Letters arrive as typed characters and thus follow the keyboard's layout. A pressed key repeats its
-/// character; most bindings ignore the repetitions.
-void Viewer::obey_character(unsigned character) {
-  const bool again = character == held_;
-  held_ = character;
+/// Letters arrive as the characters they type, so they follow the keyboard's layout. A pressed key repeats
+/// its character, which most keys ignore.
+void Viewer::handle_character(unsigned character) {
+  const bool again = character == key_down_;
+  key_down_ = character;
   if (character > 127) return;
   const char lower = static_cast<char>(std::tolower(static_cast<int>(character)));
   if (lower >= '1' && lower <= '9') display_.display = static_cast<render::Display>(lower - '1');
@@ -210,7 +210,7 @@ void Viewer::act(Action action) {
     case Action::step_substep:
       return session_->step_fine();
     case Action::reset:
-      mouse_.forget();
+      mouse_.release();
       return session_->reset();
     case Action::next_scene:
       return open_entry(scenes_.neighbor(1));
@@ -228,16 +228,16 @@ void Viewer::act(Action action) {
       return;
     }
     case Action::display:
-      return;  // the digit selects the display
+      return;  // handled in handle_character
     case Action::screenshot:
       return take_screenshot();
     case Action::film:
-      return switch_film();
+      return toggle_film();
     case Action::hide_panel:
       panels_shown_ = !panels_shown_;
       return;
     case Action::quit:
-      // First the topmost element.
+      // Closes an open popup first.
       if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) return ImGui::ClosePopupToLevel(0, true);
       done_ = true;
       return;
@@ -246,24 +246,24 @@ void Viewer::act(Action action) {
 
 // --- mouse ---------------------------------------------------------------------------------------
 
-void Viewer::use_mouse() {
+void Viewer::handle_mouse() {
   mouse_.update(camera_, simulation(), area_, [this](int x, int y) { return pick(x, y); });
 }
 
-std::optional<Mouse::Found> Viewer::pick(int x, int y) {
+std::optional<Mouse::PickedVertex> Viewer::pick(int x, int y) {
   if (x < 0 || y < 0 || x >= area_.width || y >= area_.height) return std::nullopt;
-  look_at_session();
+  update_subject();
   const render::DrawList& list = drawing_.update(subject_, display_);
   const render::Picked picked = renderer_.pick(list, camera_, x, y, area_.width, area_.height);
   if (picked.pick == 0 || picked.pick > subject_.bodies.size()) return std::nullopt;
   const render::Body& body = subject_.bodies[picked.pick - 1];
   const std::uint32_t vertex = drawing_.vertex_of(subject_, picked.pick, picked.element);
-  return Mouse::Found{ObjectId{body.id}, vertex, picked.point};
+  return Mouse::PickedVertex{ObjectId{body.id}, vertex, picked.point};
 }
 
 // --- pictures ------------------------------------------------------------------------------------
 
-/// souple-NAME-0001.png with the first free number: never overwrites a file.
+/// souple-NAME-0001.png, or the first unused number: existing files are never overwritten.
 fs::path Viewer::new_file(const std::string& ending) const {
   for (int number = 1; number < 10000; ++number) {
     std::array<char, 16> digits{};
@@ -274,7 +274,7 @@ fs::path Viewer::new_file(const std::string& ending) const {
   throw Error(options_.folder.string() + ": holds 9999 pictures of " + session_->name() + "; move some away");
 }
 
-/// The scene without panels, smoother than on screen.
+/// The scene without panels, with more samples than on screen.
 void Viewer::take_screenshot() {
   if (area_.empty()) throw Error("the window is too small for a picture");
   const fs::path file = new_file(".png");
@@ -282,20 +282,20 @@ void Viewer::take_screenshot() {
   rendering.samples = still_samples;
   update_list();
   render::write_png(
-      file, renderer_.picture(drawing_.list(), camera_, rendering, std::min(area_.width, largest_picture),
-                              std::min(area_.height, largest_picture)));
-  notices_.say("screenshot: " + file.string());
+      file, renderer_.picture(drawing_.list(), camera_, rendering, std::min(area_.width, max_picture_size),
+                              std::min(area_.height, max_picture_size)));
+  notices_.info("screenshot: " + file.string());
 }
 
-void Viewer::switch_film() {
+void Viewer::toggle_film() {
   if (film_) {
     const std::unique_ptr<render::Film> finished = std::move(film_);
     finished->finish();
-    notices_.say(fmt::format("film: {}, {} frames", film_file_.string(), film_frames_));
+    notices_.info(fmt::format("film: {}, {} frames", film_file_.string(), film_frames_));
     return;
   }
-  film_width_ = std::min(area_.width, largest_picture) / 2 * 2;
-  film_height_ = std::min(area_.height, largest_picture) / 2 * 2;
+  film_width_ = std::min(area_.width, max_picture_size) / 2 * 2;
+  film_height_ = std::min(area_.height, max_picture_size) / 2 * 2;
   if (film_width_ < 2 || film_height_ < 2) throw Error("the window is too small for a film");
   film_file_ = new_file(".mp4");
   film_ = std::make_unique<render::Film>(film_file_, session_->frame_rate());
@@ -312,7 +312,7 @@ void Viewer::add_to_film() {
   try {
     film_->add(renderer_.picture(drawing_.list(), camera_, rendering, film_width_, film_height_));
   } catch (const Error&) {
-    film_.reset();  // report the error once, not with every picture
+    film_.reset();  // report the error once, not with every frame
     throw;
   }
   ++film_frames_;

@@ -26,34 +26,34 @@ class Recording;
 class Simulation;
 
 struct ViewerOptions {
-  std::filesystem::path folder = ".";  ///< folder for screenshots and films
+  std::filesystem::path folder = ".";  ///< where screenshots and films are written
   bool paused = false;
-  bool half_resolution = false;  ///< draws the scene with a quarter of the pixels
+  bool half_resolution = false;  ///< of the scene on screen: a quarter of the pixels to draw
 };
 
-/// The viewer without its window: content, response to mouse and keys, panels. It reads input only from
-/// ImGui's IO and draws into any framebuffer, so tests drive it off-screen like a window.
+/// The viewer without its window: content, reactions to mouse and keys, and panels. Reads input only from
+/// ImGui's IO and draws into any framebuffer, so tests can drive it off-screen like a window.
 class Viewer {
  public:
-  /// Uses the current OpenGL context; a Ui must exist. Throws Error if the context is insufficient.
+  /// Uses the current OpenGL context; a Ui must exist. Throws Error when the context lacks a feature.
   Viewer(SceneList scenes, std::unique_ptr<Session> session, ViewerOptions options = {});
   ~Viewer();
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
 
-  /// Processes a frame of the size in ImGui's IO: handles input, advances by `seconds` of real time, draws. A
-  /// window without area is not drawn. Throws Error if OpenGL fails.
+  /// One frame, of the size in ImGui's IO: handles the input, advances by `seconds` of real time, and draws.
+  /// For a window without area it does all but draw. Throws Error when OpenGL fails.
   void frame(double seconds, std::uint32_t framebuffer = 0);
-  /// Esc was pressed.
+  /// Whether Esc was pressed.
   bool done() const { return done_; }
 
-  /// Shows another scene or run. If it cannot be opened, reports the error and keeps the current content.
+  /// Shows another scene or run; if it cannot be opened, shows an error and keeps the current one.
   void open(const std::filesystem::path& path);
   void act(Action action);
 
   const Session& session() const { return *session_; }
-  Simulation* simulation();  ///< nullptr if a recording is shown
-  Recording* recording();    ///< nullptr if a simulation is shown
+  Simulation* simulation();  ///< nullptr when a recording is shown
+  Recording* recording();    ///< nullptr when a simulation is shown
   const SceneList& scenes() const { return scenes_; }
   const Mouse& mouse() const { return mouse_; }
   render::Camera& camera() { return camera_; }
@@ -66,25 +66,25 @@ class Viewer {
 
  private:
   void guarded(const std::function<void()>& what);
-  void go_on(double seconds);
+  void advance(double seconds);
   void show(std::unique_ptr<Session> session);
   void open_entry(std::size_t entry);
-  void announce_trouble();
+  void report_failure();
 
   // input
-  void obey_keys();
-  void obey_character(unsigned character);
-  void use_mouse();
-  std::optional<Mouse::Found> pick(int x, int y);
+  void handle_keys();
+  void handle_character(unsigned character);
+  void handle_mouse();
+  std::optional<Mouse::PickedVertex> pick(int x, int y);
   void frame_all();
 
   // pictures
   std::filesystem::path new_file(const std::string& ending) const;
   void take_screenshot();
-  void switch_film();
+  void toggle_film();
   void add_to_film();
-  void lay_out();
-  void look_at_session();
+  void update_layout();
+  void update_subject();
   void update_list();
   void draw_scene(std::uint32_t framebuffer);
 
@@ -96,7 +96,7 @@ class Viewer {
   void recording_section(const Recording& recording);
   void simulation_sections(Simulation& simulation);
   void draw_status();
-  void draw_trouble();
+  void draw_failure();
   static float time_slider_height();
   void draw_time_slider();
   static float key_list_height(float width);
@@ -116,9 +116,9 @@ class Viewer {
   Mouse mouse_;
   Notices notices_;
   ViewArea area_;
-  int width_ = 0, height_ = 0;  // size of the window [pixels]
-  bool panels_shown_ = true, done_ = false, trouble_told_ = false;
-  unsigned held_ = 0;  // character of a key that is still pressed
+  int width_ = 0, height_ = 0;  // of the window [pixels]
+  bool panels_shown_ = true, done_ = false, failure_reported_ = false;
+  unsigned key_down_ = 0;  // character of the pressed key; 0: none
   std::size_t chosen_object_ = 0;
 
   std::unique_ptr<render::Film> film_;

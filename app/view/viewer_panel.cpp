@@ -28,7 +28,7 @@ bool wide_button(const char* name, float width, bool lit = false) {
   return pressed;
 }
 
-float share_of_line(int buttons) {
+float button_width(int buttons) {
   const float gaps = ImGui::GetStyle().ItemSpacing.x * static_cast<float>(buttons - 1);
   return (ImGui::GetContentRegionAvail().x - gaps) / static_cast<float>(buttons);
 }
@@ -45,7 +45,7 @@ std::string formatted(const char* format, double value) {
   return text.data();
 }
 
-/// Text on a dark background, aligned at its upper right corner.
+/// Right-aligned text on a dark background; (right, y) is its upper right corner.
 void text_from_right(float right, float y, unsigned color, const std::string& text) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
   const ImVec2 size = ImGui::CalcTextSize(text.c_str());
@@ -98,7 +98,7 @@ void Viewer::scene_section() {
 }
 
 void Viewer::transport_section() {
-  const float quarter = share_of_line(4);
+  const float quarter = button_width(4);
   const bool recorded = recording() != nullptr;
   ImGui::Dummy({0, 2});
   const bool pause =
@@ -109,7 +109,7 @@ void Viewer::transport_section() {
   const bool frame = wide_button("Frame###frame", quarter);
   ImGui::SameLine();
   const bool reset = wide_button("Reset###reset", quarter);
-  const float half = share_of_line(2);
+  const float half = button_width(2);
   const bool screenshot = wide_button("Screenshot###screenshot", half);
   ImGui::SameLine();
   const bool film = wide_button(film_ ? "Stop film###film" : "Film###film", half, film_ != nullptr);
@@ -134,10 +134,10 @@ void Viewer::simulation_sections(Simulation& simulation) {
   numbers_panel(simulation);
   display_panel(display_, rendering_, options_.half_resolution, true, shows_fluids());
   ImGui::Dummy({0, 6});
-  if (wide_button("Copy as scene file###copy", share_of_line(1))) {
+  if (wide_button("Copy as scene file###copy", button_width(1))) {
     simulation.set_camera(camera_);
     ImGui::SetClipboardText(simulation.scene_text().c_str());
-    notices_.say("the scene as it is set now is in the clipboard");
+    notices_.info("copied the scene with its current settings to the clipboard");
   }
 }
 
@@ -163,21 +163,22 @@ void Viewer::draw_status() {
     text_from_right(right, 12 + line, ui_color(theme::warm), "paused");
   } else if (session_->speed() < 0.9) {
     text_from_right(right, 12 + line, ui_color(theme::warm),
-                    formatted("slowed down to %.2g of real time", session_->speed()));
+                    formatted("runs at %.2g of real time", session_->speed()));
   } else {
     text_from_right(right, 12 + line, ui_color(theme::dim), "real time");
   }
 }
 
-/// A ring about the first non-finite particle, and its name; at the edge if it is out of view.
-void Viewer::draw_trouble() {
-  if (!session_->trouble() || area_.empty()) return;
-  const Trouble& trouble = *session_->trouble();
+/// A ring around the particle that became non-finite first, with its name; at the edge if the particle is out
+/// of view.
+void Viewer::draw_failure() {
+  if (!session_->failure() || area_.empty()) return;
+  const Failure& failure = *session_->failure();
   const float radius = ImGui::GetFontSize(), scale = area_.scale;
   const ImVec2 lo{static_cast<float>(area_.x) / scale + 2 * radius, 2 * radius};
   const ImVec2 hi{static_cast<float>(width_) / scale - 2 * radius,
                   static_cast<float>(area_.height) / scale - 2 * radius};
-  const auto seen = camera_.project(trouble.position, area_.width, area_.height);
+  const auto seen = camera_.project(failure.position, area_.width, area_.height);
   ImVec2 at{(lo.x + hi.x) / 2, (lo.y + hi.y) / 2};
   if (seen)
     at = {(static_cast<float>(area_.x) + seen->x) / scale, (static_cast<float>(area_.y) + seen->y) / scale};
@@ -188,7 +189,7 @@ void Viewer::draw_trouble() {
   draw.AddCircle(at, radius, ui_color(theme::background, 0.8f), 32, 5);
   draw.AddCircle(at, radius, ui_color(theme::bad), 32, 2.5f);
   const std::string name =
-      fmt::format("{}, particle {}{}", trouble.object, trouble.vertex, inside ? "" : " (out of view)");
+      fmt::format("{}, particle {}{}", failure.object, failure.vertex, inside ? "" : " (out of view)");
   const ImVec2 size = ImGui::CalcTextSize(name.c_str());
   const bool leftwards = at.x + radius + size.x + 12 > hi.x;
   const ImVec2 corner{leftwards ? at.x - radius - size.x - 8 : at.x + radius + 8, at.y - size.y / 2};
@@ -227,7 +228,7 @@ void Viewer::draw_time_slider() {
 
 namespace {
 
-/// A key or a mouse action, with a short description.
+/// A key or a mouse gesture with the word for its action.
 struct Cap {
   std::string_view key, brief;
   float x = 0, y = 0, key_width = 0;  ///< from the bar's upper left corner
@@ -242,7 +243,7 @@ float width_of(std::string_view text, float font) {
   return ImGui::GetFont()->CalcTextSizeA(font, 1e9f, 0, text.data(), text.data() + text.size()).x;
 }
 
-/// Wraps into as many lines as necessary.
+/// Distributes the entries over as many lines as necessary.
 CapLayout lay_out_caps(float width) {
   CapLayout layout;
   for (const Key& key : keys) layout.caps.push_back({key.key, key.brief});

@@ -15,7 +15,7 @@ namespace souple::viewer {
 
 namespace {
 
-constexpr float name_share = 0.42f;
+constexpr float name_fraction = 0.42f;
 
 void hint_for_last_item(const char* hint) {
   if (hint != nullptr && ImGui::IsItemHovered()) {
@@ -27,7 +27,8 @@ void hint_for_last_item(const char* hint) {
   }
 }
 
-/// Literal text as a slider's format: the text is independent of the slider's internal number.
+/// Escapes text for use as a slider's format: then the displayed text does not depend on the slider's
+/// internal value.
 std::string literal(const std::string& text) {
   std::string format;
   for (const char c : text) {
@@ -37,7 +38,7 @@ std::string literal(const std::string& text) {
   return format;
 }
 
-/// A text field for the number, opened by Ctrl + click on the slider.
+/// A field for typing the number, opened by Ctrl + click on the preceding slider.
 bool typed_value(const std::string& id, float& value, const char* unit) {
   const std::string popup = id + ".typed";
   if (ImGui::IsItemHovered() && ImGui::IsMouseClicked(0) && ImGui::GetIO().KeyCtrl)
@@ -57,7 +58,7 @@ bool typed_value(const std::string& id, float& value, const char* unit) {
   return changed;
 }
 
-/// Three significant digits without redundant zeros and signs: 0.15, 4000, 1e9, 2.5e-6.
+/// Three digits, without the zeros and signs that C adds: 0.15, 4000, 1e9, 2.5e-6.
 std::string number_text(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.3g", value);
@@ -71,7 +72,7 @@ std::string number_text(double value) {
   return fmt::format("{}{}", result.substr(0, exponent + 1), power);
 }
 
-/// During its lifetime, sliders are drawn as bars filled up to their values.
+/// While it exists, sliders are drawn as bars filled up to their value.
 class Filled {
  public:
   explicit Filled(float share) {
@@ -94,7 +95,8 @@ class Filled {
   Filled& operator=(const Filled&) = delete;
 };
 
-/// ImGui's logarithmic slider treats values below a thousandth as zero; a cloth bends with 1e-6 N m.
+/// ImGui's own logarithmic slider treats everything below a thousandth as zero; the bending stiffness of a
+/// cloth may be 1e-6 N m.
 bool logarithmic_slider(const std::string& id, float& value, const SliderRange& range, const char* unit) {
   const float lo = std::log10(range.lo), hi = std::log10(range.hi);
   float at = value > 0 ? std::clamp(std::log10(value), lo, hi) : lo;
@@ -106,7 +108,7 @@ bool logarithmic_slider(const std::string& id, float& value, const SliderRange& 
   }
   float rounded = value;
   if (moved && !ImGui::GetIO().KeyCtrl) {
-    // Rounds to the three digits shown, so that the display, the setting and the copied scene agree.
+    // Three digits: the displayed value is the value set and the value in the copied scene.
     rounded = std::strtof(number_text(std::pow(10.0, static_cast<double>(at))).c_str(), nullptr);
   }
   const bool changed = rounded != value;
@@ -129,7 +131,7 @@ void row(const char* name, const char* hint) {
   hint_for_last_item(hint);
   const float start = ImGui::GetWindowContentRegionMin().x;
   const float width = ImGui::GetWindowContentRegionMax().x - start;
-  ImGui::SameLine(start + name_share * width);
+  ImGui::SameLine(start + name_fraction * width);
   ImGui::SetNextItemWidth(-1);
 }
 

@@ -5,25 +5,25 @@
 #include <vector>
 
 // Rows of the panels: a name on the left, a control on the right. Every control's id is unique in the panel,
-// so rows are independent of each other.
+// so a row does not depend on its neighbors.
 
 namespace souple::viewer {
 
 /// Range of a slider.
 struct SliderRange {
   float lo = 0, hi = 1;
-  bool logarithmic = false;  ///< true: lo > 0, and the left end stands for the value 0 too
+  bool logarithmic = false;  ///< requires lo > 0; a value of 0 appears at the left end
 };
 
 /// A collapsible heading; returns whether it is open.
 bool section(const char* name, bool open = true);
-/// Starts a row; the next control fills the rest of the line.
+/// Starts a row; the following control fills the rest of the line.
 void row(const char* name, const char* hint = nullptr);
 
 /// "3.2e+04 N/m"
 std::string with_unit(double value, const char* unit);
 
-// Each returns whether the user changed the value. Ctrl + click on a slider opens a text field.
+// Each returns whether the value changed. Ctrl + click on a slider opens a field to type the number.
 bool slider_row(const char* name, const std::string& id, float& value, const SliderRange& range,
                 const char* unit, const char* hint = nullptr);
 bool count_row(const char* name, const std::string& id, int& value, int lo, int hi,

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-// GLFW's own OpenGL header would clash with epoxy's.
+// GLFW's own OpenGL header would conflict with epoxy's.
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 #include <backends/imgui_impl_glfw.h>
@@ -23,12 +23,12 @@ namespace souple::viewer {
 
 namespace {
 
-constexpr const char* elsewhere =
-    "; `souple render` makes pictures and films without a screen, and `ssh -X` brings this one's windows to "
-    "another";
+constexpr const char* render_instead =
+    "; `souple render` makes pictures and films without a screen, and `ssh -X` shows windows on another "
+    "machine";
 
 /// GLFW's last error message.
-std::string complaint() {
+std::string glfw_message() {
   const char* text = nullptr;
   glfwGetError(&text);
   return text != nullptr ? text : "no reason was given";
@@ -38,14 +38,14 @@ std::string complaint() {
 class Glfw {
  public:
   Glfw() {
-    if (glfwInit() != GLFW_TRUE) throw Error("no window can be opened: " + complaint() + elsewhere);
+    if (glfwInit() != GLFW_TRUE) throw Error("no window can be opened: " + glfw_message() + render_instead);
   }
   ~Glfw() { glfwTerminate(); }
   Glfw(const Glfw&) = delete;
   Glfw& operator=(const Glfw&) = delete;
 };
 
-/// Data written by the callbacks of a window.
+/// Target of a window's callbacks.
 struct Inbox {
   std::vector<std::filesystem::path> dropped;
 };
@@ -61,8 +61,8 @@ class Window {
     glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
     window_ = glfwCreateWindow(width, height, "Souple", nullptr, nullptr);
     if (window_ == nullptr) {
-      throw Error("no window with OpenGL 3.3 can be opened: " + complaint() +
-                  "; expected a graphics driver, such as the package libgl1-mesa-dri" + elsewhere);
+      throw Error("no window with OpenGL 3.3 can be opened: " + glfw_message() +
+                  "; expected a graphics driver, such as the package libgl1-mesa-dri" + render_instead);
     }
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(1);
@@ -71,8 +71,8 @@ class Window {
       auto& inbox = *static_cast<Inbox*>(glfwGetWindowUserPointer(window));
       for (int i = 0; i < count; ++i) inbox.dropped.emplace_back(paths[i]);
     });
-    // As a character, so that a press shorter than a picture is not lost. ImGui's own callback calls this
-    // one.
+    // Passed as a character, so that a press shorter than a frame is not lost. ImGui's own callback calls
+    // this one.
     glfwSetKeyCallback(window_, [](GLFWwindow*, int key, int, int action, int) {
       if (key == GLFW_KEY_ESCAPE && action == GLFW_PRESS) ImGui::GetIO().AddInputCharacter(escape);
     });
@@ -108,7 +108,7 @@ class Window {
   std::string title_;
 };
 
-/// ImGui's GLFW backend.
+/// ImGui's backend that reads the window's input.
 class WindowInput {
  public:
   explicit WindowInput(GLFWwindow* window) { ImGui_ImplGlfw_InitForOpenGL(window, true); }
@@ -117,7 +117,7 @@ class WindowInput {
   WindowInput& operator=(const WindowInput&) = delete;
 };
 
-/// Seconds since the previous call.
+/// Returns the seconds since its last call.
 class FrameTimer {
  public:
   double lap() {
@@ -142,7 +142,7 @@ void loop(Window& window, Viewer& viewer, const WindowOptions& options) {
     if (options.interrupted && options.interrupted()) return;
     if (viewer.done() || glfwWindowShouldClose(window.get()) != 0) return;
     glfwSwapBuffers(window.get());
-    // Without a visible frame there is no vertical sync to wait for.
+    // An iconified window needs no frames.
     if (window.iconified()) std::this_thread::sleep_for(std::chrono::milliseconds(15));
   }
 }

@@ -13,14 +13,14 @@ namespace souple::viewer {
 
 struct WindowOptions {
   int width = 1440, height = 900;
-  std::optional<std::uint64_t> frames;  ///< number of frames after which the window closes
+  std::optional<std::uint64_t> frames;  ///< number of frames to draw before it closes; empty: no limit
   bool debug = false;                   ///< an OpenGL error ends the program with its message
-  std::function<bool()> interrupted;    ///< called every frame; true closes the window. May be empty
+  std::function<bool()> interrupted;    ///< called once per frame; true closes the window. May be empty
   ViewerOptions viewer{};
 };
 
-/// Opens a window and shows the session until the user closes it. Throws Error if there is no screen, or no
-/// screen with OpenGL 3.3; the message says which.
+/// Opens a window and shows the session until the user closes it. Throws Error when there is no screen, or
+/// none with OpenGL 3.3, and names the cause.
 void run_window(SceneList scenes, std::unique_ptr<Session> session, const WindowOptions& options);
 
 }  // namespace souple::viewer

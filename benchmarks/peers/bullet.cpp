@@ -1,4 +1,4 @@
-#include "benchmarks/peers/contest.h"
+#include "benchmarks/peers/peer_scene.h"
 
 #include <BulletSoftBody/btSoftBody.h>
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
@@ -13,32 +13,32 @@ btVector3 bullet(const Vec3d& v) {
   return {static_cast<btScalar>(v.x), static_cast<btScalar>(v.y), static_cast<btScalar>(v.z)};
 }
 
-/// Nothing collides and nothing damps: what is left is integration and the links.
-class Bullet final : public Contestant {
+/// No collisions and no damping: only integration and the links remain.
+class Bullet final : public PeerEngine {
  public:
-  Bullet(const Contest& contest, int substeps, int iterations)
-      : links_(contest.links.size()), substeps_(substeps), iterations_(iterations) {
+  Bullet(const PeerScene& input, int substeps, int iterations)
+      : links_(input.links.size()), substeps_(substeps), iterations_(iterations) {
     const btVector3 gravity(0, btScalar(-9.81), 0);
     world_.setGravity(gravity);
     world_.getWorldInfo().m_gravity = gravity;
     world_.getWorldInfo().air_density = 0;
     std::vector<btVector3> x;
     std::vector<btScalar> m;
-    for (std::size_t i = 0; i < contest.positions.size(); ++i) {
-      x.push_back(bullet(contest.positions[i]));
-      m.push_back(static_cast<btScalar>(contest.masses[i]));
+    for (std::size_t i = 0; i < input.positions.size(); ++i) {
+      x.push_back(bullet(input.positions[i]));
+      m.push_back(static_cast<btScalar>(input.masses[i]));
     }
-    // The world frees the bodies that it has.
+    // The world deletes its bodies.
     body_ = new btSoftBody(&world_.getWorldInfo(), static_cast<int>(x.size()), x.data(), m.data());
     body_->m_materials[0]->m_kLST = 1;
     body_->m_cfg.piterations = iterations;
     body_->m_cfg.viterations = body_->m_cfg.diterations = body_->m_cfg.citerations = 0;
     body_->m_cfg.kDP = body_->m_cfg.kDG = body_->m_cfg.kLF = 0;
     body_->m_cfg.collisions = 0;
-    for (const Edge& link : contest.links)
+    for (const Edge& link : input.links)
       body_->appendLink(static_cast<int>(link[0]), static_cast<int>(link[1]));
     for (int i = 0; i < body_->m_nodes.size(); ++i)
-      if (body_->m_nodes[i].m_im > 0) body_->m_nodes[i].m_v = bullet(contest.velocity);
+      if (body_->m_nodes[i].m_im > 0) body_->m_nodes[i].m_v = bullet(input.velocity);
     world_.addSoftBody(body_);
   }
   Bullet(const Bullet&) = delete;
@@ -78,8 +78,8 @@ class Bullet final : public Contestant {
 
 }  // namespace
 
-std::unique_ptr<Contestant> make_bullet(const Contest& contest, int substeps, int iterations) {
-  return std::make_unique<Bullet>(contest, substeps, iterations);
+std::unique_ptr<PeerEngine> make_bullet(const PeerScene& input, int substeps, int iterations) {
+  return std::make_unique<Bullet>(input, substeps, iterations);
 }
 
 }  // namespace souple::peers

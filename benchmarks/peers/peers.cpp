@@ -1,9 +1,9 @@
-// The same scene in Souple and in its peers, frame by frame in turn, so that whatever slows the machine slows
-// all of them: medians, ratios, and how far each engine's links are stretched at the end.
+// The same scene in Souple and in other engines, frame by frame alternately, so that a slow phase of the
+// machine affects all of them: medians, ratios, and the strain of each engine's links at the end.
 //   peers [--size N] [--frames N] [--threads N] [--json]
 
 #include "app/bench_scenes.h"
-#include "benchmarks/peers/contest.h"
+#include "benchmarks/peers/peer_scene.h"
 #include "souple/geometry/builders.h"
 #include "souple/geometry/measures.h"
 #include "souple/scene/json.h"
@@ -29,9 +29,9 @@ struct Options {
 };
 
 /// Souple with its default solver.
-class Ours final : public Contestant {
+class SoupleEngine final : public PeerEngine {
  public:
-  Ours(World world, std::string name) : world_(std::move(world)), name_(std::move(name)) {}
+  SoupleEngine(World world, std::string name) : world_(std::move(world)), name_(std::move(name)) {}
   std::string name() const override { return name_; }
   void step(double dt) override { world_.step(dt); }
   std::vector<Vec3d> positions() const override {
@@ -53,82 +53,82 @@ Settings settings(const Options& options) {
   return result;
 }
 
-void pin(Contest& contest, const World& world) {
-  for (const std::uint32_t i : world.pinned(world.objects()[0])) contest.masses[i] = 0;
+void pin(PeerScene& input, const World& world) {
+  for (const std::uint32_t i : world.pinned(world.objects()[0])) input.masses[i] = 0;
 }
 
-/// A game: a scene, and the engines that play it.
-struct Game {
+/// A scene, and the engines that simulate it.
+struct Comparison {
   std::string scene;
-  Contest contest;
-  std::vector<std::unique_ptr<Contestant>> contestants;
+  PeerScene input;
+  std::vector<std::unique_ptr<PeerEngine>> engines;
 };
 
-void add_peers(Game& game) {
-  game.contestants.push_back(make_bullet(game.contest, substeps, 1));
-  game.contestants.push_back(make_bullet(game.contest, 1, substeps));
+void add_peers(Comparison& comparison) {
+  comparison.engines.push_back(make_bullet(comparison.input, substeps, 1));
+  comparison.engines.push_back(make_bullet(comparison.input, 1, substeps));
 }
 
 /// The benchmark `cloth`, in both forms.
-Game cloth(const Options& options) {
-  Game game;
-  game.scene = "cloth " + std::to_string(options.size) + " x " + std::to_string(options.size);
+Comparison cloth(const Options& options) {
+  Comparison comparison;
+  comparison.scene = "cloth " + std::to_string(options.size) + " x " + std::to_string(options.size);
   const TriangleMesh mesh = app::hanging_grid(options.size);
-  Contest& contest = game.contest;
-  contest.positions = mesh.positions;
-  contest.masses = lumped_masses(mesh.positions, mesh.triangles, double(ClothMaterial{}.areal_density));
-  contest.links = unique_edges(mesh.triangles);
-  for (const Hinge& hinge : interior_edges(mesh.triangles)) contest.links.push_back({hinge[2], hinge[3]});
+  PeerScene& input = comparison.input;
+  input.positions = mesh.positions;
+  input.masses = lumped_masses(mesh.positions, mesh.triangles, double(ClothMaterial{}.areal_density));
+  input.links = unique_edges(mesh.triangles);
+  for (const Hinge& hinge : interior_edges(mesh.triangles)) input.links.push_back({hinge[2], hinge[3]});
   for (const Form form : {Form::displacement, Form::plain}) {
     Settings with_form = settings(options);
     with_form.form = form;
     World world(with_form);
     app::find_bench_scene("cloth").build(world, options.size);
-    contest.velocity = Vec3d(world.velocities(world.objects()[0]).back());
-    pin(contest, world);
-    game.contestants.push_back(
-        std::make_unique<Ours>(std::move(world), form == Form::plain ? "Souple, plain form" : "Souple"));
+    input.velocity = Vec3d(world.velocities(world.objects()[0]).back());
+    pin(input, world);
+    comparison.engines.push_back(std::make_unique<SoupleEngine>(
+        std::move(world), form == Form::plain ? "Souple, plain form" : "Souple"));
   }
-  add_peers(game);
-  return game;
+  add_peers(comparison);
+  return comparison;
 }
 
-/// The bar of the benchmark `tets`: links along the edges of its tets. Souple holds their volumes as well, or
-/// takes them as a neo-Hookean solid; Bullet's links alone are the least that makes a soft body of it.
-Game bar(const Options& options) {
-  Game game;
+/// The bar of the benchmark `tets`: links along the edges of its tets. Souple also preserves the volumes, or
+/// simulates a neo-Hookean solid; Bullet's links alone are the minimum for a soft body.
+Comparison bar(const Options& options) {
+  Comparison comparison;
   const int thick = std::max(2, options.size * 12 / 200), length = 5 * thick;
   const Vec3d size{0.02 * length, 0.02 * thick, 0.02 * thick};
   const TetMesh mesh = tet_bar(length, thick, thick, size);
-  game.scene = "bar of " + std::to_string(mesh.tets.size()) + " tets";
-  Contest& contest = game.contest;
-  contest.positions = mesh.positions;
-  contest.masses.assign(mesh.positions.size(), 0);
+  comparison.scene = "bar of " + std::to_string(mesh.tets.size()) + " tets";
+  PeerScene& input = comparison.input;
+  input.positions = mesh.positions;
+  input.masses.assign(mesh.positions.size(), 0);
   const std::vector<double> volumes = tet_volumes(mesh);
   for (std::size_t t = 0; t < mesh.tets.size(); ++t)
-    for (const std::uint32_t i : mesh.tets[t]) contest.masses[i] += 1000 * volumes[t] / 4;
-  contest.links = unique_edges(mesh.tets);
+    for (const std::uint32_t i : mesh.tets[t]) input.masses[i] += 1000 * volumes[t] / 4;
+  input.links = unique_edges(mesh.tets);
   for (const SoftBodyModel model : {SoftBodyModel::springs, SoftBodyModel::neo_hookean}) {
     World world(settings(options));
     SoftBodyMaterial material;
     material.model = model;
-    material.young_modulus = 1e8f;  // stiff enough for strains to show what the solver lacks
+    material.young_modulus = 1e8f;  // stiff enough that strains show the solver's error
     const ObjectId object = world.add_soft_body(mesh, material);
     const auto end = static_cast<float>(-size.x / 2);
     world.pin(object, in_box({end - 1e-3f, -9, -9}, {end + 1e-3f, 9, 9}));
-    pin(contest, world);
-    game.contestants.push_back(std::make_unique<Ours>(std::move(world), model == SoftBodyModel::springs
-                                                                            ? "Souple, edges and volumes"
-                                                                            : "Souple, neo-Hookean"));
+    pin(input, world);
+    comparison.engines.push_back(std::make_unique<SoupleEngine>(
+        std::move(world),
+        model == SoftBodyModel::springs ? "Souple, edges and volumes" : "Souple, neo-Hookean"));
   }
-  add_peers(game);
-  return game;
+  add_peers(comparison);
+  return comparison;
 }
 
-double largest_strain(const Contest& contest, const std::vector<Vec3d>& now) {
+double largest_strain(const PeerScene& input, const std::vector<Vec3d>& now) {
   double largest = 0;
-  for (const Edge& link : contest.links) {
-    const double rest = length(contest.positions[link[0]] - contest.positions[link[1]]);
+  for (const Edge& link : input.links) {
+    const double rest = length(input.positions[link[0]] - input.positions[link[1]]);
     largest = std::max(largest, length(now[link[0]] - now[link[1]]) / rest - 1);
   }
   return largest;
@@ -139,15 +139,15 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Who plays first changes from frame to frame.
-std::vector<double> play(Game& game, int frames) {
-  std::vector<std::vector<double>> milliseconds(game.contestants.size());
+/// The first engine changes from frame to frame.
+std::vector<double> simulate(Comparison& comparison, int frames) {
+  std::vector<std::vector<double>> milliseconds(comparison.engines.size());
   constexpr int warm_up = 2;
   for (int f = 0; f < frames; ++f)
-    for (std::size_t k = 0; k < game.contestants.size(); ++k) {
-      const std::size_t engine = (k + static_cast<std::size_t>(f)) % game.contestants.size();
+    for (std::size_t k = 0; k < comparison.engines.size(); ++k) {
+      const std::size_t engine = (k + static_cast<std::size_t>(f)) % comparison.engines.size();
       const auto start = std::chrono::steady_clock::now();
-      game.contestants[engine]->step(frame);
+      comparison.engines[engine]->step(frame);
       const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
       if (f >= warm_up || frames <= warm_up) milliseconds[engine].push_back(spent.count());
     }
@@ -157,23 +157,23 @@ std::vector<double> play(Game& game, int frames) {
   return result;
 }
 
-/// Prints a game, or adds it to the list.
-void report(Game& game, const Options& options, scene_format::Json& list) {
+/// Prints a comparison, or adds it to the list.
+void report(Comparison& comparison, const Options& options, scene_format::Json& list) {
   using scene_format::Json;
-  const std::vector<double> milliseconds = play(game, options.frames);
+  const std::vector<double> milliseconds = simulate(comparison, options.frames);
   if (!options.json)
-    std::printf("%s\n  %-28s %10s %14s %8s %14s\n", game.scene.c_str(), "", "ms/frame", "M constr./s",
+    std::printf("%s\n  %-28s %10s %14s %8s %14s\n", comparison.scene.c_str(), "", "ms/frame", "M constr./s",
                 "ratio", "largest strain");
-  for (std::size_t k = 0; k < game.contestants.size(); ++k) {
-    const Contestant& one = *game.contestants[k];
+  for (std::size_t k = 0; k < comparison.engines.size(); ++k) {
+    const PeerEngine& one = *comparison.engines[k];
     const double rate = one.projections() / (milliseconds[k] * 1e3);
     const double ratio = milliseconds[k] / milliseconds[0];
-    const double strain = largest_strain(game.contest, one.positions());
+    const double strain = largest_strain(comparison.input, one.positions());
     if (!options.json)
       std::printf("  %-28s %10.3f %14.1f %8.2f %12.2f %%\n", one.name().c_str(), milliseconds[k], rate, ratio,
                   100 * strain);
     Json row = Json::object();
-    row.set("scene", Json::of(game.scene));
+    row.set("scene", Json::of(comparison.scene));
     row.set("engine", Json::of(one.name()));
     row.set("ms_per_frame", Json::of(static_cast<float>(milliseconds[k])));
     row.set("constraints_per_second", Json::of(static_cast<float>(1e6 * rate)));
@@ -205,8 +205,8 @@ Options parse(int argc, char** argv) {
 void run(const Options& options) {
   scene_format::Json result = scene_format::Json::object(), list = scene_format::Json::array();
   for (const auto make : {cloth, bar}) {
-    Game game = make(options);
-    report(game, options, list);
+    Comparison comparison = make(options);
+    report(comparison, options, list);
   }
   if (!options.json) return;
   result.set("size", scene_format::Json::whole(options.size));

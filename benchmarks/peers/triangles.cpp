@@ -1,5 +1,5 @@
 // The scene of `souple bench triangles` in Souple and in the broad phase of Bullet's soft bodies, step by
-// step in turn, so that whatever slows the machine slows both.
+// step alternately, so that a slow phase of the machine affects both.
 //   peer_triangles [--size N] [--steps N] [--threads N]
 
 #include "app/bench_sheets.h"
@@ -26,8 +26,8 @@ btVector3 bullet(const Vec3f& v) {
   return {v.x, v.y, v.z};
 }
 
-/// As btSoftBody has them: a tree of a sheet's nodes and one of its faces, boxes with room for three steps of
-/// motion and a quarter of the margin, touched only when something leaves its box
+/// As in btSoftBody: a tree of a sheet's nodes and a tree of its faces. Boxes have a margin of three steps of
+/// motion and a quarter of the collision margin; a box is updated only when its content leaves it
 /// (btSoftBody::predictMotion).
 class BulletSheet {
  public:
@@ -93,14 +93,14 @@ class Bullet {
   void update() {
     for (const auto& sheet : sheets_) sheet->update();
   }
-  /// Nodes of each sheet against faces of each, as Bullet's soft bodies meet.
+  /// Nodes of each sheet against faces of each, as in Bullet's soft bodies.
   std::size_t nodes_faces() {
     Count count;
     for (const auto& a : sheets_)
       for (const auto& b : sheets_) a->node_tree.collideTT(a->node_tree.m_root, b->face_tree.m_root, count);
     return count.pairs;
   }
-  /// Faces against faces: what edges against edges would need, which Bullet has not.
+  /// Faces against faces, as edges against edges would need; Bullet does not have this test.
   std::size_t faces_faces() {
     Count count;
     for (std::size_t a = 0; a < sheets_.size(); ++a)
@@ -167,9 +167,9 @@ void run(const Options& options) {
               scene.sheets(), threads->count());
   print("Souple, boxes, hash, all near pairs", reference,
         pairs.vertex_triangle.size() + pairs.edge_edge.size());
-  print("Bullet, trees brought up to date", median(update), 0);
-  print("Bullet, nodes against faces, with that", median(update) + median(nodes), node_pairs);
-  print("Bullet, faces against faces, with that", median(update) + median(faces), face_pairs);
+  print("Bullet, update of the trees", median(update), 0);
+  print("Bullet, nodes against faces, with update", median(update) + median(nodes), node_pairs);
+  print("Bullet, faces against faces, with update", median(update) + median(faces), face_pairs);
 }
 
 }  // namespace

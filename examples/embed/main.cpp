@@ -2,7 +2,8 @@
 #include <souple/host/session.h>
 #include <vector>
 
-// A renderer's own memory: a square of 1 m as an importer hands it out, a vertex for each corner.
+// A renderer's own memory: a square of 1 m as an importer delivers it, with a vertex for each corner of each
+// triangle.
 std::vector<float> positions{-0.5f, 0, -0.5f, -0.5f, 0, 0.5f, 0.5f, 0, 0.5f,
                              -0.5f, 0, -0.5f, 0.5f,  0, 0.5f, 0.5f, 0, -0.5f};
 std::vector<float> normals(positions.size());
@@ -13,9 +14,9 @@ int main() {
   const std::size_t count = positions.size() / 3;
   const souple::host::Handle cloth =
       session.add_cloth({positions.data(), count, indices.data(), indices.size() / 3});
-  session.set_pinned(cloth, 0, true);  // render vertex 0, and 3, which lies there too
+  session.set_pinned(cloth, 0, true);  // render vertex 0, and vertex 3 at the same position
 
-  // The user's thread posts; the next frame does it.
+  // The user's thread posts a change; the next frame applies it.
   session.post("stiffer",
                [cloth](souple::host::Session& s) { s.set_parameter(cloth, "bending_stiffness", 1e-3); });
 

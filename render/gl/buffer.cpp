@@ -9,7 +9,7 @@ Buffer::Buffer() {
 }
 
 void Buffer::upload_bytes(std::span<const std::byte> bytes) {
-  // This target is not part of a vertex array's state.
+  // A binding point that is not part of a vertex array's state.
   glBindBuffer(GL_COPY_WRITE_BUFFER, id());
   if (bytes.size() > capacity_) {
     glBufferData(GL_COPY_WRITE_BUFFER, GLsizeiptr(bytes.size()), bytes.data(), GL_DYNAMIC_DRAW);

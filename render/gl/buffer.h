@@ -11,12 +11,12 @@ inline void delete_buffer(GLuint id) {
   glDeleteBuffers(1, &id);
 }
 
-/// Vertices, indices or uniforms.
+/// A buffer of vertices, indices or uniforms.
 class Buffer {
  public:
   Buffer();
 
-  /// Replaces the content. The storage grows if necessary and is reused otherwise.
+  /// Replaces the content. The storage only grows.
   template <class T>
   void upload(std::span<const T> values) {
     upload_bytes(std::as_bytes(values));

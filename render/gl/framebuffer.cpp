@@ -7,7 +7,7 @@
 namespace souple::render::gl {
 
 bool can_blend_floats() {
-  // Possible in desktop OpenGL since 3.0.
+  // Always in desktop OpenGL since 3.0.
   return epoxy_is_desktop_gl() || epoxy_has_gl_extension("GL_EXT_float_blend");
 }
 

@@ -11,18 +11,18 @@ inline void delete_framebuffer(GLuint id) {
   glDeleteFramebuffers(1, &id);
 }
 
-/// Whether blending into textures of 32-bit floats is possible; into 16-bit floats it always is.
+/// Whether blending works in textures of 32 bit floats; in 16 bit floats it always does.
 bool can_blend_floats();
 
 /// Textures to draw into; they must outlive the framebuffer.
 class Framebuffer {
  public:
   Framebuffer() = default;
-  /// Color attachments 0, 1, ...; `depth` may be null. Throws Error with the name `what` if the context
+  /// Color attachments 0, 1, ...; `depth` may be null. Throws Error with the name `what` when the context
   /// cannot draw into these formats.
   Framebuffer(std::string_view what, const std::vector<const Texture*>& colors, const Texture* depth);
 
-  /// Binds the framebuffer for drawing, with a viewport of its full size.
+  /// Binds it for drawing, with a viewport of its whole size.
   void bind() const;
   GLuint id() const { return handle_.id(); }
   int width() const { return width_; }

@@ -5,8 +5,8 @@
 
 namespace souple::render::gl {
 
-/// Owns an OpenGL object; `Delete` releases it. Its context must be current during use and destruction; this
-/// applies to all classes of gl/.
+/// Owns one OpenGL object, which `Delete` releases. The context that created it must be current whenever it
+/// is used or destroyed; this holds for all of gl/.
 template <void (*Delete)(GLuint)>
 class Handle {
  public:

@@ -15,15 +15,16 @@ inline void delete_program(GLuint id) {
   glDeleteProgram(id);
 }
 
-/// A vertex and a fragment shader. Their source, in the GLSL of OpenGL ES 3.00 without `#version`, is in
-/// render/shaders and compiled into the library. It may `#include "other.glsl"`, each file once. The uniform
-/// block `Frame` is bound to `frame_binding`, each sampler NAME_map to its Unit in texture.h.
+/// A vertex and a fragment shader. Their sources, in the GLSL of OpenGL ES 3.00 without `#version`, are in
+/// render/shaders and built into the library. A source may `#include "other.glsl"`; each file is included
+/// once. The uniform block `Frame` is bound to `frame_binding`; each sampler NAME_map to its Unit in
+/// texture.h.
 class Program {
  public:
   static constexpr GLuint frame_binding = 0;
 
-  /// `vertex`, `fragment`: names of files in render/shaders; the names in `defines` are #defined to 1. Throws
-  /// Error with the shader's name and the compiler's message.
+  /// Names of files in render/shaders; each name in `defines` is #defined to 1. Throws Error with the
+  /// shader's name and the compiler's message.
   Program(std::string_view vertex, std::string_view fragment, const std::vector<std::string>& defines = {});
 
   void use() const { glUseProgram(handle_.id()); }

@@ -8,7 +8,7 @@ Texture::Texture(GLenum internal_format, int width, int height, GLenum filter)
   glGenTextures(1, &id);
   handle_ = Handle<delete_texture>(id);
   glBindTexture(GL_TEXTURE_2D, id);
-  // OpenGL 3.3 has no glTexStorage2D; even without data the format must match the internal one.
+  // OpenGL 3.3 has no glTexStorage2D. The format must match the internal format, although there is no data.
   GLenum format = GL_RGBA, type = GL_UNSIGNED_BYTE;
   switch (internal_format) {
     case GL_R8:

@@ -8,7 +8,7 @@ inline void delete_texture(GLuint id) {
   glDeleteTextures(1, &id);
 }
 
-/// Texture units of the shaders' samplers: `shadow_map` reads unit `shadow`, and so on.
+/// Texture units of the samplers: `shadow_map` reads unit `shadow`, and so on.
 enum class Unit : GLuint {
   shadow,
   sum,
@@ -26,7 +26,7 @@ enum class Unit : GLuint {
   liquid_light
 };
 
-/// A GPU texture with one level, clamped to its edge; `filter` selects interpolation, by default none.
+/// A texture of one level, clamped to its edge, read without interpolation unless `filter` requests it.
 class Texture {
  public:
   Texture() = default;
@@ -34,7 +34,7 @@ class Texture {
   /// GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT32F, ...
   Texture(GLenum internal_format, int width, int height, GLenum filter = GL_NEAREST);
 
-  /// Fills a GL_R8 texture; rows are contiguous without padding.
+  /// Fills a GL_R8 texture of this size; rows are consecutive without padding.
   void upload_bytes(const unsigned char* values) const;
   void bind(Unit unit) const;
   GLuint id() const { return handle_.id(); }

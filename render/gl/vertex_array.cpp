@@ -11,7 +11,7 @@ VertexArray::VertexArray() {
 void VertexArray::attribute(const Buffer& buffer, const Attribute& attribute) {
   bind();
   glBindBuffer(GL_ARRAY_BUFFER, buffer.id());
-  // OpenGL expects the offset as a pointer.
+  // OpenGL takes the offset as a pointer.
   const auto* offset = reinterpret_cast<const void*>(attribute.offset);  // NOLINT(performance-no-int-to-ptr)
   glEnableVertexAttribArray(attribute.location);
   if (attribute.integer) {

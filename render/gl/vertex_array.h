@@ -8,11 +8,11 @@ inline void delete_vertex_array(GLuint id) {
   glDeleteVertexArrays(1, &id);
 }
 
-/// Layout of a vertex attribute in an element of a buffer.
+/// Location of a vertex attribute in the elements of a buffer.
 struct Attribute {
   GLuint location = 0;  ///< layout(location = ...) in the shader
   GLint components = 3;
-  GLenum type = GL_FLOAT;  ///< integer types: read as integers if `integer`, else scaled to [0, 1]
+  GLenum type = GL_FLOAT;  ///< if `integer`, integers are read as integers, else scaled to [0, 1]
   bool integer = false;
   GLsizei stride = 0;      ///< bytes; 0: packed
   std::size_t offset = 0;  ///< bytes
@@ -25,7 +25,7 @@ class VertexArray {
   VertexArray();
 
   void attribute(const Buffer& buffer, const Attribute& attribute);
-  /// Disables an attribute: the shader reads zeros, or the value of glVertexAttrib.
+  /// Disables an attribute: the shader reads zeros, or the value set by glVertexAttrib.
   void without_attribute(GLuint location);
   void elements(const Buffer& buffer);
   void bind() const { glBindVertexArray(id()); }

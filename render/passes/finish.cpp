@@ -24,12 +24,12 @@ FinishPass::Encoded::Encoded(int width, int height)
 
 FinishPass::FinishPass() : blends_(gl::can_blend_floats()) {}
 
-void FinishPass::add(const gl::Texture& color, bool first, const gl::VertexArray& nothing) {
+void FinishPass::add(const gl::Texture& color, bool first, const gl::VertexArray& empty_array) {
   if (!sum_ || !is_size_of(sum_->now, color)) {
     sum_.reset();
     sum_.emplace(color.width(), color.height(), !blends_);
   }
-  nothing.bind();
+  empty_array.bind();
   color.bind(gl::Unit::color);
   if (first || blends_) {
     sum_->now_target.bind();
@@ -49,13 +49,13 @@ void FinishPass::add(const gl::Texture& color, bool first, const gl::VertexArray
 }
 
 void FinishPass::draw(const gl::Texture& color, int samples, std::uint32_t framebuffer,
-                      const gl::VertexArray& nothing) {
+                      const gl::VertexArray& empty_array) {
   const bool one = samples <= 1;
   if (one && (!encoded_ || !is_size_of(encoded_->color, color))) {
     encoded_.reset();
     encoded_.emplace(color.width(), color.height());
   }
-  nothing.bind();
+  empty_array.bind();
   glBindFramebuffer(GL_FRAMEBUFFER, one ? encoded_->target.id() : framebuffer);
   glViewport(0, 0, color.width(), color.height());
   (one ? color : sum_->now).bind(gl::Unit::color);

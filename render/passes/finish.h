@@ -9,20 +9,21 @@
 
 namespace souple::render {
 
-/// Combines the colors of one or many samples in the caller's framebuffer.
+/// Combines the colors of one or more samples and writes them to the caller's framebuffer.
 class FinishPass {
  public:
-  /// Detects whether the context can sum by blending; otherwise the sum alternates between two buffers.
+  /// Sums by blending where the context can; otherwise alternately into two buffers.
   FinishPass();
 
-  /// Adds the colors of a sample.
-  void add(const gl::Texture& color, bool first, const gl::VertexArray& nothing);
-  /// Writes the encoded mean of `samples` samples; for one sample, `color` with smoothed edges.
-  void draw(const gl::Texture& color, int samples, std::uint32_t framebuffer, const gl::VertexArray& nothing);
+  /// Adds a sample's colors to the sum.
+  void add(const gl::Texture& color, bool first, const gl::VertexArray& empty_array);
+  /// Writes the encoded mean of `samples` samples; for one sample, `color` itself with smoothed edges.
+  void draw(const gl::Texture& color, int samples, std::uint32_t framebuffer,
+            const gl::VertexArray& empty_array);
 
  private:
   struct Sum {
-    gl::Texture now, next;  // `next` is empty if sums are made by blending
+    gl::Texture now, next;  // `next` is empty when blending is used
     gl::Framebuffer now_target, next_target;
     Sum(int width, int height, bool two);
   };

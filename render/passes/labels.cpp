@@ -16,19 +16,19 @@ namespace souple::render {
 
 namespace {
 
-constexpr int smallest = 6, largest = 128;  // height of a line [pixels]
-constexpr std::size_t most_sheets = 8;      // limit for windows that are resized
+constexpr int smallest = 6, largest = 128;  // line heights in pixels
+constexpr std::size_t max_sheets = 8;       // a resized window may request any size
 
-/// A rectangle of a glyph sheet on the picture.
+/// A rectangle of a glyph sheet and its position on the picture.
 struct Quad {
-  float x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< pixels from the top left
+  float x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< pixels from the top left corner
   float u0 = 0, v0 = 0, u1 = 0, v1 = 0;
   PackedColor color = 0;
 };
 
-/// The glyphs of one size requested so far, on the GPU.
+/// The glyphs of one size that were needed so far, on the GPU.
 struct Sheet {
-  std::set<char32_t> asked;
+  std::set<char32_t> requested;
   GlyphSheet glyphs;
   gl::Texture texture;
 };
@@ -37,7 +37,7 @@ int size_of(const Label& label) {
   return std::isfinite(label.size) ? std::clamp(int(std::lround(label.size)), smallest, largest) : smallest;
 }
 
-/// Lays out the text line by line from its top left corner; returns the lower right corner of its box.
+/// Lays out the text line by line from its top left corner; returns the extent of its box.
 struct Extent {
   float x = 0, y = 0;
 };
@@ -51,7 +51,7 @@ Extent lay_out(const std::vector<char32_t>& text, const GlyphSheet& sheet, int s
       continue;
     }
     const GlyphSheet::Glyph& glyph = sheet.glyphs.at(character);
-    // Glyphs are rasterized for whole pixels and would blur at fractional positions.
+    // Glyphs are rasterized for whole pixels; at fractions of a pixel they would blur.
     const float x = pen.x + std::round(glyph.x0), y = pen.y + std::round(glyph.y0);
     quads.push_back({x, y, x + (glyph.x1 - glyph.x0), y + (glyph.y1 - glyph.y0), glyph.u0, glyph.v0, glyph.u1,
                      glyph.v1, color});
@@ -72,15 +72,15 @@ struct LabelsPass::Impl {
     array.attribute(buffer, {2, 4, GL_UNSIGNED_BYTE, false, stride, offsetof(Quad, color), 1});
   }
 
-  /// The sheet with all characters of the text.
+  /// A sheet of this size with at least the characters of the text.
   const Sheet& sheet(int size, const std::vector<char32_t>& text) {
-    if (sheets.count(size) == 0 && sheets.size() >= most_sheets) sheets.clear();
+    if (sheets.count(size) == 0 && sheets.size() >= max_sheets) sheets.clear();
     Sheet& sheet = sheets[size];
-    std::set<char32_t> wanted = sheet.asked.empty() ? usual : sheet.asked;
+    std::set<char32_t> wanted = sheet.requested.empty() ? usual : sheet.requested;
     wanted.insert(text.begin(), text.end());
-    if (wanted.size() == sheet.asked.size()) return sheet;
-    sheet.asked = std::move(wanted);
-    sheet.glyphs = font.sheet(size, {sheet.asked.begin(), sheet.asked.end()});
+    if (wanted.size() == sheet.requested.size()) return sheet;
+    sheet.requested = std::move(wanted);
+    sheet.glyphs = font.sheet(size, {sheet.requested.begin(), sheet.requested.end()});
     sheet.texture = gl::Texture(GL_R8, sheet.glyphs.width, sheet.glyphs.height, GL_NEAREST);
     sheet.texture.upload_bytes(sheet.glyphs.coverage.data());
     return sheet;
@@ -117,7 +117,7 @@ struct LabelsPass::Impl {
   gl::VertexArray array;
 };
 
-LabelsPass::LabelsPass() : LabelsPass(Font::usual_file()) {}
+LabelsPass::LabelsPass() : LabelsPass(Font::default_file()) {}
 LabelsPass::LabelsPass(const std::filesystem::path& font) : impl_(std::make_unique<Impl>(font)) {}
 LabelsPass::~LabelsPass() = default;
 

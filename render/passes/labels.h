@@ -12,7 +12,7 @@ namespace souple::render {
 class LabelsPass {
  public:
   LabelsPass();
-  /// Uses the built-in font if the font file (TrueType) cannot be used.
+  /// Uses a built-in font if this font file (TrueType) is missing.
   explicit LabelsPass(const std::filesystem::path& font);
   ~LabelsPass();
 

@@ -7,8 +7,8 @@
 
 namespace souple::render {
 
-/// Lines of constant width, as quads with smooth edges, blended over linear color. The renderer sets the
-/// depth test; the pass writes no depth.
+/// Lines of constant width, as quads with smooth edges, blended over linear color. The renderer has switched
+/// the depth test on or off; lines do not write depth.
 class LinesPass {
  public:
   LinesPass();

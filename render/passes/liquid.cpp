@@ -9,13 +9,13 @@ namespace souple::render {
 
 namespace {
 
-/// Amount of smoothing of depth, as the standard deviation of an equivalent Gaussian, in radii of the
-/// balls.
+/// Amount of smoothing of the depth, as the standard deviation of a Gaussian with equal effect, in radii of
+/// the balls.
 constexpr float smoothing = 1.25f;
 
 constexpr int default_flow_steps = 40, default_range_passes = 2;
 
-/// For sums of hundreds of particles: 16 bits lose some per cent where hardware rounds down, as llvmpipe
+/// For sums over hundreds of particles: 16 bits lose some per cent where hardware rounds down, as llvmpipe
 /// does.
 GLenum sum_format() {
   const bool filters = epoxy_is_desktop_gl() || epoxy_has_gl_extension("GL_OES_texture_float_linear");
@@ -32,7 +32,7 @@ struct Window {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// The smallest upright one around a box, with some room.
+/// The smallest upright window around a box, with some margin.
 Window window_around(const Bounds& box, const PassContext& context) {
   const Window all{0, 0, context.width, context.height};
   const auto width = static_cast<float>(context.width), height = static_cast<float>(context.height);
@@ -53,7 +53,7 @@ Window window_around(const Bounds& box, const PassContext& context) {
           static_cast<int>(std::clamp(top + room, 0.0f, height)) - y};
 }
 
-/// Draws go into the part of the window at this scale.
+/// Restricts drawing to this part of the window at this scale.
 void keep_within(const Window& window, int scale) {
   const int x = window.x / scale, y = window.y / scale;
   glScissor(x, y, (window.x + window.width + scale - 1) / scale - x,
@@ -61,7 +61,7 @@ void keep_within(const Window& window, int scale) {
   glEnable(GL_SCISSOR_TEST);
 }
 
-/// One channel of a picture of floats. OpenGL ES reads all four.
+/// One channel of a framebuffer of floats. OpenGL ES reads all four.
 std::vector<float> read(const gl::Framebuffer& from, std::size_t channel) {
   const std::size_t count = std::size_t(from.width()) * std::size_t(from.height());
   std::vector<float> texels(4 * count), result(count);
@@ -98,7 +98,7 @@ void LiquidPass::Targets::swap() {
   std::swap(depth, other_depth);
 }
 
-/// Clears the whole buffers, because passes draw into and read around only a part.
+/// Clears all targets: passes draw into and read around a part only.
 void LiquidPass::clear() {
   targets_->other_depth.bind();
   clear_color(0);
@@ -127,12 +127,12 @@ void LiquidPass::step() {
   targets_->swap();
 }
 
-void LiquidPass::smooth(const RenderOptions& options, const gl::VertexArray& nothing) {
+void LiquidPass::smooth(const RenderOptions& options, const gl::VertexArray& empty_array) {
   targets_->look.bind(gl::Unit::liquid_look);
-  nothing.bind();
+  empty_array.bind();
   if (options.liquid_filter == LiquidFilter::curvature_flow) {
-    // Each step is one of diffusion: variance stability * reach^2 radii^2. The reach shrinks from step to
-    // step: narrow differences smooth the residue between wide ones.
+    // Each step is a step of diffusion, with variance stability * reach^2 radii^2. The reach decreases from
+    // step to step: narrow differences smooth what wide differences leave between them.
     const int steps = options.liquid_steps > 0 ? options.liquid_steps : default_flow_steps;
     const float mean = smoothing / std::sqrt(0.4f * float(steps));
     curvature_flow_.use();
@@ -157,8 +157,8 @@ void LiquidPass::smooth(const RenderOptions& options, const gl::VertexArray& not
   }
 }
 
-void LiquidPass::add_up(const LiquidSplats& splats, const gl::Texture& depth) {
-  // Blending dominates the cost: omits splats that add nothing.
+void LiquidPass::sum_thickness(const LiquidSplats& splats, const gl::Texture& depth) {
+  // Blending dominates the cost here: targets that would receive nothing are omitted.
   (splats.is_cloudy() ? targets_->thickness : targets_->clear_thickness).bind();
   depth.bind(gl::Unit::depth);
   targets_->surface.bind(gl::Unit::liquid_depth);
@@ -176,7 +176,7 @@ void LiquidPass::copy(const gl::Framebuffer& color) {
                     GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
-void LiquidPass::shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& nothing) {
+void LiquidPass::shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& empty_array) {
   scene.color.bind();
   glDepthMask(GL_FALSE);
   targets_->behind.bind(gl::Unit::color);
@@ -188,7 +188,7 @@ void LiquidPass::shade(const LitScene& scene, const ShadowPass& shadow, const gl
   scene.depth.bind(gl::Unit::depth);
   shadow.bind();
   shade_.use();
-  nothing.bind();
+  empty_array.bind();
   draw_screen();
   glDepthMask(GL_TRUE);
 }
@@ -218,9 +218,9 @@ std::vector<float> LiquidPass::read_thickness() const {
 
 void LiquidPass::draw(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
                       const PassContext& context, const RenderOptions& options, const ShadowPass& shadow,
-                      const gl::VertexArray& nothing, PassClock& clock) {
+                      const gl::VertexArray& empty_array, PassClock& clock) {
   if (!targets_ || targets_->look.width() != context.width || targets_->look.height() != context.height) {
-    targets_.reset();  // frees memory before the next allocation
+    targets_.reset();  // frees memory before allocating
     targets_.emplace(context.width, context.height);
   }
   const Window window = window_around(bounds, context);
@@ -228,15 +228,15 @@ void LiquidPass::draw(const LiquidSplats& splats, const Bounds& bounds, const Li
   keep_within(window, 1);
   draw_balls(splats);
   clock.done("liquid depth");
-  smooth(options, nothing);
+  smooth(options, empty_array);
   clock.done("liquid filter");
   keep_within(window, 2);
-  add_up(splats, scene.depth);
+  sum_thickness(splats, scene.depth);
   clock.done("liquid thickness");
   glDisable(GL_SCISSOR_TEST);
   copy(scene.color);
   keep_within(window, 1);
-  shade(scene, shadow, nothing);
+  shade(scene, shadow, empty_array);
   glDisable(GL_SCISSOR_TEST);
   clock.done("liquid shading");
 }

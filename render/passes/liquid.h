@@ -13,32 +13,32 @@
 
 namespace souple::render {
 
-/// The image of the opaque objects.
+/// Image of the opaque objects.
 struct LitScene {
   const gl::Texture& normal;
   const gl::Texture& depth;
-  const gl::Framebuffer& color;  ///< color and depth of the scene
+  const gl::Framebuffer& color;  ///< with that depth
 };
 
-/// The surface of liquids in screen space (van der Laan, Green, Sainz 2009): smooths the depth of the balls
-/// and shades it over the lit scene with the liquid's thickness.
+/// Screen-space surface of liquids (van der Laan, Green, Sainz 2009): the depth of the balls is smoothed,
+/// then shaded over the lit scene according to the liquid's thickness.
 class LiquidPass {
  public:
-  /// Draws over `scene.color`. `bounds` encloses all splats. Requires the camera's bound uniform block and a
-  /// drawn shadow map.
+  /// Draws over `scene.color`. `bounds` is the bounding box of all splats. Requires the camera's uniform
+  /// block to be bound and the shadow map to be drawn.
   void draw(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
             const PassContext& context, const RenderOptions& options, const ShadowPass& shadow,
-            const gl::VertexArray& nothing, PassClock& clock);
+            const gl::VertexArray& empty_array, PassClock& clock);
 
-  /// Results of the last `draw`, see LiquidImage.
+  /// Results of the last `draw`, as in LiquidImage.
   std::vector<float> read_depth() const;
   std::vector<float> read_thickness() const;
 
  private:
   struct Targets {
-    gl::Texture surface, other_surface, look, nearest;  // at the picture's size
-    gl::Texture optics, glow;                           // at half the picture's size
-    gl::Texture behind;                                 // the scene behind liquids
+    gl::Texture surface, other_surface, look, nearest;  // of the picture's size
+    gl::Texture optics, glow;                           // of half the picture's size
+    gl::Texture behind;                                 // the image behind liquids
     gl::Framebuffer balls, other_balls, depth, other_depth, thickness, clear_thickness, copy;
     Targets(int width, int height);
     void swap();
@@ -46,11 +46,11 @@ class LiquidPass {
 
   void clear();
   void draw_balls(const LiquidSplats& splats);
-  void smooth(const RenderOptions& options, const gl::VertexArray& nothing);
+  void smooth(const RenderOptions& options, const gl::VertexArray& empty_array);
   void step();
-  void add_up(const LiquidSplats& splats, const gl::Texture& depth);
+  void sum_thickness(const LiquidSplats& splats, const gl::Texture& depth);
   void copy(const gl::Framebuffer& color);
-  void shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& nothing);
+  void shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& empty_array);
 
   gl::Program curvature_flow_{"screen.vert.glsl", "curvature_flow.frag.glsl"};
   gl::Program narrow_range_{"screen.vert.glsl", "narrow_range.frag.glsl"};

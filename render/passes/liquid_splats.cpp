@@ -15,8 +15,8 @@ namespace {
 
 enum Location : GLuint { center, radius, color, axis_x };
 
-constexpr std::uint64_t frames_kept = 120;  // lifetime of buffers that no list uses any more
-/// Radius of the clouds whose thickness is summed, in spacings: wide enough for layers to look uniform.
+constexpr std::uint64_t frames_kept = 120;  // frames; lifetime of buffers that no list refers to
+/// Radius of the clouds whose thickness is summed, in spacings: large enough for layers to look even.
 constexpr float cloud_radius = 1.5f;
 
 /// The buffers of one liquid or foam.
@@ -25,22 +25,22 @@ struct Buffers {
   gl::Buffer centers, axes;
   std::uint64_t version = 0, last_used = 0;
   GLsizei count = 0;
-  bool fresh = true, has_ellipsoids = false;
+  bool never_uploaded = true, has_ellipsoids = false;
 };
 
 using BuffersByKey = std::unordered_map<std::uint64_t, Buffers>;
 
-template <class Thing>
+template <class Source>
 struct Item {
-  const Thing* thing = nullptr;
+  const Source* source = nullptr;
   const Buffers* buffers = nullptr;
 };
 
-/// Returns whether the buffers were outdated.
+/// Uploads the centers if they have changed; returns whether it did.
 bool upload_centers(Buffers& buffers, std::span<const Vec3f> centers, std::uint64_t version) {
   const auto count = GLsizei(centers.size());
-  if (!buffers.fresh && buffers.version == version && buffers.count == count) return false;
-  buffers.fresh = false;
+  if (!buffers.never_uploaded && buffers.version == version && buffers.count == count) return false;
+  buffers.never_uploaded = false;
   buffers.version = version;
   buffers.count = count;
   if (count == 0) return false;
@@ -68,15 +68,15 @@ void upload(Buffers& buffers, const Liquid& liquid) {
   }
 }
 
-template <class Thing>
-void update(std::span<const Thing> things, std::uint64_t frame, BuffersByKey& known,
-            std::vector<Item<Thing>>& items) {
+template <class Source>
+void update(std::span<const Source> sources, std::uint64_t frame, BuffersByKey& known,
+            std::vector<Item<Source>>& items) {
   items.clear();
-  for (const Thing& thing : things) {
-    Buffers& buffers = known[thing.key];
+  for (const Source& source : sources) {
+    Buffers& buffers = known[source.key];
     buffers.last_used = frame;
-    upload(buffers, thing);
-    if (buffers.count > 0) items.push_back({&thing, &buffers});
+    upload(buffers, source);
+    if (buffers.count > 0) items.push_back({&source, &buffers});
   }
   std::erase_if(known, [&](const auto& entry) { return entry.second.last_used + frames_kept < frame; });
 }
@@ -126,13 +126,13 @@ bool LiquidSplats::empty() const {
 
 bool LiquidSplats::casts_shadow() const {
   return std::any_of(impl_->liquids.begin(), impl_->liquids.end(),
-                     [](const Item<Liquid>& item) { return item.thing->casts_shadow; });
+                     [](const Item<Liquid>& item) { return item.source->casts_shadow; });
 }
 
 bool LiquidSplats::is_cloudy() const {
   return !impl_->foams.empty() ||
          std::any_of(impl_->liquids.begin(), impl_->liquids.end(), [](const Item<Liquid>& item) {
-           return length_squared(item.thing->look.scattering) > 0;
+           return length_squared(item.source->look.scattering) > 0;
          });
 }
 

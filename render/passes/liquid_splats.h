@@ -7,32 +7,34 @@
 
 namespace souple::render {
 
-/// Render targets of the particles of liquids and foams.
+/// Render targets for the particles of liquids and foams.
 enum class SplatTarget {
-  depth,      ///< depth along the view, and the liquid's look
-  thickness,  ///< additive: optical depth and thickness in front of opaque objects, and the scattered part
-  sunlight,   ///< additive: optical depth seen from the sun; and the minimum depth
-  foam,       ///< additive: coverage by foam
-  pick        ///< see Target::pick
+  depth,  ///< depth along the view, and the liquid's look
+  /// Summed: optical depth and thickness in front of opaque objects, and the part of the optical depth due to
+  /// scattering.
+  thickness,
+  sunlight,  ///< optical depth from the sun, summed; and minimum depth
+  foam,      ///< summed: occlusion by foam
+  pick       ///< as Target::pick
 };
 inline constexpr int splat_target_count = 5;
 
-/// The particles of liquids and foams as splats.
+/// Draws the particles of liquids and foams as splats.
 class LiquidSplats {
  public:
   LiquidSplats();
   ~LiquidSplats();
 
-  /// Uploads changed data and frees buffers of removed objects. Call once per picture.
+  /// Uploads changes and deletes the buffers of removed liquids and foams. Once per picture.
   void update(std::span<const Liquid> liquids, std::span<const Foam> foams);
-  /// Whether there is anything to draw.
+  /// Whether there is nothing to draw.
   bool empty() const;
   bool casts_shadow() const;
   /// Whether there is foam, or a liquid that scatters light.
   bool is_cloudy() const;
-  /// Draws the splats given to `update`, without changing the blend state: for sunlight those that cast
-  /// shadows, for pick those that can be picked. Requires the bound uniform block; for foam and thickness
-  /// also the depth maps.
+  /// Draws the liquids and foams of the last `update`, without changing the blend state. Target sunlight
+  /// includes only those that cast a shadow, target pick those that can be picked. Requires the uniform block
+  /// to be bound; for foam and thickness also the depth maps.
   void draw(SplatTarget target) const;
 
  private:

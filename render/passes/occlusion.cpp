@@ -15,19 +15,19 @@ OcclusionPass::Targets::Targets(int width, int height)
 
 void OcclusionPass::aim(Frame& frame, const Bounds& bounds, bool on) {
   frame.sample_info.w = on && !bounds.empty() ? 1.0f : 0.0f;
-  // A part of the scene's size: small enough to show contacts, large enough to be visible.
+  // A fraction of the scene: small enough to show contacts, large enough to be visible.
   frame.occlusion = {std::max(0.2f * bounds.radius(), 1e-6f), 1.5f, 0, 0};
 }
 
 void OcclusionPass::draw(const gl::Texture& normals, const gl::Texture& depth,
-                         const gl::VertexArray& nothing) {
+                         const gl::VertexArray& empty_array) {
   const int width = (depth.width() + 1) / 2, height = (depth.height() + 1) / 2;
   if (!targets_ || targets_->depth.width() != width || targets_->depth.height() != height) {
     targets_.reset();
     targets_.emplace(width, height);
   }
   glDisable(GL_DEPTH_TEST);
-  nothing.bind();
+  empty_array.bind();
   targets_->depth_target.bind();
   depth.bind(gl::Unit::depth);
   half_depth_.use();

@@ -13,15 +13,15 @@ class OcclusionPass {
  public:
   OcclusionPass() = default;
 
-  /// Fills the entries of the uniform block for its shaders and occlusion.glsl.
+  /// Sets the entries of the uniform block that its shaders and occlusion.glsl read.
   static void aim(Frame& frame, const Bounds& bounds, bool on);
-  /// Draws from the material pass's normals and depth. Requires the camera's bound uniform block.
-  void draw(const gl::Texture& normals, const gl::Texture& depth, const gl::VertexArray& nothing);
-  /// Binds the result for occlusion.glsl; `otherwise` if nothing was drawn yet.
+  /// Computes occlusion from the material pass's normals and depth; the camera's uniform block must be bound.
+  void draw(const gl::Texture& normals, const gl::Texture& depth, const gl::VertexArray& empty_array);
+  /// Binds the result for occlusion.glsl; `otherwise` if there is none yet.
   void bind(const gl::Texture& otherwise) const;
 
  private:
-  // At half the picture's size.
+  // Of half the picture's size.
   struct Targets {
     gl::Texture depth, rough, smooth;
     gl::Framebuffer depth_target, rough_target, smooth_target;

@@ -8,7 +8,8 @@
 
 namespace souple::render {
 
-/// Measures the duration of each pass. If enabled, OpenGL finishes all work at the end of each pass.
+/// Measures the time of each pass. Inactive, it does nothing; active, it calls glFinish at the end of each
+/// pass.
 class PassClock {
  public:
   void start(std::vector<PassTime>* times) {
@@ -16,7 +17,7 @@ class PassClock {
     if (times_ != nullptr) glFinish();
     last_ = Clock::now();
   }
-  /// Assigns the time since the last call to pass `name`; times of equal names are added.
+  /// Assigns the time since the last call to pass `name`; times of equal names are summed.
   void done(const char* name) {
     if (times_ == nullptr) return;
     glFinish();

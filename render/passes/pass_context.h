@@ -9,22 +9,22 @@
 #include <string>
 #include <vector>
 
-// Passes of a picture, for each sample:
+// How a picture is made, once per sample:
 //   shadow     casters from the sun                              -> depth           (target depth)
 //   material   surfaces, spheres, ground                         -> albedo, normal, depth  (target material)
 //   occlusion  how much sky each pixel sees, from normal, depth
-//   lighting   one full-screen shader lights what it finds there, with shadows and occlusion, and
+//   lighting   one full-screen shader lights each pixel, with shadows and occlusion, and
 //              tone-maps it                                      -> color (linear)
-//   liquids    over that color, where there are any: the depth of their particles, smoothed; how thick they
-//              are; shaded with what is behind (see liquid.h; their shadow is drawn after the other shadows)
+//   liquids    over that color, if there are any: the depth of their particles, smoothed; their thickness;
+//              shading with the image behind (see liquid.h; their shadow is drawn after the other shadows)
 //   lines      over that color, hidden by that depth
-// and at the end the samples' mean (or, of one sample, the color with its edges smoothed) is sRGB-encoded
-// into the caller's framebuffer, and labels are drawn over it. A pass that draws geometry has one fragment
+// Finally the samples' mean (or, for one sample, the color with smoothed edges) is sRGB-encoded into the
+// caller's framebuffer, and labels are drawn over it. A pass that draws geometry has one fragment
 // shader for all targets, compiled with a #define for each.
 
 namespace souple::render {
 
-/// Render target of a geometry pass.
+/// Render targets.
 enum class Target {
   material,  ///< TARGET_MATERIAL: write_material() of material.glsl
   depth,     ///< TARGET_DEPTH: depth only, seen from the sun
@@ -33,8 +33,8 @@ enum class Target {
 inline constexpr int target_count = 3;
 std::string target_define(Target target);
 
-/// The uniform block of frame.glsl (std140), shared by all shaders of a pass; the renderer binds it before
-/// the pass. The eye may be the sun with an orthographic projection: then projection.m[15] is 1.
+/// The uniform block of frame.glsl (std140), shared by all shaders of a pass: the renderer binds it before
+/// the pass. The eye may be the sun and the projection orthographic: then projection.m[15] is 1.
 struct Frame {
   Mat4 view, projection;           ///< world -> view -> clip
   Mat4 inverse_view;               ///< view -> world
@@ -43,24 +43,24 @@ struct Frame {
   Vec4 eye;                        ///< world; w: 1
   Vec4 size;                       ///< width, height, 1 / width, 1 / height [pixels]
   Vec4 to_sun;                     ///< unit; w: irradiance times exposure
-  Vec4 sky, horizon, floor_light;  ///< light from above, the sides and below, times exposure
+  Vec4 sky, horizon, floor_light;  ///< light from above, from the sides and from below, times exposure
   Vec4 shadow_size;  ///< edge of the cube that the map covers [m], 0, width of a texel [m], 1: on
-  Vec4 sun_size;     ///< tangent of the sun's apparent radius; blurred part of the softness
-  Vec4 ground;       ///< height, edge of a tile [m], 1: shown, distance where it becomes haze [m]
+  Vec4 sun_size;     ///< tangent of the sun's apparent radius; fraction of the softness that is blurred
+  Vec4 ground;       ///< height, edge of a tile [m], 1: shown, distance at which haze hides it [m]
   Vec4 ground_color, ground_second;
-  Vec4 sample_info;  ///< index, count, a number in [0, 1) that differs from sample to sample, 1: occlusion on
+  Vec4 sample_info;  ///< index, count, a number in [0, 1) that differs between samples, 1: occlusion on
   Vec4 occlusion;    ///< radius [m], strength
 };
 
-/// Arguments of the passes beside the uniform block.
+/// Arguments of passes, in addition to the uniform block.
 struct PassContext {
-  int width = 0, height = 0;  ///< size of the render target [pixels]
+  int width = 0, height = 0;  ///< size of the render target
   Target target = Target::material;
   Mat4 view, projection;  ///< as in Frame
   Vec3f eye{};
 };
 
-/// Draws the triangle that covers the screen; the vertex shader is screen.vert.glsl.
+/// Draws a triangle that covers the screen; the vertex shader is screen.vert.glsl.
 void draw_screen();
 
 }  // namespace souple::render

@@ -15,17 +15,17 @@ namespace souple::render {
 
 namespace {
 
-/// Identities of objects with depth in a readable form: OpenGL ES cannot read back depth buffers,
-/// and integers only in fours.
+/// Pick and element per pixel, and a copy with depth in a format that can be read back: OpenGL ES reads no
+/// depth buffers, and integers only as four channels.
 struct Buffers {
   Buffers(int width, int height)
-      : who(GL_RG32UI, width, height),
+      : ids(GL_RG32UI, width, height),
         depth(GL_DEPTH_COMPONENT32F, width, height),
         all(GL_RGBA32UI, width, height),
-        drawing("picking", {&who}, &depth),
+        drawing("picking", {&ids}, &depth),
         reading("reading picks", {&all}, nullptr) {}
 
-  gl::Texture who, depth, all;
+  gl::Texture ids, depth, all;
   gl::Framebuffer drawing, reading;
 };
 
@@ -34,14 +34,14 @@ struct Window {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// Content of a pixel.
+/// Pick data of a pixel.
 struct Texel {
   std::uint32_t pick = 0, element = 0, depth_bits = 0, unused = 0;
 
   float depth() const { return std::bit_cast<float>(depth_bits); }
 };
 
-/// The world position of a pixel, y from the top.
+/// The world point that a pixel shows, y from the top.
 Vec3f point_at(const PassContext& context, const Mat4& inverse_view, int x, int y, float depth) {
   const Mat4& p = context.projection;
   const float ndc_x = 2 * (float(x) + 0.5f) / float(context.width) - 1;
@@ -80,16 +80,16 @@ const Surface* surface_of(const DrawList& list, std::uint32_t pick) {
 
 struct PickPass::Impl {
   /// Only pixels in the window are valid.
-  std::vector<Texel> read(const Pickable& things, const PassContext& context, Window window);
+  std::vector<Texel> read(const Pickable& pickable, const PassContext& context, Window window);
 
-  gl::VertexArray nothing;  // for draw_screen
+  gl::VertexArray empty_array;  // for draw_screen
   gl::Program program{"screen.vert.glsl", "pick.frag.glsl"};
   std::optional<Buffers> buffers;
 };
 
-std::vector<Texel> PickPass::Impl::read(const Pickable& things, const PassContext& context, Window window) {
-  if (!buffers || buffers->who.width() != context.width || buffers->who.height() != context.height) {
-    buffers.reset();  // frees memory before the next allocation
+std::vector<Texel> PickPass::Impl::read(const Pickable& pickable, const PassContext& context, Window window) {
+  if (!buffers || buffers->ids.width() != context.width || buffers->ids.height() != context.height) {
+    buffers.reset();  // frees memory before allocating
     buffers.emplace(context.width, context.height);
   }
   glEnable(GL_SCISSOR_TEST);
@@ -100,16 +100,16 @@ std::vector<Texel> PickPass::Impl::read(const Pickable& things, const PassContex
   const float far = 1;
   glClearBufferuiv(GL_COLOR, 0, nobody.data());
   glClearBufferfv(GL_DEPTH, 0, &far);
-  things.surfaces.draw(context);
-  things.spheres.draw(context);
-  things.liquids.draw(SplatTarget::pick);
+  pickable.surfaces.draw(context);
+  pickable.spheres.draw(context);
+  pickable.liquids.draw(SplatTarget::pick);
 
   buffers->reading.bind();
   glDisable(GL_DEPTH_TEST);
-  buffers->who.bind(gl::Unit::pick);
+  buffers->ids.bind(gl::Unit::pick);
   buffers->depth.bind(gl::Unit::depth);
   program.use();
-  nothing.bind();
+  empty_array.bind();
   draw_screen();
   glBindVertexArray(0);
   glDisable(GL_SCISSOR_TEST);
@@ -125,10 +125,10 @@ std::vector<Texel> PickPass::Impl::read(const Pickable& things, const PassContex
 PickPass::PickPass() : impl_(std::make_unique<Impl>()) {}
 PickPass::~PickPass() = default;
 
-Picked PickPass::pick(const DrawList& list, const Pickable& things, const PassContext& context, int x,
+Picked PickPass::pick(const DrawList& list, const Pickable& pickable, const PassContext& context, int x,
                       int y) {
   const Window window{x, context.height - 1 - y, 1, 1};
-  const Texel texel = impl_->read(things, context, window).front();
+  const Texel texel = impl_->read(pickable, context, window).front();
   if (texel.pick == 0) return {};
   Picked picked{texel.pick, texel.element, point_at(context, inverse(context.view), x, y, texel.depth())};
   if (const Surface* surface = surface_of(list, texel.pick))
@@ -136,14 +136,14 @@ Picked PickPass::pick(const DrawList& list, const Pickable& things, const PassCo
   return picked;
 }
 
-PickImage PickPass::image(const DrawList& list, const Pickable& things, const PassContext& context) {
+PickImage PickPass::image(const DrawList& list, const Pickable& pickable, const PassContext& context) {
   const int width = context.width, height = context.height;
-  const std::vector<Texel> texels = impl_->read(things, context, {0, 0, width, height});
+  const std::vector<Texel> texels = impl_->read(pickable, context, {0, 0, width, height});
   struct Found {
     const Surface* surface;
     PointTree tree;
   };
-  std::map<std::uint32_t, std::optional<Found>> found;  // by pick; none for spheres and liquids
+  std::map<std::uint32_t, std::optional<Found>> found;  // by pick; empty for spheres and liquids
   const Mat4 inverse_view = inverse(context.view);
   PickImage image{width, height, {}, {}, {}};
   for (int y = 0; y < height; ++y) {
@@ -153,8 +153,8 @@ PickImage PickPass::image(const DrawList& list, const Pickable& things, const Pa
       image.element.push_back(texel.element);
       image.depth.push_back(texel.depth());
       if (texel.pick == 0) continue;
-      const auto [place, fresh] = found.try_emplace(texel.pick);
-      const Surface* surface = fresh ? surface_of(list, texel.pick) : nullptr;
+      const auto [place, inserted] = found.try_emplace(texel.pick);
+      const Surface* surface = inserted ? surface_of(list, texel.pick) : nullptr;
       if (surface != nullptr) place->second.emplace(Found{surface, PointTree(surface->positions)});
       if (!place->second) continue;
       const Vec3f point = point_at(context, inverse_view, x, y, texel.depth());

@@ -10,22 +10,21 @@
 
 namespace souple::render {
 
-/// The passes with pickable objects, all updated.
+/// The passes of pickable objects, all updated.
 struct Pickable {
   SurfacesPass& surfaces;
   SpheresPass& spheres;
   const LiquidSplats& liquids;
 };
 
-/// Draws the identities of objects into integer buffers and reads them back. Requires the camera's uniform
-/// block.
+/// Draws pick and element into integer buffers and reads them back. The uniform block is the camera's.
 class PickPass {
  public:
   PickPass();
   ~PickPass();
 
-  Picked pick(const DrawList& list, const Pickable& things, const PassContext& context, int x, int y);
-  PickImage image(const DrawList& list, const Pickable& things, const PassContext& context);
+  Picked pick(const DrawList& list, const Pickable& pickable, const PassContext& context, int x, int y);
+  PickImage image(const DrawList& list, const Pickable& pickable, const PassContext& context);
 
  private:
   struct Impl;

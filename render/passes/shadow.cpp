@@ -9,14 +9,14 @@ namespace souple::render {
 namespace {
 
 constexpr int map_side = 2048;   // pixels
-constexpr int light_side = 256;  // side of the liquids' map, which is soft [pixels]
+constexpr int light_side = 256;  // pixels of the map of light through liquids, which is soft
 
-// The next of 4 steps per doubling: the texels keep their size during small motions.
+// Rounds up to one of 4 sizes per doubling: the texel size stays constant during small motions.
 float stepped(float size) {
   return std::exp2(std::ceil(4 * std::log2(size)) / 4);
 }
 
-// World -> the box of the sun's view, in [0, 1].
+// World to the sun's view volume, in [0, 1].
 Mat4 to_texture(const Mat4& clip) {
   Mat4 half;
   half.m = {0.5f, 0, 0, 0, 0, 0.5f, 0, 0, 0, 0, 0.5f, 0, 0.5f, 0.5f, 0.5f, 1};
@@ -45,8 +45,8 @@ void ShadowPass::aim(Frame& frame, const Light& light, const Bounds& casters, fl
   frame.shadow_size.w = 0;
   const float radius = casters.radius();
   if (casters.empty() || !(radius > 0) || !std::isfinite(radius)) return;
-  // A cube around the casters' circumscribed ball, seen from the sun, its center on whole texels, with a margin
-  // for the softness of shadows.
+  // A cube around the casters' bounding sphere, as seen from the sun, with its center on whole texels and a
+  // margin for the sun's apparent size.
   const float half = stepped(radius * (1.02f + 4 * std::min(tangent, 0.25f))), texel = 2 * half / map_side;
   const Vec3f up = std::abs(to_sun.y) < 0.99f ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0};
   view_ = look_at(Vec3f{}, -to_sun, up);

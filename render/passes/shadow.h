@@ -9,19 +9,19 @@
 
 namespace souple::render {
 
-/// Shadow map: depth seen from the sun, around all shadow casters.
+/// The shadow map: depth from the sun around all objects that cast shadows.
 class ShadowPass {
  public:
   ShadowPass();
 
-  /// Sets `frame`'s sun and shadow entries to enclose `casters` (empty: no shadows). `offset` in the unit
-  /// disk moves the sun within its apparent size.
+  /// Sets the sun and shadow entries of `frame` for `casters` (empty: no shadows). `offset` in the unit disk
+  /// moves the sun within its apparent size.
   void aim(Frame& frame, const Light& light, const Bounds& casters, float offset_x, float offset_y);
-  /// Draws the map for the `frame` passed to `aim`. Leaves the sun's uniform block bound.
+  /// Draws the map; `frame` is the frame passed to `aim`. Leaves the sun's uniform block bound.
   void draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& spheres);
-  /// Adds the light that liquids absorb; call directly after `draw`.
+  /// Sums the absorption of sunlight by liquids; call directly after `draw`.
   void draw_liquids(const LiquidSplats& liquids);
-  /// Binds the map for sunlight.glsl and the map of liquids for sun_through_liquid.glsl.
+  /// Binds the map for sunlight.glsl, and that of liquids for sun_through_liquid.glsl.
   void bind() const;
 
  private:

@@ -13,15 +13,15 @@ namespace {
 
 enum Location : GLuint { center, radius, color };
 
-constexpr std::uint64_t frames_kept = 120;  // lifetime of buffers that no list uses any more
+constexpr std::uint64_t frames_kept = 120;  // frames; lifetime of buffers that no list refers to
 
-/// The buffers of one cloud of balls.
+/// The buffers of one set of balls.
 struct Buffers {
   gl::VertexArray array;
   gl::Buffer centers, radii, colors;
   std::uint64_t version = 0, last_used = 0;
   GLsizei count = 0;
-  bool fresh = true;
+  bool never_uploaded = true;
 };
 
 struct Item {
@@ -29,7 +29,7 @@ struct Item {
   const Buffers* buffers = nullptr;
 };
 
-/// An attribute that all balls may share; the draw call then sets its value.
+/// An attribute that may be constant for all balls; then the draw call sets its value.
 template <class T>
 void upload_optional(Buffers& buffers, gl::Buffer& buffer, const gl::Attribute& attribute,
                      std::span<const T> values) {
@@ -43,8 +43,8 @@ void upload_optional(Buffers& buffers, gl::Buffer& buffer, const gl::Attribute& 
 
 void upload_changes(Buffers& buffers, const Spheres& spheres) {
   const auto count = GLsizei(spheres.centers.size());
-  if (!buffers.fresh && buffers.version == spheres.version && buffers.count == count) return;
-  buffers.fresh = false;
+  if (!buffers.never_uploaded && buffers.version == spheres.version && buffers.count == count) return;
+  buffers.never_uploaded = false;
   buffers.version = spheres.version;
   buffers.count = count;
   if (count == 0) return;
@@ -56,7 +56,7 @@ void upload_changes(Buffers& buffers, const Spheres& spheres) {
                   spheres.colors);
 }
 
-bool takes_part(const Spheres& spheres, Target target) {
+bool is_drawn(const Spheres& spheres, Target target) {
   if (target == Target::depth) return spheres.casts_shadow;
   if (target == Target::pick) return spheres.pick != 0;
   return true;
@@ -107,7 +107,7 @@ void SpheresPass::draw(const PassContext& context) {
   const gl::Program& program = impl_->programs.at(std::size_t(context.target));
   program.use();
   for (const Item& item : impl_->items) {
-    if (takes_part(*item.spheres, context.target)) Impl::draw(item, program);
+    if (is_drawn(*item.spheres, context.target)) Impl::draw(item, program);
   }
   glBindVertexArray(0);
 }

@@ -13,10 +13,10 @@ class SpheresPass {
   SpheresPass();
   ~SpheresPass();
 
-  /// Uploads changed data and frees buffers of removed objects. Call once per picture.
+  /// Uploads changes and deletes the buffers of removed balls. Once per picture.
   void update(std::span<const Spheres> spheres);
-  /// Draws the spheres given to `update`: for target depth those that cast shadows, for pick those that can
-  /// be picked.
+  /// Draws the balls of the last `update`. Target depth includes only those that cast a shadow, target pick
+  /// those that can be picked.
   void draw(const PassContext& context);
 
  private:

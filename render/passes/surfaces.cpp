@@ -13,19 +13,19 @@ namespace {
 
 enum Location : GLuint { position, normal, texture, color };
 
-constexpr std::uint64_t frames_kept = 120;  // lifetime of buffers that no list uses any more
+constexpr std::uint64_t frames_kept = 120;  // frames; lifetime of buffers that no list refers to
 
-// The buffers of one surface. Indexed; for wireframes each triangle gets vertices of its own instead, so
-// that the vertex shader can distinguish its corners.
+// The buffers of one surface, indexed. For wireframes, every triangle gets its own vertices instead, so that
+// the vertex shader can distinguish its corners.
 struct Buffers {
   gl::VertexArray array;
   gl::Buffer positions, normals, texture, colors, indices;
   std::uint64_t topology = 0, version = 0, last_used = 0;
   bool expanded = false;
   std::uint32_t vertices_needed = 0;  // largest index + 1
-  GLsizei count = 0;                  // number of indices, or of vertices if expanded
+  GLsizei count = 0;                  // number of indices, or of vertices when expanded
   bool has_normals = false, has_colors = false, has_texture = false;
-  bool fresh = true;
+  bool never_uploaded = true;
 };
 
 struct Item {
@@ -47,7 +47,7 @@ void upload(gl::Buffer& buffer, std::span<const T> values, const Surface& surfac
   buffer.upload(std::span<const T>(corners));
 }
 
-// Sets an optional attribute. Returns whether the surface has it.
+// An attribute that the surface may lack. Returns whether it has the attribute.
 template <class T>
 bool upload_optional(Buffers& buffers, gl::Buffer& buffer, const gl::Attribute& attribute,
                      std::span<const T> values, const Surface& surface) {
@@ -97,14 +97,14 @@ bool can_be_drawn(const Buffers& buffers, const Surface& surface) {
 
 void upload_changes(Buffers& buffers, const Surface& surface) {
   const bool all =
-      buffers.fresh || buffers.topology != surface.topology || buffers.expanded != surface.wireframe;
+      buffers.never_uploaded || buffers.topology != surface.topology || buffers.expanded != surface.wireframe;
   if (all) upload_topology(buffers, surface);
   if (!can_be_drawn(buffers, surface)) return;
   if (all || buffers.version != surface.version) upload_vertices(buffers, surface, all);
-  buffers.fresh = false;
+  buffers.never_uploaded = false;
 }
 
-bool takes_part(const Surface& surface, Target target) {
+bool is_drawn(const Surface& surface, Target target) {
   if (target == Target::depth) return surface.casts_shadow;
   if (target == Target::pick) return surface.pick != 0;
   return true;
@@ -173,7 +173,7 @@ void SurfacesPass::draw(const PassContext& context) {
     program.use();
     program.set("wire_width", 1.1f);
     for (const Item& item : impl_->items) {
-      if (item.buffers->expanded == expanded && takes_part(*item.surface, context.target)) {
+      if (item.buffers->expanded == expanded && is_drawn(*item.surface, context.target)) {
         impl_->draw(item, program);
       }
     }

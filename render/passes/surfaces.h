@@ -14,10 +14,10 @@ class SurfacesPass {
   SurfacesPass();
   ~SurfacesPass();
 
-  /// Uploads changed data and frees buffers of removed objects. Call once per picture.
+  /// Uploads changes and deletes the buffers of removed surfaces. Once per picture.
   void update(std::span<const Surface> surfaces);
-  /// Draws the surfaces given to `update`: for target depth those that cast shadows, for pick those that can
-  /// be picked. Picked fragments write (pick, 0); the CPU finds the vertex.
+  /// Draws the surfaces of the last `update`. Target depth includes only those that cast a shadow, target
+  /// pick those that can be picked: their fragments write (pick, 0), and the CPU finds the vertex.
   void draw(const PassContext& context);
 
  private:

@@ -1,4 +1,4 @@
-// Adds a sample to the sum of samples: by blending, or by reading the sum.
+// Adds one sample to the sum: by blending, or to the value read from the sum's texture.
 layout(location = 0) out vec4 out_color;
 uniform sampler2D color_map;
 #ifdef ADD_TO_SUM

@@ -1,27 +1,28 @@
-// The ball (or, with ELLIPSOIDS, the ellipsoid) of a splat, and its intersection with the ray through a pixel.
+// The ball (or, with ELLIPSOIDS, the ellipsoid) of a splat, and its intersection with the ray through a
+// pixel.
 flat in vec3 ball_center;  // in view space
 #ifdef ELLIPSOIDS
 flat in mat3 to_unit_ball;  // from view space, about the center
 #else
 flat in float ball_radius;
 #endif
-in vec2 plane_place;
+in vec2 plane_point;
 
-// Points on the ray are origin + t direction: it is inside while |t - foot| < half_length.
+// Points on the ray are origin + t direction: inside while |t - foot| < half_length.
 struct Chord {
   vec3 direction;
   float foot;
-  vec3 off;            // from the center to the foot; of an ellipsoid, in its unit ball
-  float half_squared;  // below zero: the ray misses
+  vec3 off;  // from the center to the foot; for an ellipsoid, in its unit ball
+  float half_squared;  // negative: the ray misses
 };
 
 Chord chord_of_ball() {
   bool parallel = frame.projection[3][3] == 1.0;
-  vec3 origin = parallel ? vec3(plane_place, 0.0) : vec3(0.0);
+  vec3 origin = parallel ? vec3(plane_point, 0.0) : vec3(0.0);
   Chord chord;
-  chord.direction = parallel ? vec3(0.0, 0.0, -1.0) : normalize(vec3(plane_place, -1.0));
-  // Both hits have equal distances from the foot of the perpendicular. The usual b * b - c would lose digits for
-  // small and distant balls.
+  chord.direction = parallel ? vec3(0.0, 0.0, -1.0) : normalize(vec3(plane_point, -1.0));
+  // Both hits lie at equal distances from the foot of the perpendicular. The usual b * b - c would lose
+  // precision for small and distant balls.
   vec3 to_center = ball_center - origin;
 #ifdef ELLIPSOIDS
   vec3 d = to_unit_ball * chord.direction, c = to_unit_ball * to_center;

@@ -1,9 +1,10 @@
-// Anti-aliased checker: the mean over a pixel instead of the value at its center (Inigo Quilez, "filtering the
-// checkerboard", box filter).
+// Checkers without aliasing: the mean over a pixel instead of the value at its center (Inigo Quilez,
+// "filtering the checkerboard", box filter).
 
-// Fields of edge 1 in space: 1 and 0 alternate; their mean if fields are smaller than a pixel.
+// Fields of edge 1 in space, alternately 1 and 0; their mean where fields are smaller than a pixel.
 float checker(vec3 p) {
-  // Flat cloths, sides of boxes and their rims often coincide with borders of fields: shifts the pattern.
+  // Flat cloths, sides of boxes and their edges often lie exactly on field borders: the offset moves them
+  // off.
   p = 0.999 * p + vec3(0.0, 0.5, 0.0);
   vec3 width = max(max(abs(dFdx(p)), abs(dFdy(p))), vec3(1e-5));
   vec3 a = p + 0.5 * width, b = p - 0.5 * width;

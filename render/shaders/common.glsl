@@ -1,4 +1,4 @@
-// Functions for all shaders.
+// Functions for several shaders.
 
 // sRGB-encoded to linear light.
 vec3 linear_of_srgb(vec3 c) {

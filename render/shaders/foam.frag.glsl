@@ -1,4 +1,4 @@
-// Sums the absorption by foam: -log of the transmitted light. Fades below the surface of the liquid.
+// Sums the occlusion by foam: -log of the transmitted light. Fades below the surface of the liquid.
 #include "frame.glsl"
 #include "ball.glsl"
 #include "liquid.glsl"

@@ -1,4 +1,4 @@
-// Uniforms of all shaders of a pass; render/passes/pass_context.h explains them.
+// Uniforms shared by all shaders of a pass; render/passes/pass_context.h documents them.
 layout(std140) uniform Frame {
   mat4 view;
   mat4 projection;

@@ -1,5 +1,5 @@
-// Lights the material pass's output at each pixel and tone-maps it to screen colors: lines drawn over it
-// keep their colors, and edges between bright and dark are equally smooth.
+// Lights each pixel from the result of the material pass, and tone-maps it for the screen here: lines drawn
+// later keep their colors, and edges between bright and dark are as smooth as others.
 #include "frame.glsl"
 #include "common.glsl"
 #include "surface_point.glsl"

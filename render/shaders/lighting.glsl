@@ -6,36 +6,37 @@ struct Material {
 };
 
 const float pi = 3.14159265;
-// The sky illuminates less than its color, like a photographer's backdrop: otherwise shadows would be pale.
+// The sky gives less light than it shows, like a photographer's backdrop: otherwise shadows would be pale.
 const float ambient_strength = 0.5;
-// Slightly warmer than the sky, so that shadows look cool and lit surfaces neutral.
+// A little warmer than the sky: shadows look cool and lit surfaces neutral.
 const vec3 sun_color = vec3(1.05, 1.0, 0.92);
 
 // Radiance of the sky in a direction (unit).
 vec3 sky_light(vec3 direction) {
   float h = max(direction.y, 0.0);
   vec3 color = mix(frame.sky.rgb, frame.horizon.rgb, 1.0 / (1.0 + h * (3.0 + 4.5 * h)));  // about exp(-3 h)
-  // The sun's disk is not drawn, but the air around it glows.
+  // The sun itself is not drawn, but the air around it glows.
   float cosine = max(dot(direction, frame.to_sun.xyz), 0.0);
   float c2 = cosine * cosine, c6 = c2 * c2 * c2, c12 = c6 * c6, c24 = c12 * c12;
   color += frame.horizon.rgb * (0.10 * c6 + 0.18 * c24 * c24);
   return color;
 }
 
-// Mean radiance that a rough surface facing `normal` receives from sky and floor.
+// Mean radiance from sky and floor on a rough surface with this normal.
 vec3 ambient_light(vec3 normal) {
   float up = normal.y;
   vec3 above = mix(frame.horizon.rgb, frame.sky.rgb, clamp(0.5 + 0.5 * up, 0.0, 1.0));
   return mix(frame.floor_light.rgb * 0.75, above, smoothstep(-1.0, 0.8, up));
 }
 
-// Visibility of the floor through the haze that hides it before the horizon.
+// Visibility of the floor through the haze, in which it ends before the horizon.
 float ground_visibility(vec3 point) {
   float distance = length(point - frame.eye.xyz) / frame.ground.w;
   return exp(-distance * distance);
 }
 
-// Light reflected toward `to_eye`. `sun`: visible part of the sun per color; `open`: visible part of the sky.
+// Radiance towards `to_eye`. `sun` is the visible fraction of the sun, per color channel; `open` the visible
+// fraction of the sky.
 vec3 lit(Material m, vec3 normal, vec3 to_eye, vec3 sun, float open) {
   vec3 to_sun = frame.to_sun.xyz;
   vec3 halfway = normalize(to_sun + to_eye);

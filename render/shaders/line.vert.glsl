@@ -14,20 +14,20 @@ flat out vec2 end;
 flat out vec4 line_color;  // linear
 flat out float half_width;
 
-// In clip space, moved toward the eye by the length of some pixels: a line on a surface is in front of the facets
-// that it intersects, and its screen position is unchanged.
+// In clip space, moved towards the eye by the length of some pixels: a line on a surface lies in front of the
+// facets it cuts, and its position on the screen does not change.
 vec4 clip_of(vec3 point) {
-  vec4 place = frame.view * vec4(point, 1.0);
+  vec4 position = frame.view * vec4(point, 1.0);
   float pull = min(6.0 / (pixels.y * frame.projection[1][1]), 0.004);
-  place.xyz *= 1.0 - pull;
-  return frame.projection * place;
+  position.xyz *= 1.0 - pull;
+  return frame.projection * position;
 }
 
 vec2 pixel_of(vec4 clip) {
   return (0.5 * clip.xy / clip.w + 0.5) * pixels;
 }
 
-// Intersection of a b with the near plane, if a is in front of it.
+// Moves a to the intersection of segment a b with the near plane if a is nearer than that plane.
 vec4 cut(vec4 a, vec4 b) {
   float da = a.z + a.w, db = b.z + b.w;
   return da < 0.0 ? mix(a, b, da / (da - db)) : a;
@@ -49,7 +49,7 @@ void main() {
   vec2 across = vec2(-along.y, along.x);
   float reach = half_width + 1.0;
   bool at_b = gl_VertexID >= 2;
-  vec2 place = (at_b ? end + along * reach : start - along * reach) + ((gl_VertexID & 1) == 0 ? across : -across) * reach;
+  vec2 position = (at_b ? end + along * reach : start - along * reach) + ((gl_VertexID & 1) == 0 ? across : -across) * reach;
   vec4 clip = at_b ? b : a;
-  gl_Position = vec4((2.0 * place / pixels - 1.0) * clip.w, clip.zw);
+  gl_Position = vec4((2.0 * position / pixels - 1.0) * clip.w, clip.zw);
 }

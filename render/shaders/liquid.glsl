@@ -5,7 +5,7 @@ float pixel_size(float depth) {
   return 2.0 * frame.size.w / frame.projection[1][1] * depth;
 }
 
-// View depth of the opaque objects, from the depth buffer; very far where there are none.
+// View depth of the opaque objects, from the depth buffer; very large where there are none.
 float opaque_depth(float buffer) {
   return buffer < 1.0 ? frame.projection[3][2] / (2.0 * buffer - 1.0 + frame.projection[2][2]) : 1e30;
 }

@@ -1,4 +1,5 @@
-// The nearest ball of any liquid at each pixel: its depth along the view, and the liquid's surface properties.
+// The nearest ball of any liquid at each pixel: its depth along the view, and the optical properties of its
+// surface.
 #include "frame.glsl"
 #include "ball.glsl"
 

@@ -1,13 +1,13 @@
-// Sums the thickness of each liquid along the ray through each pixel. The part in front of the opaque
-// objects dims the light. A particle is a
-// cloud of density k (1 - q^2) at q radii from its center, which has no edge to be seen; its integral along a chord is
-// k half (1 - s^2) 4/3 at s radii from the center, of which (2 + 3 u - u^3) / 4 lies before the part u of the half chord.
+// Sums, along the ray through each pixel, the amount of each liquid, and the optical depth of the part in
+// front of opaque objects. A particle is a cloud of density k (1 - q^2) at q radii from its center, which has
+// no visible edge. Its integral along a chord is k half (1 - s^2) 4/3 at s radii from the center, of which (2
+// + 3 u - u^3) / 4 lies before the part u of the half chord.
 #include "frame.glsl"
 #include "ball.glsl"
 
 layout(location = 0) out vec4 out_optics;
 #ifdef SUNLIGHT
-// As the sun sees it: optical depth of red, green, blue; added. Depth in the sun's map; its least is kept.
+// From the sun: optical depth of red, green, blue, summed. Depth in the sun's map; its minimum is kept.
 #else
 #include "liquid.glsl"
 layout(location = 1) out vec4 out_glow;
@@ -31,7 +31,7 @@ void main() {
   vec2 clip = clip_depth((chord.foot - half_chord) * chord.direction.z);
   out_optics = vec4(extinction * length_, 0.5 * clip.x / clip.y + 0.5);
 #else
-  // Two pixels of the picture to one here.
+  // Each pixel here covers two by two pixels of the picture.
   float ends = opaque_depth(texelFetch(depth_map, ivec2(gl_FragCoord.xy) * 2, 0).r) / -chord.direction.z;
   float behind_eye = part_before(0.0, chord, half_chord);
   float seen = length_ * max(part_before(ends, chord, half_chord) - behind_eye, 0.0);

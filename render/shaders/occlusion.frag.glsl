@@ -1,9 +1,9 @@
-// The part of the sky visible past a pixel's neighbors: Jimenez et al. 2016, "Practical real-time strategies
-// for accurate indirect occlusion", section 4: along a few directions on screen the highest horizon to both
-// sides, and what lies between them, weighted by the cosine, in closed form (eq. 7).
+// Visible fraction of the sky at each pixel: Jimenez et al. 2016, "Practical real-time strategies for
+// accurate indirect occlusion", section 4. Along a few directions on screen it finds the highest horizon on
+// both sides, and integrates the part between them, weighted by the cosine, in closed form (eq. 7).
 #include "frame.glsl"
 
-in vec2 place;
+in vec2 uv;
 layout(location = 0) out vec2 out_occlusion;  // openness, 1 / depth
 
 uniform sampler2D depth_map;  // half_depth
@@ -24,11 +24,11 @@ vec3 view_point(vec2 at, float depth) {
 float horizon(vec3 point, vec3 normal, vec3 to_eye, vec2 step_, float first, float low) {
   vec2 size = vec2(textureSize(depth_map, 0));
   float highest = low;
-  // Skips the pixel itself, which would be noise.
+  // Skip the pixel itself, which would add noise.
   vec2 beside = step_ * (1.4 / max(length(step_ * size), 1e-6));
   for (int i = 0; i < steps; ++i) {
     float t = (float(i) + first) / float(steps);
-    vec2 at = place + beside + step_ * (t * t);
+    vec2 at = uv + beside + step_ * (t * t);
     ivec2 pixel = ivec2(at * size);
     if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, ivec2(size)))) break;
     float depth = texelFetch(depth_map, pixel, 0).r;
@@ -37,8 +37,8 @@ float horizon(vec3 point, vec3 normal, vec3 to_eye, vec2 step_, float first, flo
     float distance2 = dot(delta, delta);
     float shorten = inversesqrt(max(distance2, 1e-20));
     float cosine = dot(delta, to_eye) * shorten;
-    // Objects farther than the radius count less with distance. So do objects that hardly rise above the surface: the
-    // centers of pixels are beside the direction, so a floor at a grazing angle would occlude itself.
+    // Objects farther than the radius count less with distance. So do points hardly above the surface: pixel
+    // centers lie beside the direction, so a floor at a grazing angle would occlude itself.
     float weight = clamp(2.0 - 2.0 * distance2 / (frame.occlusion.x * frame.occlusion.x), 0.0, 1.0) *
                    smoothstep(0.02, 0.15, dot(delta, normal) * shorten);
     highest = max(highest, mix(low, cosine, weight));
@@ -55,21 +55,21 @@ void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   float depth = texelFetch(depth_map, pixel, 0).r;
   if (depth <= 0.0) discard;
-  vec3 point = view_point(place, depth);
+  vec3 point = view_point(uv, depth);
   vec3 to_eye = -normalize(point);
   vec3 normal = normalize(texelFetch(normal_map, pixel * 2, 0).xyz) * mat3(frame.inverse_view);
-  // The radius on screen, as a part of its height.
+  // The radius on screen, as a fraction of its height.
   float radius = min(0.5 * frame.occlusion.x * frame.projection[1][1] / depth, 0.25);
   if (radius * frame.size.y < 1.5) discard;
 
-  // 16 patterns in blocks of 4 x 4 pixels, which occlusion_blur.frag.glsl averages.
+  // 16 patterns in blocks of 4 x 4 pixels, averaged by occlusion_blur.frag.glsl.
   ivec2 cell = pixel & 3;
   int index = cell.x + 4 * cell.y;
   float turn = float((7 * index) & 15) / 16.0;
   float start = float((5 * index) & 15) / 16.0;
   turn = fract(turn + frame.sample_info.z);
   start = fract(start + 7.0 * frame.sample_info.z);
-  float open = 0.0, most = 0.0;
+  float open = 0.0, unoccluded = 0.0;
   for (int i = 0; i < slices; ++i) {
     float angle = pi * (float(i) + turn) / float(slices);
     vec3 direction = vec3(cos(angle), sin(angle), 0.0);
@@ -85,8 +85,8 @@ void main() {
     float h0 = n + max(-acos(clamp(left, -1.0, 1.0)) - n, -0.5 * pi);
     float h1 = n + min(acos(clamp(right, -1.0, 1.0)) - n, 0.5 * pi);
     open += long_ * (arc(h0, n) + arc(h1, n));
-    most += long_ * (cosine + n * sin(n));
+    unoccluded += long_ * (cosine + n * sin(n));
   }
-  // `most`: the visibility of an open sky by these slices: 1 only in the mean over all directions.
-  out_occlusion = vec2(clamp(open / max(most, 1e-4), 0.0, 1.0), 1.0 / depth);
+  // `unoccluded` is the value of the same slices for an open sky: 1 only in the mean over all directions.
+  out_occlusion = vec2(clamp(open / max(unoccluded, 1e-4), 0.0, 1.0), 1.0 / depth);
 }

@@ -1,22 +1,22 @@
-// Reads the output of the occlusion pass at half the resolution: openness, and nearness = 1 / depth along the
-// view, which changes linearly across a plane on screen.
+// Reads the result of the occlusion pass, at half the resolution: openness, and nearness = 1 / depth along
+// the view, which changes linearly across a plane on screen.
 uniform sampler2D occlusion_map;
 
-// Derivative of nearness between pixels of the plane with this normal, at the end of this ray.
+// Change of nearness per pixel in the plane with this normal, at the end of this ray.
 vec2 slope_of_nearness(vec3 normal, vec3 ray, float nearness) {
   float facing = dot(normal, ray);
   facing = min(facing, -0.02 * length(ray));
   return nearness / facing * vec2(dot(normal, dFdx(ray)), dot(normal, dFdy(ray)));
 }
 
-// 0 in the plane to 1 at a part of the occlusion's radius from it.
+// 0 in the plane, up to 1 at a fraction of the occlusion's radius from it.
 float off_plane(float found, float expected, float nearness, float part) {
   float distance = abs(found - expected) / max(nearness * nearness, 1e-12);
   return min(distance / (part * frame.occlusion.x + 0.002 / max(nearness, 1e-6)), 1.0);
 }
 
-// The part of the sky visible from the surface at this pixel of the picture: from those of the four nearest pixels of
-// the map that are in its plane.
+// Visible fraction of the sky at this pixel of the picture: from those of the four nearest pixels of the map
+// that lie in its plane.
 float sky_visibility(vec2 pixel, vec3 normal, vec3 ray, float depth) {
   if (frame.sample_info.w < 0.5) return 1.0;
   ivec2 last = textureSize(occlusion_map, 0) - 1;

@@ -1,4 +1,5 @@
-// The mean of the 4 x 4 pixels, thus of all patterns of occlusion.frag.glsl, that are in one plane.
+// Mean over 4 x 4 pixels, and therefore over all patterns of occlusion.frag.glsl, restricted to pixels in one
+// plane.
 #include "frame.glsl"
 #include "occlusion.glsl"
 

@@ -1,4 +1,4 @@
-// A ball as the smallest upright rectangle around its projection.
+// A ball as the smallest upright rectangle around its outline.
 #include "common.glsl"
 #include "frame.glsl"
 
@@ -10,10 +10,11 @@ flat out vec3 ball_center;  // in view space
 flat out float ball_radius;
 flat out vec3 ball_color;  // linear
 flat out uint ball_index;
-out vec2 plane_place;  // intersection of the pixel's ray with the plane at distance 1 in front of the eye; orthographic: any plane
+// Intersection of the pixel's ray with the plane at distance 1 in front of the eye; orthographic: any plane.
+out vec2 plane_point;
 
-// Intersections of the line at distance 1 with the eye's tangents to a circle that is `across` from the line
-// of view, `ahead` of the eye. The tangents of the directions, exact for a ball near the edge of the picture too.
+// Where the tangent rays of a circle from the eye cut the line at distance 1: the circle is `across` from the
+// line of view and `ahead` of the eye. These tangents are exact also for a ball near the edge of the picture.
 vec2 tangents(float across, float ahead, float r) {
   float outside = (ahead - r) * (ahead + r);
   // The circle extends beside or behind the eye: there is no bound.
@@ -29,8 +30,8 @@ void main() {
   ball_radius = radius;
   ball_color = linear_of_srgb(color.rgb);
   ball_index = uint(gl_InstanceID);
-  plane_place = vec2(0.0);
-  if (!(radius > 0.0) || !(parallel || -c.z > -radius)) {  // so written that NaN is outside
+  plane_point = vec2(0.0);
+  if (!(radius > 0.0) || !(parallel || -c.z > -radius)) {  // written so that NaN counts as outside
     gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
     return;
   }
@@ -39,9 +40,9 @@ void main() {
   // From that plane to the screen; the offset shifts the pixel grid, or the window of an orthographic view.
   vec2 scale = vec2(frame.projection[0][0], frame.projection[1][1]);
   vec2 offset = parallel ? frame.projection[3].xy : -frame.projection[2].xy;
-  // Limits the rectangle to the screen: rasterizers lose digits on huge triangles.
+  // Never wider than the screen: rasterizers lose precision on huge triangles.
   vec4 edges = clamp(vec4(x.x, y.x, x.y, y.y) * scale.xyxy + offset.xyxy, -1.0, 1.0);
-  vec2 place = vec2((gl_VertexID & 1) == 0 ? edges.x : edges.z, gl_VertexID < 2 ? edges.y : edges.w);
-  plane_place = (place - offset) / scale;
-  gl_Position = vec4(place, 0.0, 1.0);
+  vec2 position = vec2((gl_VertexID & 1) == 0 ? edges.x : edges.z, gl_VertexID < 2 ? edges.y : edges.w);
+  plane_point = (position - offset) / scale;
+  gl_Position = vec4(position, 0.0, 1.0);
 }

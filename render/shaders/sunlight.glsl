@@ -1,16 +1,16 @@
-// The visible part of the sun: percentage-closer soft shadows (Fernando 2005). The mean distance of
-// blockers determines the blur of the shadow. The samples of a picture use different points of the sun, so
-// many samples need little blur.
+// Visible fraction of the sun at a surface: percentage-closer soft shadows (Fernando 2005). The mean distance
+// of the blockers determines the blur of the shadow. Samples of one picture see the sun at different
+// positions, so many samples need little blur.
 //
-// A software renderer computes both sides of a branch; only loops end when no pixel continues. So all expensive
-// code is in loops, which do not iterate if the sun's visibility is known.
+// A software renderer computes both sides of a branch; only loops end when no pixel continues. Costly code is
+// therefore in loops that do no iteration where the sun's visibility is known.
 
-// Depth seen from the sun. Compared here, without interpolation: on a CPU that costs half as much as the
-// sampler's comparison of four texels, and the rotated patterns hide the difference.
+// Depth from the sun. Compared here, without interpolation: on a CPU that costs half as much as the sampler's
+// comparison of four texels, and the rotated patterns hide the difference.
 uniform sampler2D shadow_map;
 
-// A number in [0, 1) for each pixel, well spread among neighbors (Jimenez 2014, interleaved gradient noise),
-// different in each sample.
+// A number in [0, 1) for each pixel, evenly distributed among neighbors (Jimenez 2014, interleaved gradient
+// noise), and different in each sample.
 float pixel_noise(vec2 pixel) {
   return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))) + frame.sample_info.z);
 }
@@ -18,38 +18,39 @@ float pixel_noise(vec2 pixel) {
 const int blocker_taps = 8;
 const int shadow_taps = 14;
 
-// The golden angle, about 137.5 degrees: points at r = sqrt((i + 0.5) / n), each turned by it from the one before,
-// are spread evenly over the unit disk (Vogel's spiral). Arrays of constants would be kept in memory per pixel.
+// Rotation by the golden angle, about 137.5 degrees: points at r = sqrt((i + 0.5) / n), each rotated by it
+// relative to the previous one, are distributed evenly over the unit disk (Vogel's spiral). Arrays of
+// constants would be stored in memory per pixel.
 const mat2 golden_turn = mat2(-0.73736888, 0.67549029, -0.67549029, -0.73736888);
 
-// 1 (lit) to 0 (dark) at the current pixel.
+// Visibility of the sun at the current pixel: 1 lit to 0 dark.
 float sun_visibility(SurfacePoint surface) {
   float facing = dot(surface.normal, frame.to_sun.xyz);
   float texel = frame.shadow_size.z;
   vec3 lifted = surface.point + surface.normal * (texel * (2.2 - 1.6 * facing));
   vec3 p = (frame.shadow * vec4(lifted, 1.0)).xyz;
-  // Motion of blockers in the map with the sun, per depth in the map, which covers a cube.
+  // Displacement of blockers in the map over the sun's disk, per depth in the map, which covers a cube.
   float spread = frame.sun_size.x;
   float texel_uv = texel / frame.shadow_size.x;
   float search = max(spread * clamp(p.z, 0.0, 1.0), 2.0 * texel_uv);
-  // The map is wide enough to have no shadow near its rim.
+  // The map is wide enough that nothing near its rim is in shadow.
   bool inside = frame.shadow_size.w > 0.5 && surface.kind != kind_sky && facing > 0.0 && all(lessThan(abs(p.xy - 0.5), vec2(0.5 - search)));
 
-  // The plane of the surface in the map: z changes by dot(slope, xy). Without it, wide filters see the
-  // surface itself as its own blocker.
+  // The plane of the surface in the map: z changes by dot(slope, xy). Without it, wide filters would take the
+  // surface for its own blocker.
   vec3 plane = mat3(frame.shadow) * surface.normal;
   vec2 slope = clamp(-plane.xy / min(plane.z, -1e-6), vec2(-4.0), vec2(4.0));
   float depth = p.z - 0.5 * texel_uv;
-  // The half circle without sines, which are expensive here; the slight non-uniformity is harmless.
+  // A half circle without sines, which are costly here; slight unevenness does not matter.
   float t = 2.0 * pixel_noise(gl_FragCoord.xy) - 1.0;
   vec2 direction = vec2(1.0 - t * t, 2.0 * t) / (1.0 + t * t);
 
-  vec2 found = vec2(0.0);  // sum of the distances of blockers, and their number
+  vec2 found = vec2(0.0);  // sum of the blockers' distances, and their number
   int taps = inside ? blocker_taps : 0;
   for (int i = 0; i < taps; ++i) {
     vec2 offset = direction * (search * sqrt((float(i) + 0.5) / float(blocker_taps)));
     float blocker = textureLod(shadow_map, p.xy + offset, 0.0).r;
-    // The value 1, the map's end, means no blocker.
+    // Nothing was drawn at 1, the far end of the map.
     if (blocker < min(depth + dot(slope, offset), 1.0)) found += vec2(p.z - blocker, 1.0);
     direction = golden_turn * direction;
   }

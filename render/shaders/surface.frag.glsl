@@ -24,7 +24,7 @@ void main() {}
 uniform vec4 color_first;
 uniform vec4 color_second;
 uniform vec4 look;          // roughness, metalness, sheen, edge of a checker's field or 0
-uniform float has_colors;  // 1: every vertex has its own color
+uniform float has_colors;  // 1 where vertices have colors
 uniform float has_normals;
 
 #ifdef WIREFRAME
@@ -35,7 +35,7 @@ float wire() {
   vec3 change = fwidth(corner);
   vec3 distance = corner / max(change, vec3(1e-9));
   float nearest = min(min(distance.x, distance.y), distance.z);
-  // On triangles smaller than a few pixels the lines would cover everything.
+  // Where triangles are smaller than a few pixels, lines would cover the surface.
   float density = max(max(change.x, change.y), change.z);
   return (1.0 - smoothstep(0.5 * wire_width - 0.5, 0.5 * wire_width + 0.5, nearest)) * (1.0 - 0.85 * clamp(2.0 * density, 0.0, 1.0));
 }

@@ -9,7 +9,7 @@ layout(location = 3) in vec4 color;
 uniform mat4 pose;
 
 out vec3 world_point;
-out vec3 world_normal;  // its length has no meaning
+out vec3 world_normal;  // not normalized
 out vec3 checker_point;
 out vec4 vertex_color;
 #ifdef WIREFRAME

@@ -1,4 +1,4 @@
-// Reads the material pass's output at a pixel.
+// Reads the result of the material pass at a pixel.
 uniform sampler2D normal_map;
 uniform sampler2D depth_map;
 
@@ -11,17 +11,17 @@ struct SurfacePoint {
   vec3 point;   // in the world
   vec3 normal;  // unit, to the eye
   float depth;  // along the view
-  float code;   // code of metalness and sheen
+  float code;  // encodes metalness and sheen
 };
 
-// `ray` is that of ray.vert.glsl.
+// `ray` is the varying of ray.vert.glsl.
 SurfacePoint surface_point(ivec2 pixel, vec3 ray) {
   SurfacePoint result;
   vec4 stored = texelFetch(normal_map, pixel, 0);
   result.code = stored.w;
   result.kind = stored.w == 0.0 ? kind_sky : (stored.w < 0.0 ? kind_ground : kind_surface);
   result.normal = stored.xyz;
-  // The depth buffer ends before the floor does.
+  // The range of the depth buffer ends before the floor does.
   float of_ground = (frame.ground.x - frame.eye.y) / ray.y;
   float clip = 2.0 * texelFetch(depth_map, pixel, 0).r - 1.0;
   float of_surface = frame.projection[3][2] / (clip + frame.projection[2][2]);

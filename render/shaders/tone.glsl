@@ -1,5 +1,5 @@
-// Maps scene light to screen colors: colors below 0.76 are unchanged, brighter ones are
-// compressed along with their hue and slowly turn white (after Khronos' PBR neutral tone mapper).
+// Maps scene light to screen colors: colors below 0.76 are unchanged; brighter ones are compressed at
+// constant hue and slowly turn white (after Khronos' PBR neutral tone mapper).
 vec3 tone_mapped(vec3 color) {
   const float start = 0.76;
   const float desaturation = 0.15;
@@ -12,7 +12,7 @@ vec3 tone_mapped(vec3 color) {
   return mix(color, vec3(new_peak), g);
 }
 
-// The inverse: the scene light of a pixel.
+// The inverse: scene light from a screen color.
 vec3 scene_light(vec3 mapped) {
   const float start = 0.76;
   const float desaturation = 0.15;

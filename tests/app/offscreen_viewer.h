@@ -25,7 +25,7 @@
 
 namespace souple::viewer {
 
-/// A temporary folder, removed at the end of the test.
+/// A temporary folder, removed at the end.
 class TestFolder {
  public:
   TestFolder() {
@@ -48,14 +48,14 @@ class TestFolder {
   std::filesystem::path path_;
 };
 
-/// Size of a window in units of the mouse, and pixels per unit; small, because the CPU renders.
+/// A window's size in units of the mouse, and pixels per unit: few, since the processor draws them.
 struct WindowSize {
   int width = 1000, height = 1800;
   float scale = 0.2f;
 };
 
-/// The viewer in an off-screen window, with simulated mouse and keys. Every picture is checked for
-/// OpenGL errors.
+/// The viewer with an off-screen window and synthetic mouse and keys. Every frame is checked for OpenGL
+/// errors.
 class OffscreenViewer {
  public:
   explicit OffscreenViewer(const std::filesystem::path& scene, const WindowSize& size = {},
@@ -65,13 +65,13 @@ class OffscreenViewer {
     ui_ = std::make_unique<Ui>();
     resize(size);
     io().MousePos = {-1, -1};
-    // Maps keys to ImGui's key codes, like the window's backend.
+    // The window's backend maps key codes to ImGui's names.
     io().KeyMap[ImGuiKey_Enter] = 257;
     SceneList scenes(std::move(shipped));
     std::unique_ptr<Session> session = scenes.open(scene);
     viewer_ = std::make_unique<Viewer>(std::move(scenes), std::move(session),
                                        ViewerOptions{folder_.path(), false, half_resolution});
-    viewer_->rendering().shadows = viewer_->rendering().ambient_occlusion = false;  // expensive on a CPU
+    viewer_->rendering().shadows = viewer_->rendering().ambient_occlusion = false;  // costly on a processor
   }
 
   Viewer& viewer() { return *viewer_; }
@@ -87,7 +87,7 @@ class OffscreenViewer {
     if (width_ > 0 && height_ > 0) window_.resize(width_, height_);
   }
 
-  /// Draws one picture, 1/60 s after the last.
+  /// Draws one frame, 1/60 s after the last one.
   void picture(double seconds = 1 / 60.0) {
     io().DeltaTime = static_cast<float>(seconds > 0 ? seconds : 1e-3);
     viewer_->frame(seconds, window_.framebuffer());
@@ -98,7 +98,7 @@ class OffscreenViewer {
   }
   render::Image image() const { return read_framebuffer(window_.framebuffer(), width_, height_); }
 
-  /// Presses a key that types a character, and releases it before the next picture.
+  /// Keys that type characters, each released before the next frame.
   void type(const char* characters) {
     for (const char* c = characters; *c != '\0'; ++c) {
       io().AddInputCharacter(static_cast<unsigned char>(*c));
@@ -127,7 +127,7 @@ class OffscreenViewer {
     click(x, y);
     press();
     release();
-    pictures(30);  // so that the next click is not part of a multiple click
+    pictures(30);  // so that the next click does not count as a third one
   }
 
   /// Window position of a point of the scene.
@@ -139,8 +139,8 @@ class OffscreenViewer {
             (static_cast<float>(area.y) + at->y) / area.scale};
   }
 
-  /// Center of a control of one of ImGui's windows, found by pointing at it as a user does. Cached until
-  /// the panel is laid out again (`look_again`).
+  /// The center of a control in an ImGui window, found by pointing at it as a user does. Cached until the
+  /// panel's layout changes (`invalidate_layout`).
   ImVec2 control(const char* id, const char* window = "##panel", float x = -1) {
     const ImGuiWindow* found = ImGui::FindWindowByName(window);
     if (found == nullptr) return {-1, -1};
@@ -151,10 +151,10 @@ class OffscreenViewer {
     const auto at = seen.find(ImHashStr(id, 0, found->ID));
     return at == seen.end() ? ImVec2{-1, -1} : ImVec2{x, (at->second.first + at->second.second) / 2};
   }
-  void look_again() { controls_.clear(); }
+  void invalidate_layout() { controls_.clear(); }
 
  private:
-  using Rows = std::map<ImGuiID, std::pair<float, float>>;  // first and last y of a row
+  using Rows = std::map<ImGuiID, std::pair<float, float>>;  // first and last y of each control
 
   void point_at_all(const ImGuiWindow& window, float x, Rows& rows) {
     const float end = window.Pos.y + window.Size.y;

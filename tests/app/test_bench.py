@@ -14,7 +14,7 @@ SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
 
 NAMES = {"cloth": 12, "cloth-dihedral": 12, "cloth-isometric": 12, "cloth-membrane": 12, "tets": 100, "cloths": 2,
          "cubes": 2, "heap": 12}
-STAGES = ["triangles", "dam-break", "neighbors", "surface"]  # of one stage, without a world
+STAGES = ["triangles", "dam-break", "neighbors", "surface"]  # benchmarks of one stage, without a world
 
 
 def souple(*arguments, code=0, **environment):
@@ -72,7 +72,7 @@ class Bench(unittest.TestCase):
     def test_neighbors(self):
         result = bench("neighbors", "--size", 20000)
         self.assertEqual(list(result["ms_per_stage"]), ["sort", "lists"])
-        self.assertLess(abs(result["neighbors"] - 28), 1.5)  # fewer at the walls
+        self.assertLess(abs(result["neighbors"] - 28), 1.5)  # points at the walls have fewer
         self.assertGreater(result["pairs_per_second"], 0)
         for threads in 2, 3:
             self.assertEqual(bench("neighbors", "--size", 20000, "--threads", threads)["hash"], result["hash"])
@@ -82,7 +82,7 @@ class Bench(unittest.TestCase):
         result = bench("surface", "--size", 8000)
         self.assertEqual(list(result["ms_per_stage"]), ["sort", "neighbors", "kernels", "field", "mesh"])
         self.assertLess(abs(result["particles"] / 8000 - 1), 0.05)
-        self.assertEqual(result["triangles"] % 2, 0)  # as of every closed surface
+        self.assertEqual(result["triangles"] % 2, 0)  # as for every closed surface
         self.assertGreater(result["triangles"], 4000)
         self.assertGreater(result["ms_isotropic"], 0)
         for threads in 2, 3:
@@ -107,7 +107,7 @@ class Bench(unittest.TestCase):
             self.assertEqual(bench(name, "--size", size, SOUPLE_SIMD="scalar")["hash"], reference)
 
     def test_measuring_changes_nothing(self):
-        """The hash is that of the steps alone, however long the projections were timed."""
+        """The hash depends on the steps alone, not on how long the projections were timed."""
         once, twice = bench("cloth", "--size", 20), bench("cloth", "--size", 20, "--residual", 0.05)
         self.assertEqual(once["hash"], twice["hash"])
 

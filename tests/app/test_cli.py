@@ -31,7 +31,7 @@ SMALL = {
     "wind": {"velocity": [2, 0, 0], "gust": 0.5},
 }
 
-# A block of water falls apart beside a tap that begins to drip after a few frames.
+# A block of water collapses beside a tap that starts to drip after a few frames.
 WATER = {
     "souple": 1,
     "frames": 24,
@@ -77,7 +77,7 @@ class Case(unittest.TestCase):
         return sorted(str(p.relative_to(self.folder)) for p in self.folder.rglob("*"))
 
     def contents(self, folder):
-        """What a run left: bytes by name; of run.json all but its last part, the timings."""
+        """A run's files: bytes by name; run.json without its last part, the timings."""
         result = {}
         for path in sorted((self.folder / folder).rglob("*")):
             data = path.read_bytes()
@@ -123,7 +123,7 @@ class Talking(Case):
         self.scene(dict(SMALL, description="mine"), "mine.json")
         self.environment["SOUPLE_SCENES"] = str(self.folder)
         self.assertRegex(self.souple("list").stdout, r"mine +mine\n")
-        self.assertIn("the scene is fine", self.souple("check", "mine").stdout)
+        self.assertIn("the scene is valid", self.souple("check", "mine").stdout)
 
     def test_check(self):
         out = self.souple("check", self.scene(SMALL)).stdout
@@ -134,11 +134,11 @@ class Talking(Case):
 
     def test_check_every_shipped_scene(self):
         for scene in json.loads(self.souple("list", "--json").stdout):
-            self.assertIn("the scene is fine", self.souple("check", scene["name"]).stdout)
+            self.assertIn("the scene is valid", self.souple("check", scene["name"]).stdout)
 
     def test_info(self):
         out = self.souple("info").stdout
-        for word in ["souple ", "compiler:", "assimp", "scenes are looked for in:", "threads: ", "oneTBB: "]:
+        for word in ["souple ", "compiler:", "assimp", "folders of scenes:", "threads: ", "oneTBB: "]:
             self.assertIn(word, out)
 
     def test_documents(self):
@@ -184,10 +184,10 @@ class BadInput(Case):
             (["runn", "flag"], "runn: there is no such command"),
             (["--nope"], "--nope: there is no such option"),
             (["run", "flag", "--writ", "pc2"], "--writ: there is no such option"),
-            (["list", "x"], "x: one argument too many"),
-            (["run", "flag", ""], ": one argument too many"),
+            (["list", "x"], "x: unexpected argument"),
+            (["run", "flag", ""], ": unexpected argument"),
             (["run", "flag", "--frames", "-3"], "--frames = -3: expected a whole number"),
-            (["run", "--resume", "nowhere"], "nowhere: there is no such folder"),
+            (["run", "--resume", "nowhere"], "nowhere: no such folder"),
         ):
             result = subprocess.run([PROGRAM, *arguments], cwd=self.folder, capture_output=True, text=True,
                                     timeout=60, check=False)
@@ -376,7 +376,7 @@ class Surface(Case):
                         "--method", "isotropic", "--smoothing", 2, "--cell", 0.005, "--object", "sand", "--quiet")
             self.assertTrue((self.folder / particles / "sand_0004.ply").is_file())
             self.assertTrue((self.folder / particles / f"sand_particles_0004.{particles}").is_file())
-        # What was written is itself a folder that commands read.
+        # The output is itself a folder that commands read.
         again = self.souple("surface", "ply", "--spacing", 0.02, "--out", "again", "--quiet").stdout
         self.assertEqual(again, "")
 
@@ -399,7 +399,7 @@ class Surface(Case):
         self.assert_same_contents("out_surface", "again")
         manifest = json.loads((self.folder / "out_surface/run.json").read_text())
         self.assertEqual(manifest["objects"][0]["files"], [{"format": "vdb", "path": "sand_0001.vdb", "frames": 4}])
-        error = self.souple("surface", "out_surface", code=2).stderr  # nothing to play back
+        error = self.souple("surface", "out_surface", code=2).stderr  # no frame to play back
         self.assert_one_line(error)
         self.assertIn("--format obj", error)
 
@@ -493,7 +493,7 @@ class Stopping(Case):
         self.fail("nothing happened for ten seconds")
 
     def written(self, folder):
-        """Bytes of the film so far, under its own name or its unfinished one; a run may rename it meanwhile."""
+        """Size in bytes of the cache so far, under its final or its temporary name; a run may rename it meanwhile."""
         size = 0
         for file in (self.folder / folder).glob("flag.pc2*"):
             with contextlib.suppress(FileNotFoundError):
@@ -553,12 +553,12 @@ class Stopping(Case):
         scene = self.scene(dict(WATER, frames=80))
         self.souple("run", scene, "--out", "whole", "--surface", "anisotropic")
         run = self.start(scene, "--out", "out", "--surface", "anisotropic")
-        drop = self.folder / "out_surface/tap_0012.obj"  # there are more particles than in the beginning
+        drop = self.folder / "out_surface/tap_0012.obj"  # more particles than at the start
         self.wait_for(lambda: drop.exists() or run.poll() is not None)
         run.send_signal(signal.SIGINT)
         out, error = run.communicate(timeout=60)
         self.assertEqual(run.returncode, 130, out + error)
-        self.souple("surface", "out", "--out", "so_far")  # whole files, and a run.json that tells of them
+        self.souple("surface", "out", "--out", "so_far")  # complete files, and a run.json that lists them
         self.assert_same_contents("out_surface", "so_far")
         self.assertFalse(json.loads((self.folder / "out_surface/run.json").read_text())["complete"])
         self.assertIn("--surface", self.souple("run", "--resume", "out", "--surface", "isotropic", code=2).stderr)
@@ -596,7 +596,7 @@ class Stopping(Case):
         scene = self.scene(dict(SMALL, frames=3000, substeps=20))
         self.assertEqual(self.stopped(scene, "out", signal.SIGINT)[0], 130)
         self.assertIn("--frames 1", self.souple("run", "--resume", "out", "--frames", 1, code=2).stderr)
-        self.souple("run", "--resume", "out")  # and nothing was lost
+        self.souple("run", "--resume", "out")  # no frame is missing
 
     def test_second_interrupt_ends_at_once(self):
         heavy = json.loads(json.dumps(SMALL))

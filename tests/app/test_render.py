@@ -50,7 +50,7 @@ def png_pixels(path):
 
 
 def difference(one, other):
-    """How many pixels differ by more than a hair, as a fraction."""
+    """Fraction of pixels that differ by more than a small tolerance."""
     a, b = png_pixels(one), png_pixels(other)
     pairs = [(p, q) for row, other_row in zip(a, b) for p, q in zip(row, other_row)]
     return sum(max(abs(i - j) for i, j in zip(p, q)) > 8 for p, q in pairs) / len(pairs)
@@ -203,7 +203,7 @@ class Pictures(RenderCase):
         self.assertIn("12 pictures of 120x80", done.stdout)
         width, height = png_size(self.folder / "out/small.png")
         self.assertTrue(4 * 120 <= width <= 4 * 120 + 40 and 3 * 80 <= height <= 3 * 80 + 40, (width, height))
-        # Every cell is written on: its lower left corner is not that of the frame alone.
+        # Every cell has a label: its lower left corner differs from that of the frame alone.
         self.souple("render", self.scene(SCENE), "--out", "last.png", "--size", "120x80", "--samples", "1")
         page, last = png_pixels(self.folder / "out/small.png"), png_pixels(self.folder / "last.png")
         cell = [row[width - 120:] for row in page[height - 80:]]
@@ -230,7 +230,7 @@ class Pictures(RenderCase):
 
 
 class Runs(RenderCase):
-    """A run's folder looks like its scene."""
+    """The picture of a run's folder equals that of its scene."""
 
     def test_folder_and_scene_are_the_same_picture(self):
         moving = dict(SCENE, colliders=SCENE["colliders"] + [
@@ -245,7 +245,7 @@ class Runs(RenderCase):
                     self.render(source, "--out", "b.png", "--frames", frame)
                     self.assertEqual((self.folder / "a.png").read_bytes(), (self.folder / "b.png").read_bytes())
             self.render(scene, "--out", "b.png", "--frames", "1")
-            self.assertGreater(difference(self.folder / "a.png", self.folder / "b.png"), 0.02)  # it can tell
+            self.assertGreater(difference(self.folder / "a.png", self.folder / "b.png"), 0.02)  # the comparison detects differences
 
     def test_speed_comes_from_two_frames(self):
         scene = self.scene(SCENE)
@@ -281,7 +281,7 @@ class Runs(RenderCase):
     def test_run_with_picture(self):
         scene = self.scene(SCENE)
         done = self.souple("run", scene, "--out", "run", "--picture", "pictures/end.png")
-        self.assertIn("small: the last frame is shown in pictures/end.png\n", done.stdout)
+        self.assertIn("small: picture of the last frame: pictures/end.png\n", done.stdout)
         self.assertEqual(png_size(self.folder / "pictures/end.png"), (1280, 720))
         self.souple("render", scene, "--out", "end.png")
         self.assertEqual((self.folder / "pictures/end.png").read_bytes(), (self.folder / "end.png").read_bytes())
@@ -310,7 +310,7 @@ class Films(RenderCase):
         self.souple("run", self.scene(SCENE), "--out", "run")
         self.render("run", "--out", "a.gif")
         self.assertEqual(probe(self.folder / "a.gif")[:2], (160, 90))
-        self.assertEqual(probe(self.folder / "a.gif")[3], 10)  # 60 a second are too many for a .gif: 30
+        self.assertEqual(probe(self.folder / "a.gif")[3], 10)  # 60 per second are too many for a .gif: 30
         self.assertEqual(sorted(n for n in self.names() if n.startswith("a.")), ["a.gif"])
 
     def test_same_film_twice(self):
@@ -337,7 +337,7 @@ class Films(RenderCase):
         self.assertIn("Debian package ffmpeg", said)
         self.assert_one_line(said)
         self.assertEqual(self.names(), ["small.json"])
-        self.render(scene, "--out", "a.png")  # which needs none
+        self.render(scene, "--out", "a.png")  # a picture needs no ffmpeg
         self.assertIn("films: no", self.souple("info").stdout)
 
 

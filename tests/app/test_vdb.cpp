@@ -19,7 +19,7 @@ namespace {
 constexpr double radius = 0.5, cell = 0.03125, width = 3 * cell;
 const Vec3d center(0.25, -1, 0.1);
 
-/// A sphere; with a cavity half as large, too.
+/// A sphere; if `hollow`, with a cavity of half its size.
 std::string sphere_bytes(int threads, bool hollow = false) {
   TriangleMesh mesh = sphere(4, radius);
   if (hollow) {
@@ -35,7 +35,7 @@ std::string sphere_bytes(int threads, bool hollow = false) {
   return vdb_bytes(narrow_band(positions, mesh.triangles, float(cell), 3, *workers), "water, \"cold\"");
 }
 
-/// What OpenVDB itself reads from a file of these bytes.
+/// The grid that OpenVDB reads from a file of these bytes.
 openvdb::FloatGrid::Ptr read_back(const std::string& bytes) {
   const auto path = std::filesystem::temp_directory_path() / ("souple-" + std::to_string(getpid()) + ".vdb");
   std::ofstream(path, std::ios::binary) << bytes;
@@ -69,11 +69,11 @@ TEST(Vdb, IsALevelSetOfTheSphere) {
   EXPECT_NEAR(double(inside + outside), 2 * shell, 0.04 * shell);
 }
 
-// Beyond the band all is inside or outside too, and what is in a cavity outside.
+// Beyond the band, voxels are inside or outside too; those in a cavity are outside.
 TEST(Vdb, IsFilledBeyondTheBand) {
   const openvdb::FloatGrid::Ptr grid = read_back(sphere_bytes(2, true));
   ASSERT_TRUE(grid);
-  EXPECT_EQ(openvdb::tools::checkLevelSet(*grid), "");  // what OpenVDB itself asks of a level set
+  EXPECT_EQ(openvdb::tools::checkLevelSet(*grid), "");  // OpenVDB's own check of level sets
   const auto accessor = grid->getConstAccessor();
   for (int i = -40; i <= 40; ++i)
     for (int j = -40; j <= 40; ++j)
@@ -88,7 +88,7 @@ TEST(Vdb, IsFilledBeyondTheBand) {
       }
 }
 
-// What OpenVDB names by chance is named by content.
+// OpenVDB's random names are replaced by hashes of the content.
 TEST(Vdb, SameBytesEachTimeAndForAnyNumberOfThreads) {
   const std::string bytes = sphere_bytes(1);
   EXPECT_EQ(bytes, sphere_bytes(1));

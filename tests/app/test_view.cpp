@@ -13,7 +13,7 @@
 
 #include <gtest/gtest.h>
 
-// The viewer as its user meets it, with a synthetic mouse and keyboard.
+// The viewer as its user operates it, with a synthetic mouse and keyboard.
 
 namespace souple::viewer {
 namespace {
@@ -33,14 +33,14 @@ constexpr const char* grains = R"({
   "objects": [{"name": "sand", "kind": "grains", "points": [[0, 1, 0], [1, 1, 0]], "material": {"radius": 0.1}}]
 })";
 
-// A drag that explicit integration cannot follow: speeds grow sixteenfold each substep.
+// A drag too strong for explicit integration: speeds grow sixteenfold each substep.
 constexpr const char* exploding = R"({
   "souple": 1, "drag": 10000, "integrator": "explicit_euler",
   "objects": [{"name": "sand", "kind": "grains", "points": [[0, 1, 0], [1, 1, 0]]}],
   "wind": {"velocity": [2, 0, 0]}
 })";
 
-/// A folder with the scenes above, so that they can be a list.
+/// A folder with the scenes above, for a scene list.
 struct Scenes {
   TestFolder folder;
   std::vector<app::ShippedScene> list{
@@ -96,7 +96,7 @@ TEST_F(View, StepsAndResets) {
   EXPECT_NEAR(view.viewer().session().time(), 1 / 60.0, 1e-9);
   view.type(",");
   EXPECT_NEAR(view.viewer().session().time(), 1.2 / 60.0, 1e-9);
-  view.type("R");  // with shift, or caps lock, it is the same key
+  view.type("R");  // with shift or caps lock it is the same key
   EXPECT_EQ(view.viewer().session().time(), 0);
 }
 
@@ -185,14 +185,14 @@ TEST_F(View, GoesThroughTheScenes) {
   EXPECT_EQ(view.viewer().session().name(), "grains");
   view.type("p");
   EXPECT_EQ(view.viewer().session().name(), "cloth");
-  view.type("p");  // round, onto the broken one
+  view.type("p");  // wraps around to the broken scene
   EXPECT_EQ(view.viewer().session().name(), "cloth");
   EXPECT_TRUE(said("objets"));
   view.type("p");  // and past it
   EXPECT_EQ(view.viewer().session().name(), "grains");
 }
 
-/// What the scene alone looks like at its start.
+/// The image of the scene alone at its start.
 render::Image at_the_start(OffscreenViewer& view) {
   if (view.viewer().session().playing()) view.type(" ");
   view.type("3");
@@ -231,7 +231,7 @@ TEST_F(View, AGrabbedClothFollowsTheMouseAndIsReleased) {
   ASSERT_TRUE(view.viewer().mouse().grabbing());
   for (int i = 1; i <= 20; ++i) view.move(start.x, start.y - 4 - 6.0f * static_cast<float>(i));
   view.pictures(30);
-  EXPECT_NEAR(view.seen(view.viewer().mouse().grabbed_at()).y, start.y - 124, 20);
+  EXPECT_NEAR(view.seen(view.viewer().mouse().grabbed_point()).y, start.y - 124, 20);
   EXPECT_NEAR(view.seen(vertex(115)).y, start.y - 120, 40);
   const render::Camera camera = view.viewer().camera();
   view.release();
@@ -239,7 +239,7 @@ TEST_F(View, AGrabbedClothFollowsTheMouseAndIsReleased) {
   view.pictures(90);
   EXPECT_NEAR(view.seen(vertex(115)).y, start.y, 30);  // it hangs as before
   EXPECT_EQ(view.viewer().camera().from, camera.from);
-  EXPECT_FALSE(view.viewer().session().trouble());
+  EXPECT_FALSE(view.viewer().session().failure());
 }
 
 TEST_F(View, PullingFarAndFastBreaksNothing) {
@@ -249,7 +249,7 @@ TEST_F(View, PullingFarAndFastBreaksNothing) {
   view.press();
   ASSERT_TRUE(view.viewer().mouse().grabbing());
   for (int i = 0; i < 60; ++i) view.move(i % 2 == 0 ? 990 : 360, i % 3 == 0 ? 10 : 1700);
-  EXPECT_FALSE(view.viewer().session().trouble());
+  EXPECT_FALSE(view.viewer().session().failure());
   view.release();
   view.pictures(5);
   EXPECT_TRUE(is_finite(vertex(60)));
@@ -290,7 +290,7 @@ TEST_F(View, EmptySpaceOrbitsRightPansWheelZooms) {
   render::Camera now = view.viewer().camera();
   EXPECT_NEAR(now.distance(), start.distance(), 1e-3);
   EXPECT_EQ(now.to, start.to);
-  EXPECT_LT(now.from.x, start.from.x - 0.5f);  // the scene turns with the mouse
+  EXPECT_LT(now.from.x, start.from.x - 0.5f);  // the scene rotates with the mouse
   view.press(1);
   view.move(560, 100);
   view.release(1);
@@ -373,7 +373,7 @@ TEST_F(View, ANumberCanBeTyped) {
   view.click(stiffness.x, stiffness.y);
   OffscreenViewer::io().KeyCtrl = false;
   view.pictures(2);
-  view.type("1234");  // digits that are typed choose no display
+  view.type("1234");  // digits typed into a field select no display
   OffscreenViewer::io().KeysDown[257] = true;
   view.picture();
   OffscreenViewer::io().KeysDown[257] = false;
@@ -430,7 +430,7 @@ TEST_F(View, EveryKindOfMaterialHasItsSliders) {
     view.viewer().open(scenes.folder.write(std::to_string(&object - objects.data()) + ".json",
                                            "{\"souple\": 1, \"objects\": [{" + object + "}]}"));
     pause();
-    view.look_again();
+    view.invalidate_layout();
     const ImVec2 friction = view.control("##friction");
     ASSERT_GT(friction.x, 0) << object;
     const std::string before = view.simulation().scene_text();
@@ -474,7 +474,7 @@ TEST_F(View, FilmsHaveEveryFrame) {
   }
   ASSERT_TRUE(view.viewer().filming());
   view.type(" ");
-  for (int i = 0; i < 9; ++i) view.picture(0.2);  // pictures take long, and yet no frame is missing
+  for (int i = 0; i < 9; ++i) view.picture(0.2);  // drawing is slow, but no frame is missing
   view.type("v");
   EXPECT_FALSE(view.viewer().filming());
   EXPECT_TRUE(said("souple-cloth-0001.mp4, " + std::to_string(view.viewer().session().frame()) + " frames"))
@@ -482,7 +482,7 @@ TEST_F(View, FilmsHaveEveryFrame) {
   EXPECT_EQ(files(), (std::vector<std::string>{"souple-cloth-0001.mp4"}));
 }
 
-// --- what goes wrong
+// --- errors
 
 TEST_F(View, ABrokenFileLeavesTheRunningScene) {
   view.pictures(3);
@@ -494,7 +494,7 @@ TEST_F(View, ABrokenFileLeavesTheRunningScene) {
     EXPECT_TRUE(said(name));
   }
   EXPECT_GT(view.viewer().session().time(), time);
-  view.viewer().open(scenes.folder.path());  // a folder, but of no run
+  view.viewer().open(scenes.folder.path());  // a folder that is not a run's
   EXPECT_TRUE(said("run.json"));
   EXPECT_EQ(view.viewer().session().name(), "cloth");
 }
@@ -507,7 +507,7 @@ TEST_F(View, TroublePausesAndIsNamed) {
   const render::Image marked = view.image();
   view.pictures(2);
   view.type("r");
-  EXPECT_FALSE(view.viewer().session().trouble());
+  EXPECT_FALSE(view.viewer().session().failure());
 }
 
 TEST_F(View, SmallAndMinimisedWindowsSurvive) {
@@ -637,7 +637,7 @@ TEST(ViewPicture, OfTheManual) {
   const TestFolder folder;
   const char* wish = std::getenv("SOUPLE_VIEWER_PICTURE");
   const std::filesystem::path file = wish != nullptr ? wish : folder.path() / "viewer.png";
-  // Small while time passes, and while a corner is pulled aside; then in full.
+  // Small while time passes and a corner is pulled; then in full size.
   const WindowSize size{1120, 720, 1};
   OffscreenViewer view(source_path("scenes/curtain.json"), {size.width, size.height, 0.1f});
   view.pictures(125);

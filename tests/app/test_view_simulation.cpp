@@ -27,7 +27,7 @@ constexpr const char* falling = R"({
   ]
 })";
 
-// A drag that explicit integration cannot follow: speeds grow sixteenfold each substep.
+// A drag too strong for explicit integration: speeds grow sixteenfold each substep.
 constexpr const char* exploding = R"({
   "souple": 1, "drag": 10000, "integrator": "explicit_euler",
   "objects": [{"name": "sand", "kind": "grains", "points": [[0, 1, 0], [1, 1, 0]]}],
@@ -50,7 +50,7 @@ TEST(ViewerClock, KeepsRealTimeWhateverTheRateOfPictures) {
     while (real < 10) {
       real += picture;
       clock.tick(picture);
-      while (clock.take(1 / 60.0)) ++steps;
+      while (clock.consume(1 / 60.0)) ++steps;
       ASSERT_NEAR(steps / 60.0, real, 1 / 60.0);
     }
     EXPECT_NEAR(clock.speed(), 1, 0.05);
@@ -60,8 +60,8 @@ TEST(ViewerClock, KeepsRealTimeWhateverTheRateOfPictures) {
 TEST(ViewerClock, SaysHowMuchSlowerItIsThanRealTime) {
   Clock clock;
   for (int picture = 0; picture < 100; ++picture) {
-    clock.tick(0.04);  // one step of 0.01 s is all that is made meanwhile
-    if (clock.take(0.01)) clock.drop();
+    clock.tick(0.04);  // only one step of 0.01 s is made meanwhile
+    if (clock.consume(0.01)) clock.drop();
   }
   EXPECT_NEAR(clock.speed(), 0.25, 0.03);
 }
@@ -101,7 +101,7 @@ TEST(ViewerSimulation, NoSpiralOfDeathAfterALongPicture) {
   EXPECT_LE(simulation.time(), 0.41);
   EXPECT_LT(simulation.speed(), 0.01);
   const double before = simulation.time();
-  simulation.advance(0.0001);  // nothing is owed
+  simulation.advance(0.0001);  // no time is due
   EXPECT_EQ(simulation.time(), before);
 }
 
@@ -120,7 +120,7 @@ TEST(ViewerSimulation, PausesAndStepsByFramesAndSubsteps) {
   EXPECT_EQ(simulation.frame(), 1u);
   for (int i = 0; i < 4; ++i) simulation.step_fine();
   EXPECT_EQ(simulation.frame(), 2u);
-  // Ten substeps one by one are two frames: the same motion.
+  // Ten single substeps are two frames: the motion must be equal.
   Simulation whole(scene(falling), "falling");
   whole.step_frame(), whole.step_frame();
   EXPECT_NEAR(at(simulation, "grain", 0).y, at(whole, "grain", 0).y, 1e-5);
@@ -141,7 +141,7 @@ TEST(ViewerSimulation, GoesBackToTheStartWithItsChanges) {
   EXPECT_EQ(at(simulation, "cloth", 12), start);
   EXPECT_TRUE(simulation.history().empty());
   for (int i = 0; i < 50; ++i) simulation.step_frame();
-  EXPECT_NEAR(at(simulation, "grain", 0).y, 100 - 0.5, 0.02);  // still the gravity that was set
+  EXPECT_NEAR(at(simulation, "grain", 0).y, 100 - 0.5, 0.02);  // gravity is still the changed one
 }
 
 TEST(ViewerSimulation, SettingsActAtOnce) {
@@ -195,7 +195,7 @@ TEST(ViewerSimulation, PinsHoldAndLetGo) {
   for (int i = 0; i < 30; ++i) simulation.step_frame();
   EXPECT_EQ(at(simulation, "cloth", 19), held);
   EXPECT_GT(length(at(simulation, "cloth", 0) - freed), 0.05);
-  // They stand in the scene file, and come back with it.
+  // Pins are part of the scene file, and restored from it.
   Simulation again(parse_scene(simulation.scene_text(), source_path(), "copy.json"), "again");
   EXPECT_EQ(again.world().pinned(again.world().find_object("cloth")), (std::vector<std::uint32_t>{4, 19}));
   simulation.reset();
@@ -231,13 +231,13 @@ TEST(ViewerSimulation, TroublePausesAndNamesTheParticle) {
   Simulation simulation(scene(exploding), "exploding");
   for (int i = 0; i < 200 && simulation.playing(); ++i) simulation.advance(1 / 60.0);
   EXPECT_FALSE(simulation.playing());
-  ASSERT_TRUE(simulation.trouble().has_value());
-  EXPECT_EQ(simulation.trouble()->object, "sand");
-  EXPECT_LT(simulation.trouble()->vertex, 2u);
-  EXPECT_TRUE(is_finite(simulation.trouble()->position));
-  EXPECT_NE(simulation.trouble()->message.find("\"sand\", particle"), std::string::npos);
+  ASSERT_TRUE(simulation.failure().has_value());
+  EXPECT_EQ(simulation.failure()->object, "sand");
+  EXPECT_LT(simulation.failure()->vertex, 2u);
+  EXPECT_TRUE(is_finite(simulation.failure()->position));
+  EXPECT_NE(simulation.failure()->message.find("\"sand\", particle"), std::string::npos);
   simulation.reset();
-  EXPECT_FALSE(simulation.trouble().has_value());
+  EXPECT_FALSE(simulation.failure().has_value());
 }
 
 TEST(ViewerSimulation, ABrokenSceneSaysSo) {
@@ -252,7 +252,7 @@ TEST(ViewerSimulation, EveryShippedSceneRunsAndCopies) {
     Simulation simulation(entry.path());
     simulation.step_frame();
     EXPECT_TRUE(simulation.report().ok());
-    EXPECT_FALSE(simulation.trouble());
+    EXPECT_FALSE(simulation.failure());
     EXPECT_EQ(simulation.frame(), 1u);
     EXPECT_NO_THROW(parse_scene(simulation.scene_text(), source_path("scenes"), "copy.json"));
   }

@@ -2,7 +2,7 @@
 """The viewer in a real window, with a real keyboard and mouse: test_view_window.py PROGRAM SOURCE_FOLDER
 [unittest's arguments].
 
-The screen is Xvfb's, the hand is xdotool's; without them the tests that need a screen are skipped.
+Xvfb provides the screen, xdotool operates mouse and keyboard; without them the tests that need a screen are skipped.
 """
 
 import os
@@ -18,7 +18,7 @@ from pathlib import Path
 
 PROGRAM = str(Path(sys.argv[1]).resolve()) if len(sys.argv) > 2 else ""
 MISSING = [name for name in ("Xvfb", "xdotool") if shutil.which(name) is None]
-PATIENCE = 60  # s; a busy machine without a graphics card draws slowly
+TIMEOUT = 60  # s; a busy machine without a graphics card draws slowly
 
 
 def png_size(path):
@@ -48,14 +48,14 @@ class NoScreen(unittest.TestCase):
             if display:
                 environment["DISPLAY"] = display
             done = subprocess.run([PROGRAM, "view", "curtain"], env=environment, capture_output=True, text=True,
-                                  timeout=PATIENCE)
+                                  timeout=TIMEOUT)
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
             self.assertIn("souple render", done.stderr)
 
     def test_bad_input_comes_before_any_window(self):
         for arguments in (["no_such_scene"], ["curtain", "--size", "0x3"], ["/"]):
-            done = subprocess.run([PROGRAM, "view", *arguments], capture_output=True, text=True, timeout=PATIENCE)
+            done = subprocess.run([PROGRAM, "view", *arguments], capture_output=True, text=True, timeout=TIMEOUT)
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
             self.assertNotIn("window can be opened", done.stderr)
@@ -82,10 +82,10 @@ class Window(unittest.TestCase):
 
     def hand(self, *arguments):
         return subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, capture_output=True, text=True,
-                              timeout=PATIENCE).stdout.strip()
+                              timeout=TIMEOUT).stdout.strip()
 
     def wait_for(self, what, condition):
-        end = time.monotonic() + PATIENCE
+        end = time.monotonic() + TIMEOUT
         while time.monotonic() < end:
             found = condition()
             if found:
@@ -97,7 +97,7 @@ class Window(unittest.TestCase):
         return self.wait_for(f"a window called {title}", lambda: self.hand("search", "--name", f"^{title}$"))
 
     def focus(self, window):
-        """Again and again: without a window manager a window that is not mapped yet takes no focus."""
+        """Repeats until it has focus: without a window manager, a window that is not mapped yet takes no focus."""
 
         def has_it():
             self.hand("windowfocus", window)
@@ -149,7 +149,7 @@ class Window(unittest.TestCase):
         window = self.window_called("Souple: crown_splash")
         self.assertIsNone(viewer.poll())
         self.hand("key", "Escape")
-        output, errors = viewer.communicate(timeout=PATIENCE)
+        output, errors = viewer.communicate(timeout=TIMEOUT)
         self.assertEqual(viewer.returncode, 0, errors)
         self.assertEqual(errors, "")
         self.assertIn("souple-curtain-0001.png", output)
@@ -165,14 +165,14 @@ class Window(unittest.TestCase):
             self.wait_for("the film to begin", lambda: list(self.folder.glob("souple-balloon-0001*")))
             time.sleep(1)
         viewer.send_signal(signal.SIGINT)
-        _, errors = viewer.communicate(timeout=PATIENCE)
+        _, errors = viewer.communicate(timeout=TIMEOUT)
         self.assertEqual((viewer.returncode, errors), (130, ""))
         films = ["souple-balloon-0001.mp4"] if shutil.which("ffmpeg") else []
         self.assertEqual([path.name for path in self.folder.iterdir()], films)
 
     def test_ends_after_so_many_pictures(self):
         viewer = self.start("curtain", "--size", "200x150", "--frames", "3", "--paused", "--debug")
-        _, errors = viewer.communicate(timeout=PATIENCE)
+        _, errors = viewer.communicate(timeout=TIMEOUT)
         self.assertEqual((viewer.returncode, errors), (0, ""))
 
 

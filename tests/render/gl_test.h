@@ -9,7 +9,7 @@
 
 namespace souple::render {
 
-/// Tests of rendering: one context and renderer per suite; an OpenGL error fails the test.
+/// Fixture for drawing tests: one context and renderer for a whole suite; an OpenGL error fails a test.
 class GlTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -24,7 +24,7 @@ class GlTest : public ::testing::Test {
   void TearDown() override { EXPECT_NO_THROW(throw_gl_errors()); }
 
   static Renderer& renderer() { return *renderer_; }
-  /// One sample through each pixel's center, with only sun and sky light.
+  /// One sample through each pixel's center, with only direct light from sun and sky.
   static RenderOptions plain() { return {.shadows = false, .ambient_occlusion = false, .samples = 1}; }
   static DrawList without_ground() {
     DrawList list;

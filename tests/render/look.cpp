@@ -1,5 +1,5 @@
-// look FILE.png [width height samples [wireframe]]: draws the studio, to be looked at, and says how long it
-// took.
+// look FILE.png [width height samples [wireframe]]: draws the studio for visual inspection and prints the
+// time.
 #include "render/context.h"
 #include "render/renderer.h"
 #include "studio.h"

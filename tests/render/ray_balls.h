@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-// Reference for the renderer: balls seen through a camera, by casting rays on the CPU in double.
+// Reference image of balls: ray casting on the CPU in double precision.
 
 namespace souple::render {
 
@@ -49,10 +49,10 @@ inline BallHit cast(std::span<const Ball> balls, const Camera& camera, double x,
   return best;
 }
 
-/// The ball that fills a pixel and all pixels within `reach` of its center, or -1 for none; nullopt if
-/// these pixels differ.
-inline std::optional<int> sure(std::span<const Ball> balls, const Camera& camera, int x, int y, int width,
-                               int height, double reach) {
+/// The ball that covers a pixel and everything within `reach` pixels of its center, or -1 for none; empty
+/// where points differ.
+inline std::optional<int> unambiguous_ball(std::span<const Ball> balls, const Camera& camera, int x, int y,
+                                           int width, int height, double reach) {
   const int middle = cast(balls, camera, x + 0.5, y + 0.5, width, height).ball;
   for (int i = 0; i < 8; ++i) {
     const double angle = i * pi / 4;

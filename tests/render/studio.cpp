@@ -10,7 +10,7 @@ ObjectOptions placed(const Vec3d& at) {
   return options;
 }
 
-// 6 x 6 x 5 grains, each layer a little beside the one below.
+// 6 x 6 x 5 grains, each layer with a small offset from the layer below.
 std::vector<Vec3d> heap() {
   std::vector<Vec3d> centers;
   centers.reserve(180);

@@ -5,18 +5,18 @@
 
 #include <vector>
 
-// A scene for pictures: a cloth on a ball, boxes, a soft ring, grains.
+// A scene for visual inspection: a cloth that has fallen on a ball, boxes, a soft ring, grains.
 
 namespace souple::render {
 
-/// A static mesh as a Surface.
+/// A static mesh as a surface.
 class Solid {
  public:
   explicit Solid(const TriangleMesh& mesh) : positions_(mesh.positions.size()), triangles_(mesh.triangles) {
     for (std::size_t i = 0; i < positions_.size(); ++i) positions_[i] = Vec3f(mesh.positions[i]);
     for (std::size_t i = 0; i < positions_.size(); ++i) normals_.push_back(normalized(positions_[i]));
   }
-  /// `smooth`: normals that point away from the origin, as on a ball.
+  /// `smooth`: normals point away from the origin, as on a ball.
   Surface surface(std::uint64_t key, bool smooth, const Vec3d& at, const Color& color) const {
     Surface s;
     s.key = key;
@@ -37,7 +37,7 @@ class Solid {
 class Studio {
  public:
   explicit Studio(int steps, int cloth_side = 64);
-  /// Spans point into the studio.
+  /// Spans refer to the studio.
   DrawList list() const;
   static Camera camera() {
     Camera camera;

@@ -177,7 +177,7 @@ TEST(Camera, FrameFitsABoxTightlyAtAnyAspect) {
         top = std::min(top, seen->y / float(height));
         bottom = std::max(bottom, seen->y / float(height));
       }
-      // Inside; and in one direction nearly from edge to edge, with the same margin on both sides.
+      // Inside; and in one direction nearly from edge to edge, with equal margins on both sides.
       EXPECT_GT(std::min(left, top), 0.02f);
       EXPECT_LT(std::max(right, bottom), 0.98f);
       const bool wide = right - left > bottom - top;
@@ -208,7 +208,7 @@ TEST(Camera, NearAndFarEncloseASceneTheEyeIsIn) {
   const Vec4 wall = m * Vec4{0, 0, -5, 1}, nose = m * Vec4{0, 0, -0.01f, 1};
   EXPECT_LT(wall.z, wall.w);
   EXPECT_GT(nose.z, -nose.w);
-  // A 24 bit buffer tells millimeters apart at the wall.
+  // A 24 bit depth buffer distinguishes millimeters at the wall.
   const Vec4 before = m * Vec4{0, 0, -4.999f, 1};
   EXPECT_GT((wall.z / wall.w - before.z / before.w) / 2 * 16777216, 1);
 }

@@ -1,4 +1,4 @@
-// Contexts, and what is said when they cannot be had.
+// Contexts, and the messages when none can be created.
 #include "render/context.h"
 #include "render/gl/program.h"
 #include "render/renderer.h"
@@ -31,7 +31,7 @@ TEST(Context, CountsErrors) {
     EXPECT_NO_THROW(throw_gl_errors());
     glEnable(0xdead);
     EXPECT_THROW(throw_gl_errors(), Error);
-    EXPECT_NO_THROW(throw_gl_errors()) << "said once";
+    EXPECT_NO_THROW(throw_gl_errors()) << "reported once";
   }
 }
 
@@ -48,14 +48,15 @@ TEST(Context, NamesAShaderThatIsMissing) {
 TEST(Context, NamesAShaderThatDoesNotCompile) {
   const OffscreenContext context;
   try {
-    const gl::Program program("screen.vert.glsl", "resolve.frag.glsl", {"color_map"});  // 1 is no name
+    // color_map becomes 1, not a valid name.
+    const gl::Program program("screen.vert.glsl", "resolve.frag.glsl", {"color_map"});
     FAIL();
   } catch (const Error& error) {
     EXPECT_NE(std::string(error.what()).find("resolve.frag.glsl"), std::string::npos) << error.what();
   }
 }
 
-// The bytes of a small picture of several samples, added up so that their order matters.
+// The bytes of a small picture of several samples, summed so that their order matters.
 std::string picture_hash() {
   const OffscreenContext context;
   Renderer renderer;
@@ -70,7 +71,7 @@ std::string picture_hash() {
   return "picture " + std::to_string(hash);
 }
 
-// Draws in a program of its own, as drivers read their environment once; writes what came of it to stderr.
+// Draws in a separate process, since drivers read their environment once; writes the result to stderr.
 [[noreturn]] void draw_with(const char* variable, const char* value) {
   setenv(variable, value, 1);  // NOLINT(concurrency-mt-unsafe)
   std::string outcome;
@@ -98,9 +99,9 @@ TEST_F(ContextDeathTest, NamesAnExtensionThatIsMissing) {
               "EXT_color_buffer_float.*libgl1-mesa-dri");
 }
 
-// Samples are then added by drawing to and fro.
+// Samples are then summed alternately into two buffers.
 TEST_F(ContextDeathTest, DrawsTheSameWithoutBlendingOfFloats) {
-  // The other program runs this test from its start, and must not have drawn before it sets the variable.
+  // The child process runs this test from its start, and must not have drawn before it sets the variable.
   const char* const expected = "SOUPLE_TEST_EXPECTED_PICTURE";
   if (std::getenv(expected) == nullptr)
     setenv(expected, picture_hash().c_str(), 1);  // NOLINT(concurrency-mt-unsafe)

@@ -57,7 +57,7 @@ std::vector<ConstraintDisplay> all_constraint_displays() {
   return result;
 }
 
-void expect_sound(const DrawList& list, const std::string& where) {
+void expect_valid(const DrawList& list, const std::string& where) {
   for (const Surface& s : list.surfaces) {
     EXPECT_TRUE(s.normals.empty() || s.normals.size() == s.positions.size()) << where;
     EXPECT_TRUE(s.texture.empty() || s.texture.size() == s.positions.size()) << where;
@@ -94,7 +94,7 @@ bool legend_names(const DrawList& list, const std::string& word) {
                      [&](const Label& label) { return label.text.find(word) != std::string::npos; });
 }
 
-/// What is drawn for a body.
+/// The surface drawn for a body.
 const Surface* surface_of(const DrawList& list, std::uint32_t pick) {
   for (const Surface& s : list.surfaces)
     if (s.pick == pick) return &s;
@@ -127,8 +127,8 @@ TEST(Display, EveryDisplayOfEveryKindIsSound) {
       const std::string where =
           std::string(display_name(display)) + " " + std::string(constraint_display_name(constraints));
       const DrawList& list = drawing.update(subject, {.display = display, .constraints = constraints});
-      expect_sound(list, where);
-      // Every body and every collider but the ground can be picked, once, by its number.
+      expect_valid(list, where);
+      // Every body and every collider but the ground can be picked, with a unique number.
       std::multiset<std::uint32_t> picks;
       for (const Surface& s : list.surfaces) picks.insert(s.pick);
       for (const Spheres& s : list.spheres) picks.insert(s.pick);
@@ -151,7 +151,7 @@ TEST(Display, ACacheWithoutAWorldIsDrawnInEveryDisplay) {
   for (std::size_t i = 0; i < display_count; ++i) {
     const DisplayOptions options{.display = static_cast<Display>(i), .constraints = ConstraintDisplay::kind};
     const DrawList& list = drawing.update(subject, options);
-    expect_sound(list, std::string(display_name(options.display)));
+    expect_valid(list, std::string(display_name(options.display)));
     EXPECT_TRUE(list.top_lines.empty());
     EXPECT_TRUE(legend_names(list, "no constraints"));
     for (std::uint32_t pick = 1; pick <= bodies; ++pick)
@@ -204,13 +204,13 @@ TEST(Display, VersionsChangeWhenAndOnlyWhenSomethingDid) {
     return result;
   };
   const auto before = look(shaded);
-  EXPECT_EQ(look(shaded), before);  // nothing to upload
+  EXPECT_EQ(look(shaded), before);  // there is no change to upload
   all.world.step(1.0 / 60);
   const auto after = look(shaded);
   ASSERT_EQ(after.size(), before.size());
-  EXPECT_EQ(after[0][1], before[0][1]);              // the same triangles
+  EXPECT_EQ(after[0][1], before[0][1]);              // same triangles
   EXPECT_NE(after[0][2], before[0][2]);              // moved
-  EXPECT_EQ(after[bodies - 1], before[bodies - 1]);  // a collider, after the four with surfaces
+  EXPECT_EQ(after[bodies - 1], before[bodies - 1]);  // a collider, after the four bodies with surfaces
   EXPECT_NE(look({.display = Display::speed})[0][2], after[0][2]);  // other colors
   const auto paused = look(shaded);
   std::vector<Vec3f> moved(all.world.positions(all.cloth).begin(), all.world.positions(all.cloth).end());
@@ -228,13 +228,13 @@ TEST(Display, ObjectsAndCollidersComeAndGo) {
   all.world.remove(all.cloth);
   all.world.remove(all.floor);
   drawing.update(subject_of(all.world), {});
-  expect_sound(list, "removed");
+  expect_valid(list, "removed");
   EXPECT_FALSE(list.ground.shown);
-  EXPECT_EQ(surface_of(list, 1)->look.color, lump);  // it moved up in the order and kept its looks
+  EXPECT_EQ(surface_of(list, 1)->look.color, lump);  // its index decreased and its look is unchanged
   EXPECT_EQ(surface_of(list, 1)->key, key);
   const ObjectId added = all.world.add_cloth(grid(5, 5, 0.5));
   drawing.update(subject_of(all.world), {});
-  expect_sound(list, "added");
+  expect_valid(list, "added");
   EXPECT_EQ(surface_of(list, bodies)->positions.data(), all.world.positions(added).data());
   all.world.set_collider(all.ball, Sphere{{0, 0, 0}, 0.7f}, {});
   drawing.update(subject_of(all.world), {});
@@ -258,7 +258,7 @@ TEST(Display, StretchedClothIsHotAndClothAtRestIsCold) {
   World world;
   const ObjectId cloth = world.add_cloth(grid(6, 6, 1.0));
   SubjectDrawing drawing;
-  const DisplayOptions options{.display = Display::strain, .largest_strain = 0.1f};
+  const DisplayOptions options{.display = Display::strain, .max_strain = 0.1f};
   const DrawList& list = drawing.update(subject_of(world), options);
   for (const PackedColor c : list.surfaces[0].colors) EXPECT_EQ(c, pack(heat(0)));
   std::vector<Vec3f> x(world.positions(cloth).begin(), world.positions(cloth).end());
@@ -283,7 +283,7 @@ TEST(Display, AStretchedRopeIsHotWhereItIsStretched) {
   SubjectDrawing drawing;
   const Subject subject = subject_of(world);
   const Surface tube =
-      drawing.update(subject, {.display = Display::strain, .largest_strain = 0.1f}).surfaces.at(0);
+      drawing.update(subject, {.display = Display::strain, .max_strain = 0.1f}).surfaces.at(0);
   for (std::uint32_t v = 0; v < tube.positions.size(); ++v) {
     const std::uint32_t point = drawing.vertex_of(subject, 1, v);
     const float at = tube.positions[v].x;
@@ -302,7 +302,7 @@ TEST(Display, SpeedIsShownOnItsScale) {
   world.add_cloth(grid(4, 4, 1.0), {}, {.velocity = {0, 1.5f, 0}});
   world.add_grains(std::vector<Vec3d>{{5, 0, 0}}, {}, {.velocity = {3, 0, 0}});
   SubjectDrawing drawing;
-  const DrawList& list = drawing.update(subject_of(world), {.display = Display::speed, .largest_speed = 3});
+  const DrawList& list = drawing.update(subject_of(world), {.display = Display::speed, .max_speed = 3});
   const HeatScale scale;
   for (const PackedColor c : list.surfaces.at(0).colors) EXPECT_EQ(c, scale(0.5f));
   EXPECT_EQ(list.spheres.at(0).colors[0], scale(1));
@@ -387,7 +387,7 @@ TEST(Display, ParticlesAreTheWorlds) {
   EXPECT_EQ(drawn, known);
   EXPECT_TRUE(legend_names(list, "particles: " + std::to_string(known)));
   for (std::size_t i = 0; i < list.surfaces.size(); ++i) EXPECT_GT(list.surfaces[i].pick, bodies);
-  // A particle of the cloth is found again as the vertex that lies on it.
+  // A particle of the cloth maps to the vertex at its position.
   const Spheres* cloth = spheres_of(list, 1);
   for (std::uint32_t i = 0; i < cloth->centers.size(); ++i)
     EXPECT_EQ(subject.bodies[0].positions[drawing.vertex_of(subject, 1, i)], cloth->centers[i]);
@@ -447,8 +447,8 @@ TEST(Display, TheLegendNamesEveryKindOfConstraint) {
     EXPECT_TRUE(legend_names(list, kind)) << kind;
     colors.insert(kind_color(kind));
   }
-  EXPECT_EQ(colors.size(), kinds.size());                                           // told apart
-  for (const Line& line : list.top_lines) in_use.insert(line.color | 0xff000000u);  // tethers are faint
+  EXPECT_EQ(colors.size(), kinds.size());                                           // distinguishable
+  for (const Line& line : list.top_lines) in_use.insert(line.color | 0xff000000u);  // tethers are transparent
   EXPECT_EQ(in_use, colors);
 }
 
@@ -460,7 +460,7 @@ TEST(Display, StrainOfConstraintsIsShownWhereThereIsOne) {
   world.set_positions(cloth, x);
   SubjectDrawing drawing;
   const DrawList& list =
-      drawing.update(subject_of(world), {.constraints = ConstraintDisplay::strain, .largest_strain = 0.1f});
+      drawing.update(subject_of(world), {.constraints = ConstraintDisplay::strain, .max_strain = 0.1f});
   EXPECT_EQ(list.top_lines.size(), 3u * 3 + 4 * 2 + 6);
   const HeatScale scale;
   for (const Line& line : list.top_lines)
@@ -498,7 +498,7 @@ TEST(Display, RopesAreHitOnTheTubeAndFoundAsPoints) {
     ASSERT_LT(point, rope.positions.size());
     EXPECT_LT(length(tube->positions[v] - rope.positions[point]), 0.055f);  // half a segment and a radius
   }
-  EXPECT_EQ(drawing.vertex_of(subject, 1, 17), 17u);  // a cloth's vertices are drawn as they are
+  EXPECT_EQ(drawing.vertex_of(subject, 1, 17), 17u);  // the vertices of a cloth are drawn directly
 }
 
 TEST(Display, ABlockKeepsItsEdgesAndABallIsSmooth) {
@@ -534,17 +534,17 @@ TEST(Display, TheCheckerOfAFlatClothHasSquareFieldsAlongItsSides) {
   const Surface surface = drawing.update(subject_of(world), {}).surfaces.at(0);
   ASSERT_EQ(surface.texture.size(), 17u * 9);
   EXPECT_GT(surface.look.checker_size, 0);
-  // Fields are an eighth of the shorter side, 1 m; lengths are kept.
+  // Fields are an eighth of the shorter side, 1 m; lengths are preserved.
   const auto x = world.positions(cloth);
   EXPECT_NEAR(length(surface.texture[16] - surface.texture[0]), 8 * length(x[16] - x[0]), 0.15);
   for (const Vec3f& t : surface.texture) EXPECT_EQ(t.y, 0.25f);  // away from borders
   for (const std::size_t corner : {0u, 16u, 136u, 152u})
     for (const float c : {surface.texture[corner].x, surface.texture[corner].z})
-      EXPECT_NEAR(c, std::round(c), 0.08);  // whole fields, all but a rim
+      EXPECT_NEAR(c, std::round(c), 0.08);  // whole fields, except for the rim
   EXPECT_EQ(drawing.update(subject_of(world), {.display = Display::plain}).surfaces[0].look.checker_size, 0);
 }
 
-/// A little pool of each of three fluids.
+/// A small pool of each of three fluids.
 struct Fluids {
   World world;
   std::vector<ObjectId> pools;
@@ -604,7 +604,7 @@ TEST(Display, LiquidsAreEllipsoidsWhereTheseAreAskedFor) {
   EXPECT_TRUE(first(SplatShape::spheres).ellipsoids.empty());
 }
 
-/// As `souple surface` writes them.
+/// As written by `souple surface`.
 TEST(Display, MeshesOfFluidsAreSurfaces) {
   const TriangleMesh mesh = sphere(2, 0.2);
   std::vector<Vec3f> positions;
@@ -628,7 +628,7 @@ TEST(Display, LiquidsHaveTheColorOfTheirMaterialOrTheirOwn) {
   Subject subject = subject_of(fluids.world);
   SubjectDrawing drawing;
   const auto look = [&](std::size_t i) { return drawing.update(subject, {}).liquids.at(i).look; };
-  // Water takes red most, oil and honey blue; honey more of it.
+  // Water absorbs red most, oil and honey blue; honey absorbs more of it than oil.
   EXPECT_GT(look(0).absorption.x, 2 * look(0).absorption.z);
   EXPECT_GT(look(1).absorption.z, 2 * look(1).absorption.x);
   EXPECT_GT(look(2).absorption.y, 1.5f * look(1).absorption.y);

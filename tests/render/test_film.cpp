@@ -15,7 +15,7 @@
 
 #include <gtest/gtest.h>
 
-// Films are judged by what ffprobe and ffmpeg, as any player, find in them.
+// Films are checked with ffprobe and ffmpeg, which decode them like a player.
 
 namespace souple::render {
 namespace {
@@ -41,7 +41,7 @@ class Films : public ::testing::Test {
     return found;
   }
 
-  /// A program of that name becomes the only one on the PATH beside those of the system.
+  /// Creates a program of that name, and makes it the only one on the PATH besides those of the system.
   void put_first_on_path(const std::string& name, const std::string& script) {
     fs::create_directories(folder_ / "bin");
     std::ofstream(folder_ / "bin" / name) << "#!/bin/sh\n" << script << "\n";
@@ -84,7 +84,7 @@ std::string bytes_of(const fs::path& file) {
   return text.str();
 }
 
-/// Four fields of one color each, which change places with every step.
+/// Four fields of one color each, which are permuted at every step.
 Image fields(int width, int height, int step) {
   constexpr std::array<std::array<std::uint8_t, 3>, 4> colors{
       {{200, 30, 40}, {40, 160, 60}, {30, 60, 190}, {230, 220, 210}}};
@@ -111,7 +111,7 @@ const std::uint8_t* frame_of(const std::string& pixels, std::size_t frame, std::
   return reinterpret_cast<const std::uint8_t*>(pixels.data()) + frame * 4 * width * height;
 }
 
-/// Largest difference in the middle of the four fields.
+/// Largest difference at the centers of the four fields.
 int worst_in_fields(const std::uint8_t* pixels, int width, const Image& expected) {
   int worst = 0;
   for (const int y : {expected.height / 4, 3 * expected.height / 4}) {
@@ -164,7 +164,7 @@ TEST_F(Films, GifShowsTheVeryColors) {
 
 TEST_F(Films, FastGifKeepsItsSpeed) {
   NEEDS_FFMPEG;
-  make_film(folder_ / "a.gif", 60, 9);  // every second: 30 a second for 5/30 s
+  make_film(folder_ / "a.gif", 60, 9);  // every second picture: 30 per second for 5/30 s
   const std::string found = probe(folder_ / "a.gif");
   EXPECT_EQ(found.substr(found.rfind(',')), ",5\n");
   make_film(folder_ / "b.gif", 120, 9);
@@ -244,7 +244,7 @@ TEST_F(Films, WhatFfmpegComplainsOfIsPassedOn) {
   std::ofstream(folder_ / "a.mp4") << old;
   {
     Film film(folder_ / "a.mp4", 30);
-    // It may take some pictures into the pipe before it is seen to be gone.
+    // The pipe may accept some pictures before the failure is detected.
     expect_error(
         [&] {
           for (int i = 0; i < 1000; ++i) film.add(fields(640, 480, i));

@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder that goes with the test.
+/// A temporary folder for a test.
 class Folder {
  public:
   Folder() {
@@ -36,7 +36,7 @@ class Folder {
   fs::path path;
 };
 
-/// What a render is like: smooth gradients, a shaded ball, edges.
+/// A picture like a rendered one: smooth gradients, a shaded ball, edges.
 Image sample_picture(int width, int height) {
   Image image(width, height);
   for (int y = 0; y < height; ++y) {
@@ -152,7 +152,7 @@ TEST(Png, APaletteMakesItSmallAndKeepsItsColors) {
         std::uint32_t(reduced.pixels[i] << 16 | reduced.pixels[i + 1] << 8 | reduced.pixels[i + 2]));
   }
   EXPECT_LE(colors.size(), 128u);
-  // Seen from afar, the picture is the same: dithering keeps the mean of every neighborhood.
+  // At low resolution the pictures are equal: dithering preserves the mean of every neighborhood.
   const Image a = downscale(image, 60, 40), b = downscale(reduced, 60, 40);
   int worst = 0;
   double sum = 0;
@@ -183,7 +183,7 @@ TEST(Png, SaysWhatIsWrong) {
   EXPECT_NE(message_of([&] { write_png(nowhere, image); }).find("missing does not exist"), std::string::npos);
   EXPECT_NE(message_of([&] { write_png(folder.path / "a.png", Image{}); }).find("0 x 0"), std::string::npos);
   EXPECT_NE(message_of([&] { write_png(folder.path / "a.png", image, 300); }).find("300"), std::string::npos);
-  EXPECT_TRUE(fs::is_empty(folder.path)) << "nothing half-written is left";
+  EXPECT_TRUE(fs::is_empty(folder.path)) << "no partial file is left";
   EXPECT_NE(message_of([&] { read_png(folder.path / "none.png"); }).find("none.png"), std::string::npos);
   std::ofstream(folder.path / "text.png") << "this is no picture";
   EXPECT_NE(message_of([&] { read_png(folder.path / "text.png"); }).find("not a PNG"), std::string::npos);
@@ -218,7 +218,7 @@ TEST(Downscale, MixesLightNotNumbers) {
 }
 
 TEST(Downscale, CoversPixelsInPart) {
-  // 3 to 2: each result holds one pixel and half of the middle one.
+  // 3 to 2: each result covers one pixel and half of the middle one.
   Image image(3, 1);
   image.pixels = {255, 0, 0, 255, 0, 0, 0, 255, 0, 0, 255, 255};
   const Image two = downscale(image, 2, 1);
@@ -255,7 +255,7 @@ TEST(ContactSheet, LaysPicturesOutRowByRow) {
   EXPECT_EQ(page.at(0, 0)[0], 0);
   EXPECT_EQ(page.at(10 + gap, 5)[0], 1);
   EXPECT_EQ(page.at(10 + gap, 6 + gap)[0], 4);
-  EXPECT_EQ(page.at(page.width - 1, page.height - 1)[0], 255) << "the cell left over";
+  EXPECT_EQ(page.at(page.width - 1, page.height - 1)[0], 255) << "the unused cell";
   EXPECT_EQ(page.at(10, 0)[0], 255) << "the gap";
 }
 

@@ -1,4 +1,4 @@
-// Liquids on screen, against bodies whose outline, surface and thickness are known.
+// Screen-space liquids, compared with bodies of known outline, surface and thickness.
 #include "../expect_error.h"
 #include "gl_test.h"
 #include "ray_balls.h"
@@ -21,7 +21,7 @@ constexpr float spacing = 0.025f;
 constexpr std::array<LiquidFilter, 2> filters{LiquidFilter::curvature_flow, LiquidFilter::narrow_range};
 constexpr std::array<SplatShape, 2> splats{SplatShape::spheres, SplatShape::ellipsoids};
 
-/// Particles on a lattice, each moved a little, as far as `inside` says.
+/// Particles on a lattice, each slightly displaced, where `inside` holds.
 template <class Inside>
 std::vector<Vec3f> fill(const Vec3f& lo, const Vec3f& hi, Inside inside, float jitter = 0.15f) {
   std::mt19937 random(7);
@@ -35,7 +35,7 @@ std::vector<Vec3f> fill(const Vec3f& lo, const Vec3f& hi, Inside inside, float j
   return centers;
 }
 
-/// Together their cubes have the volume of a ball with this radius about the origin.
+/// The particles' cubes have the total volume of a ball with this radius about the origin.
 std::vector<Vec3f> ball_of_particles(float radius) {
   return fill({-radius, -radius, -radius}, {radius, radius, radius},
               [&](const Vec3f& x) { return length(x) < radius; });
@@ -53,7 +53,7 @@ Liquid liquid_of(std::span<const Vec3f> centers) {
   return liquid;
 }
 
-/// The same, drawn as its ellipsoids, which are kept here.
+/// The particles' ellipsoids, which this object stores.
 class Ellipsoids {
  public:
   explicit Ellipsoids(std::span<const Vec3f> centers) : centers_(centers), shapes_(spacing) {
@@ -101,8 +101,8 @@ double deviation(std::span<const double> values) {
   return std::sqrt(sum / double(values.size()));
 }
 
-/// The value that a part of all do not exceed.
-double part_of(std::vector<double> values, double part) {
+/// Quantile: a fraction `part` of the values does not exceed it.
+double quantile(std::vector<double> values, double part) {
   std::sort(values.begin(), values.end());
   return values.at(std::size_t(part * double(values.size() - 1)));
 }
@@ -120,7 +120,7 @@ class LiquidTest : public GlTest {
     options.liquid_steps = steps;
     return options;
   }
-  /// The points of the surface in a window around the middle of the picture.
+  /// Surface points in a window around the center of the picture.
   static std::vector<Vec3f> surface_points(const LiquidImage& image, const Camera& camera, int reach_x,
                                            int reach_y) {
     std::vector<Vec3f> points;
@@ -134,12 +134,12 @@ class LiquidTest : public GlTest {
   }
 };
 
-/// A ball of 20 spacings about the origin, beside the ball itself.
+/// A ball of 20 spacings about the origin, compared with the exact ball.
 class BallOfParticles : public LiquidTest {
  protected:
   struct Compared {
-    double area = 0;                                 ///< covered, of that of the ball
-    std::vector<double> thickness_errors, too_deep;  ///< of 1; m
+    double area = 0;                                 ///< covered area over that of the ball
+    std::vector<double> thickness_errors, too_deep;  ///< relative; m
   };
   Compared compare(SplatShape splat, LiquidFilter filter) {
     image_ =
@@ -161,7 +161,8 @@ class BallOfParticles : public LiquidTest {
     result.area = double(covered) / expected;
     return result;
   }
-  /// How far the left end of each row is from where the ball has it, row by row around the middle. [pixels]
+  /// Distance of the left end of each row from the exact ball's outline, row by row around the center.
+  /// [pixels]
   std::vector<double> outline(SplatShape splat) {
     constexpr int columns = 960, rows = 720, reach = 120;
     const LiquidImage image = renderer().liquid_image(with(ellipsoids_.liquid(splat)), camera_,
@@ -190,20 +191,20 @@ TEST_F(BallOfParticles, HasTheOutlineAndThicknessOfTheBall) {
     for (const LiquidFilter filter : {LiquidFilter::none, filters[0], filters[1]}) {
       const std::string where = name_of(splat, filter);
       Compared compared = compare(splat, filter);
-      // The outermost centers lie on the ball, so the balls about them reach beyond it: by 3.75 % of its
+      // The outermost centers lie on the ball, so the balls around them extend beyond it: by 3.75 % of its
       // radius.
       EXPECT_NEAR(compared.area, 1, 0.06) << where;
       const auto middle = std::size_t(height / 2 * width + width / 2);
       EXPECT_NEAR(image_.thickness[middle], 2 * radius_, 0.04f * radius_) << where;
-      EXPECT_LT(part_of(compared.thickness_errors, 0.99), 0.06) << where;
+      EXPECT_LT(quantile(compared.thickness_errors, 0.99), 0.06) << where;
       if (filter == LiquidFilter::none) rough.push_back(deviation(compared.too_deep) / double(spacing));
       if (filter == LiquidFilter::none && splat == SplatShape::spheres) continue;
-      // All but a few places where one looks deep between particles.
+      // All but a few points where the view passes deep between particles.
       for (double& error : compared.too_deep) error = std::abs(error);
-      EXPECT_LT(part_of(compared.too_deep, 0.98), 0.75 * double(spacing)) << where;
+      EXPECT_LT(quantile(compared.too_deep, 0.98), 0.75 * double(spacing)) << where;
     }
   }
-  // Unsmoothed. What is left to ellipsoids are the steps of a ball cut out of a lattice.
+  // Without smoothing. Ellipsoids leave the steps of a ball cut out of a lattice.
   EXPECT_GT(rough[0], 0.2) << "beads";
   EXPECT_LT(rough[1], 0.5 * rough[0]);
   EXPECT_LT(rough[1], 0.16);
@@ -222,7 +223,7 @@ class FlatPool : public LiquidTest {
     std::vector<double> heights;  ///< m
     std::vector<double> up;       ///< of the normals
   };
-  /// The surface around the middle of the picture.
+  /// The surface around the center of the picture.
   Seen look(const Vec3f& from, SplatShape splat, LiquidFilter filter) {
     const Camera camera = camera_at(from, {0, 0.15f, 0}, 20);
     const LiquidImage image =
@@ -269,7 +270,7 @@ TEST_F(FlatPool, IsAllButFlatAsEllipsoids) {
   for (const Vec3f& from : places) {
     const Seen spheres = look(from, SplatShape::spheres, LiquidFilter::none);
     const Seen ellipsoids = look(from, SplatShape::ellipsoids, LiquidFilter::none);
-    EXPECT_GT(deviation(spheres.heights), 0.05 * d) << "balls are no plane";
+    EXPECT_GT(deviation(spheres.heights), 0.05 * d) << "balls are not a plane";
     EXPECT_LT(deviation(ellipsoids.heights), 0.4 * deviation(spheres.heights));
     EXPECT_LT(deviation(ellipsoids.heights), 0.05 * d);
     EXPECT_NEAR(mean(ellipsoids.heights), 0.15, 0.15 * d) << "half a spacing above the topmost particles";
@@ -277,7 +278,7 @@ TEST_F(FlatPool, IsAllButFlatAsEllipsoids) {
   }
 }
 
-/// The surface of a wavy pool is the same one however many pixels it is seen with.
+/// The surface of a wavy pool does not depend on the number of pixels.
 TEST_F(LiquidTest, SurfaceDoesNotDependOnTheSizeOfThePicture) {
   const auto below_waves = [](const Vec3f& x) { return x.y < 0.2f + 0.03f * std::sin(12 * x.x + 7 * x.z); };
   const std::vector<Vec3f> centers = fill({-0.8f, 0, -0.8f}, {0.8f, 0.3f, 0.8f}, below_waves);
@@ -294,14 +295,14 @@ TEST_F(LiquidTest, SurfaceDoesNotDependOnTheSizeOfThePicture) {
         if (a > 0 && b > 0) differences.push_back(double(a - b));
       }
     ASSERT_GT(differences.size(), 60 * 100u);
-    EXPECT_LT(std::abs(part_of(differences, 0.5)), 0.05 * double(spacing)) << liquid_filter_name(filter);
-    // All but the edges of waves before others.
+    EXPECT_LT(std::abs(quantile(differences, 0.5)), 0.05 * double(spacing)) << liquid_filter_name(filter);
+    // Excludes the edges where waves hide other waves.
     for (double& difference : differences) difference = std::abs(difference);
-    EXPECT_LT(part_of(differences, 0.95), 0.15 * double(spacing)) << liquid_filter_name(filter);
+    EXPECT_LT(quantile(differences, 0.95), 0.15 * double(spacing)) << liquid_filter_name(filter);
   }
 }
 
-/// More steps of the same flow smooth as far, not farther.
+/// More steps of the same flow smooth equally far.
 TEST_F(LiquidTest, StepsDoNotChangeHowFarTheSurfaceIsSmoothed) {
   const auto below_waves = [](const Vec3f& x) { return x.y < 0.2f + 0.03f * std::sin(30 * x.x); };
   const std::vector<Vec3f> centers = fill({-0.8f, 0, -0.8f}, {0.8f, 0.3f, 0.8f}, below_waves);
@@ -322,14 +323,14 @@ class LiquidAndBall : public LiquidTest {
  protected:
   LiquidAndBall() : centers_(ball_of_particles(0.5f)), camera_(camera_at({0, 0, 4}, {}, 25)) {}
 
-  /// The color in the middle of the picture with an opaque ball at this depth, in linear light.
+  /// The color at the center of the picture with an opaque ball at this depth, in linear light.
   std::array<double, 3> middle(float z, bool wet, const Vec3f& absorption = {1.5f, 1.5f, 1.5f}) {
-    place_ = {0, 0, z};
+    position_ = {0, 0, z};
     DrawList list = without_ground();
     Spheres ball;
     ball.key = 2;
     ball.version = ++version_;
-    ball.centers = {&place_, 1};
+    ball.centers = {&position_, 1};
     ball.radius = 0.2f;
     ball.look.color = srgb(0xb0b0b0);
     list.spheres.push_back(ball);
@@ -347,7 +348,7 @@ class LiquidAndBall : public LiquidTest {
 
   std::vector<Vec3f> centers_;
   Camera camera_;
-  Vec3f place_{};
+  Vec3f position_{};
   std::uint64_t version_ = 0;
 };
 
@@ -356,7 +357,7 @@ TEST_F(LiquidAndBall, WhatStandsBeforeALiquidHidesIt) {
   for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(wet[c], dry[c]);
 }
 
-/// By Beer and Lambert, with 2 % of the light mirrored at the surface.
+/// Beer-Lambert law, with 2 % of the light reflected at the surface.
 TEST_F(LiquidAndBall, WhatIsBehindOrInsideIsDimmedByTheWayInTheLiquid) {
   struct Case {
     float z, way;
@@ -432,14 +433,15 @@ TEST_F(LiquidTest, ThrowsALightShadowInItsColor) {
       EXPECT_GT(dim[c], 1.1 * dark[c]) << c;
     }
   }
-  EXPECT_LT(dim[0] / bright[0], 0.8 * dim[2] / bright[2]) << "red is what the liquid takes";
+  EXPECT_LT(dim[0] / bright[0], 0.8 * dim[2] / bright[2]) << "the liquid absorbs red most";
   list.liquids[0].casts_shadow = false;
   const Image none = renderer().picture(list, camera, options, width, height);
   EXPECT_NEAR(color_at(none, shadow)[0], bright[0], 0.05);
 }
 
 TEST_F(LiquidTest, EllipsoidsAreSeenAsTheyAre) {
-  // Seen from far along z: the outline of an ellipsoid with half axes 0.5, 0.2 is that of the ellipse.
+  // From a large distance along z: the outline of an ellipsoid with half axes 0.5, 0.2 is that of the
+  // ellipse.
   const std::array<Vec3f, 1> center{Vec3f{0.1f, -0.1f, 0}};
   const float turn = 0.5f, c = std::cos(turn), s = std::sin(turn);
   const std::array<Mat3f, 1> axes{Mat3f{{0.5f * c, 0.5f * s, 0}, {-0.2f * s, 0.2f * c, 0}, {0, 0, 0.3f}}};
@@ -526,7 +528,7 @@ TEST_F(LiquidTest, PicturesOfManySamplesAreTheSameEachTime) {
   const Image a = renderer().picture(list, camera, options, width, height);
   const Image b = renderer().picture(list, camera, options, width, height);
   EXPECT_EQ(a.pixels, b.pixels);
-  // And is no other picture than that of one sample.
+  // And equals the picture of one sample.
   const Image one = renderer().picture(list, camera, {}, width, height);
   double difference = 0;
   for (std::size_t i = 0; i < a.pixels.size(); ++i) difference += std::abs(a.pixels[i] - one.pixels[i]);

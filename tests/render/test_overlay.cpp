@@ -46,7 +46,7 @@ Box difference(const Image& a, const Image& b) {
   return box;
 }
 
-/// Looks along -z at a plane through the origin; one unit there is `height` pixels high.
+/// A view along -z at a plane through the origin, where one unit is `height` pixels high.
 Camera front() {
   Camera camera;
   camera.from = {0, 0, 2};
@@ -55,7 +55,7 @@ Camera front() {
   return camera;
 }
 
-/// The point of that plane under a place on the picture.
+/// The point of that plane under a position in the picture.
 Vec3f under(float x, float y) {
   return {(x - float(width) / 2) / float(height), 0.5f - y / float(height), 0};
 }
@@ -74,7 +74,7 @@ class OverlayTest : public GlTest {
   static Image background() { return picture(without_ground()); }
 };
 
-/// How much of a pixel is covered by something of this color, from the light of its red channel.
+/// Coverage of a pixel by an element of this color, from the light in its red channel.
 float coverage(const Image& with, const Image& without, int x, int y, float red) {
   const auto light = [&](const Image& image) { return linear_of_srgb(float(image.at(x, y)[0]) / 255); };
   return (light(with) - light(without)) / (red - light(without));
@@ -100,7 +100,7 @@ class Wall {
 /// Labels alone, over black.
 class Page {
  public:
-  explicit Page(const fs::path& font = Font::usual_file())
+  explicit Page(const fs::path& font = Font::default_file())
       : color_(GL_RGBA8, width, height), framebuffer_("a page", {&color_}, nullptr), pass_(font) {}
 
   Image draw(const std::vector<Label>& labels) {
@@ -221,14 +221,14 @@ TEST_F(OverlayTest, ALineOnASlantedSurfaceShowsAllAlong) {
 TEST_F(OverlayTest, LinesAreCutAtTheNearPlane) {
   const Image without = background();
   DrawList list = without_ground();
-  // From before the camera to far behind it, on the right.
+  // From in front of the camera to far behind it, on the right.
   list.lines.push_back({{0.1f, -0.05f, 0}, {0.4f, -0.3f, 40}, 0xff000000, 2});
   const Image with = picture(list);
   const Box box = difference(with, without);
   ASSERT_FALSE(box.empty());
   const auto start = front().project(list.lines[0].a, width, height);
   EXPECT_NEAR(box.left, start->x, 3);
-  EXPECT_EQ(box.right, width) << "it goes on to the edge of the picture";
+  EXPECT_EQ(box.right, width) << "it extends to the edge of the picture";
   EXPECT_NEAR(box.top, start->y, 3);
   list.lines[0] = {{-1, 0.1f, 2.5f}, {1, 0.1f, 40}, 0xff000000, 2};
   EXPECT_TRUE(difference(picture(list), without).empty()) << "behind the eye";
@@ -281,7 +281,7 @@ TEST_F(OverlayTest, TextIsTheSameAtEveryWholePixelAndSnapsToIt) {
 }
 
 TEST_F(OverlayTest, TextIsCrisp) {
-  // The stem of an l is nearly full somewhere: not smeared over two pixels.
+  // The stem of an l covers some pixel nearly completely: it is not blurred over two pixels.
   Page page;
   for (const float size : {13.0f, 16.0f, 24.0f}) {
     const Image image = page.draw({label("H", 10, 10, size)});
@@ -344,7 +344,7 @@ TEST_F(OverlayTest, ThereIsTextWithoutAFontFile) {
   std::string pattern = (fs::temp_directory_path() / "souple_font_XXXXXX").string();
   const fs::path folder = mkdtemp(pattern.data());
   std::ofstream(folder / "text.ttf") << "no font";
-  // One table that lies beyond the end of the file.
+  // One table extends beyond the end of the file.
   std::ofstream(folder / "cut.ttf", std::ios::binary) << std::string(
       "\0\1\0\0\0\1\0\0\0\0\0\0"
       "glyf\0\0\0\0\0\0\1\0\0\0\1\0",

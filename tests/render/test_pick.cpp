@@ -24,7 +24,7 @@ Camera a_camera() {
   return camera;
 }
 
-/// A wavy sheet, placed somewhere.
+/// A wavy sheet at a position.
 struct Sheet {
   Sheet() : mesh(grid(40, 30, 2)) {
     for (const Vec3d& x : mesh.positions) {
@@ -50,8 +50,8 @@ struct Sheet {
   Transform pose;
 };
 
-/// Where a ray first meets the sheet (Moeller and Trumbore 1997).
-std::optional<Vec3d> meet(const Sheet& sheet, const Ray& ray) {
+/// First intersection of a ray with the sheet (Moeller and Trumbore 1997).
+std::optional<Vec3d> intersect(const Sheet& sheet, const Ray& ray) {
   std::optional<Vec3d> best;
   double least = std::numeric_limits<double>::max();
   const Vec3d origin(ray.origin), direction(ray.direction);
@@ -94,7 +94,7 @@ TEST_F(PickTest, TheParticleUnderThePixelForAThousandPixels) {
   int hits = 0;
   for (int checked = 0; checked < 1000;) {
     const int x = column(random), y = row(random);
-    const std::optional<int> ball = sure(balls, camera, x, y, width, height, 0.5);
+    const std::optional<int> ball = unambiguous_ball(balls, camera, x, y, width, height, 0.5);
     if (!ball) continue;
     ++checked;
     const Picked picked = renderer().pick(list, camera, x, y, width, height);
@@ -123,11 +123,11 @@ TEST_F(PickTest, TheVertexNearestToThePointUnderThePixel) {
   int hits = 0;
   for (int i = 0; i < 500; ++i) {
     const int x = column(random), y = row(random);
-    const auto point = meet(sheet, camera.ray(float(x) + 0.5f, float(y) + 0.5f, width, height));
+    const auto point = intersect(sheet, camera.ray(float(x) + 0.5f, float(y) + 0.5f, width, height));
     const Picked picked = renderer().pick(list, camera, x, y, width, height);
     EXPECT_EQ(image.element[std::size_t(y * width + x)], picked.element);
     if (!point || picked.pick == 0) continue;
-    // Where a fold hides another a pixel may show either.
+    // Where a fold hides another one, a pixel may show either.
     if (length(Vec3d(picked.point) - *point) > 1e-2) continue;
     ++hits;
     EXPECT_LT(length(Vec3d(picked.point) - *point), 2e-3);

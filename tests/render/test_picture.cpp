@@ -1,4 +1,4 @@
-// What pictures show, whatever they look like: shadows where they fall, the same picture twice.
+// Properties of pictures that do not depend on their exact appearance: positions of shadows, repeatability.
 #include "render/context.h"
 #include "render/renderer.h"
 #include "souple/error.h"
@@ -51,8 +51,8 @@ class PictureOfBall : public Picture {
     camera_.to = {0, 0.2f, 0};
     camera_.fov = 40;
   }
-  // A ball of radius 0.3 one meter above the floor, without the floor's pattern, and where its shadow's
-  // middle falls.
+  // A ball of radius 0.3 one meter above the floor, without the floor's pattern, and the center of its
+  // shadow.
   DrawList list(bool as_mesh) const {
     DrawList list;
     if (as_mesh) {
@@ -86,7 +86,7 @@ TEST_F(PictureOfBall, ThrowsItsShadowWhereTheSunPutsIt) {
       const double dark = brightness(image, camera_, middle);
       const double lit = brightness(image, camera_, {-1.2f, 0, 0.8f});
       EXPECT_LT(dark, 0.8 * lit) << "mesh " << as_mesh << ", samples " << samples;
-      // Across the sun's direction the shadow is as wide as the ball, give and take the penumbra of
+      // Perpendicular to the sun's direction the shadow is as wide as the ball, plus or minus the penumbra of
       // 2.5 degrees over 1.2 m.
       const Vec3f across = normalized(cross(scene.light.to_sun, Vec3f{0, 1, 0}));
       for (const float side : {-1.0f, 1.0f}) {
@@ -176,7 +176,7 @@ TEST(PictureOfContexts, IsTheSameInBoth) {
     watch_gl_errors();
     Renderer renderer;
     DrawList list = studio.list();
-    Liquid liquid;  // its grains once more, wet
+    Liquid liquid;  // the grains again, as a liquid
     liquid.key = 1;
     liquid.centers = list.spheres[0].centers;
     liquid.radius = 0.05f;
@@ -195,7 +195,7 @@ TEST(PictureOfContexts, IsTheSameInBoth) {
   }
 }
 
-// Where a box stands on the floor less of the sky is seen.
+// Where a box stands on the floor, less of the sky is visible.
 TEST_F(Picture, IsDarkerInCornersWithAmbientOcclusion) {
   const Solid box_mesh(box({0.5, 0.5, 0.5}));
   DrawList list;
@@ -213,7 +213,7 @@ TEST_F(Picture, IsDarkerInCornersWithAmbientOcclusion) {
   EXPECT_NEAR(brightness(with, camera, open), brightness(without, camera, open), 1.5);
 }
 
-// A scene and the same scene 100 times smaller or larger look alike.
+// A scene and the same scene 100 times smaller or larger give similar pictures.
 TEST_F(Picture, DoesNotDependOnTheScale) {
   const auto picture = [](float scale) {
     const Solid box_mesh(box({0.5, 0.5, 0.5})), ball_mesh(sphere(4, 0.3));
@@ -233,7 +233,7 @@ TEST_F(Picture, DoesNotDependOnTheScale) {
   EXPECT_LT(mean_difference(meter, picture(64.0f)), 1.0);
 }
 
-// Both sides of a triangle are lit as what faces the eye: how it is wound must not be seen.
+// Both sides of a triangle are lit as the side towards the eye: the winding order must not be visible.
 TEST_F(Picture, DoesNotDependOnTheWinding) {
   const Studio studio(40, 24);
   DrawList list = studio.list();
@@ -275,7 +275,7 @@ TEST_F(Picture, FollowsVersionsAndTopology) {
   list.surfaces[0].topology = 1;
   EXPECT_FALSE(is_red({-0.3f, 1.1f, 0}));
   EXPECT_TRUE(is_red({0.3f, 0.6f, 0}));
-  // Moved aside.
+  // Shifted.
   for (Vec3f& corner : corners) corner.x += 1;
   list.surfaces[0].version = 1;
   EXPECT_FALSE(is_red({0.3f, 0.6f, 0}));

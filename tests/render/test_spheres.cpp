@@ -15,7 +15,7 @@ constexpr int width = 200, height = 150;
 
 class SpheresTest : public GlTest {
  protected:
-  /// Where the pictures with and without the list's balls differ.
+  /// Pixels at which the pictures with and without the list's balls differ.
   static std::vector<bool> drawn(const DrawList& list, const Camera& camera) {
     DrawList empty = list;
     empty.spheres.clear();
@@ -71,7 +71,7 @@ TEST_F(SpheresTest, SilhouetteIsWhereTheConeOfTangentsCutsThePicture) {
     Vec3f center;
     float radius, fov, distance;
   };
-  // In the middle; off it, where the outline is an ellipse; over the edge of the picture; near; small and
+  // At the center; off it, where the outline is an ellipse; across the edge of the picture; near; small and
   // far.
   for (const Case& c : {Case{{0, 0, 0}, 0.4f, 40, 3}, Case{{0.9f, 0.6f, 0.2f}, 0.3f, 40, 3},
                         Case{{-2.4f, 1.6f, 0.3f}, 0.7f, 100, 3}, Case{{1.5f, -0.2f, 0.1f}, 0.5f, 40, 3},
@@ -87,9 +87,9 @@ TEST_F(SpheresTest, SilhouetteIsWhereTheConeOfTangentsCutsThePicture) {
     for (int y = 0; y < height; ++y) {
       for (int x = 0; x < width; ++x) {
         const auto i = std::size_t(y * width + x);
-        // Pictures have soft edges, picks have none.
-        const std::optional<int> seen = sure(ball, camera, x, y, width, height, 1);
-        const std::optional<int> hit = sure(ball, camera, x, y, width, height, 0.1);
+        // Pictures have soft edges, picks have hard ones.
+        const std::optional<int> seen = unambiguous_ball(ball, camera, x, y, width, height, 1);
+        const std::optional<int> hit = unambiguous_ball(ball, camera, x, y, width, height, 0.1);
         if (seen) wrong += (*seen == 0) != mask[i];
         if (!hit) continue;
         inside += *hit == 0;
@@ -103,7 +103,7 @@ TEST_F(SpheresTest, SilhouetteIsWhereTheConeOfTangentsCutsThePicture) {
 }
 
 TEST_F(SpheresTest, WideAngleStretchesABallIntoItsEllipse) {
-  // On the axis across, at 60 degrees from the line of view: its edges lie at tan(60 -+ asin(r / d)).
+  // On the horizontal axis, at 60 degrees from the view direction: its edges are at tan(60 -+ asin(r / d)).
   const Camera camera = camera_at({0, 0, 2}, 110);
   const float radius = 0.5f, distance = 4;
   DrawList list = without_ground();
@@ -121,7 +121,7 @@ TEST_F(SpheresTest, WideAngleStretchesABallIntoItsEllipse) {
   const double half = std::asin(double(radius / distance));
   EXPECT_NEAR(left, width / 2.0 + per_tangent * std::tan(1 - half), 1);
   EXPECT_NEAR(right, std::min(double(width), width / 2.0 + per_tangent * std::tan(1 + half)), 1);
-  EXPECT_GT(double(right - left), 1.4 * (bottom - top)) << "no circle";
+  EXPECT_GT(double(right - left), 1.4 * (bottom - top)) << "not a circle";
 }
 
 TEST_F(SpheresTest, NearestOfInterpenetratingBallsIsSeenAtEveryPixel) {
@@ -141,7 +141,7 @@ TEST_F(SpheresTest, NearestOfInterpenetratingBallsIsSeenAtEveryPixel) {
   float worst = 0;
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
-      const std::optional<int> hit = sure(balls, camera, x, y, width, height, 0.05);
+      const std::optional<int> hit = unambiguous_ball(balls, camera, x, y, width, height, 0.05);
       const auto i = std::size_t(y * width + x);
       if (!hit || *hit < 0) continue;
       ++seen;
@@ -156,7 +156,7 @@ TEST_F(SpheresTest, NearestOfInterpenetratingBallsIsSeenAtEveryPixel) {
 }
 
 TEST_F(SpheresTest, CutASurfaceWhereTheyMeetIt) {
-  // A ball half sunk into the plane z = 0, seen from the front: what is seen of it is the disc of its radius
+  // A ball partly sunk into the plane z = 0, seen from the front: its visible part is the disc of its radius
   // in that plane, smaller than its silhouette.
   const std::array<Vec3f, 4> corners{Vec3f{-9, -9, 0}, Vec3f{9, -9, 0}, Vec3f{9, 9, 0}, Vec3f{-9, 9, 0}};
   const std::array<Triangle, 2> triangles{Triangle{0, 1, 2}, Triangle{0, 2, 3}};

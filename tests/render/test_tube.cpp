@@ -34,7 +34,7 @@ std::vector<Vec3f> circle(std::size_t count, float radius, float turn) {
   return points;
 }
 
-/// The triangles with vertices at the same place made one.
+/// The triangles after merging vertices at equal positions.
 std::vector<Triangle> welded(const Tube& tube) {
   std::map<std::tuple<float, float, float>, std::uint32_t> first;
   std::vector<Triangle> result;
@@ -60,7 +60,7 @@ double distance_to_polyline(const Vec3f& point, const std::vector<Vec3f>& line) 
   return best;
 }
 
-void expect_sound(const Tube& tube) {
+void expect_valid(const Tube& tube) {
   for (const Vec3f& x : tube.positions()) ASSERT_TRUE(is_finite(x));
   for (const Vec3f& n : tube.normals()) ASSERT_NEAR(length(n), 1, 1e-4);
   for (const Triangle& t : tube.triangles())
@@ -71,8 +71,8 @@ TEST(Tube, ItsSkinLiesAtTheRadiusFromASmoothRope) {
   const float radius = 0.03f;
   const std::vector<Vec3f> rope = circle(25, 0.5f, 4.0f);
   const Tube tube = tube_of(rope, radius);
-  expect_sound(tube);
-  // Chords of the polyline cut the arc short by 0.5 (1 - cos(step / 2)): measure against the true helix.
+  expect_valid(tube);
+  // Chords of the polyline shorten the arc by 0.5 (1 - cos(step / 2)): compared with the true helix.
   const std::vector<Vec3f> exact = circle(4001, 0.5f, 4.0f);
   for (const Vec3f& x : tube.positions()) ASSERT_NEAR(distance_to_polyline(x, exact), radius, 0.01 * radius);
 }
@@ -117,13 +117,13 @@ TEST(Tube, PointsThatCoincideAreSafe) {
   for (const std::vector<Vec3f>& rope : std::vector<std::vector<Vec3f>>{
            {a}, {a, a}, {a, a, a, a}, {a, a, b, b}, {a, b, b, a}, {a, b, a, b}, {b, b, b, a}}) {
     const Tube tube = tube_of(rope, 0.02f);
-    expect_sound(tube);
+    expect_valid(tube);
     for (const Vec3f& x : tube.positions()) EXPECT_LT(distance_to_polyline(x, {a, b, a}), 0.06);
   }
 }
 
 TEST(Tube, DoesNotTwistAboutItself) {
-  // In a planar bend the direction at right angles to the plane is carried along unchanged.
+  // In a planar bend, the direction perpendicular to the plane stays unchanged.
   std::vector<Vec3f> rope;
   for (int i = 0; i <= 20; ++i) {
     const float angle = 0.15f * static_cast<float>(i);

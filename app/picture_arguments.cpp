@@ -1,4 +1,4 @@
-#include "app/picture_words.h"
+#include "app/picture_arguments.h"
 
 #include "souple/error.h"
 
@@ -17,7 +17,7 @@ namespace {
   throw Error(std::string(option) + " \"" + std::string(text) + "\": expected " + expected);
 }
 
-/// Parses the whole text as an integer in [lowest, highest].
+/// Parses the whole text as a number in [lowest, highest].
 std::optional<std::uint64_t> whole_number(std::string_view text, std::uint64_t lowest,
                                           std::uint64_t highest) {
   std::uint64_t value = 0;
@@ -27,7 +27,7 @@ std::optional<std::uint64_t> whole_number(std::string_view text, std::uint64_t l
   return value;
 }
 
-/// Parses "AxB", both in [1, highest].
+/// "AxB", both in [1, highest].
 std::optional<std::pair<int, int>> two_numbers(std::string_view text, std::uint64_t highest) {
   const std::size_t x = text.find('x');
   if (x == std::string_view::npos) return std::nullopt;
@@ -37,16 +37,16 @@ std::optional<std::pair<int, int>> two_numbers(std::string_view text, std::uint6
   return std::pair(static_cast<int>(*a), static_cast<int>(*b));
 }
 
-/// The words between spaces and commas.
+/// Splits at spaces and commas.
 std::vector<std::string> words_of(std::string_view text) {
-  std::vector<std::string> words(1);
+  std::vector<std::string> range(1);
   for (const char c : text) {
     const bool gap = c == ' ' || c == ',' || c == '\t';
-    if (!gap) words.back() += c;
-    if (gap && !words.back().empty()) words.emplace_back();
+    if (!gap) range.back() += c;
+    if (gap && !range.back().empty()) range.emplace_back();
   }
-  if (words.back().empty()) words.pop_back();
-  return words;
+  if (range.back().empty()) range.pop_back();
+  return range;
 }
 
 std::optional<float> number(const std::string& word) {
@@ -56,34 +56,34 @@ std::optional<float> number(const std::string& word) {
   return value;
 }
 
-constexpr const char* camera_words =
+constexpr const char* camera_arguments =
     "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it (meters; 1 < fov < 170), or \"auto\"";
 
-/// Parses the words of a camera in order.
+/// Parses the words of --camera one after another.
 class CameraReader {
  public:
   explicit CameraReader(std::string_view text) : text_(text), words_(words_of(text)) {}
 
-  CameraWish read() {
-    CameraWish wish;
+  CameraRequest read() {
+    CameraRequest request;
     if (words_.size() == 1 && words_[0] == "auto") {
-      wish.automatic = true;
-      return wish;
+      request.automatic = true;
+      return request;
     }
     while (at_ < words_.size()) {
       const std::string& key = words_[at_++];
-      if (key == "from" && !wish.from) {
-        wish.from = point();
-      } else if (key == "to" && !wish.to) {
-        wish.to = point();
-      } else if (key == "fov" && !wish.fov) {
-        wish.fov = value();
-        if (*wish.fov <= 1 || *wish.fov >= 170) fail();
+      if (key == "from" && !request.from) {
+        request.from = point();
+      } else if (key == "to" && !request.to) {
+        request.to = point();
+      } else if (key == "fov" && !request.fov) {
+        request.fov = value();
+        if (*request.fov <= 1 || *request.fov >= 170) fail();
       } else {
         fail();
       }
     }
-    return wish;
+    return request;
   }
 
  private:
@@ -96,7 +96,7 @@ class CameraReader {
     const float x = value(), y = value(), z = value();
     return {x, y, z};
   }
-  [[noreturn]] void fail() const { refuse("--camera", text_, camera_words); }
+  [[noreturn]] void fail() const { refuse("--camera", text_, camera_arguments); }
 
   std::string_view text_;
   std::vector<std::string> words_;
@@ -108,25 +108,25 @@ class CameraReader {
          "N, A-B, A-B/STEP, \"last\" or \"all\"; the first frame is 1, and B may be \"last\"");
 }
 
-struct FrameWords {
+struct FrameRange {
   std::string_view first, last;  ///< numbers, or "last"
   std::uint64_t step = 1;
 };
 
-FrameWords split_frames(std::string_view text) {
+FrameRange split_frames(std::string_view text) {
   if (text == "all") return {"1", "last"};
-  FrameWords words{text, text};
+  FrameRange range{text, text};
   const std::size_t dash = text.find('-'), slash = text.find('/');
   if (slash != std::string_view::npos) {
     const auto step = whole_number(text.substr(slash + 1), 1, std::uint64_t(1) << 40);
     if (!step || dash == std::string_view::npos || dash > slash) refuse_frames(text);
-    words.step = *step;
+    range.step = *step;
   }
   if (dash != std::string_view::npos) {
-    words.first = text.substr(0, dash);
-    words.last = text.substr(dash + 1, slash == std::string_view::npos ? slash : slash - dash - 1);
+    range.first = text.substr(0, dash);
+    range.last = text.substr(dash + 1, slash == std::string_view::npos ? slash : slash - dash - 1);
   }
-  return words;
+  return range;
 }
 
 }  // namespace
@@ -143,7 +143,7 @@ SheetShape parse_sheet(std::string_view text) {
   return {shape->first, shape->second};
 }
 
-CameraWish parse_camera(std::string_view text) {
+CameraRequest parse_camera(std::string_view text) {
   return CameraReader(text).read();
 }
 
@@ -152,18 +152,17 @@ std::uint64_t step_of_frames(std::string_view text) {
 }
 
 std::vector<std::uint64_t> parse_frames(std::string_view text, std::uint64_t frames) {
-  const FrameWords words = split_frames(text);
+  const FrameRange range = split_frames(text);
   const auto bound = [&](std::string_view word) {
     const auto value = word == "last" ? frames : whole_number(word, 1, std::uint64_t(1) << 40);
     if (!value) refuse_frames(text);
-    if (*value > frames)
-      refuse("--frames", text, fmt::format("frames from 1 to {}: there are no more", frames));
+    if (*value > frames) refuse("--frames", text, fmt::format("frames from 1 to {}, the last frame", frames));
     return *value;
   };
-  const std::uint64_t first = bound(words.first), last = bound(words.last);
-  if (first > last) refuse("--frames", text, "the first frame before the last");
+  const std::uint64_t first = bound(range.first), last = bound(range.last);
+  if (first > last) refuse("--frames", text, "a first frame that is not after the last");
   std::vector<std::uint64_t> chosen;
-  for (std::uint64_t frame = first; frame <= last; frame += words.step) chosen.push_back(frame);
+  for (std::uint64_t frame = first; frame <= last; frame += range.step) chosen.push_back(frame);
   return chosen;
 }
 

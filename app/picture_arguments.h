@@ -7,7 +7,8 @@
 #include <string_view>
 #include <vector>
 
-// Command-line options of pictures. Every function throws Error with the invalid word and the expected one.
+// Arguments of the command line that describe pictures. Every function throws Error that repeats the argument
+// and names the expected form.
 
 namespace souple::app {
 
@@ -23,18 +24,18 @@ struct SheetShape {
 /// "4x3"; each side in [1, 64].
 SheetShape parse_sheet(std::string_view text);
 
-/// Camera options; empty ones come from the scene.
-struct CameraWish {
+/// Values that are not set come from the scene.
+struct CameraRequest {
   std::optional<Vec3f> from, to;  ///< m
   std::optional<float> fov;       ///< vertical [degrees]
-  bool automatic = false;         ///< fit all objects into the picture
+  bool automatic = false;         ///< frame all objects
 };
-/// "from 1,2,3 to 0,1,0 fov 30", any of its parts in any order, "auto", or an empty text.
-CameraWish parse_camera(std::string_view text);
+/// "from 1,2,3 to 0,1,0 fov 30", any part of it in any order, "auto", or nothing.
+CameraRequest parse_camera(std::string_view text);
 
-/// The selected frames of 1 to `frames`, ascending: "120", "last", "10-50", "10-last/5", "all".
+/// Selected frames out of 1 to `frames`, ascending, from "120", "last", "10-50", "10-last/5" or "all".
 std::vector<std::uint64_t> parse_frames(std::string_view text, std::uint64_t frames);
-/// The step of a frame selection: 5 for "10-last/5"; 1 by default.
+/// The step of such an argument: 5 for "10-last/5", 1 where none is given.
 std::uint64_t step_of_frames(std::string_view text);
 
 }  // namespace souple::app

@@ -28,7 +28,7 @@ std::string name_of(const std::pair<const char*, Value> (&names)[n], Value value
   return "?";
 }
 
-/// Throws Error, beginning with the option, if there is no such word.
+/// Throws Error, starting with the option, when `word` is not a known name.
 template <class Value, std::size_t n>
 Value value_of(const std::pair<const char*, Value> (&names)[n], const std::string& word, const char* option) {
   std::vector<std::string> known;
