@@ -38,7 +38,7 @@ constexpr const char* main_footer = R"(Examples:
   souple surface out/dam                       make a mesh of a fluid's particles, frame by frame
   souple bench cloth                           measure how fast this machine simulates
 
-Exit codes: 0 success, 1 writing failed, 2 bad input, 3 the simulation became non-finite, 130 interrupted.)";
+Exit codes: 0 success, 1 writing failed, 2 bad input, 3 the simulation diverged, 130 interrupted.)";
 
 constexpr const char* run_footer = R"(Examples:
   souple run flag --set objects.flag.material.bending_stiffness=1e-5 --set substeps=20
@@ -250,9 +250,9 @@ void add_surface(CLI::App& app, std::function<int()>& action) {
   command
       .add_option("--cell", request->cell,
                   "cell of the grid the mesh is extracted from, in meters [half a spacing]")
-      ->type_name("METerS");
+      ->type_name("METERS");
   command.add_option("--spacing", request->spacing, "spacing of the particles, in meters [the scene's]")
-      ->type_name("METerS");
+      ->type_name("METERS");
   command.add_option("--smoothing", request->smoothing, "passes of Laplacian smoothing [0]")->type_name("N");
   command.add_option("--threads", request->threads, "threads; 0: one for each processor [0]")->type_name("N");
   command.add_flag("--quiet", request->quiet, "print nothing but errors");
