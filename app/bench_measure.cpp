@@ -178,9 +178,9 @@ BenchResult measure(const BenchOptions& options) {
   BenchResult result;
   result.name = scene.name;
   result.size = options.size > 0 ? options.size : scene.default_size;
-  if (result.size < scene.least || result.size > scene.most)
-    throw Error(fmt::format("--size {}: {} takes {} to {} {}", result.size, scene.name, scene.least,
-                            scene.most, scene.size_means));
+  if (result.size < scene.min_size || result.size > scene.max_size)
+    throw Error(fmt::format("--size {}: {} takes {} to {} {}", result.size, scene.name, scene.min_size,
+                            scene.max_size, scene.size_means));
   describe(options, result);
   Settings settings = options.settings;
   settings.measure_residuals = false;  // costs about one iteration a step, and is measured separately

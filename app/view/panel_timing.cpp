@@ -163,7 +163,7 @@ void numbers_panel(const Simulation& simulation) {
   value_row("Constraints", fmt::format("{}", report.constraints));
   value_row("Contacts", fmt::format("{}", report.contacts));
   value_row("Deepest contact", text("%.2g mm", 1e3 * report.deepest_contact));
-  value_row("Largest strain", text("%.2g %%", 100 * report.max_strain));
+  value_row("Largest strain", text("%.2g %%", 100 * report.largest_strain));
   residual_table(report);
   if (report.message.empty() || simulation.failure()) return;
   ImGui::PushStyleColor(ImGuiCol_Text, ui_color(theme::warm));
