@@ -411,7 +411,7 @@ class Surface(Case):
                                  (["out", "--format", "stl"], "obj, ply, vdb"), (["out", "--particles", "vdb"], "bgeo"),
                                  (["out", "--object", "snad"], 'did you mean "sand"'),
                                  (["out", "--spacing", "0"], "--spacing"), (["out", "--cell", "-1"], "--cell"),
-                                 (["out", "--cell", "1e-9"], "cell"), (["out", "--out", "out"], "is read"),
+                                 (["out", "--cell", "1e-9"], "cell"), (["out", "--out", "out"], "is the input folder"),
                                  (["out", "--out", "file"], "file")):
             error = self.souple("surface", *arguments, code=2).stderr
             self.assert_one_line(error)
@@ -429,7 +429,7 @@ class Surface(Case):
         work.send_signal(signal.SIGINT)
         out, error = work.communicate(timeout=60)
         self.assertEqual(work.returncode, 130, out + error)
-        self.assertRegex(error, r"interrupted after frame \d+ of 600; long_surface holds these\n")
+        self.assertRegex(error, r"interrupted after frame \d+ of 600; long_surface holds these frames\n")
         manifest = json.loads((self.folder / "long_surface/run.json").read_text())
         self.assertFalse(manifest["complete"])
         files = len(list((self.folder / "long_surface").glob("sand_*.obj")))

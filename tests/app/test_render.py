@@ -360,7 +360,7 @@ class Refused(RenderCase):
         for frames in "0", "x", "1-", "3/2", "1-5/0", "1-2-3", "1,2":
             self.refused(scene, "--frames", frames, said=f'--frames "{frames}": expected N, A-B')
         self.refused(scene, "--frames", "21", said="from 1 to 20")
-        self.refused(scene, "--frames", "5-2", said="first frame before the last")
+        self.refused(scene, "--frames", "5-2", said="not after the last")
         for camera in "from 1,2", "1 2 3", "fov 0", "fov 180", "from 1,2,x", "to nan,0,0", "from 1,2,3 from 1,2,3":
             self.refused(scene, "--camera", camera, said=f'--camera "{camera}": expected')
         self.refused(scene, "--samples", "0", said="--samples 0: expected 1 to 1024")
