@@ -364,8 +364,8 @@ class Refused(RenderCase):
         for camera in "from 1,2", "1 2 3", "fov 0", "fov 180", "from 1,2,x", "to nan,0,0", "from 1,2,3 from 1,2,3":
             self.refused(scene, "--camera", camera, said=f'--camera "{camera}": expected')
         self.refused(scene, "--samples", "0", said="--samples 0: expected 1 to 1024")
-        self.refused(scene, "--liquid-filter", "blur", said="--liquid-filter: there is no liquid filter 'blur'")
-        self.refused(scene, "--liquid-splats", "cubes", said="--liquid-splats: there are no liquid splats 'cubes'")
+        self.refused(scene, "--liquid-filter", "blur", said="--liquid-filter: unknown liquid filter 'blur'")
+        self.refused(scene, "--liquid-splats", "cubes", said="--liquid-splats: unknown liquid splats 'cubes'")
         self.refused(scene, "--liquid-steps", "0", said="--liquid-steps 0: expected 1 to 500")
         self.refused(scene, "--colors", "1", said="--colors 1: expected 2 to 256")
         self.refused(scene, "--colors", "9", "--out", "a.mp4", said="--colors 9: is for pictures")
