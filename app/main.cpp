@@ -373,7 +373,7 @@ std::string command_names(const CLI::App& app) {
   return names;
 }
 
-/// What is wrong with the command line, in one line.
+/// The error of the command line, in one line.
 std::string usage_error(CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && app.get_subcommands().empty()) {
     const std::string commands = command_names(app);

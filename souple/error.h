@@ -5,7 +5,8 @@
 
 namespace souple {
 
-/// What the public API throws. The message says what is wrong, where, what was expected and what to change.
+/// The exception of the public API. Its message gives the error, its location, the expected value and the
+/// remedy.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

@@ -29,7 +29,7 @@ struct SurfaceTimes {
 /// kernels in the field. Centers of particles with few neighbors are moved less: two of them would become
 /// one.
 ///
-/// The same mesh, bit by bit, for any number of threads and with all instruction sets.
+/// The mesh is equal, bit by bit, for any number of threads and with all instruction sets.
 class FluidSurface {
  public:
   /// Throws Error where an option is out of its range; the message names it.

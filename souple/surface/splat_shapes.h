@@ -20,7 +20,7 @@ namespace souple {
 /// the surface of a pool is d / 2 above its topmost particles. A particle with few neighbors is a ball of its
 /// own volume. A particle with neighbors all around is invisible and has A = 0.
 ///
-/// The same bits for any number of threads and with all instruction sets.
+/// Results are equal, bit by bit, for any number of threads and with all instruction sets.
 class SplatShapes {
  public:
   /// `spacing`: d, distance of particles at rest [m]. Throws Error where it is not above 0.

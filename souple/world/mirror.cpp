@@ -65,7 +65,7 @@ void fill_area_normals(const WorldState& world, std::span<const Triangle> triang
   });
 }
 
-// The same sums as in vertex_normals (geometry/measures.h), gathered per vertex.
+// Sums equal to those of vertex_normals (geometry/measures.h), gathered per vertex.
 void fill_normals(const WorldState& world, std::span<const Triangle> triangles, Mirror& mirror) {
   const std::size_t vertices = mirror.positions.size();
   if (mirror.triangles_of.begin.size() != vertices + 1)

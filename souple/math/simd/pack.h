@@ -25,7 +25,7 @@ struct Pack {
 
   // Leaves the lanes uninitialized, also for {}: arrays of packs that are filled later cost nothing.
   Pack() {}  // NOLINT(modernize-use-equals-default)
-  /// The same number in every lane. Implicit, so that plain numbers mix with packs as they do with floats.
+  /// One number in all lanes. Implicit, so that plain numbers mix with packs as they do with floats.
   Pack(float a) : v(Isa::broadcast(a)) {}  // NOLINT(google-explicit-constructor)
   explicit Pack(double a) : Pack(static_cast<float>(a)) {}
   explicit Pack(int a) : Pack(static_cast<float>(a)) {}

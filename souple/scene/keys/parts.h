@@ -76,7 +76,7 @@ CodecPtr<ObstacleSequenceDescription> obstacle_sequence_codec();
 
 // --- meshes.cpp ------------------------------------------------------------------------------------------
 
-/// Which kinds of mesh an object may have.
+/// The kinds of mesh that an object may have.
 enum class MeshUse { surface, solid, points };
 CodecPtr<MeshDescription> mesh_codec(MeshUse use);
 /// Fails if a generated mesh has more than `max_vertices`.
