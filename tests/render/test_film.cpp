@@ -41,7 +41,7 @@ class Films : public ::testing::Test {
     return found;
   }
 
-  /// Creates a program of that name, and makes it the only one on the PATH besides those of the system.
+  /// Creates a program of that name, and puts it first on the PATH.
   void put_first_on_path(const std::string& name, const std::string& script) {
     fs::create_directories(folder_ / "bin");
     std::ofstream(folder_ / "bin" / name) << "#!/bin/sh\n" << script << "\n";

@@ -247,7 +247,7 @@ class FlatPool : public LiquidTest {
   Ellipsoids ellipsoids_{centers_};
 };
 
-// From above, and at a grazing angle of 12 degrees.
+// From above, and at a grazing angle of 11 degrees.
 constexpr std::array<Vec3f, 2> places{Vec3f{0, 1.4f, 1.4f}, Vec3f{0.2f, 0.45f, 1.5f}};
 
 TEST_F(FlatPool, IsFlatWhenSmoothed) {

@@ -281,7 +281,7 @@ TEST_F(OverlayTest, TextIsTheSameAtEveryWholePixelAndSnapsToIt) {
 }
 
 TEST_F(OverlayTest, TextIsCrisp) {
-  // The stem of an l covers some pixel nearly completely: it is not blurred over two pixels.
+  // The stems of an H cover some pixel nearly completely: they are not blurred over two pixels.
   Page page;
   for (const float size : {13.0f, 16.0f, 24.0f}) {
     const Image image = page.draw({label("H", 10, 10, size)});

@@ -103,7 +103,7 @@ TEST_F(SpheresTest, SilhouetteIsWhereTheConeOfTangentsCutsThePicture) {
 }
 
 TEST_F(SpheresTest, WideAngleStretchesABallIntoItsEllipse) {
-  // On the horizontal axis, at 60 degrees from the view direction: its edges are at tan(60 -+ asin(r / d)).
+  // On the horizontal axis, 1 rad (57.3 degrees) off the view direction: edges at tan(1 -+ asin(r / d)).
   const Camera camera = camera_at({0, 0, 2}, 110);
   const float radius = 0.5f, distance = 4;
   DrawList list = without_ground();
