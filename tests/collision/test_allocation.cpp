@@ -11,7 +11,8 @@ TEST(Contacts, AWarmStepAllocatesNothing) {
   test::MiniWorld world(Form::displacement);
   test::Random random(2);
   for (int k = 0; k < 500; ++k) {
-    const Vec3d cell{double(k % 10), double(k / 100), double(k / 10 % 10)};
+    const int layer = k / 100;
+    const Vec3d cell{double(k % 10), double(layer), double(k / 10 % 10)};
     world.add(cell * 0.0201 + Vec3d{0, 0.01, 0} + random.point(-1e-4, 1e-4), 0.01f);
   }
   world.end_object({0.5f, std::nullopt, 0}).self_collision = true;
