@@ -126,7 +126,7 @@ std::array<Vec3d, 4> hinge(double angle) {
   return {{{0, 0, 0}, {1, 0, 0}, {0.4, 0.8, 0}, {0.6, -0.9 * std::cos(angle), 0.9 * std::sin(angle)}}};
 }
 
-double dihedral_C(const std::array<Vec3d, 4>& x, const std::array<Vec3d, 4>& rest) {
+double dihedral_value(const std::array<Vec3d, 4>& x, const std::array<Vec3d, 4>& rest) {
   const auto params = DihedralBending::from_rest(raw<DihedralBending>(rest));
   Vec3d gradient[4];
   return DihedralBending::evaluate(raw<DihedralBending>(x), converted<DihedralBending, double>(params),
@@ -139,7 +139,7 @@ TEST(Bending, DihedralIsTheSignedAngle) {
   const double scale = 1 / std::sqrt(0.4 + 0.45);
   for (const double rest : {0.0, 0.7, -1.5, 3.1, -3.1})
     for (const double turn : {-3.0, -1.0, -1e-4, 0.0, 1e-4, 0.5, 3.0})
-      EXPECT_NEAR(dihedral_C(hinge(rest + turn), hinge(rest)), scale * turn, 1e-6)
+      EXPECT_NEAR(dihedral_value(hinge(rest + turn), hinge(rest)), scale * turn, 1e-6)
           << "rest " << rest << " turned by " << turn;
 }
 
@@ -165,7 +165,7 @@ void check_unfolds() {
       for (std::size_t i = 0; i < 4; ++i) body.set_velocity(i, {});
     }
     const std::array<Vec3d, 4> x{{body.at(0), body.at(1), body.at(2), body.at(3)}};
-    EXPECT_NEAR(dihedral_C(x, hinge(0)), 0, 1e-4) << Kind::name << " from " << angle;
+    EXPECT_NEAR(dihedral_value(x, hinge(0)), 0, 1e-4) << Kind::name << " from " << angle;
   }
 }
 TEST(Bending, FoldsOpen) {

@@ -99,7 +99,7 @@ struct AsTypes<std::tuple<Kinds...>> {
 };
 struct KindName {
   template <class Kind>
-  static std::string GetName(int) {
+  static std::string GetName(int) {  // NOLINT(readability-identifier-naming): GoogleTest calls it
     return Kind::name;
   }
 };
