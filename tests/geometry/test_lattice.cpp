@@ -13,7 +13,7 @@
 namespace souple {
 namespace {
 
-constexpr double pi_ = 3.14159265358979323846;
+constexpr double pi = 3.14159265358979323846;
 
 // Requirements on every lattice: congruent positive tets that match at their faces, in one piece, and cover
 // the surface.
@@ -132,8 +132,8 @@ TEST(Lattice, CavityStaysHollowIfWoundInwardAndFillsIfNot) {
   const TriangleMesh hollow = joined(sphere(3, 1.0), inner, {});
   const Lattice full = build_lattice(solid, {.cell_size = 0.12});
   const Lattice shell = build_lattice(hollow, {.cell_size = 0.12});
-  EXPECT_GT(full.lattice_volume, 4.0 / 3 * pi_ * 0.98);
-  EXPECT_LT(shell.lattice_volume, full.lattice_volume - 4.0 / 3 * pi_ * 0.3 * 0.3 * 0.3);
+  EXPECT_GT(full.lattice_volume, 4.0 / 3 * pi * 0.98);
+  EXPECT_LT(shell.lattice_volume, full.lattice_volume - 4.0 / 3 * pi * 0.3 * 0.3 * 0.3);
   EXPECT_EQ(check::euler_characteristic(surface_triangles(shell.mesh.tets)), 4);  // two spheres
 }
 

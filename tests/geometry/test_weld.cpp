@@ -43,8 +43,8 @@ TEST(Weld, KeepsTheOrderOfTheUser) {
 }
 
 TEST(Weld, NoChainCreepsWithATolerance) {
-  std::vector<Vec3d> line;
-  for (int i = 0; i < 10; ++i) line.push_back({0.6 * i, 0, 0});
+  std::vector<Vec3d> line(10);
+  for (std::size_t i = 0; i < line.size(); ++i) line[i].x = 0.6 * static_cast<double>(i);
   const Weld weld = weld_vertices(line, 1.0);
   EXPECT_EQ(weld.to_vertex, (std::vector<std::uint32_t>{0, 2, 4, 6, 8}));
 }
