@@ -5,6 +5,7 @@
 #include "souple/geometry/embedding.h"
 #include "souple/geometry/lattice.h"
 #include "souple/geometry/mesh_report.h"
+#include "souple/math/scalar.h"
 
 #include <cmath>
 
@@ -12,8 +13,6 @@
 
 namespace souple {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 // Requirements on every lattice: congruent positive tets that match at their faces, in one piece, and cover
 // the surface.

@@ -12,7 +12,7 @@
 namespace souple {
 namespace {
 
-constexpr double R0 = 0.1, Y = 500, nu = 0.3;
+constexpr double R0 = 0.1, Y = 500, nu = 0.3;  // NOLINT(readability-identifier-naming): the formula's symbols
 
 double pressure_of(double s) {
   return Y * (s * s - 1) / ((1 - nu) * R0 * s);

@@ -81,13 +81,14 @@ struct Strip {
   int rows = 13;
   int cells = 16;  // number of free cells
 
-  double D() const { return q * L * L * L / k; }
+  double bending_stiffness() const { return q * L * L * L / k; }
   double cell() const { return L / (cells + 0.5); }
 };
 
 /// The middle row in equilibrium, from the last pinned vertex to the tip; the clamp is at the origin.
 std::vector<Vec3d> hang(const Strip& strip) {
-  const double cell = strip.cell(), D = strip.D(), Y = 1000 * q * L;  // it stretches by a thousandth
+  const double cell = strip.cell(), D = strip.bending_stiffness(),
+               Y = 1000 * q * L;  // it stretches by a thousandth
   const int columns = strip.cells + 2, middle = strip.rows / 2;
   const double slowest = 3.516 * std::sqrt(D / density) / (L * L);
   const double fastest =
@@ -127,9 +128,10 @@ const char* model_name(BendingModel model) {
 /// Compares with the elastica of the strip's D times `factor`: largest distance between the two over the
 /// tip's drop.
 void compare(const Strip& strip, double factor, const std::string& name) {
-  const std::vector<Vec3d> shape = hang(strip), theory = elastica(factor * strip.D(), L, 2 * strip.cells + 1);
-  const std::string of =
-      fmt::format("D = {:.3g} N m, {}, {} cells long", strip.D(), model_name(strip.model), strip.cells);
+  const std::vector<Vec3d> shape = hang(strip),
+                           theory = elastica(factor * strip.bending_stiffness(), L, 2 * strip.cells + 1);
+  const std::string of = fmt::format("D = {:.3g} N m, {}, {} cells long", strip.bending_stiffness(),
+                                     model_name(strip.model), strip.cells);
   const std::string elastica_of = factor == 1 ? "theory: elastica" : "theory: elastica of 5/6 D";
   Curves curves(name, "x [m]", "y [m]");
   double farthest = 0;
