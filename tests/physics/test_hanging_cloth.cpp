@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace souple {
 namespace {
@@ -43,8 +44,8 @@ Strain hang(int n, const Settings& settings, Curves& curves, const std::string& 
   World world(with_drag);
   const ClothMaterial bare{.membrane_stiffness = 0, .bending_stiffness = 0};
   const ObjectId cloth = world.add_cloth(grid(n, n, 2), bare);
-  std::vector<std::uint32_t> edge;
-  for (int c = 0; c < n; ++c) edge.push_back(static_cast<std::uint32_t>(c));
+  std::vector<std::uint32_t> edge(static_cast<std::size_t>(n));
+  std::iota(edge.begin(), edge.end(), 0u);
   world.pin(cloth, vertices(edge));
   add_rigid_sheet(world, cloth, n);
   Strain strain;
