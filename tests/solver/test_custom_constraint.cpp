@@ -11,7 +11,7 @@
 namespace souple {
 namespace {
 
-using namespace test;
+using namespace test;  // NOLINT(google-build-using-namespace)
 
 float distance(std::span<const Vec3f> x, std::span<Vec3f> gradient) {
   const Vec3f d = x[0] - x[1];

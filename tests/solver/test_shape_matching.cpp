@@ -8,7 +8,7 @@
 namespace souple {
 namespace {
 
-using namespace test;
+using namespace test;  // NOLINT(google-build-using-namespace)
 
 const Mat3d turn = rotation_matrix(Quatd::from_axis_angle(normalized(Vec3d{1, -2, 0.5}), 2.0));
 const Vec3d shift{0.3, -1, 2};
@@ -220,6 +220,7 @@ TEST(ShapeMatching, OverlappingRegionsGetDifferentColors) {
   const std::vector<std::uint32_t> regions[] = {{0, 1, 2, 3}, {3, 4, 5, 6, 7}, {7, 8}, {20, 21, 22}};
   for (const auto& region : regions) {
     std::vector<Vec3d> part;
+    part.reserve(region.size());
     for (const std::uint32_t i : region) part.push_back(rest[i]);
     projector.add(region, part);
   }

@@ -60,8 +60,9 @@ TEST(SignedDistanceCollider, NoGrainLeavesAGlass) {
   world.add_collider(SignedDistanceField(test::glass(radius, 0.3, wall, 48), 0.01));
   std::vector<Vec3d> centers;
   for (int i = 0; i < 200; ++i) {
+    const int layer = i / 25;
     const double angle = 2.4 * i, away = 0.014 * std::sqrt(i % 25);
-    centers.push_back({away * std::cos(angle), 0.03 + 0.035 * (i / 25), away * std::sin(angle)});
+    centers.push_back({away * std::cos(angle), 0.03 + 0.035 * layer, away * std::sin(angle)});
   }
   const ObjectId grains = world.add_grains(centers, {.radius = 0.015f, .friction = 0.1f});
   std::vector<Vec3f> velocities(centers.size(), {3, 0, 1});
@@ -93,7 +94,11 @@ TEST(SignedDistanceCollider, NothingFastPassesIt) {
   World world;
   world.add_collider(SignedDistanceField(box({2, 0.05, 2}), 0.02));
   std::vector<Vec3d> centers;
-  for (int i = 0; i < 25; ++i) centers.push_back({0.1 * (i % 5), 0.5 + 0.05 * i, 0.1 * (i / 5)});
+  centers.reserve(25);
+  for (int i = 0; i < 25; ++i) {
+    const int row = i / 5;
+    centers.push_back({0.1 * (i % 5), 0.5 + 0.05 * i, 0.1 * row});
+  }
   const ObjectId grains = world.add_grains(centers, {.radius = 0.01f});
   world.set_velocities(grains, std::vector<Vec3f>(centers.size(), {5, -200, 0}));
   run(world, 0.05);
