@@ -90,7 +90,6 @@ void CustomProjector::project_one(std::size_t i, const ParticleView& particles, 
   for (std::size_t k = 0; k < group.size(); ++k) {
     const Vec3d gradient(item.gradient[k]);
     state.weighted_square += static_cast<double>(particles.inverse_mass(group[k])) * length_squared(gradient);
-    if (settings.damping_time > 0) state.rate += dot(gradient, Vec3d(particles.moved(group[k])));
   }
   const ScalarStep step = project_scalar(state, settings, item.multiplier, substep);
   bool finite = true;
@@ -112,6 +111,38 @@ void CustomProjector::project(int color, std::size_t begin, std::size_t end, con
                               const Substep& substep) {
   for (const std::uint32_t i : groups_.color(color).subspan(begin, end - begin))
     project_one(i, particles, substep);
+}
+
+void CustomProjector::damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
+                               const Substep& substep) {
+  Item& item = items_[i];
+  const ScalarSettings settings = settings_of(*item.constraint);
+  float C = 0;
+  if (!(settings.damping_time > 0) || !evaluate(item, groups_[i], particles, C)) return;
+  const auto group = groups_[i];
+  ScalarState state{static_cast<double>(C)};
+  double rate = 0;
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    const Vec3d gradient(item.gradient[k]);
+    state.weighted_square += static_cast<double>(particles.inverse_mass(group[k])) * length_squared(gradient);
+    rate += dot(gradient, Vec3d(velocity[group[k]].xyz()));
+  }
+  const double dlambda = damp_scalar(state, rate, settings, substep);
+  if (!std::isfinite(dlambda)) return;
+  for (std::size_t k = 0; k < group.size(); ++k)
+    add_velocity(velocity[group[k]],
+                 Vec3d(item.gradient[k]) * (static_cast<double>(particles.inverse_mass(group[k])) * dlambda));
+}
+
+void CustomProjector::damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
+                           Threads& threads) {
+  for (int color = 0; color < color_count(); ++color) {
+    const auto of_color = groups_.color(color);
+    threads.for_each(of_color.size(), grain(), [&](std::size_t begin, std::size_t end) {
+      for (const std::uint32_t i : of_color.subspan(begin, end - begin))
+        damp_one(i, particles, velocity, substep);
+    });
+  }
 }
 
 Residual CustomProjector::residual(const ParticleView& particles) const {

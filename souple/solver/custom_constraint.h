@@ -77,6 +77,8 @@ class CustomProjector final : public Projector {
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
+  void damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
+            Threads& threads) override;
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
@@ -92,6 +94,8 @@ class CustomProjector final : public Projector {
   static bool evaluate(Item& item, std::span<const std::uint32_t> group, const ParticleView& particles,
                        float& C);
   void project_one(std::size_t i, const ParticleView& particles, const Substep& substep);
+  void damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
+                const Substep& substep);
 
   ParticleGroups groups_;
   bool concurrent_ = true;

@@ -137,8 +137,6 @@ void EnclosedVolume::project_one(std::size_t i, const ParticleView& particles, c
     const double square = length_squared(surface.gradient[k]);
     state.weighted_square += w * square;
     max_gradient = std::fmax(max_gradient, w * std::sqrt(square));
-    if (surface.settings.damping_time > 0)
-      state.rate += dot(surface.gradient[k], Vec3d(particles.moved(group[k])));
   }
   ScalarStep step = project_scalar(state, surface.settings, surface.multiplier, substep);
   const double move_limit = 0.25 * std::cbrt(surface.target_volume * 3 / (4 * pi));
@@ -158,6 +156,35 @@ void EnclosedVolume::project(int color, std::size_t begin, std::size_t end, cons
                              const Substep& substep) {
   for (const std::uint32_t i : groups_.color(color).subspan(begin, end - begin))
     project_one(i, particles, substep);
+}
+
+void EnclosedVolume::damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
+                              const Substep& substep) {
+  Surface& surface = surfaces_[i];
+  if (!surface.keep_volume || !(surface.settings.damping_time > 0)) return;
+  const auto group = groups_[i];
+  ScalarState state{measure(surface, group, particles) - surface.target_volume};
+  double rate = 0;
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    state.weighted_square +=
+        static_cast<double>(particles.inverse_mass(group[k])) * length_squared(surface.gradient[k]);
+    rate += dot(surface.gradient[k], Vec3d(velocity[group[k]].xyz()));
+  }
+  const double dlambda = damp_scalar(state, rate, surface.settings, substep);
+  for (std::size_t k = 0; k < group.size(); ++k)
+    add_velocity(velocity[group[k]],
+                 surface.gradient[k] * (static_cast<double>(particles.inverse_mass(group[k])) * dlambda));
+}
+
+void EnclosedVolume::damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
+                          Threads& threads) {
+  for (int color = 0; color < color_count(); ++color) {
+    const auto of_color = groups_.color(color);
+    threads.for_each(of_color.size(), grain(), [&](std::size_t begin, std::size_t end) {
+      for (const std::uint32_t i : of_color.subspan(begin, end - begin))
+        damp_one(i, particles, velocity, substep);
+    });
+  }
 }
 
 Residual EnclosedVolume::residual(const ParticleView& particles) const {

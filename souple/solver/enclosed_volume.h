@@ -51,6 +51,8 @@ class EnclosedVolume final : public Projector {
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
+  void damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
+            Threads& threads) override;
   /// Residual of the surfaces with an active volume constraint [m^3].
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
@@ -74,6 +76,8 @@ class EnclosedVolume final : public Projector {
   static double measure(Surface& surface, std::span<const std::uint32_t> group,
                         const ParticleView& particles);
   void project_one(std::size_t i, const ParticleView& particles, const Substep& substep);
+  void damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
+                const Substep& substep);
 
   ParticleGroups groups_;
   mutable std::vector<Surface> surfaces_;  // `residual` and `volume` write the scratch arrays

@@ -126,21 +126,20 @@ void LinearSystem::begin_substep() {
 void LinearSystem::linearize(const ParticleView& particles, const Substep& substep, bool floor) {
   struct Context {
     LinearSystem& system;
-    const ParticleView& particles;
     double inverse_h2;
     bool floor;
     std::size_t next = 0;
-  } context{*this, particles, 1 / (static_cast<double>(substep.h) * static_cast<double>(substep.h)), floor};
+  } context{*this, 1 / (static_cast<double>(substep.h) * static_cast<double>(substep.h)), floor};
   floored_ = 0;
   for (const Projector* projector : projectors_)
     projector->linearize(particles, substep, [&context](const LinearConstraint& constraint) {
       Block& block = context.system.blocks_[context.next++];
-      context.system.fill(block, constraint, context.particles);
+      context.system.fill(block, constraint);
       if (context.floor && !block.inactive) context.system.raise_to_floor(block, context.inverse_h2);
     });
 }
 
-void LinearSystem::fill(Block& block, const LinearConstraint& constraint, const ParticleView& particles) {
+void LinearSystem::fill(Block& block, const LinearConstraint& constraint) {
   block.inactive = false;
   double gradient_squared = 0;
   const auto of = members(block);
@@ -153,18 +152,13 @@ void LinearSystem::fill(Block& block, const LinearConstraint& constraint, const 
     deactivate(block);
     return;
   }
-  const double gamma = static_cast<double>(constraint.gamma), scale = static_cast<double>(constraint.scale);
+  const double scale = static_cast<double>(constraint.scale);
   double* A = &compliance[block.compliance];
   for (std::size_t k = 0; k < constraint.alpha.size(); ++k) A[k] = static_cast<double>(constraint.alpha[k]);
-  for (int r = 0; r < block.rows; ++r) {
-    double rhs = -scale * static_cast<double>(constraint.C[static_cast<std::size_t>(r)]) -
-                 row_times(block.rows, A, r, &lambda[block.row]);
-    if (gamma > 0)
-      for (std::size_t k = 0; k < block.arity; ++k)
-        rhs -= gamma * dot(Vec3d(gradient_of(block, r)[k]), Vec3d(particles.moved(constraint.particles[k])));
-    b[block.row + static_cast<std::size_t>(r)] = rhs / (1 + gamma);
-  }
-  for (std::size_t k = 0; k < constraint.alpha.size(); ++k) A[k] /= 1 + gamma;
+  for (int r = 0; r < block.rows; ++r)
+    b[block.row + static_cast<std::size_t>(r)] =
+        -scale * static_cast<double>(constraint.C[static_cast<std::size_t>(r)]) -
+        row_times(block.rows, A, r, &lambda[block.row]);
 }
 
 void LinearSystem::raise_to_floor(const Block& block, double inverse_h2) {

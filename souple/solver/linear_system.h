@@ -15,12 +15,12 @@ bool has_linear_form(const Projector& projector, const ParticleView& particles);
 /// The constraints of all kinds that have a linear form, linearized at the current positions: the common base
 /// of the solvers of the global system. All in double; J stays in the float in which it is computed.
 ///
-/// One constraint is a block of rows. With alpha~ = alpha / h^2 and gamma = tau / h (kernels/projection.h) it
-/// requires of a displacement dx and its multipliers dlambda (Macklin et al. 2016, eqs. 17 and 26)
+/// One constraint is a block of rows. With A = alpha~ = alpha / h^2 (kernels/projection.h) it requires of a
+/// displacement dx and its multipliers dlambda (Macklin et al. 2016, eq. 17)
 ///
-///   (1 + gamma) J dx + alpha~ dlambda = -C - alpha~ lambda - gamma J (x - x_start),   M dx = J^T dlambda
+///   J dx + A dlambda = -C - A lambda = b,   M dx = J^T dlambda.
 ///
-/// and is stored divided by 1 + gamma:   J dx + A dlambda = b.   Eliminating one of the two unknowns gives
+/// Eliminating one of the two unknowns gives
 ///
 ///   dual     (J W J^T + A) dlambda = b,           dx = W J^T dlambda
 ///   primal   (M + J^T A^-1 J) dx = J^T A^-1 b,    dlambda = A^-1 (b - J dx).
@@ -102,7 +102,7 @@ class LinearSystem {
 
  private:
   void add_structure(const LinearConstraint& constraint, const ParticleView& particles);
-  void fill(Block& block, const LinearConstraint& constraint, const ParticleView& particles);
+  void fill(Block& block, const LinearConstraint& constraint);
   void raise_to_floor(const Block& block, double inverse_h2);
   void deactivate(Block& block);
 

@@ -105,7 +105,6 @@ struct LinearConstraint {
   std::span<const float> C;                  ///< [rows]
   std::span<const Vec3f> gradient;           ///< [row * arity + k]
   std::span<const float> alpha;              ///< alpha / h^2, packed lower triangle of rows x rows; 0 in PBD
-  float gamma = 0;                           ///< damping, tau / h (see kernels/projection.h)
   float scale = 1;                           ///< PBD: k' = 1 - (1 - k)^(1/n); otherwise 1
   bool inequality = false;                   ///< satisfied while C >= 0
 };
@@ -146,6 +145,10 @@ class Projector {
   void project(int color, const ParticleView& particles, const Substep& substep) {
     project(color, 0, color_size(color), particles, substep);
   }
+  /// Damps the constraints that have a damping time: changes velocities, after the substep (see
+  /// kernels/projection.h).
+  virtual void damp(const ParticleView&, [[maybe_unused]] std::span<Vec4f> velocity, const Substep&,
+                    Threads&) {}
   /// Calls the visitor for each constraint, in an order that changes only in `prepare`. Returns false if the
   /// kind has no linear form (contacts, shape matching, enclosed volumes, custom constraints); solvers of a
   /// global system project it instead.

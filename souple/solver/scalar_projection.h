@@ -22,7 +22,6 @@ struct ScalarSettings {
 struct ScalarState {
   double C = 0;
   double weighted_square = 0;  ///< sum_i w_i |grad_i C|^2
-  double rate = 0;             ///< grad C . (x - x_start); read only when damping_time > 0
 };
 
 /// Result of one projection.
@@ -31,22 +30,35 @@ struct ScalarStep {
   double factor = 0;  ///< dx_i = factor w_i grad_i C; equals dlambda, times k' in PBD mode
 };
 
-/// dlambda = (-C - alpha~ lambda - gamma rate) / ((1 + gamma) sum_i w_i |grad_i C|^2 + alpha~)
-/// with alpha~ = alpha / h^2 and gamma = tau / h; both 0 in PBD mode. Without a gradient dlambda is 0.
+/// dlambda = (-C - alpha~ lambda) / (sum_i w_i |grad_i C|^2 + alpha~) with alpha~ = alpha / h^2, 0 in PBD mode.
+/// Without a gradient dlambda is 0.
 inline ScalarStep project_scalar(const ScalarState& state, const ScalarSettings& settings, double lambda,
                                  const Substep& substep) {
   const double h = static_cast<double>(substep.h);
   const bool pbd = substep.mode == Mode::pbd;
   const double alpha = pbd ? 0 : settings.compliance / (h * h);
-  const double gamma = pbd ? 0 : settings.damping_time / h;
-  const double denominator = (1 + gamma) * state.weighted_square + alpha;
   if (!(state.weighted_square > 0)) return {};
-  double dlambda = (-state.C - alpha * lambda - gamma * state.rate) / denominator;
+  double dlambda = (-state.C - alpha * lambda) / (state.weighted_square + alpha);
   dlambda *= static_cast<double>(substep.relaxation);
   // A violated inequality pushes, never pulls: the multiplier stays >= 0.
   if (settings.sense == Sense::non_negative) dlambda = std::fmax(dlambda, -lambda);
   const double scale = pbd ? 1 - std::pow(1 - settings.stiffness, 1.0 / substep.iterations) : 1;
   return {dlambda, scale * dlambda};
+}
+
+/// dlambda of the damping: dv_i = dlambda w_i grad_i C. `rate` is sum_i grad_i C . v_i. Without a gradient, and
+/// for a satisfied inequality, dlambda is 0.
+inline double damp_scalar(const ScalarState& state, double rate, const ScalarSettings& settings,
+                          const Substep& substep) {
+  if (settings.sense == Sense::non_negative && state.C >= 0) return 0;
+  const double h = static_cast<double>(substep.h), gamma = settings.damping_time / h;
+  const double denominator = gamma * state.weighted_square + settings.compliance / (h * h);
+  return state.weighted_square > 0 && denominator > 0 ? -gamma * rate / denominator : 0;
+}
+
+/// Adds dv to a velocity [m/s].
+inline void add_velocity(Vec4f& velocity, const Vec3d& dv) {
+  velocity.set_xyz(Vec3f(Vec3d(velocity.xyz()) + dv));
 }
 
 /// Violation of the constraint, non-negative.

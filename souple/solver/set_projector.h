@@ -90,9 +90,6 @@ class SetProjector final : public Projector {
     if (substep.stores_multipliers())
       for (std::vector<float>& lambda : set_.multipliers) lambda.assign(set_.size(), 0);
     find_scales(substep);
-    damped_ = false;
-    for (std::size_t i = 0; i < set_.damping_times.distinct(); ++i)
-      damped_ = damped_ || set_.damping_times.data()[i] > 0;
   }
 
   std::size_t color_size(int color) const override {
@@ -106,12 +103,35 @@ class SetProjector final : public Projector {
     const std::size_t color_begin = set_.color_begin[static_cast<std::size_t>(color)];
     const std::size_t begin = color_begin + first, end = color_begin + last;
     // The plain kernels correct in place.
-    const bool general = substep.stores_multipliers() || (damped_ && substep.mode != Mode::pbd) ||
-                         !particles.corrected.empty();
+    const bool general = substep.stores_multipliers() || !particles.corrected.empty();
     if (kernels_) {
       project_packed(begin, end, particles, substep, general);
     } else {
       project_scalar(begin, end, particles, substep, general);
+    }
+  }
+
+  void damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
+            Threads& threads) override {
+    const Column& times = set_.damping_times;
+    if (std::none_of(times.data(), times.data() + times.distinct(), [](float tau) { return tau > 0; }))
+      return;
+    if (!kernels_ || !split_.phantom_of.empty()) {  // constraints of one color may share a split particle
+      for (std::size_t i = 0; i < set_.size(); ++i) damp_one(i, particles, velocity, substep);
+      return;
+    }
+    Arrays arrays(set_);
+    arrays.set.scale = {scales_.data(), scales_.stride()};
+    arrays.set.h = substep.h;
+    arrays.set.inverse_h2 = inverse_h2(substep);
+    kernels::ParticleArrays p = arrays_of(particles);
+    p.corrected = &velocity.data()->x;
+    const kernels::Project kernel = kernels_->damp[particles.form == Form::displacement ? 1 : 0];
+    for (int color = 0; color < color_count(); ++color) {
+      const std::size_t first = set_.color_begin[static_cast<std::size_t>(color)];
+      threads.for_each(color_size(color), grain(), [&](std::size_t begin, std::size_t end) {
+        kernel(p, arrays.set, first + begin, first + end);
+      });
     }
   }
 
@@ -160,7 +180,6 @@ class SetProjector final : public Projector {
                C,
                {&gradient[0][0], std::size_t{rows_of<Kind>} * Kind::arity},
                in.alpha,
-               in.gamma,
                in.scale,
                Kind::sense == Sense::non_negative});
     }
@@ -306,8 +325,7 @@ class SetProjector final : public Projector {
 
   static kernels::ParticleArrays arrays_of(const ParticleView& particles) {
     const std::span<Vec4f> corrected = particles.corrected.empty() ? particles.moving : particles.corrected;
-    return {&particles.position.data()->x, &particles.moving.data()->x, &particles.start.data()->x,
-            &corrected.data()->x};
+    return {&particles.position.data()->x, &particles.moving.data()->x, &corrected.data()->x};
   }
 
   void project_packed(std::size_t begin, std::size_t end, const ParticleView& particles,
@@ -317,8 +335,6 @@ class SetProjector final : public Projector {
     arrays.set.scale = {scales_.data(), scales_.stride()};
     arrays.set.h = substep.h;
     arrays.set.inverse_h2 = inverse_h2(substep);
-    const float undamped = 0;
-    if (substep.mode == Mode::pbd) arrays.set.damping_time = {&undamped, 0};
     arrays.set.relaxation = substep.relaxation;
     float* multipliers[rows_of<Kind>];
     for (std::size_t r = 0; r < rows_of<Kind>; ++r) multipliers[r] = set_.multipliers[r].data();
@@ -384,11 +400,10 @@ class SetProjector final : public Projector {
     return sum;
   }
 
-  // alpha~, gamma and k' of the substep.
+  // alpha~ and k' of the substep.
   void set_terms(std::size_t i, const Substep& substep, ProjectionInput<Kind, float>& in) const {
     for (std::size_t k = 0; k < compliance_size<Kind>; ++k)
       in.alpha[k] = set_.compliances[k][i] * inverse_h2(substep);
-    in.gamma = substep.mode == Mode::pbd ? 0 : set_.damping_time(i) / substep.h;
     in.scale = scales_[i] * substep.relaxation;
   }
 
@@ -400,18 +415,29 @@ class SetProjector final : public Projector {
     load(indices, i, particles, in);
     set_terms(i, substep, in);
     const bool stored = terms == Terms::general && substep.stores_multipliers();
-    if constexpr (terms == Terms::general) {
-      for (int k = 0; k < Kind::arity; ++k)
-        in.moved[k] = particles.moved(indices[static_cast<std::size_t>(k)]);
-      if (stored)
-        for (std::size_t r = 0; r < rows_of<Kind>; ++r) in.lambda[r] = set_.multipliers[r][i];
-    }
+    if (stored)
+      for (std::size_t r = 0; r < rows_of<Kind>; ++r) in.lambda[r] = set_.multipliers[r][i];
     Vec3f dx[Kind::arity];
     float dlambda[rows_of<Kind>];
     project_constraint<Kind, float, terms>(in, set_.params(i), dx, dlambda);
     if (stored)
       for (std::size_t r = 0; r < rows_of<Kind>; ++r) set_.multipliers[r][i] += dlambda[r];
     for (int k = 0; k < Kind::arity; ++k) particles.correct(indices[static_cast<std::size_t>(k)], dx[k]);
+  }
+
+  // The scalar version of the packed kernel.
+  void damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
+                const Substep& substep) const {
+    const Indices indices = set_.indices(i);
+    DampingInput<Kind, float> in;
+    load(indices, i, particles, in.constraint);
+    set_terms(i, substep, in.constraint);
+    in.gamma = set_.damping_time(i) / substep.h;
+    for (std::size_t k = 0; k < Set::arity; ++k) in.velocity[k] = velocity[indices[k]].xyz();
+    Vec3f dv[Kind::arity];
+    damp_constraint<Kind, float>(in, set_.params(i), dv);
+    for (std::size_t k = 0; k < Set::arity; ++k)
+      velocity[indices[k]].set_xyz(velocity[indices[k]].xyz() + dv[k]);
   }
 
   Set set_;
@@ -425,7 +451,6 @@ class SetProjector final : public Projector {
     Coloring unsplit;  // restores the order and colors without phantoms
   } split_;
   bool dirty_ = true;
-  bool damped_ = true;
 };
 
 // The kinds that worlds use are compiled once, in set_projector.cpp.

@@ -171,11 +171,6 @@ void ShapeMatching::project_one(std::size_t i, const ParticleView& particles, co
   // grad_i C = -m_i d_i / (M C) with d = g - x, so w_i grad_i C = -d_i / (M C)
   const double scale = -1 / (region.free_mass * state.C);
   state.weighted_square = 1 / region.free_mass;
-  if (region.settings.damping_time > 0 && substep.mode != Mode::pbd)
-    for (std::size_t k = 0; k < group.size(); ++k)
-      if (region.inverse_mass[k] > 0)
-        state.rate += scale * region.mass[k] *
-                      dot(to_goal(region, group, particles, pose, k), Vec3d(particles.moved(group[k])));
   const ScalarStep step = project_scalar(state, region.settings, region.multiplier, substep);
   if (substep.stores_multipliers()) region.multiplier += step.dlambda;
   // The first particle last: positions of all other particles are relative to it.
@@ -189,6 +184,38 @@ void ShapeMatching::project(int color, std::size_t begin, std::size_t end, const
                             const Substep& substep) {
   for (const std::uint32_t i : groups_.color(color).subspan(begin, end - begin))
     project_one(i, particles, substep);
+}
+
+// grad_i C = -m_i d_i / (M C) as in project_one.
+void ShapeMatching::damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
+                             const Substep& substep) {
+  Region& region = regions_[i];
+  if (!(region.free_mass > 0) || !(region.settings.damping_time > 0)) return;
+  const auto group = groups_[i];
+  const Pose pose = fit(region, group, particles);
+  ScalarState state{std::sqrt(distance_squared(region, group, particles, pose)), 1 / region.free_mass};
+  if (state.C == 0) return;
+  const double scale = -1 / (region.free_mass * state.C);
+  double rate = 0;
+  for (std::size_t k = 0; k < group.size(); ++k)
+    if (region.inverse_mass[k] > 0)
+      rate += scale * region.mass[k] *
+              dot(to_goal(region, group, particles, pose, k), Vec3d(velocity[group[k]].xyz()));
+  const double dlambda = damp_scalar(state, rate, region.settings, substep);
+  for (std::size_t k = 0; k < group.size(); ++k)
+    if (region.inverse_mass[k] > 0)
+      add_velocity(velocity[group[k]], to_goal(region, group, particles, pose, k) * (scale * dlambda));
+}
+
+void ShapeMatching::damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
+                         Threads& threads) {
+  for (int color = 0; color < color_count(); ++color) {
+    const auto of_color = groups_.color(color);
+    threads.for_each(of_color.size(), grain(), [&](std::size_t begin, std::size_t end) {
+      for (const std::uint32_t i : of_color.subspan(begin, end - begin))
+        damp_one(i, particles, velocity, substep);
+    });
+  }
 }
 
 double ShapeMatching::distance(std::size_t i, const ParticleView& particles) const {

@@ -53,6 +53,8 @@ class ShapeMatching final : public Projector {
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
+  void damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
+            Threads& threads) override;
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
@@ -87,6 +89,8 @@ class ShapeMatching final : public Projector {
   /// C of region i, 0 when all its particles are pinned. [m]
   double distance(std::size_t i, const ParticleView& particles) const;
   void project_one(std::size_t i, const ParticleView& particles, const Substep& substep);
+  void damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
+                const Substep& substep);
 
   ParticleGroups groups_;
   mutable std::vector<Region> regions_;  // `residual` updates values that depend on the masses

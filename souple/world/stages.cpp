@@ -174,6 +174,15 @@ void drive_attachments(WorldState& world, const Substep& substep) {
     world.guarded("an attachment's target", [&] { user_constraint.update_targets(t); });
 }
 
+// Kelvin-Voigt damping of the constraints, on the velocities of the substep. PBD mode has none.
+void damp_constraints(WorldState& world, const Substep& substep) {
+  if (world.sleep.all || substep.mode == Mode::pbd) return;
+  const ParticleView view = world.view();
+  const std::span<Vec4f> velocity = world.particles.velocity;
+  world.for_each_projector(
+      [&](Projector& projector) { projector.damp(view, velocity, substep, *world.threads); });
+}
+
 }  // namespace
 
 void integrate(WorldState& world, const Substep& substep) {
@@ -219,6 +228,7 @@ bool finish(WorldState& world, const Substep& substep) {
 
 void update_velocities(WorldState& world, const Substep& substep) {
   apply_restitution(world, substep);
+  damp_constraints(world, substep);
   if (!world.fluids.none() && !world.first_non_finite) world.fluids.update_velocities(world, substep);
   for (const auto& object : world.objects)
     if (object->island == 0) damp(world, *object, substep.h);

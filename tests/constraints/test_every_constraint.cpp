@@ -180,6 +180,68 @@ TYPED_TEST(EveryConstraintTest, ProjectionKeepsMomentum) {
   }
 }
 
+/// Velocity changes of one damping in float, as SetProjector computes them. A compliance of 0, or one as large
+/// as the damping's share of the denominator.
+template <class Kind>
+Points<Kind> damping(const Points<Kind>& x, const ParamsOf<Kind>& params, const std::vector<double>& masses,
+                     const Points<Kind>& velocity, bool compliant) {
+  DampingInput<Kind, float> in{};
+  for (std::size_t i = 0; i < Kind::arity; ++i) {
+    in.constraint.x[i] = Vec3f(has_origin<Kind> ? x[i] : x[i] - x[0]);
+    in.constraint.inverse_mass[i] = static_cast<float>(1 / masses[i]);
+    in.velocity[i] = Vec3f(velocity[i]);
+  }
+  if (compliant)
+    for (int r = 0; r < rows_of<Kind>; ++r) {
+      double sum = 0;
+      for (std::size_t i = 0; i < Kind::arity; ++i)
+        sum += length_squared(evaluate<Kind, double>(x, params).gradient[r][i]) / masses[i];
+      in.constraint.alpha[r * (r + 1) / 2 + r] = static_cast<float>(3 * sum);
+    }
+  in.gamma = 3;
+  Vec3f dv[Kind::arity];
+  damp_constraint<Kind, float>(in, params, dv);
+  Points<Kind> result;
+  for (std::size_t i = 0; i < Kind::arity; ++i) result[i] = Vec3d(dv[i]);
+  return result;
+}
+
+// Kelvin-Voigt damping keeps momentum, takes energy, and leaves a rigid motion alone.
+TYPED_TEST(EveryConstraintTest, DampingKeepsMomentumAndTakesEnergy) {
+  using Kind = TypeParam;
+  const std::vector<double> masses = uneven_masses(Kind::arity);
+  double most_taken = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    const Points<Kind> x = perturbed<Kind>(0.4, seed);
+    Random random(seed + 1000);
+    const Vec3d drift = random.vector(), spin = random.vector();
+    Points<Kind> v, rigid;
+    for (std::size_t i = 0; i < Kind::arity; ++i) {
+      v[i] = random.vector();
+      rigid[i] = has_origin<Kind> ? cross(spin, x[i]) : drift + cross(spin, x[i]);
+    }
+    const ParamsOf<Kind> params = Sized<Kind>(1).params;
+    const Points<Kind> dv = damping<Kind>(x, params, masses, v, seed % 2 == 0);
+    const Points<Kind> none = damping<Kind>(x, params, masses, rigid, seed % 2 == 0);
+    Vec3d linear, angular;
+    double before = 0, after = 0;
+    for (std::size_t i = 0; i < Kind::arity; ++i) {
+      linear += dv[i] * masses[i];
+      angular += cross(has_origin<Kind> ? x[i] : x[i] - x[0], dv[i] * masses[i]);
+      before += masses[i] * length_squared(v[i]);
+      after += masses[i] * length_squared(v[i] + dv[i]);
+      EXPECT_LT(length(none[i]), 2e-4) << "seed " << seed;
+    }
+    if (!has_origin<Kind>) {
+      EXPECT_LT(length(linear), 2e-5) << "seed " << seed;
+    }
+    EXPECT_LT(length(angular), 1e-4) << "seed " << seed;
+    EXPECT_LT(after, before * (1 + 1e-5)) << "seed " << seed;
+    most_taken = std::fmax(most_taken, 1 - after / before);
+  }
+  EXPECT_GT(most_taken, 0.1);
+}
+
 // No absolute threshold: shapes of a millimeter, a meter and a hundred meters behave alike.
 TYPED_TEST(EveryConstraintTest, ActsAlikeAtEverySize) {
   using Kind = TypeParam;

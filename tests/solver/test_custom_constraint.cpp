@@ -52,6 +52,13 @@ TEST(CustomConstraint, FollowsTheFormulasOfTheStaticKinds) {
     solve(custom, b, substep);
     for (std::size_t i = 0; i < 2; ++i) EXPECT_LT(length(a.at(i) - b.at(i)), 1e-6);
     EXPECT_NEAR(custom.residual(b.view()).largest, built_in.residual(a.view()).largest, 1e-6);
+    if (mode == Mode::pbd) continue;  // has no damping
+    std::vector<Vec4f> v{{1, 2, 3, 0}, {-2, 0.5f, 1, 0}}, w = v;
+    const auto threads = make_threads(Threading::serial, 1);
+    built_in.damp(a.view(), v, substep, *threads);
+    custom.damp(b.view(), w, substep, *threads);
+    EXPECT_GT(length(v[0].xyz() - Vec3f{1, 2, 3}), 0.1f);
+    for (std::size_t i = 0; i < 2; ++i) EXPECT_LT(length(v[i].xyz() - w[i].xyz()), 1e-5f);
     EXPECT_EQ(custom.take_error(), "");
   }
 }

@@ -187,29 +187,35 @@ TEST(ShapeMatching, StiffnessDoesNotDependOnIterationsInPbd) {
   }
 }
 
-// Damping opposes changes of shape and has no effect on rigid motion. A rigid region at distance C_start,
-// damped with gamma = tau / h, keeps gamma / (1 + gamma) of C_start, whatever size the prediction gave it.
+// Damping opposes changes of shape and leaves rigid motion alone. A rigid region that shrinks to its goal at a
+// rate stops doing so; one of compliance alpha keeps alpha~ / (alpha~ + gamma / M) of the rate.
 TEST(ShapeMatching, DampingLeavesRigidMotion) {
   const auto rest = lattice(3, 3, 3, 1);
-  for (const bool rigid : {true, false}) {
+  const double M = 27, h = 0.01, gamma = 10;
+  Vec3d center;
+  for (const Vec3d& q : rest) center += q / M;
+  const auto threads = make_threads(Threading::serial, 1);
+  for (const double alpha : {0.0, 1e-5}) {
     Body body;
-    for (const Vec3d& q : rest) body.add(rigid ? q : q * 1.1, 1);
+    for (const Vec3d& q : rest) body.add(center + (q - center) * 1.1, 1);
     ShapeMatching projector;
-    projector.add(first(rest.size()), rest, {.damping_time = 0.1f});
+    projector.add(first(rest.size()), rest,
+                  {.compliance = static_cast<float>(alpha), .damping_time = static_cast<float>(gamma * h)});
     projector.prepare(rest.size());
-    const double start = projector.residual(body.view()).largest;
-    const auto tiny_turn = rotation_matrix(Quatd::from_axis_angle({0, 0, 1}, 1e-3));
+    const Substep substep{.h = static_cast<float>(h)};
+    projector.begin_substep(body.view(), substep);
+    std::vector<Vec4f> rigid(rest.size()), shrinking(rest.size());
     for (std::size_t i = 0; i < rest.size(); ++i) {
-      const Vec3d x = body.at(i);
-      const Vec3f d(rigid ? tiny_turn * x + Vec3d{0.01, 0, 0} - x : x * -1e-2);
-      body.offset[i].set_xyz(d);
+      rigid[i].set_xyz(Vec3f(cross(Vec3d{1, 2, 3}, body.at(i)) + Vec3d{4, 5, 6}));
+      shrinking[i].set_xyz(Vec3f(center - body.at(i)));
     }
-    const auto before = body.all();
-    solve(projector, body, {.h = 0.01f});
-    if (rigid) {
-      for (std::size_t i = 0; i < rest.size(); ++i) EXPECT_LT(length(body.at(i) - before[i]), 1e-6);
-    } else {
-      EXPECT_NEAR(projector.residual(body.view()).largest / start, 10.0 / 11, 1e-5);
+    const std::vector<Vec4f> rigid_before = rigid, before = shrinking;
+    projector.damp(body.view(), rigid, substep, *threads);
+    projector.damp(body.view(), shrinking, substep, *threads);
+    const double kept = alpha / (h * h) / (alpha / (h * h) + gamma / M);
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      EXPECT_LT(length(rigid[i].xyz() - rigid_before[i].xyz()), 1e-5f);
+      EXPECT_LT(length(shrinking[i].xyz() - before[i].xyz() * static_cast<float>(kept)), 1e-5f);
     }
   }
 }

@@ -154,18 +154,16 @@ SOUPLE_INLINE inline void load_particles(const ParticleArrays& p, Block<Isa, Kin
   }
 }
 
-/// Loads the displacements of the particles since the start of the substep.
+/// Loads the velocities of the particles, from `corrected`.
 template <class Isa, class Kind>
-SOUPLE_INLINE inline void load_moved(const ParticleArrays& p, Block<Isa, Kind>& block) {
+SOUPLE_INLINE inline void load_velocities(const ParticleArrays& p, const Block<Isa, Kind>& block,
+                                          DampingInput<Kind, simd::Pack<Isa>>& in) {
   using T = simd::Pack<Isa>;
   static_for<Kind::arity>([&](auto k) SOUPLE_INLINE {
-    typename Isa::Vector moved[4];
-    static_for<4>([&](auto j) SOUPLE_INLINE {
-      moved[j] = Isa::load_records(p.moving, block.records[k] + j) -
-                 Isa::load_records(p.start, block.records[k] + j);
-    });
-    simd::transpose<Isa>(moved);
-    block.in.moved[k] = {T(moved[0]), T(moved[1]), T(moved[2])};
+    typename Isa::Vector v[4];
+    static_for<4>([&](auto j) SOUPLE_INLINE { v[j] = Isa::load_records(p.corrected, block.records[k] + j); });
+    simd::transpose<Isa>(v);
+    in.velocity[k] = {T(v[0]), T(v[1]), T(v[2])};
   });
 }
 
@@ -207,12 +205,9 @@ template <class Isa, class Kind, bool displacement, Terms terms>
     for (int k = 0; k < LocalSet<Isa, Kind>::alpha_count; ++k)
       block.in.alpha[k] = set.compliances[k].load(i) * set.inverse_h2;
     block.in.scale = set.scale.load(i) * set.relaxation;
-    if constexpr (terms == Terms::general) {
-      block.in.gamma = set.damping_time.load(i) / set.h;
-      load_moved(p, block);
+    if constexpr (terms == Terms::general)
       for (int r = 0; set.stored && r < rows_of<Kind>; ++r)
         block.in.lambda[r] = T::load(set.multipliers[r] + i);
-    }
     Vec3<T> dx[Kind::arity];
     T dlambda[rows_of<Kind>];
     project_constraint<Kind, T, terms>(block.in, block.params, dx, dlambda);
@@ -220,6 +215,28 @@ template <class Isa, class Kind, bool displacement, Terms terms>
       for (int r = 0; set.stored && r < rows_of<Kind>; ++r)
         (block.in.lambda[r] + dlambda[r]).store(set.multipliers[r] + i);
     store_corrections<Isa, Kind, displacement, terms == Terms::plain>(p, block, dx);
+  }
+}
+
+/// Damps blocks of one register of constraints, from the i-th constraint on.
+template <class Isa, class Kind, bool displacement>
+[[gnu::flatten]] void damp_blocks(const ParticleArrays& arrays, const SetArrays& set_arrays, std::size_t i,
+                                  std::size_t end) {
+  using T = simd::Pack<Isa>;
+  const ParticleArrays p = arrays;
+  const LocalSet<Isa, Kind> set(set_arrays);
+  for (; i < end; i += Isa::lanes) {
+    Block<Isa, Kind> block(set, i);
+    load_particles<Isa, Kind, displacement>(p, block);
+    DampingInput<Kind, T> in;
+    load_velocities(p, block, in);
+    for (int k = 0; k < LocalSet<Isa, Kind>::alpha_count; ++k)
+      block.in.alpha[k] = set.compliances[k].load(i) * set.inverse_h2;
+    in.constraint = block.in;
+    in.gamma = set.damping_time.load(i) / set.h;
+    Vec3<T> dv[Kind::arity];
+    damp_constraint<Kind, T>(in, block.params, dv);
+    store_corrections<Isa, Kind, displacement, false>(p, block, dv);
   }
 }
 
@@ -265,7 +282,7 @@ struct Tail {
   float parameter[max_parameters][lanes], compliance[max_compliances][lanes], damping[lanes], scale[lanes];
   float lambda[max_rows][lanes];
   alignas(16) float position[max_particles][lanes][4], moving[max_particles][lanes][4],
-      start[max_particles][lanes][4], corrected[max_particles][lanes][4];
+      corrected[max_particles][lanes][4];
   const std::uint32_t* index_pointers[max_particles];
   ColumnView parameter_views[max_parameters], compliance_views[max_compliances];
   float* lambda_pointers[max_rows];
@@ -286,7 +303,7 @@ struct Tail {
   }
   std::size_t source(std::size_t lane) const { return first + (lane < count ? lane : 0); }
 
-  ParticleArrays particles() { return {position[0][0], moving[0][0], start[0][0], corrected[0][0]}; }
+  ParticleArrays particles() { return {position[0][0], moving[0][0], corrected[0][0]}; }
   [[gnu::noinline]] SetArrays set(const SetArrays& of) {
     SetArrays result = of;
     for (int k = 0; k < size.particles; ++k) index_pointers[k] = indices[k];
@@ -323,7 +340,6 @@ struct Tail {
       for (std::size_t axis = 0; axis < 4; ++axis) {
         position[k][lane][axis] = p.position[record + axis];
         moving[k][lane][axis] = p.moving[record + axis];
-        start[k][lane][axis] = p.start ? p.start[record + axis] : 0;
         corrected[k][lane][axis] = p.corrected ? p.corrected[record + axis] : 0;
       }
     }
@@ -336,10 +352,10 @@ std::size_t whole(std::size_t begin, std::size_t end) {
   return end - (end - begin) % Isa::lanes;
 }
 
-template <class Isa, class Kind, bool displacement, Terms terms>
-void project(const ParticleArrays& p, const SetArrays& set, std::size_t begin, std::size_t end) {
+/// Runs `blocks` on all constraints of [begin, end).
+template <class Isa, class Kind, Project blocks>
+void run(const ParticleArrays& p, const SetArrays& set, std::size_t begin, std::size_t end) {
   const std::size_t last = whole<Isa>(begin, end);
-  const auto blocks = project_blocks<Isa, Kind, displacement, terms>;
   if (begin < last) blocks(p, set, begin, last);
   if (last == end) return;
   static_assert(Tail<Isa>::fits(size_of_kind<Isa, Kind>));
@@ -367,8 +383,11 @@ void evaluate(const ParticleArrays& p, const SetArrays& set, std::size_t begin, 
 template <class Isa, class Kind>
 const KindKernels& kind_kernels() {
   static constexpr KindKernels kernels{
-      {project<Isa, Kind, false, Terms::plain>, project<Isa, Kind, true, Terms::plain>},
-      {project<Isa, Kind, false, Terms::general>, project<Isa, Kind, true, Terms::general>},
+      {run<Isa, Kind, project_blocks<Isa, Kind, false, Terms::plain>>,
+       run<Isa, Kind, project_blocks<Isa, Kind, true, Terms::plain>>},
+      {run<Isa, Kind, project_blocks<Isa, Kind, false, Terms::general>>,
+       run<Isa, Kind, project_blocks<Isa, Kind, true, Terms::general>>},
+      {run<Isa, Kind, damp_blocks<Isa, Kind, false>>, run<Isa, Kind, damp_blocks<Isa, Kind, true>>},
       {evaluate<Isa, Kind, false>, evaluate<Isa, Kind, true>}};
   return kernels;
 }

@@ -30,8 +30,7 @@ struct ColumnView {
 struct ParticleArrays {
   const float* position = nullptr;  ///< w = inverse mass
   const float* moving = nullptr;    ///< plain form: same as position
-  const float* start = nullptr;
-  float* corrected = nullptr;  ///< corrections are added here: `moving`, or a separate array
+  float* corrected = nullptr;       ///< corrections are added here: `moving`, a separate array, or velocities
 };
 
 /// A ConstraintSet and the parameters of the substep.
@@ -54,8 +53,9 @@ using Evaluate = void (*)(const ParticleArrays&, const SetArrays&, std::size_t b
 
 /// The kernels of one kind for one instruction set; [0] plain form, [1] displacement form.
 struct KindKernels {
-  Project plain[2];    ///< no multipliers, no damping, corrections in place
+  Project plain[2];    ///< no multipliers, corrections in place
   Project general[2];  ///< all terms
+  Project damp[2];     ///< `corrected` are velocities
   Evaluate evaluate[2];
 };
 
