@@ -41,6 +41,11 @@
 //
 //   static constexpr bool unit_gradients = true;
 //
+// A constraint that measures stretch may give it, from C, for reports and pictures: (l - l0) / l0, positive for
+// extension.
+//
+//   static float strain(const Params<float>& p, const float (&C)[rows]);
+//
 // Where the gradient is undefined (0/0), evaluate returns C = 0 or a zero gradient, never a NaN. Thresholds
 // are relative: a constraint must behave alike at millimeters and at hundreds of meters.
 

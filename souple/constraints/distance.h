@@ -31,9 +31,9 @@ struct Distance {
   }
 
   /// Extension (l - l0) / l0 of a constraint whose value is C; 0 where the rest length is 0.
-  static float strain(const Params<float>& p, float C) {
+  static float strain(const Params<float>& p, const float (&C)[1]) {
     // A selection instead of a branch around the division, so that it vectorizes.
-    return C / (p.rest_length > 0 ? p.rest_length : std::numeric_limits<float>::infinity());
+    return C[0] / (p.rest_length > 0 ? p.rest_length : std::numeric_limits<float>::infinity());
   }
 };
 

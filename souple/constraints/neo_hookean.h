@@ -74,6 +74,23 @@ struct NeoHookean {
     return sqrt(T(3) / frobenius_squared(p.rest_inverse));
   }
 
+  /// Bound of the extension (l - l0) / l0 of the tet in any direction, exact where the tet is pulled along one
+  /// axis alone. With singular values s >= t >= u of F, I = s^2 + t^2 + u^2 >= s^2 + 2 t u = s^2 + 2 J/s. So s
+  /// is at most the largest root of s^2 + 2 J/s = I. With s = 1 + e, J = 1 + j and I from D,
+  ///   f(e) = e^2 (3 + e) - 2 j e + (j^2 - D^2) (1 + e) = 0,
+  /// by Newton's iteration from e = D, where f >= 0. Where the tet is crushed (I < 1), D is larger than the
+  /// formula assumes, and so is the bound.
+  static float strain(const Params<float>&, const float (&C)[2]) {
+    const float D = C[0], j = C[1], rest = (j - D) * (j + D);
+    float e = D;
+    for (int i = 0; i < 6; ++i) {
+      const float f = e * e * (3 + e) - 2 * j * e + rest * (1 + e);
+      const float slope = 3 * e * e + 6 * e - 2 * j + rest;
+      e -= slope > 0 ? f / slope : 0;
+    }
+    return e;
+  }
+
   template <class T>
   static void evaluate(const Vec3<T> (&x)[4], const Params<T>& p, T (&C)[2], Vec3<T> (&gradient)[2][4]) {
     const Mat3<T> F = opened(Mat3<T>{x[1] - x[0], x[2] - x[0], x[3] - x[0]} * p.rest_inverse);

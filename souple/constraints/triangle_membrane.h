@@ -4,6 +4,7 @@
 #include "souple/constraints/rest_shape.h"
 
 #include <array>
+#include <cmath>
 
 namespace souple {
 
@@ -66,6 +67,14 @@ struct TriangleMembrane {
   template <class T>
   static T max_correction(const Params<T>& p) {
     return T(1) / sqrt(abs(p.b00 * p.b11 - p.b01 * p.b10));
+  }
+
+  /// Largest extension (l - l0) / l0 of the triangle in any direction: sqrt(1 + 2 e) - 1, e the larger
+  /// eigenvalue of Green's strain.
+  static float strain(const Params<float>&, const float (&C)[3]) {
+    const float mean = 0.5f * (C[0] + C[1]), half = 0.5f * (C[0] - C[1]), shear = 0.5f * C[2];
+    const float e = mean + std::sqrt(half * half + shear * shear);
+    return 2 * e / (std::sqrt(std::fmax(1 + 2 * e, 0.0f)) + 1);
   }
 
   template <class T>

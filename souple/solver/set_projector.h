@@ -275,7 +275,7 @@ class SetProjector final : public Projector {
       result.sum += static_cast<double>(sum_of(values, count));
     }
     if constexpr (has_strain) {
-      find_strains(begin, count, C[0], values);
+      find_strains(begin, count, C, values);
       result.largest_strain = static_cast<double>(largest_of(values, count));
     }
     for (std::size_t i = 0; with_energy && i < count; ++i) {
@@ -287,7 +287,7 @@ class SetProjector final : public Projector {
   }
 
   // First copies the parameters to plain arrays: the loop over them then has neither strides nor aliasing.
-  void find_strains(std::size_t begin, std::size_t count, const float (&C)[residual_chunk],
+  void find_strains(std::size_t begin, std::size_t count, const float (&C)[rows_of<Kind>][residual_chunk],
                     float (&strains)[residual_chunk]) const {
     float parameters[Set::param_count][residual_chunk];
     for (std::size_t k = 0; k < Set::param_count; ++k)
@@ -297,7 +297,9 @@ class SetProjector final : public Projector {
       for (std::size_t k = 0; k < Set::param_count; ++k) of_one[k] = parameters[k][i];
       Params params;
       std::memcpy(&params, of_one, sizeof params);
-      if constexpr (has_strain) strains[i] = Kind::strain(params, C[i]);
+      float rows[rows_of<Kind>];
+      for (std::size_t r = 0; r < rows_of<Kind>; ++r) rows[r] = C[r][i];
+      if constexpr (has_strain) strains[i] = Kind::strain(params, rows);
     }
   }
 
@@ -382,10 +384,12 @@ class SetProjector final : public Projector {
     return Kind::sense == Sense::equality ? std::fabs(C) : -C > 0 ? -C : 0;
   }
 
-  static constexpr bool has_strain = requires(const Params& params, float C) { Kind::strain(params, C); };
+  static constexpr bool has_strain = requires(const Params& params, const float (&C)[rows_of<Kind>]) {
+    Kind::strain(params, C);
+  };
 
   float strain_of(std::size_t i, const float (&C)[rows_of<Kind>]) const {
-    if constexpr (has_strain) return Kind::strain(set_.params(i), C[0]);
+    if constexpr (has_strain) return Kind::strain(set_.params(i), C);
     return 0;
   }
 

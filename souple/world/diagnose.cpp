@@ -1,5 +1,6 @@
 #include "souple/world/diagnose.h"
 
+#include "souple/constraints/neo_hookean.h"
 #include "souple/world/build.h"
 #include "souple/world/contacts.h"
 #include "souple/world/sleeping.h"
@@ -41,6 +42,7 @@ void measure(WorldState& world) {
       const Residual residual = projector.measure(view, *world.threads);
       kind.largest = residual.largest;
       kind.mean = residual.count > 0 ? residual.sum / static_cast<double>(residual.count) : 0;
+      kind.largest_strain = residual.largest_strain;
       report.largest_strain = std::max(report.largest_strain, residual.largest_strain);
     }
     report.kinds.push_back(kind);
@@ -64,7 +66,10 @@ void report_fluids(WorldState& world) {
 
 void raise_flags(WorldState& world) {
   const StepReport& report = world.report;
-  if (report.largest_strain > large_strain) world.warn(Flag::large_strain, advice(Flag::large_strain));
+  if (std::any_of(report.kinds.begin(), report.kinds.end(), [](const KindReport& kind) {
+        return kind.kind != NeoHookean::name && kind.largest_strain > large_strain;
+      }))
+    world.warn(Flag::large_strain, advice(Flag::large_strain));
   if (report.fluid.largest_step > max_fluid_step)
     world.warn(Flag::coarse_substeps, advice(Flag::coarse_substeps));
   if (!(report.deepest_contact > 0)) return;

@@ -27,11 +27,10 @@ std::string_view stage_name(Stage stage) {
 std::string_view advice(Flag flag) {
   switch (flag) {
     case Flag::non_finite:
-      return "a position or velocity is not finite; the last valid state was restored: raise substeps, lower "
-             "the "
-             "stiffness, or check for extreme masses and forces";
+      return "a position or velocity is not finite; the last valid state was restored: raise substeps, "
+             "lower the stiffness, or check for extreme masses and forces";
     case Flag::large_strain:
-      return "an edge is stretched by more than 10 %: raise substeps or the stiffness";
+      return "an edge or a membrane is stretched by more than 10 %: raise substeps or the stiffness";
     case Flag::deep_contact:
       return "a contact is deeper than the largest thickness after the step: raise substeps or the thickness";
     case Flag::callback_failed:
@@ -41,8 +40,7 @@ std::string_view advice(Flag flag) {
              "without intersections, drive them apart, or disable collision between them";
     case Flag::coarse_substeps:
       return "a fluid moves by more than a third of its spacing in a substep, or its depth and pressure "
-             "allow "
-             "such a motion: raise substeps or the spacing";
+             "allow such a motion: raise substeps or the spacing";
   }
   return "?";
 }

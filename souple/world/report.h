@@ -17,7 +17,8 @@ std::string_view stage_name(Stage stage);
 enum class Flag : std::uint32_t {
   /// A position or velocity became NaN or infinite; the last valid state was restored.
   non_finite = 1u << 0,
-  /// An edge is stretched by more than 10 %: raise substeps or the stiffness, unless the stretch is intended.
+  /// An edge or a membrane is stretched by more than 10 %: raise substeps or the stiffness, unless the stretch
+  /// is intended. Tets are left out: soft bodies are meant to deform.
   large_strain = 1u << 1,
   /// A contact is deeper than the largest thickness after the step: raise substeps or the thickness.
   deep_contact = 1u << 2,
@@ -37,6 +38,7 @@ struct KindReport {
   /// Max |C| at the end of the step, in the unit of C; for inequalities only violations count.
   double largest = 0;
   double mean = 0;
+  double largest_strain = 0;  ///< (l - l0) / l0, extension only; 0 for kinds that measure none
 };
 
 /// Results of a step for fluids. Density errors are max(0, C) with C = rho / rho_0 - 1, before the last
@@ -71,7 +73,8 @@ struct StepReport {
   /// Layer violations when the step began: vertices on the wrong side of another layer, or near one.
   std::size_t layer_violations = 0;
   double deepest_contact = 0;  ///< largest penetration at the end of the step [m]
-  double largest_strain = 0;   ///< (l - l0) / l0 over distance constraints, extension only
+  /// (l - l0) / l0 over distances, membranes and neo-Hookean tets, extension only.
+  double largest_strain = 0;
   FluidReport fluid;
   std::vector<KindReport> kinds;  ///< in order of solution
   std::uint32_t flags = 0;        ///< bits of Flag

@@ -210,5 +210,25 @@ TEST(Objects, AFastBodyHitsWhatWasFarAway) {
   EXPECT_LT(world.momentum(cloth).y, -0.1);
 }
 
+// Stretched to 5.12 times its width and held there: membranes and soft bodies report it, and who is meant to
+// deform raises no flag.
+TEST(Objects, ReportsTheStrainOfMembranesAndSoftBodies) {
+  const auto strain_of = [](World& world, ObjectId object) {
+    std::vector<Vec3f> x(world.positions(object).begin(), world.positions(object).end());
+    std::vector<std::uint32_t> all;
+    for (std::uint32_t i = 0; i < x.size(); ++i) x[i].x *= 5.12f, all.push_back(i);
+    world.set_positions(object, x);
+    world.pin(object, vertices(all));
+    return world.step(1e-3).largest_strain;
+  };
+  World world;
+  EXPECT_NEAR(strain_of(world, world.add_cloth(grid(5, 5, 1), {.stretch = StretchModel::membrane})), 4.12,
+              1e-3);
+  EXPECT_TRUE(world.report().has(Flag::large_strain));
+  World other;
+  EXPECT_NEAR(strain_of(other, other.add_soft_body(tet_bar(2, 2, 2, {1, 1, 1}))), 4.12, 1e-2);
+  EXPECT_FALSE(other.report().has(Flag::large_strain));
+}
+
 }  // namespace
 }  // namespace souple
