@@ -136,13 +136,7 @@ void CustomProjector::damp_one(std::size_t i, const ParticleView& particles, std
 
 void CustomProjector::damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
                            Threads& threads) {
-  for (int color = 0; color < color_count(); ++color) {
-    const auto of_color = groups_.color(color);
-    threads.for_each(of_color.size(), grain(), [&](std::size_t begin, std::size_t end) {
-      for (const std::uint32_t i : of_color.subspan(begin, end - begin))
-        damp_one(i, particles, velocity, substep);
-    });
-  }
+  groups_.for_each(threads, grain(), [&](std::uint32_t i) { damp_one(i, particles, velocity, substep); });
 }
 
 Residual CustomProjector::residual(const ParticleView& particles) const {

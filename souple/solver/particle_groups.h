@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/solver/coloring.h"
+#include "souple/solver/threads.h"
 #include "souple/state/bytes.h"
 
 #include <string_view>
@@ -33,6 +34,17 @@ class ParticleGroups {
   void for_each(const Function& f) const {
     for (int c = 0; c < color_count(); ++c)
       for (const std::uint32_t i : color(c)) f(i, c);
+  }
+
+  /// Calls f(index of the group), color after color, each color on all threads.
+  template <class Function>
+  void for_each(Threads& threads, std::size_t grain, const Function& f) const {
+    for (int c = 0; c < color_count(); ++c) {
+      const std::span<const std::uint32_t> groups = color(c);
+      threads.for_each(groups.size(), grain, [&](std::size_t begin, std::size_t end) {
+        for (const std::uint32_t i : groups.subspan(begin, end - begin)) f(i);
+      });
+    }
   }
 
   std::size_t bytes() const { return bytes_of(particles_, begin_, colors_.order, colors_.color_begin); }
