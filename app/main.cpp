@@ -108,7 +108,7 @@ count each kind of constraint alone. Reports measure no residuals meanwhile; the
 step. --residual removes gravity, stretches the cloth by 10 % and solves once, without steps. For reliable numbers,
 run nothing else on the machine.
 
-solvers: gauss_seidel, jacobi, direct, conjugate_gradient, dense, hierarchical)";
+solvers: automatic, gauss_seidel, jacobi, direct, conjugate_gradient, dense, hierarchical)";
 
 constexpr const char* info_footer = R"(Examples:
   souple info
@@ -260,7 +260,7 @@ void add_surface(CLI::App& app, std::function<int()>& action) {
 }
 
 void add_bench_solver(CLI::App& command, BenchRequest& request) {
-  command.add_option("--solver", request.solver, "how constraints are solved, see below [gauss_seidel]")
+  command.add_option("--solver", request.solver, "how constraints are solved, see below [automatic]")
       ->type_name("SOLVER");
   command.add_option("--sweep", request.sweep, "order of the colors: forward, symmetric [forward]")
       ->type_name("SWEEP");

@@ -28,7 +28,7 @@ struct Options {
   bool json = false;
 };
 
-/// Souple with its default solver.
+/// Souple with plain Gauss-Seidel, or with its default solver.
 class SoupleEngine final : public PeerEngine {
  public:
   SoupleEngine(World world, std::string name) : world_(std::move(world)), name_(std::move(name)) {}
@@ -50,6 +50,7 @@ Settings settings(const Options& options) {
   result.substeps = substeps;
   result.threads = options.threads;
   result.measure_residuals = false;
+  result.solver.kind = SolverKind::gauss_seidel;
   return result;
 }
 
@@ -79,16 +80,19 @@ Comparison cloth(const Options& options) {
   input.masses = lumped_masses(mesh.positions, mesh.triangles, double(ClothMaterial{}.areal_density));
   input.links = unique_edges(mesh.triangles);
   for (const Hinge& hinge : interior_edges(mesh.triangles)) input.links.push_back({hinge[2], hinge[3]});
-  for (const Form form : {Form::displacement, Form::plain}) {
+  const auto add = [&](Form form, SolverKind solver, std::string name) {
     Settings with_form = settings(options);
     with_form.form = form;
+    with_form.solver.kind = solver;
     World world(with_form);
     app::find_bench_scene("cloth").build(world, options.size);
     input.velocity = Vec3d(world.velocities(world.objects()[0]).back());
     pin(input, world);
-    comparison.engines.push_back(std::make_unique<SoupleEngine>(
-        std::move(world), form == Form::plain ? "Souple, plain form" : "Souple"));
-  }
+    comparison.engines.push_back(std::make_unique<SoupleEngine>(std::move(world), std::move(name)));
+  };
+  add(Form::displacement, SolverKind::gauss_seidel, "Souple");
+  add(Form::plain, SolverKind::gauss_seidel, "Souple, plain form");
+  add(Form::displacement, SolverKind::automatic, "Souple, default solver");
   add_peers(comparison);
   return comparison;
 }

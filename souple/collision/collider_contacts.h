@@ -62,6 +62,7 @@ class ColliderContacts final : public Projector {
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
 
   std::string_view kind() const override { return "collider contact"; }
+  bool is_contact() const override { return true; }
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
   /// One color per enabled collider: a particle has at most one contact with each.

@@ -60,6 +60,7 @@ class ParticleContacts final : public Projector {
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
 
   std::string_view kind() const override { return "particle contact"; }
+  bool is_contact() const override { return true; }
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
   /// At least the number of contacts in the longest chain (i, j), (j, k), ... of ascending particles.

@@ -72,6 +72,7 @@ class SurfaceContacts final : public Projector {
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
 
   std::string_view kind() const override { return "surface contact"; }
+  bool is_contact() const override { return true; }
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
   int color_count() const override { return static_cast<int>((begin_.size() - 1) / 2); }

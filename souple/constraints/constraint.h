@@ -46,6 +46,13 @@
 //
 //   static float strain(const Params<float>& p, const float (&C)[rows]);
 //
+// A constraint whose material is often too stiff for one sweep may state how much, so that a solver sweeps it more
+// often: sum_k w_k |gradient_k|^2 / (2 alpha) at rest, of its stiffest row, from compliance and inverse masses
+// [1/s^2]:
+//
+//   static float softness(const Params<float>& p, const std::array<float, compliance_size>& alpha,
+//                         const float (&w)[arity]);
+//
 // Where the gradient is undefined (0/0), evaluate returns C = 0 or a zero gradient, never a NaN. Thresholds
 // are relative: a constraint must behave alike at millimeters and at hundreds of meters.
 

@@ -74,6 +74,16 @@ struct NeoHookean {
     return sqrt(T(3) / frobenius_squared(p.rest_inverse));
   }
 
+  /// What one sweep adds to the compliance of the stiffer row at rest, relative to it, at h = 1 s:
+  /// sum_k w_k |B^T e_k|^2 / (2 alpha).  [1/s^2]
+  static float softness(const Params<float>& p, const std::array<float, 3>& alpha, const float (&w)[4]) {
+    const Mat3f edges = transpose(p.rest_inverse);
+    float sum = w[0] * dot(edges.column[0] + edges.column[1] + edges.column[2],
+                           edges.column[0] + edges.column[1] + edges.column[2]);
+    for (int k = 0; k < 3; ++k) sum += w[k + 1] * dot(edges.column[k], edges.column[k]);
+    return sum / (2 * std::fmin(alpha[0], alpha[2]));
+  }
+
   /// Bound of the extension (l - l0) / l0 of the tet in any direction, exact where the tet is pulled along one
   /// axis alone. With singular values s >= t >= u of F, I = s^2 + t^2 + u^2 >= s^2 + 2 t u = s^2 + 2 J/s. So s
   /// is at most the largest root of s^2 + 2 J/s = I. With s = 1 + e, J = 1 + j and I from D,

@@ -3,6 +3,7 @@
 #include "souple/solver/linear_system.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace souple {
 namespace {
@@ -19,6 +20,23 @@ void project_color(Projector& projector, int color, const ParticleView& particle
 void sweep(Projector& projector, const ParticleView& particles, const Substep& substep, Threads& threads) {
   for (int color = 0; color < projector.color_count(); ++color)
     project_color(projector, color, particles, substep, threads);
+}
+
+void sweep_as_needed(std::span<Projector* const> projectors, const ParticleView& particles,
+                     const Substep& substep, Threads& threads) {
+  const auto needed = [&](const Projector& p) {
+    return substep.stores_multipliers() ? 1 : p.sweeps_needed(substep);
+  };
+  int rounds = 1;
+  for (const Projector* projector : projectors) rounds = std::max(rounds, needed(*projector));
+  for (int round = 0; round < rounds; ++round)
+    for (Projector* projector : projectors) {
+      const int sweeps = needed(*projector);
+      if (round >= sweeps && !projector->is_contact()) continue;
+      Substep part = substep;
+      part.h /= std::sqrt(static_cast<float>(sweeps));
+      sweep(*projector, particles, part, threads);
+    }
 }
 
 void GaussSeidel::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {

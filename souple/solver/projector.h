@@ -136,6 +136,15 @@ class Projector {
   virtual std::size_t color_size(int color) const = 0;
   /// Minimum number of constraints per thread.
   virtual std::size_t grain() const { return 1; }
+  /// Finds what sweeps without stored multipliers need to be as compliant as the material (see
+  /// kernels/projection.h). Call after `prepare` and when inverse masses changed. Without it sweeps are softer.
+  virtual void prepare_sweeps(const ParticleView&, [[maybe_unused]] bool masses_changed) {}
+  /// Number of sweeps, each of that many times the compliance, that reach the stiffness of the material from
+  /// lambda = 0; at least 1 and at most max_sweeps.
+  virtual int sweeps_needed(const Substep&) const { return 1; }
+  static constexpr int max_sweeps = 10;
+  /// Whether the constraints keep objects apart.
+  virtual bool is_contact() const { return false; }
   virtual void begin_substep(const ParticleView&, const Substep&) {}
   /// Projects constraints [begin, end) of a color. Other parts of the color may be projected at the same
   /// time.

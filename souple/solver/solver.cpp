@@ -15,6 +15,11 @@ namespace souple {
 
 std::unique_ptr<Solver> make_solver(const SolverSettings& settings) {
   switch (settings.kind) {
+    case SolverKind::automatic:
+      if (settings.colors > 0) return std::make_unique<PartitionedGaussSeidel>(settings);
+      if (settings.sweep != Sweep::forward || settings.relaxation != 1 || settings.chebyshev > 0)
+        return std::make_unique<GaussSeidel>(settings);
+      return std::make_unique<Hierarchical>(settings);
     case SolverKind::gauss_seidel:
       if (settings.colors > 0) return std::make_unique<PartitionedGaussSeidel>(settings);
       return std::make_unique<GaussSeidel>(settings);

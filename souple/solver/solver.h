@@ -12,9 +12,10 @@ namespace souple {
 
 /// Solver of the constraints of a substep; docs/solvers.md compares them.
 enum class SolverKind {
-  gauss_seidel,        ///< nonlinear, colored: the default
-  jacobi,              ///< all constraints projected from the same positions, corrections averaged
-  direct,              ///< the linearized system by a sparse Cholesky factorization
+  automatic,     ///< the default: Gauss-Seidel, with levels for large cloth and more sweeps for stiff tets
+  gauss_seidel,  ///< nonlinear, colored
+  jacobi,        ///< all constraints projected from the same positions, corrections averaged
+  direct,        ///< the linearized system by a sparse Cholesky factorization
   conjugate_gradient,  ///< the linearized system without a factorization, for scenes too large for one
   dense,               ///< the linearized system by SVD pseudo-inverse: small scenes only
   hierarchical         ///< levels of coarser constraints (Müller 2008)
@@ -27,7 +28,7 @@ enum class Sweep {
 };
 
 struct SolverSettings {
-  SolverKind kind = SolverKind::gauss_seidel;
+  SolverKind kind = SolverKind::automatic;
   Sweep sweep = Sweep::forward;
   /// Factor of every correction, in (0, 2): over-relaxation above 1.
   float relaxation = 1;
@@ -67,5 +68,11 @@ std::unique_ptr<Solver> make_solver(const SolverSettings& settings);
 
 /// Projects all constraints of a projector once, color after color, each color on all threads.
 void sweep(Projector& projector, const ParticleView& particles, const Substep& substep, Threads& threads);
+
+/// Sweeps each projector as often as it needs to be as stiff as its material (Projector::sweeps_needed), in
+/// rounds. Contacts take part in every round: a stiff body that is swept alone pushes itself back into them and
+/// trembles. With stored multipliers there is one round.
+void sweep_as_needed(std::span<Projector* const> projectors, const ParticleView& particles,
+                     const Substep& substep, Threads& threads);
 
 }  // namespace souple

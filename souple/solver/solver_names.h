@@ -12,6 +12,7 @@ inline constexpr std::pair<const char*, Mode> mode_names[] = {
     {"small_steps", Mode::small_steps}, {"xpbd", Mode::xpbd}, {"pbd", Mode::pbd}};
 
 inline constexpr std::pair<const char*, SolverKind> solver_names[] = {
+    {"automatic", SolverKind::automatic},
     {"gauss_seidel", SolverKind::gauss_seidel},
     {"jacobi", SolverKind::jacobi},
     {"direct", SolverKind::direct},

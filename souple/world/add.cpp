@@ -202,6 +202,7 @@ float contact_radius(const Material& material) {
 }
 
 void scale_mass(WorldState& world, const Object& object, float factor) {
+  world.dirty_masses = true;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     world.particles.mass[i] *= factor;
     if (world.particles.position[i].w > 0) world.particles.position[i].w = 1 / world.particles.mass[i];

@@ -83,7 +83,8 @@ void raise_flags(WorldState& world) {
 
 Substep substep_of(const Settings& settings, double dt) {
   const SolverKind solver = settings.solver.kind;
-  const bool sweeps = solver == SolverKind::gauss_seidel || solver == SolverKind::jacobi;
+  const bool sweeps =
+      solver == SolverKind::automatic || solver == SolverKind::gauss_seidel || solver == SolverKind::jacobi;
   return {.h = static_cast<float>(dt / settings.substeps),
           .iterations = settings.iterations,
           .mode = settings.mode,
@@ -91,6 +92,25 @@ Substep substep_of(const Settings& settings, double dt) {
           .count = settings.substeps,
           .relaxation = sweeps ? settings.solver.relaxation : 1};
 }
+
+namespace {
+
+/// Positions with the inverse masses that particles have while awake: what a solver prepares for them stays
+/// valid when objects fall asleep and wake up.
+std::vector<Vec4f> awake_positions(const WorldState& world) {
+  const Particles& particles = world.particles;
+  std::vector<Vec4f> result(particles.position.begin(), particles.position.end());
+  for (const auto& pointer : world.objects) {
+    const Object& object = *pointer;
+    if (object.island == 0) continue;
+    for (std::uint32_t i = object.begin; i < object.end; ++i)
+      result[i].w = particles.mass[i] > 0 ? 1 / particles.mass[i] : 0;
+    for (const PinnedParticle& pin : object.pins) result[object.begin + pin.particle].w = 0;
+  }
+  return result;
+}
+
+}  // namespace
 
 void bring_constraints_up_to_date(WorldState& world) {
   if (world.dirty_constraints) {
@@ -104,13 +124,20 @@ void bring_constraints_up_to_date(WorldState& world) {
   world.for_each_constraint_projector(
       [&](Projector& projector) { projector.prepare(world.particles.size()); });
   if (!world.threads) world.threads = make_threads(world.settings.threading, world.settings.threads);
-  if (!world.dirty_solver) return;
+  if (!world.dirty_solver && !world.dirty_masses) return;
   world.order.clear();
   world.for_each_projector([&](Projector& projector) { world.order.push_back(&projector); });
   for (Projector* projector : world.order) projector->split(0, 0);  // undo splits of the last solver
-  world.solver = make_solver(world.settings.solver);
-  world.solver->prepare(world.order, world.view());
-  world.dirty_solver = false;
+  const std::vector<Vec4f> awake = awake_positions(world);
+  ParticleView view = world.view();
+  view.position = awake;
+  for (Projector* projector : world.order) projector->prepare_sweeps(view, world.dirty_masses);
+  if (!world.solver || !(world.solver_settings == world.settings.solver)) {
+    world.solver = make_solver(world.settings.solver);
+    world.solver_settings = world.settings.solver;
+  }
+  world.solver->prepare(world.order, view);
+  world.dirty_solver = world.dirty_masses = false;
 }
 
 void bring_up_to_date(WorldState& world) {

@@ -80,6 +80,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> particles_with_vertices(
 void set_inverse_mass(WorldState& world, const Object& object, std::uint32_t particle, bool pinned) {
   const std::uint32_t i = object.begin + particle;
   world.particles.position[i].w = pinned ? 0 : 1 / world.particles.mass[i];
+  world.dirty_masses = true;
   if (pinned) world.particles.velocity[i] = {};
 }
 

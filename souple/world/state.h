@@ -174,6 +174,7 @@ struct WorldState {
   std::vector<UserConstraint> user_constraints;
   std::vector<Projector*> order;  ///< all projectors in order of solution, contacts last
   std::unique_ptr<Solver> solver;
+  SolverSettings solver_settings;    ///< those that `solver` was made with
   std::unique_ptr<Threads> threads;  ///< null: create before the next step
   ColliderContacts collider_contacts;
   ColliderElementContacts collider_element_contacts;
@@ -187,7 +188,8 @@ struct WorldState {
   bool dirty_constraints = true;  ///< objects or materials changed: rebuild before the next step
   bool dirty_tables = true;       ///< input of the contacts changed: rebuild the tables
   bool dirty_counts = false;      ///< the particle count of a fluid differs from the contacts' count
-  bool dirty_solver = true;       ///< projectors were added or removed: create and prepare a new solver
+  bool dirty_solver = true;  ///< projectors were added or removed, or settings changed: prepare the solver
+  bool dirty_masses = true;  ///< particles were pinned or freed, or masses changed: prepare the solver
   void dirty_all() { dirty_constraints = dirty_tables = true; }
 
   std::vector<ForceField> force_fields;

@@ -143,7 +143,7 @@ TEST_F(Radium, WhatCannotBecomeAnObjectIsRefusedInWords) {
 }
 
 TEST_F(Radium, WhatLeavesTheWorldLiesAsItWasLoaded) {
-  const Index a = show("a", sheet(3, 1)), b = show("b", sheet(2, 1));
+  const Index a = show("a", sheet(3, 1)), b = show("b", sheet(2, 1), moved(0, 3, 0));
   const std::vector<float> first_a = mesh(a).positions(), first_b = mesh(b).positions(),
                            normals = mesh(a).normals();
   const Handle cloth = system->add(a, Kind::cloth);

@@ -112,8 +112,9 @@ std::unique_ptr<Threads> serial() {
 }
 
 std::unique_ptr<Hierarchical> prepared(Sheet& sheet) {
-  auto solver = std::make_unique<Hierarchical>(SolverSettings{});
+  auto solver = std::make_unique<Hierarchical>(SolverSettings{.kind = SolverKind::hierarchical});
   Projector* const projectors[] = {&sheet.distances};
+  sheet.distances.prepare_sweeps(sheet.body.view(), true);
   solver->prepare(projectors, sheet.body.view());
   return solver;
 }
@@ -387,7 +388,7 @@ TEST(Hierarchical, MembranesAreStiffToo) {
 }
 
 TEST(Hierarchical, WithoutLinksItSaysThatItIsGaussSeidel) {
-  Hierarchical solver({});
+  Hierarchical solver({.kind = SolverKind::hierarchical});
   test::Body body;
   body.add({0, 0, 0}, 1);
   solver.prepare({}, body.view());

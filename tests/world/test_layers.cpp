@@ -120,7 +120,7 @@ TEST(Layers, ACoatThatBeginsInsideOfTheShirtComesOut) {
     const TriangleMesh coat = tube(26, 12, 0.155, 0.4);
     Dressed d = dressed(0.165, 1, inside_out ? turned(coat) : coat, {.translation = {0, 0.01, 0}}, 2);
     EXPECT_LT(d.clearance(), -0.008f);
-    const History history = simulate(d.world, 90);
+    const History history = simulate(d.world, 120);
     EXPECT_EQ(history.at_first, 0u);
     expect_right(history);
     EXPECT_GT(d.clearance(), 0.004f);

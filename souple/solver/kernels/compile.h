@@ -50,7 +50,7 @@ struct LocalSet {
   static constexpr int alpha_count = static_cast<int>(compliance_size<Kind>);
 
   const std::uint32_t* records[Kind::arity];
-  LoadedColumn<Isa> parameters[param_count], compliances[alpha_count], damping_time, scale;
+  LoadedColumn<Isa> parameters[param_count], compliances[alpha_count], damping_time, scale, half_shared;
   float* multipliers[rows_of<Kind>];
   bool stored;
   simd::Pack<Isa> h, inverse_h2, relaxation;
@@ -62,6 +62,7 @@ struct LocalSet {
     for (int k = 0; k < alpha_count; ++k) compliances[k].set(set.compliances[k]);
     damping_time.set(set.damping_time);
     scale.set(set.scale);
+    half_shared.set(set.half_shared);
     for (int r = 0; r < rows_of<Kind>; ++r) multipliers[r] = stored ? set.multipliers[r] : nullptr;
   }
 };
@@ -205,6 +206,7 @@ template <class Isa, class Kind, bool displacement, Terms terms>
     for (int k = 0; k < LocalSet<Isa, Kind>::alpha_count; ++k)
       block.in.alpha[k] = set.compliances[k].load(i) * set.inverse_h2;
     block.in.scale = set.scale.load(i) * set.relaxation;
+    if constexpr (terms == Terms::plain) block.in.half_shared = set.half_shared.load(i);
     if constexpr (terms == Terms::general)
       for (int r = 0; set.stored && r < rows_of<Kind>; ++r)
         block.in.lambda[r] = T::load(set.multipliers[r] + i);
@@ -279,7 +281,8 @@ struct Tail {
   }
 
   std::uint32_t indices[max_particles][lanes];
-  float parameter[max_parameters][lanes], compliance[max_compliances][lanes], damping[lanes], scale[lanes];
+  float parameter[max_parameters][lanes], compliance[max_compliances][lanes], damping[lanes], scale[lanes],
+      shared[lanes];
   float lambda[max_rows][lanes];
   alignas(16) float position[max_particles][lanes][4], moving[max_particles][lanes][4],
       corrected[max_particles][lanes][4];
@@ -297,6 +300,7 @@ struct Tail {
     for (int k = 0; k < size.compliances; ++k) copy(set.compliances[k], compliance[k]);
     copy(set.damping_time, damping);
     copy(set.scale, scale);
+    copy(set.half_shared, shared);
     for (int r = 0; r < size.rows; ++r)
       for (std::size_t lane = 0; lane < lanes; ++lane)
         lambda[r][lane] = set.multipliers ? set.multipliers[r][source(lane)] : 0;
@@ -315,6 +319,7 @@ struct Tail {
     result.compliances = compliance_views;
     result.damping_time = {damping, 1};
     result.scale = {scale, 1};
+    result.half_shared = {shared, 1};
     if (of.multipliers) result.multipliers = lambda_pointers;
     return result;
   }

@@ -39,6 +39,7 @@ struct SetArrays {
   const ColumnView* parameters = nullptr;         ///< [floats in Params]
   const ColumnView* compliances = nullptr;        ///< [compliance_size]
   ColumnView damping_time, scale;                 ///< scale: factor of every correction
+  ColumnView half_shared;                         ///< phi / 2, see projection.h
   float* const* multipliers = nullptr;            ///< [rows], each [i]; null: not stored
   float h = 0;                                    ///< s
   float inverse_h2 = 0;                           ///< 1 / h^2; 0 in PBD mode
