@@ -26,7 +26,7 @@ constexpr int near_sweeps = 12, near_radius = 6;
 /// with the test that a soft cloth keeps its compliance.
 constexpr float finest_share = 0.535f;
 /// With SolverKind::automatic, pieces of fewer particles get no levels: at 14 x 14 plain sweeps leave a cotton
-/// cloth of 1 m 0.3 % too long.
+/// cloth of 1 m 0.18 % too long.
 constexpr std::size_t smallest_piece = 200;
 /// Minimum number of coarse particles per thread.
 constexpr std::size_t grain = 1024;
@@ -155,6 +155,20 @@ float inverse(float mass) {
 
 float compliance_of(const Link& link) {
   return link.length * link.length / link.energy;
+}
+
+/// Stiffness that the n sweeps of a level supply to a smooth stretch. Each starts from lambda = 0, with a
+/// compliance n alpha, and acts like springs of compliance n alpha / omega + (1/omega - 1/2) h^2 w side by side
+/// with those of the other sweeps (docs/solvers.md). w: sum of the inverse masses of a link.
+float supplied(float alpha, float h2_w) {
+  const float each = alpha * float{sweeps}, omega = over_relaxation;
+  return (sweeps - 1) / (each / omega + (1 / omega - 0.5f) * h2_w) + 1 / (each + 0.5f * h2_w);
+}
+
+/// The same of `iterations` sweeps of the finest constraints. One alone subtracts its share (projection.h).
+float supplied_finest(float alpha, float h2_w, int iterations) {
+  if (iterations == 1) return 1 / std::fmax(alpha, finest_share * h2_w);
+  return 1 / (alpha + finest_share * h2_w / static_cast<float>(iterations));
 }
 
 /// Weighted sum of records, all four lanes: one instruction each.
@@ -338,20 +352,6 @@ float Hierarchical::stretch_ratio(std::size_t l, std::size_t e, std::span<const 
     stretch += levels_[l - 1].stretch[level.map.path[k]];
   level.stretch[e] = stretch;
   return std::fmax(ratio, level.path_length[e] / std::fmax(level.path_length[e] + stretch, length_floor));
-}
-
-// Stiffness that the n sweeps of a level supply to a smooth stretch. Each starts from lambda = 0, with a
-// compliance n alpha, and acts like springs of compliance n alpha / omega + (1/omega - 1/2) h^2 w side by side
-// with those of the other sweeps (docs/solvers.md). w: sum of the inverse masses of a link.
-float supplied(float alpha, float h2_w) {
-  const float each = alpha * float{sweeps}, omega = over_relaxation;
-  return (sweeps - 1) / (each / omega + (1 / omega - 0.5f) * h2_w) + 1 / (each + 0.5f * h2_w);
-}
-
-// The same of `iterations` sweeps of the finest constraints. One alone subtracts its share (projection.h).
-float supplied_finest(float alpha, float h2_w, int iterations) {
-  if (iterations == 1) return 1 / std::fmax(alpha, finest_share * h2_w);
-  return 1 / (alpha + finest_share * h2_w / static_cast<float>(iterations));
 }
 
 // Of the stiffness 1/alpha that a level has to supply, the next coarser level supplies what the sweeps of this

@@ -1,5 +1,7 @@
 #include "souple/solver/set_projector.h"
 
+#include <atomic>
+
 #include <fmt/core.h>
 
 namespace souple {
@@ -8,6 +10,11 @@ void detail::throw_missing_particle(std::string_view kind, std::size_t constrain
                                     std::size_t particle_count) {
   throw Error(fmt::format("{} {} names particle {}, but there are {} particles", kind, constraint, particle,
                           particle_count));
+}
+
+std::uint64_t detail::next_revision() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
 }
 
 template class SetProjector<Distance>;

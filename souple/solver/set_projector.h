@@ -24,6 +24,9 @@ namespace detail {
 [[noreturn]] void throw_missing_particle(std::string_view kind, std::size_t constraint,
                                          std::uint32_t particle, std::size_t particle_count);
 
+/// A number that no call returned before.
+std::uint64_t next_revision();
+
 }  // namespace detail
 
 /// Many constraints of one kind behind the Projector interface. Solvers, colors and reports work for a user's
@@ -47,11 +50,12 @@ class SetProjector final : public Projector {
   Set& set() {
     scales_for_ = -1;  // stiffnesses may change
     dirty_sweeps_ = true;
-    ++revision_;
+    revision_ = detail::next_revision();
     return set_;
   }
   const Set& set() const { return set_; }
-  /// Changes whenever constraints may have.
+  /// Changes whenever constraints may have; no two projectors ever have the same, not even one that is built at the
+  /// address of another.
   std::uint64_t revision() const { return revision_; }
 
   std::string_view kind() const override { return Kind::name; }
@@ -222,6 +226,7 @@ class SetProjector final : public Projector {
         kept.push_back(i);
     }
     if (kept.size() != set_.size()) set_.reorder(kept), dirty_ = true;
+    revision_ = detail::next_revision();
     for (std::vector<std::uint32_t>& records : set_.records)
       for (std::uint32_t& record : records)
         if (record / 4 >= end) record -= 4 * (end - begin);
@@ -241,7 +246,7 @@ class SetProjector final : public Projector {
     set_.color_begin = std::move(coloring.color_begin);
     scales_for_ = -1;
     find_scales({});  // a solver may linearize before the first substep
-    ++revision_;
+    revision_ = detail::next_revision();
   }
   // phi / 2 of every constraint: half the share of inverse mass of particles that have other constraints too.
   // 0.55 for 1/2: the links that carry a load were added first, get early colors and are softer than the mean
@@ -512,7 +517,7 @@ class SetProjector final : public Projector {
   Column half_shared_;             // phi / 2 of each constraint
   float softness_ = 0;             // see find_softness
   bool dirty_sweeps_ = true;       // half_shared_ and softness_ are out of date
-  std::uint64_t revision_ = 0;
+  std::uint64_t revision_ = detail::next_revision();
   Column scales_;        // k' of each constraint, for scales_for_
   int scales_for_ = -1;  // number of iterations in PBD mode, else 0
   const kernels::KindKernels* kernels_ = nullptr;

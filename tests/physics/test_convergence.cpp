@@ -96,6 +96,34 @@ TEST(Convergence, PinsMayChange) {
   EXPECT_LT(cotton.world.positions(cotton.cloth)[0].y, -0.5f);  // the rest fell and hangs from it
 }
 
+// Constraints are built again, perhaps at the same addresses, and levels with them.
+TEST(Convergence, AMaterialMayChange) {
+  ClothMaterial soft = material::cotton;
+  soft.membrane_stiffness *= 0.01f;
+  Cotton changed(40, row(40)), fresh(40, row(40));
+  fresh.world.set_material(fresh.cloth, soft);
+  fresh.run(6);
+  changed.run(1);
+  changed.world.set_material(changed.cloth, soft);
+  changed.run(6);
+  EXPECT_GT(fresh.elongation(), 0.01);
+  EXPECT_NEAR(changed.elongation() / fresh.elongation(), 1, 0.02);
+}
+
+// The particles of the cloth get other numbers.
+TEST(Convergence, AnEarlierObjectMayBeRemoved) {
+  World world;
+  const ObjectId grains = world.add_grains(std::vector<Vec3d>(3000, Vec3d{5, 5, 5}));
+  TriangleMesh mesh = grid(30, 30, 1.0);
+  for (Vec3d& x : mesh.positions) x = {x.x, -x.z, 0};
+  const ObjectId cloth = world.add_cloth(mesh, material::cotton);
+  world.pin(cloth, vertices(row(30)));
+  for (int frame = 0; frame < 5; ++frame) world.step(dt);
+  world.remove(grains);
+  for (int frame = 0; frame < 60; ++frame) ASSERT_TRUE(world.step(dt).ok());
+  EXPECT_LT(world.report().largest_strain, 0.01);
+}
+
 /// A bar of 3 x 12 x 3 cells, 1 m long, hangs by its upper end: how far its lower end sags. [m]
 double sag(float young_modulus, const Settings& settings) {
   World world(settings);
