@@ -2,6 +2,7 @@
 
 #include "souple/constraints/distance.h"
 #include "souple/constraints/triangle_membrane.h"
+#include "souple/solver/set_projector.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,14 +23,15 @@ constexpr int sweeps = 2, coarsest_sweeps = 4;
 constexpr float over_relaxation = 1.6f;
 /// Additional sweeps of the links around isolated pinned particles, and how many links away they reach.
 constexpr int near_sweeps = 12, near_radius = 6;
-/// One sweep of the finest links leaves a stretch of this times h^2 (w_a + w_b) lambda: 1/2 in theory. Measured
-/// with the test that a soft cloth keeps its compliance.
-constexpr float finest_share = 0.535f;
+/// Levels of fewer particles get none: six links reach across them.
+constexpr std::size_t smallest_near_level = 64;
+/// One sweep of the finest links leaves a stretch of this times h^2 (w_a + w_b) lambda (SetProjector::find_shared).
+constexpr float finest_share = 0.55f;
 /// With SolverKind::automatic, pieces of fewer particles get no levels: at 14 x 14 plain sweeps leave a cotton
 /// cloth of 1 m 0.18 % too long.
 constexpr std::size_t smallest_piece = 200;
 /// Minimum number of coarse particles per thread.
-constexpr std::size_t grain = 1024;
+constexpr std::size_t grain = 256;
 
 void add_links(const SetProjector<Distance>& distances, std::vector<Link>& links) {
   const auto& set = distances.set();
@@ -86,19 +88,6 @@ std::vector<std::uint32_t> linked(std::span<const Link> links, std::size_t parti
   for (std::uint32_t i = 0; i < particles; ++i)
     if (named[i]) result.push_back(i);
   return result;
-}
-
-/// Allocates one number per constraint in a column whose numbers are all equal and not `value`.
-void expand(Column& column, float value) {
-  if (column.size() > 0) column.set(0, value);
-}
-
-/// The link between particles a < b of a level.
-std::size_t link_between(const CoarseLevel& level, std::uint32_t a, std::uint32_t b) {
-  const auto found =
-      std::lower_bound(level.links.begin(), level.links.end(), std::pair(a, b),
-                       [](const Link& link, const auto& ends) { return std::pair(link.a, link.b) < ends; });
-  return static_cast<std::size_t>(found - level.links.begin());
 }
 
 /// The pieces that links connect particles to.
@@ -171,22 +160,6 @@ float supplied_finest(float alpha, float h2_w, int iterations) {
   return 1 / (alpha + finest_share * h2_w / static_cast<float>(iterations));
 }
 
-/// Weighted sum of records, all four lanes: one instruction each.
-struct Sum {
-  Vec4f value;
-  void add(const Vec4f& v, float scale) {
-    value.x += v.x * scale, value.y += v.y * scale, value.z += v.z * scale, value.w += v.w * scale;
-  }
-};
-
-/// Correction of particle i: weighted sum of its coarse particles' corrections.
-Vec3f prolonged(const CoarseLevel& map, std::span<const Vec4f> correction, std::size_t i) {
-  Sum sum;
-  for (std::uint32_t k = map.parent_begin[i]; k < map.parent_begin[i + 1]; ++k)
-    sum.add(correction[map.parent[k]], map.weight[k]);
-  return sum.value.xyz();
-}
-
 }  // namespace
 
 // Whether constraints or masses changed since the last call. Comparing the links themselves takes as long as
@@ -236,69 +209,85 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
   inverse_masses_.clear();
   for (const Link& link : links_)
     inverse_masses_.push_back(particles.inverse_mass(link.a) + particles.inverse_mass(link.b));
-  for (Level& level : levels_) level.all.allocate(compliant_), level.near.allocate(compliant_);
-  h_ = 0;
-}
-
-void Hierarchical::Bounds::add(const Link& link) {
-  at_most.add({link.a, link.b}, {link.length}, {0}, 0, link.stiffness);
-  at_least.add({link.a, link.b}, {link.length});
-}
-
-void Hierarchical::Bounds::prepare(std::size_t particles) {
-  at_most.prepare(particles);
-  at_least.prepare(particles);
-}
-
-void Hierarchical::Bounds::allocate(bool compliant) {
-  max_length = at_most.set().parameters.data();
-  min_length = at_least.set().parameters.data();
-  compliance = at_most.set().compliances.data();
-  expand(*max_length, 0), expand(*min_length, 0);
-  if (compliant) expand(*compliance, 1);
+  gains_for_ = {};
 }
 
 void Hierarchical::add_level(CoarseLevel map) {
   const std::span<const std::uint32_t> finer = levels_.empty() ? particle_ : levels_.back().particle;
   Level level;
   for (const std::uint32_t i : map.finer) level.particle.push_back(finer[i]);
-  for (const float mass : map.mass) level.position.push_back({0, 0, 0, inverse(mass)});
-  level.moving.resize(map.mass.size());  // w = 0: kernels subtract whole records
+  for (const float mass : map.mass) {
+    level.position.push_back({0, 0, 0, inverse(mass)});
+    level.moving.push_back({0, 0, 0, inverse(mass)});
+  }
+  level.position.emplace_back(), level.moving.emplace_back();
   level.correction = level.before = level.moving;
-  level.constraint.assign(map.links.size(), none);
-  level.stretch.resize(map.links.size());
-  level.path_length = level.softening = level.stretch;
-
-  for (std::size_t e = 0; !levels_.empty() && e < map.links.size(); ++e)
-    for (std::uint32_t k = map.path_begin[e]; k < map.path_begin[e + 1]; ++k)
-      level.path_length[e] += levels_.back().map.links[map.path[k]].length;
-
-  for (const Link& link : map.links) {
-    if (map.mass[link.a] == 0 && map.mass[link.b] == 0) continue;
-    level.all.add(link);
-  }
-  level.all.prepare(map.mass.size());
-  for (std::uint32_t i = 0; i < level.all.at_most.size(); ++i) {
-    const auto [a, b] = level.all.at_most.set().indices(i);
-    level.constraint[link_between(map, a, b)] = i;
-  }
+  level.softening.resize(map.links.size());
+  std::vector<std::uint32_t> links(map.links.size());
+  std::iota(links.begin(), links.end(), 0u);
+  level.all = LevelLinks(map, links);
   level.map = std::move(map);
+  find_transfers(level);
+  find_slots(level);
   add_links_near_pins(level);
   levels_.push_back(std::move(level));
 }
 
+void Hierarchical::find_transfers(Level& level) const {
+  const CoarseLevel& map = level.map;
+  const std::size_t finer_count = map.parent_begin.size() - 1;
+  for (std::uint32_t i = 0; i < finer_count; ++i) {
+    level.finer.push_back(levels_.empty() ? particle_[i] : i);
+    for (std::uint32_t k = map.parent_begin[i]; k < map.parent_begin[i + 1]; ++k)
+      level.prolongation.add(map.parent[k], map.weight[k]);
+    level.prolongation.end_row();
+  }
+  for (std::size_t j = 0; j < map.mass.size(); ++j) {
+    for (std::uint32_t k = map.child_begin[j]; k < map.child_begin[j + 1]; ++k)
+      level.restriction.add(level.finer[map.child[k]], map.child_weight[k]);
+    level.restriction.end_row();
+  }
+}
+
+// Fills the arrays per slot. Padding measures the distance of a particle from itself.
+void Hierarchical::find_slots(Level& level) const {
+  const Level* const finer = levels_.empty() ? nullptr : &levels_.back();
+  const std::vector<std::uint32_t> finer_slot =
+      finer ? finer->all.slot_of_link() : std::vector<std::uint32_t>{};
+  const CoarseLevel& map = level.map;
+  level.path_begin.push_back(0);
+  for (std::size_t s = 0; s < level.all.slots(); ++s) {
+    const std::uint32_t e = level.all.link(s);
+    const bool padding = e == LevelLinks::none;
+    const Link link = padding ? Link{.length = 1} : map.links[e];
+    float path_length = 0;
+    for (std::uint32_t k = padding ? 0 : map.path_begin[e]; finer && !padding && k < map.path_begin[e + 1];
+         ++k) {
+      level.path.push_back(finer_slot[map.path[k]]);
+      path_length += finer->map.links[map.path[k]].length;
+    }
+    level.start_a.push_back(4 * level.particle[link.a]), level.start_b.push_back(4 * level.particle[link.b]);
+    level.rest_length.push_back(link.length);
+    level.path_length.push_back(path_length);
+    level.path_begin.push_back(static_cast<std::uint32_t>(level.path.size()));
+  }
+  level.stretch.resize(level.all.slots());
+}
+
 void Hierarchical::add_links_near_pins(Level& level) {
-  const std::vector<bool> near = near_pins(level.map);
-  for (std::uint32_t e = 0; e < level.map.links.size(); ++e) {
-    const Link& link = level.map.links[e];
-    if (level.constraint[e] == none || !near[link.a] || !near[link.b]) continue;
-    level.near.add(link);
+  const CoarseLevel& map = level.map;
+  if (map.mass.size() < smallest_near_level) return;
+  const std::vector<bool> near = near_pins(map);
+  std::vector<std::uint32_t> links;
+  for (std::uint32_t e = 0; e < map.links.size(); ++e) {
+    const Link& link = map.links[e];
+    if (near[link.a] && near[link.b] && map.mass[link.a] + map.mass[link.b] > 0) links.push_back(e);
   }
-  level.near.prepare(level.map.mass.size());
-  for (std::uint32_t i = 0; i < level.near.at_most.size(); ++i) {
-    const auto [a, b] = level.near.at_most.set().indices(i);
-    level.near_constraint.push_back(level.constraint[link_between(level.map, a, b)]);
-  }
+  level.near = LevelLinks(map, links);
+  const std::vector<std::uint32_t> slot = level.all.slot_of_link();
+  for (std::size_t s = 0; s < level.near.slots(); ++s)
+    level.near_slot.push_back(level.near.link(s) != LevelLinks::none ? slot[level.near.link(s)]
+                                                                     : LevelLinks::none);
 }
 
 int Hierarchical::sweeps_of(std::size_t l) const {
@@ -308,50 +297,42 @@ int Hierarchical::sweeps_of(std::size_t l) const {
 std::size_t Hierarchical::coarse_projections() const {
   std::size_t sum = 0;
   for (std::size_t l = 0; l < levels_.size(); ++l)
-    sum += static_cast<std::size_t>(sweeps_of(l)) * 2 * levels_[l].all.at_most.size();
+    sum += static_cast<std::size_t>(sweeps_of(l)) * levels_[l].all.swept();
   return sum;
 }
 
-// Stretch of the paths and length limits of the coarse links, at the start of the substep.
+// Stretch of the paths and limits of the coarse links, at the start of the substep. Links of the first coarse
+// level need no path: their lengths are those of paths across triangles of finer links, so no state that
+// satisfies the finer links is longer.
 void Hierarchical::measure(const ParticleView& particles, Threads& threads) {
   const std::span<const Vec4f> start = particles.form == Form::plain ? particles.start : particles.position;
-  for (std::size_t l = 0; l < levels_.size(); ++l)
-    threads.for_each(levels_[l].map.links.size(), grain,
-                     [&](std::size_t begin, std::size_t end) { measure_level(l, start, begin, end); });
-}
-
-void Hierarchical::measure_level(std::size_t l, std::span<const Vec4f> start, std::size_t begin,
-                                 std::size_t end) {
-  Level& level = levels_[l];
-  for (std::size_t e = begin; e < end; ++e) {
-    const float ratio = stretch_ratio(l, e, start);
-    if (level.constraint[e] == none) continue;
-    const Link& link = level.map.links[e];
-    const Vec3f x = level.position[link.a].xyz() - level.position[link.b].xyz();
-    const Vec3f d = level.moving[link.a].xyz() - level.moving[link.b].xyz();
-    const float now = length(x);
-    const float max_length = now * ratio;
-    level.all.max_length->set(level.constraint[e], max_length);
-    level.all.min_length->set(level.constraint[e], std::fmin(max_length, std::fmin(now, length(x + d))));
+  for (std::size_t l = 0; l < levels_.size(); ++l) {
+    Level& level = levels_[l];
+    if (l > 0) measure_paths(l, threads);
+    level.all.measure({.position = &level.position.data()->x,
+                       .moving = &level.moving.data()->x,
+                       .start = &start.data()->x,
+                       .start_a = level.start_a.data(),
+                       .start_b = level.start_b.data(),
+                       .rest_length = level.rest_length.data(),
+                       .path_length = l > 0 ? level.path_length.data() : nullptr,
+                       .stretch = level.stretch.data()},
+                      threads);
+    level.near.copy_limits(level.all, level.near_slot);
   }
 }
 
-// Factor from the length of a link to its limit: below 1 it must shrink, above 1 it may grow. Stores the
-// link's stretch for the paths of coarser links. Links of the first coarse level need no path: their lengths
-// are those of paths across triangles of finer links, so no state that satisfies the finer links is longer.
-float Hierarchical::stretch_ratio(std::size_t l, std::size_t e, std::span<const Vec4f> start) {
+void Hierarchical::measure_paths(std::size_t l, Threads& threads) {
   Level& level = levels_[l];
-  const Link& link = level.map.links[e];
-  const float now = length(start[level.particle[link.a]].xyz() - start[level.particle[link.b]].xyz());
-  const float length_floor = 1e-6f * link.length;
-  const float ratio = link.length / std::fmax(now, length_floor);
-  level.stretch[e] = now - link.length;
-  if (l == 0) return ratio;
-  float stretch = 0;
-  for (std::uint32_t k = level.map.path_begin[e]; k < level.map.path_begin[e + 1]; ++k)
-    stretch += levels_[l - 1].stretch[level.map.path[k]];
-  level.stretch[e] = stretch;
-  return std::fmax(ratio, level.path_length[e] / std::fmax(level.path_length[e] + stretch, length_floor));
+  const std::span<const float> finer = levels_[l - 1].stretch;
+  threads.for_each(level.stretch.size(), grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      float stretch = 0;
+      for (std::uint32_t k = level.path_begin[s]; k < level.path_begin[s + 1]; ++k)
+        stretch += finer[level.path[k]];
+      level.stretch[s] = stretch;
+    }
+  });
 }
 
 // Of the stiffness 1/alpha that a level has to supply, the next coarser level supplies what the sweeps of this
@@ -362,18 +343,35 @@ float Hierarchical::stretch_ratio(std::size_t l, std::size_t e, std::span<const 
 // So each level's compliance is the material's times a factor, its softening, which grows towards coarser
 // levels. Rigid stays rigid. Without softening each level supplies all of the stiffness, and a soft cloth
 // hangs five times too stiff (measured).
-void Hierarchical::set_compliance(const Substep& substep) {
-  if (!compliant_ || (h_ == substep.h && iterations_ == substep.iterations)) return;
-  h_ = substep.h;
-  iterations_ = substep.iterations;
+//
+// n sweeps of n times the compliance, each from lambda = 0, are as compliant to a smooth stretch as one, and no
+// multipliers are stored. In PBD mode a link's k' takes the place of its compliance:
+//
+//   g = 1 / (w_J + w_K + n alpha'/h^2),   PBD: g = k' / (w_J + w_K)
+void Hierarchical::set_gains(const Substep& substep) {
+  const auto key = [](const Substep& of) { return std::tuple(of.h, of.iterations, of.mode); };
+  if (key(gains_for_) == key(substep)) return;
+  gains_for_ = substep;
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     Level& level = levels_[l];
-    for (std::size_t e = 0; e < level.map.links.size(); ++e) {
+    for (std::size_t e = 0; compliant_ && e < level.map.links.size(); ++e)
       level.softening[e] = softening_of(l, e);
-      if (level.constraint[e] != none)
-        level.all.compliance->set(level.constraint[e],
-                                  compliance_of(level.map.links[e]) * level.softening[e]);
-    }
+    set_gains_of(level, level.all, sweeps_of(l)), set_gains_of(level, level.near, near_sweeps);
+  }
+}
+
+void Hierarchical::set_gains_of(const Level& level, LevelLinks& links, int n) const {
+  const float h = gains_for_.h;
+  for (std::size_t s = 0; s < links.slots(); ++s) {
+    const std::uint32_t e = links.link(s);
+    if (e == LevelLinks::none) continue;
+    const Link& link = level.map.links[e];
+    const float w = level.position[link.a].w + level.position[link.b].w;
+    const float alpha = compliant_ ? compliance_of(link) * level.softening[e] : 0;
+    const float gain = gains_for_.mode == Mode::pbd
+                           ? stiffness_per_iteration(link.stiffness, gains_for_.iterations) / w
+                           : 1 / (w + static_cast<float>(n) * alpha / (h * h));
+    links.set_gain(s, w > 0 ? gain : 0);
   }
 }
 
@@ -387,8 +385,9 @@ float Hierarchical::softening_of(std::size_t l, std::size_t e) const {
     const Link& link = finer ? finer->map.links[step] : links_[step];
     const float factor = finer ? finer->softening[step] : 1;
     const float w = finer ? finer->position[link.a].w + finer->position[link.b].w : inverse_masses_[step];
-    const float alpha = factor * compliance_of(link), h2_w = h_ * h_ * w;
-    const float stiffness = finer ? supplied(alpha, h2_w) : supplied_finest(alpha, h2_w, iterations_);
+    const float alpha = factor * compliance_of(link), h2_w = gains_for_.h * gains_for_.h * w;
+    const float stiffness =
+        finer ? supplied(alpha, h2_w) : supplied_finest(alpha, h2_w, gains_for_.iterations);
     sum += h2_w > 0 ? factor / std::fmax(1 - alpha * stiffness, 1e-6f) : factor;
   }
   return sum / static_cast<float>(map.path_begin[e + 1] - map.path_begin[e]);
@@ -396,79 +395,38 @@ float Hierarchical::softening_of(std::size_t l, std::size_t e) const {
 
 void Hierarchical::restrict_particles(const ParticleView& particles, Threads& threads) {
   const bool plain = particles.form == Form::plain;
-  for (std::size_t l = 0; l < levels_.size(); ++l) {
-    Level& level = levels_[l];
-    threads.for_each(level.particle.size(), grain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t j = begin; j < end; ++j) {
-        Sum x, d;
-        for (std::uint32_t k = level.map.child_begin[j]; k < level.map.child_begin[j + 1]; ++k) {
-          const float child_weight = level.map.child_weight[k];
-          const std::uint32_t child = level.map.child[k];
-          if (l > 0) {
-            x.add(levels_[l - 1].position[child], child_weight);
-            d.add(levels_[l - 1].moving[child], child_weight);
-          } else {
-            const std::uint32_t i = particle_[child];
-            x.add(plain ? particles.start[i] : particles.position[i], child_weight);
-            d.add(particles.moving[i], child_weight);
-          }
-        }
-        level.position[j].set_xyz(x.value.xyz());
-        level.moving[j].set_xyz(plain && l == 0 ? d.value.xyz() - x.value.xyz() : d.value.xyz());
-      }
+  std::span<const Vec4f> position = plain ? particles.start : particles.position, moving = particles.moving;
+  for (Level& level : levels_) {
+    const bool differs = plain && &level == levels_.data();
+    threads.for_each(level.restriction.rows(), grain, [&](std::size_t begin, std::size_t end) {
+      level.restriction.assign(begin, end, position, moving, level.position, level.moving);
+      for (std::size_t j = begin; differs && j < end; ++j)
+        level.moving[j].set_xyz(level.moving[j].xyz() - level.position[j].xyz());
     });
+    position = level.position, moving = level.moving;
   }
 }
 
-// n sweeps, the last one plain. Each starts from lambda = 0 with n times the compliance: then n sweeps of a
-// smooth stretch are as compliant as one, and no multipliers are stored.
-void Hierarchical::Bounds::project(int n, const ParticleView& view, const Substep& substep,
-                                   Threads& threads) {
-  Substep part = substep;
-  if (substep.mode != Mode::pbd) part.h /= std::sqrt(static_cast<float>(n));
-  at_most.begin_substep(view, part), at_least.begin_substep(view, part);
-  for (int s = 1; s <= n; ++s) {
-    part.relaxation = s < n ? over_relaxation : 1;
-    sweep(at_most, view, part, threads);
-    sweep(at_least, view, part, threads);
-  }
+void Hierarchical::prolong(const Level& from, std::span<const Vec4f> inverse_mass, std::span<Vec4f> to,
+                           Threads& threads) {
+  threads.for_each(from.prolongation.rows(), 4 * grain, [&](std::size_t begin, std::size_t end) {
+    from.prolongation.add_to(begin, end, from.correction, from.finer, inverse_mass, to);
+  });
 }
 
-void Hierarchical::project_levels(const Substep& substep, Threads& threads) {
-  Substep coarse = substep;
-  coarse.form = Form::displacement;
-  if (substep.mode != Mode::pbd) coarse.mode = Mode::small_steps, coarse.iterations = 1;
+// From the coarsest level to the particles.
+void Hierarchical::project_levels(const ParticleView& particles, Threads& threads) {
   for (std::size_t l = levels_.size(); l-- > 0;) {
     Level& level = levels_[l];
-    const std::size_t count = level.particle.size();
-    threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        level.before[i] = level.moving[i];
-        if (l + 1 == levels_.size() || level.position[i].w == 0) continue;
-        const Level& above = levels_[l + 1];
-        level.moving[i].set_xyz(level.moving[i].xyz() + prolonged(above.map, above.correction, i));
-      }
-    });
-    const ParticleView view{level.position, level.moving, level.before, Form::displacement};
-    project_near_pins(level, view, coarse, threads);
-    level.all.project(sweeps_of(l), view, coarse, threads);
-    threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        level.correction[i].set_xyz(level.moving[i].xyz() - level.before[i].xyz());
-    });
+    std::copy(level.moving.begin(), level.moving.end(), level.before.begin());
+    if (l + 1 < levels_.size()) prolong(levels_[l + 1], level.position, level.moving, threads);
+    level.near.sweep(near_sweeps, over_relaxation, level.moving, threads);
+    level.all.sweep(sweeps_of(l), over_relaxation, level.moving, threads);
+    for (std::size_t i = 0; i < level.moving.size(); ++i)  // whole records: w becomes 0
+      level.correction[i] = {level.moving[i].x - level.before[i].x, level.moving[i].y - level.before[i].y,
+                             level.moving[i].z - level.before[i].z, 0};
   }
-}
-
-void Hierarchical::project_near_pins(Level& level, const ParticleView& view, const Substep& substep,
-                                     Threads& threads) {
-  if (level.near_constraint.empty()) return;
-  for (std::size_t i = 0; i < level.near_constraint.size(); ++i) {
-    const std::uint32_t constraint = level.near_constraint[i];
-    level.near.max_length->set(i, (*level.all.max_length)[constraint]);
-    level.near.min_length->set(i, (*level.all.min_length)[constraint]);
-    level.near.compliance->set(i, (*level.all.compliance)[constraint]);
-  }
-  level.near.project(near_sweeps, view, substep, threads);
+  prolong(levels_.front(), particles.position, particles.moving, threads);
 }
 
 void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleView& particles,
@@ -477,14 +435,8 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
     if (with_levels) {
       restrict_particles(particles, threads);
-      if (iteration == 0) measure(particles, threads), set_compliance(substep);
-      project_levels(substep, threads);
-      const Level& level = levels_.front();
-      threads.for_each(particle_.size(), grain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i)
-          if (masses_[i] > 0 && particles.inverse_mass(particle_[i]) > 0)
-            particles.correct(particle_[i], prolonged(level.map, level.correction, i));
-      });
+      if (iteration == 0) measure(particles, threads), set_gains(substep);
+      project_levels(particles, threads);
     }
     if (automatic_) {
       sweep_as_needed(projectors, particles, substep, threads);

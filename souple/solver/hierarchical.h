@@ -1,10 +1,9 @@
 #pragma once
 
-#include "souple/constraints/particle_contact.h"
-#include "souple/constraints/tether.h"
 #include "souple/solver/hierarchical_levels.h"
-#include "souple/solver/set_projector.h"
+#include "souple/solver/level_links.h"
 #include "souple/solver/solver.h"
+#include "souple/solver/weighted_sums.h"
 
 #include <string>
 #include <vector>
@@ -24,14 +23,9 @@ namespace souple {
 /// links the level has, and momentum is kept. With injection a swinging 100 x 100 cloth exploded within ten
 /// frames (docs/solvers.md).
 ///
-/// L_JK: a link that is stretched at the start of the substep shrinks by its stretch, and a folded link may
-/// unfold. A link whose finer links are all satisfied does not shrink, however inexact its rest length is.
-/// l_JK: no correction compresses an unstretched link, but particles that approach each other on their own
-/// may do so. This lets cloth fold freely (the paper's unilateral constraints alone crumple a moving cloth,
-/// two cells at a time).
-///
-///   L_JK = |X_J - X_K| max(rest length / |x_J - x_K|, 1 - stretch of the path from J to K along finer links)
-///   l_JK = min(L_JK, |X_J - X_K| at the start of the substep, |X_J - X_K| as predicted)
+/// The limits l_JK and L_JK: LinkLimits (kernels/links.h). A link whose finer links are all satisfied does not
+/// shrink, however inexact its rest length is. Lower limits let cloth fold freely (the paper's unilateral
+/// constraints alone crumple a moving cloth, two cells at a time).
 ///
 /// Where a few pinned particles carry a whole cloth, stress grows towards them faster than levels get finer.
 /// There each level sweeps the links around them a few times more.
@@ -56,53 +50,45 @@ class Hierarchical final : public Solver {
              Threads& threads) override;
   std::string diagnostic() const override;
 
-  /// Constraints projected on coarse levels by one iteration, in all sweeps.
+  /// Links projected on coarse levels by one iteration, in all sweeps.
   std::size_t coarse_projections() const;
 
  private:
-  /// Constraints l_JK <= |X_J - X_K| <= L_JK, in equal order. Steps rewrite the columns.
-  struct Bounds {
-    SetProjector<Tether> at_most;
-    SetProjector<ParticleContact> at_least;
-    Column *max_length = nullptr, *min_length = nullptr, *compliance = nullptr;
-
-    void add(const Link& link);
-    void prepare(std::size_t particles);
-    /// Sets the pointers and allocates one number per constraint; call where the object stays.
-    void allocate(bool compliant);
-    void project(int sweeps, const ParticleView& view, const Substep& substep, Threads& threads);
-  };
-
-  /// A coarser level and the state of its particles and links during a substep.
+  /// A coarser level and the state of its particles and links during a substep. Arrays per coarse particle have
+  /// one more record, for the padding of LevelLinks.
   struct Level {
     CoarseLevel map;
+    WeightedSums restriction;             ///< of finer particles; first level: of the world's
+    WeightedSums prolongation;            ///< a row per finer particle
+    std::vector<std::uint32_t> finer;     ///< per row of the prolongation: its particle, as in `restriction`
     std::vector<std::uint32_t> particle;  ///< per coarse particle: its particle in the world
-    /// Per link: its constraint in `all`; none if both ends are fixed.
-    std::vector<std::uint32_t> constraint;
-    std::vector<Vec4f> position;    ///< X at the start of the substep [m]; w = inverse mass
-    std::vector<Vec4f> moving;      ///< displacement since the start of the substep [m]
+    std::vector<Vec4f> position;          ///< X at the start of the substep [m]; w = inverse mass
+    std::vector<Vec4f> moving;      ///< displacement since the start of the substep [m]; w = inverse mass
     std::vector<Vec4f> before;      ///< `moving` before this iteration's corrections [m]
     std::vector<Vec4f> correction;  ///< moving - before, after the sweeps [m]
-    /// Per link: stretch of its path along finer links; first level: of the link [m].
-    std::vector<float> stretch;
-    std::vector<float> path_length;              ///< per link: rest length of its path [m]
-    std::vector<float> softening;                ///< per link: factor of its compliance, see set_compliance
-    Bounds all;                                  ///< of the links that have a constraint
-    Bounds near;                                 ///< copies of those around isolated pinned particles
-    std::vector<std::uint32_t> near_constraint;  ///< per copy: its constraint in `all`
+    std::vector<float> softening;   ///< per link: factor of its compliance, see set_compliance
+    LevelLinks all, near;           ///< near: copies of those around isolated pinned particles
+    std::vector<std::uint32_t> near_slot;  ///< per slot of `near`: the slot in `all`
+    // Per slot of `all`:
+    std::vector<std::uint32_t> start_a, start_b;  ///< 4 times the particle in the world
+    std::vector<float> rest_length, path_length;  ///< of the link, of its path along finer links [m]
+    std::vector<float> stretch;                   ///< of the path; first level: of the link [m]
+    std::vector<std::uint32_t> path_begin, path;  ///< slots of the finer links; see CoarseLevel::path
   };
 
   void add_level(CoarseLevel map);
   static void add_links_near_pins(Level& level);
+  void find_transfers(Level& level) const;
+  void find_slots(Level& level) const;
   void measure(const ParticleView& particles, Threads& threads);
-  void measure_level(std::size_t l, std::span<const Vec4f> start, std::size_t begin, std::size_t end);
-  float stretch_ratio(std::size_t l, std::size_t e, std::span<const Vec4f> start);
-  void set_compliance(const Substep& substep);
+  void measure_paths(std::size_t l, Threads& threads);
+  void set_gains(const Substep& substep);
+  void set_gains_of(const Level& level, LevelLinks& links, int n) const;
   float softening_of(std::size_t l, std::size_t e) const;
   void restrict_particles(const ParticleView& particles, Threads& threads);
-  void project_levels(const Substep& substep, Threads& threads);
-  static void project_near_pins(Level& level, const ParticleView& view, const Substep& substep,
-                                Threads& threads);
+  void project_levels(const ParticleView& particles, Threads& threads);
+  static void prolong(const Level& from, std::span<const Vec4f> inverse_mass, std::span<Vec4f> to,
+                      Threads& threads);
   int sweeps_of(std::size_t l) const;
 
   bool inputs_changed(std::span<Projector* const> projectors, const ParticleView& particles);
@@ -115,8 +101,7 @@ class Hierarchical final : public Solver {
   std::vector<std::uint32_t> particle_;  ///< per linked particle: its particle in the world, ascending
   std::vector<Level> levels_;            ///< finest first
   bool compliant_ = false;
-  float h_ = 0;  ///< substep length of the current compliances [s]
-  int iterations_ = 0;
+  Substep gains_for_;  ///< substep of the current gains; length 0: none
 };
 
 }  // namespace souple

@@ -20,7 +20,9 @@ constexpr std::size_t max_links = 8;
 // cloth's particles. At 1.3 the kinks that a level leaves cancel its gain; at 2 Gauss-Seidel has too far to
 // smooth.
 constexpr float coarsening = 1.6f;
-// Radius around a coarse particle within which lengths are computed, in its spacing.
+// Radius around a coarse particle within which lengths are computed, in its spacing. With 2.2 levels take a third
+// less time to build, but links are found too long: a cloth of 100 x 100 that hangs by two corners stretches by
+// 3.8 % instead of 2.8, with 1.9 by 16 %.
 constexpr float march_radius = 2.7f;
 // eps of weights_of.
 constexpr double smoothing = 0.1;
@@ -77,6 +79,7 @@ class Marcher {
   std::span<const Reached> march(std::uint32_t source, float radius) {
     reached_.clear();
     heap_.clear();
+    radius_ = radius;
     ++source_;
     offer(source, 0);
     while (!heap_.empty()) {
@@ -84,7 +87,6 @@ class Marcher {
       const auto [length, u] = heap_.back();
       heap_.pop_back();
       if (state_[u].settled == source_) continue;
-      if (length > radius) break;
       state_[u].settled = source_;
       reached_.push_back({u, length});
       relax_neighbors(u);
@@ -115,7 +117,7 @@ class Marcher {
   }
 
   void offer(std::uint32_t v, float length) {
-    if (state_[v].seen == source_ && length_[v] <= length) return;
+    if (length > radius_ || (state_[v].seen == source_ && length_[v] <= length)) return;
     state_[v].seen = source_;
     length_[v] = length;
     heap_.emplace_back(length, v);
@@ -152,6 +154,7 @@ class Marcher {
 
   Graph graph_;
   std::uint32_t source_ = 0;
+  float radius_ = 0;
   std::vector<float> length_;
   std::vector<State> state_;
   std::vector<Mark> across_;
@@ -204,6 +207,10 @@ std::vector<bool> choose_coarse(std::span<const Link> links, const Graph& graph,
   std::vector<bool> coarse(graph.size()), covered(graph.size());
   const std::vector<int> rank = ranks(graph, masses);
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
+  std::vector<float> offered(graph.size(), std::numeric_limits<float>::infinity());
+  const auto offer = [&](std::uint32_t i, float length) {
+    if (length < offered[i]) offered[i] = length, front.emplace(length, i);
+  };
   Marcher marcher(links, graph);
   const auto keep = [&](std::uint32_t j) {
     if (covered[j]) return;
@@ -212,7 +219,7 @@ std::vector<bool> choose_coarse(std::span<const Link> links, const Graph& graph,
     for (const Marcher::Reached& r : marcher.march(j, march_radius * radius)) {
       near[r.particle].push_back({j, r.length});
       covered[r.particle] = covered[r.particle] || r.length <= radius;
-      if (!covered[r.particle] && rank[r.particle] <= rank[j]) front.emplace(r.length, r.particle);
+      if (!covered[r.particle] && rank[r.particle] <= rank[j]) offer(r.particle, r.length);
     }
   };
   for (int now = 0; now < 6; ++now) {
@@ -220,7 +227,7 @@ std::vector<bool> choose_coarse(std::span<const Link> links, const Graph& graph,
       if (rank[i] != now || covered[i]) continue;
       float nearest = std::numeric_limits<float>::infinity();
       for (const Marcher::Reached& n : near[i]) nearest = std::min(nearest, n.length);
-      if (!near[i].empty()) front.emplace(nearest, i);
+      if (!near[i].empty()) offer(i, nearest);
     }
     for (std::uint32_t i = 0; i < graph.size(); ++i) {
       while (!front.empty()) {

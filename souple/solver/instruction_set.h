@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/solver/kernels/kernels.h"
+#include "souple/solver/kernels/links.h"
 #include "souple/solver/kernels/motion.h"
 #include "souple/solver/kernels/triangles.h"
 
@@ -55,6 +56,12 @@ const kernels::KindKernels* find_kernels(InstructionSet set) {
     return detail::find_for(
         set, []<class Isa>(std::type_identity<Isa>) { return &kernels::kind_kernels<Isa, Kind>(); });
   return nullptr;
+}
+
+/// Kernels of the links of a coarse level.
+inline const kernels::LinkKernels* find_link_kernels(InstructionSet set) {
+  return detail::find_for(set,
+                          []<class Isa>(std::type_identity<Isa>) { return &kernels::link_kernels<Isa>(); });
 }
 
 /// Kernels that move particles.

@@ -3,6 +3,7 @@
 #include "souple/solver/threads.h"
 #include "souple/state/particles.h"
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -39,6 +40,11 @@ struct Substep {
     return mode == Mode::xpbd || (mode == Mode::small_steps && iterations > 1);
   }
 };
+
+/// PBD mode: k' of each of n iterations that together have the stiffness k. Müller et al. 2007, section 3.3.
+inline float stiffness_per_iteration(float k, int n) {
+  return 1 - std::pow(1 - k, 1 / static_cast<float>(n));
+}
 
 /// The particles that a projector reads and moves. Projectors write to `moving` only: predicted positions
 /// (plain form) or displacements. Its w lane is not changed.

@@ -435,8 +435,7 @@ class SetProjector final : public Projector {
     scales_for_ = iterations;
     scales_ = {};
     for (std::size_t i = 0; i < set_.size(); ++i)
-      scales_.push_back(
-          iterations > 0 ? 1 - std::pow(1 - set_.stiffness(i), 1 / static_cast<float>(iterations)) : 1);
+      scales_.push_back(iterations > 0 ? stiffness_per_iteration(set_.stiffness(i), iterations) : 1);
   }
 
   void evaluate(std::size_t i, const ParticleView& particles, float (&C)[rows_of<Kind>]) const {

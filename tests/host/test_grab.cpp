@@ -59,7 +59,7 @@ TEST(Grab, AClothFollowsTheMouseAndIsLetGo) {
       EXPECT_LT(length(grab.point() - grab.target()), 0.05f);
     }
     c.run(60);
-    EXPECT_LT(length(c.at(c.middle) - (start + Vec3f(0, 0.1f, 0.2f))), 0.02f);
+    EXPECT_LT(length(c.at(c.middle) - (start + Vec3f(0, 0.1f, 0.2f))), 0.025f);  // converged: 0.004
     EXPECT_LT(strain_of(c.world, c.cloth), 0.15);
   }
   c.run(300);

@@ -2,6 +2,7 @@
 #include "souple/constraints/triangle_membrane.h"
 #include "souple/solver/gauss_seidel.h"
 #include "souple/solver/hierarchical.h"
+#include "souple/solver/set_projector.h"
 #include "tests/solver/body.h"
 
 #include <algorithm>
