@@ -425,6 +425,7 @@ void Hierarchical::restrict_particles(const ParticleView& particles, Threads& th
 void Hierarchical::Bounds::project(int n, const ParticleView& view, const Substep& substep,
                                    Threads& threads) {
   Substep part = substep;
+  part.external = nullptr;  // the particles of a level are others
   if (substep.mode != Mode::pbd) part.h /= std::sqrt(static_cast<float>(n));
   at_most.begin_substep(view, part), at_least.begin_substep(view, part);
   for (int s = 1; s <= n; ++s) {
