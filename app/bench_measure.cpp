@@ -24,6 +24,7 @@ constexpr double residual_budget = 8;       // s, for one solve to the target re
 constexpr double repeated_below = 0.1;      // s: shorter times are the best of three
 constexpr int max_iterations = 1 << 16;
 constexpr double stretched = 0.1;  // strain of the static case
+constexpr int min_timed = 5;       // steps whose time is meaningful
 
 /// Lengths of all edges of tets, in a fixed order.
 std::vector<double> tet_edge_lengths(const World& world) {
@@ -55,6 +56,7 @@ const StepReport& step(World& world) {
 }
 
 void time_steps(World& world, const BenchOptions& options, BenchResult& result) {
+  const std::vector<double> rest = tet_edge_lengths(world);
   for (int i = 0; i < options.warm_up; ++i) step(world);
   std::vector<double> whole;
   std::array<std::vector<double>, stage_count> stages;
@@ -64,7 +66,12 @@ void time_steps(World& world, const BenchOptions& options, BenchResult& result) 
     const std::chrono::duration<double, std::milli> spent = Clock::now() - start;
     whole.push_back(spent.count());
     for (std::size_t s = 0; s < stage_count; ++s) stages[s].push_back(report.milliseconds[s]);
+    if (!options.strain) continue;
+    result.peak_strain = std::max(result.peak_strain, largest_strain(world, rest));
+    if (i + 1 >= min_timed && result.peak_strain > *options.strain) break;
   }
+  result.runs = static_cast<int>(whole.size());
+  result.max_strain = largest_strain(world, rest);
   result.ms_per_step = median(whole);
   result.ms_fastest = *std::min_element(whole.begin(), whole.end());
   double sum = 0;
@@ -162,7 +169,6 @@ void describe(const BenchOptions& options, BenchResult& result) {
   result.substeps = s.substeps;
   result.iterations = s.iterations;
   result.warm_up = options.warm_up;
-  result.runs = options.runs;
 }
 
 }  // namespace
@@ -186,14 +192,13 @@ BenchResult measure(const BenchOptions& options) {
   settings.measure_residuals = false;  // costs about one iteration a step, and is measured separately
   World world(settings);
   scene.build(world, result.size);
-  const std::vector<double> rest = tet_edge_lengths(world);
   time_steps(world, options, result);
   result.particles = world.report().particles;
   result.constraints = world.report().constraints;
   result.constraints_per_second = static_cast<double>(result.constraints) * result.substeps *
                                   result.iterations / (result.ms_per_step * 1e-3);
-  result.max_strain = largest_strain(world, rest);
   result.hash = world.hash();
+  if (options.strain && result.peak_strain > *options.strain) return result;
   time_projections(world, result);
   result.diagnostic = world.time_solve(frame, result.iterations).diagnostic;
   if (options.residual) result.residual = time_to_residual(scene, options, result.size);

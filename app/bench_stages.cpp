@@ -61,6 +61,7 @@ Json measure_stage(const StageBench& bench, BenchOptions options) {
     throw Error(fmt::format("--size {}: {} takes {} to {} {}", options.size, bench.name, bench.min_size,
                             bench.max_size, bench.size_means));
   if (options.residual) throw Error(std::string("--residual: ") + bench.name + " uses no solver");
+  if (options.strain) throw Error(std::string("--strain: ") + bench.name + " uses no solver");
   Json result = Json::object();
   result.set("name", Json::of(bench.name));
   result.set("size", Json::whole(options.size));

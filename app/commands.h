@@ -68,7 +68,7 @@ struct BenchRequest {
   std::optional<std::uint32_t> size, threads, substeps, iterations, warm_up, runs, colors;
   std::string solver, sweep, form, mode, threading;
   std::optional<float> relaxation, chebyshev;
-  std::optional<double> residual;
+  std::optional<double> residual, strain;
   std::filesystem::path compare;  ///< JSON of an earlier result
   bool json = false;
 };

@@ -121,6 +121,15 @@ std::string text(const char* format, double value) {
   return buffer;
 }
 
+/// The object that is stretched most by forces out of balance.
+void balance_row(const StepReport& report) {
+  const auto worst = std::max_element(report.objects.begin(), report.objects.end(),
+                                      [](const auto& a, const auto& b) { return a.stretch < b.stretch; });
+  if (worst == report.objects.end()) return;
+  value_row("Out of balance", fmt::format("{:.2g} % (stretch {:.2g} %, {})", 100 * worst->unbalanced,
+                                          100 * worst->stretch, worst->name));
+}
+
 void residual_table(const StepReport& report) {
   ImGui::TextDisabled("Residuals |C|");
   if (report.kinds.empty() || !ImGui::BeginTable("##residuals", 4, ImGuiTableFlags_SizingStretchProp)) return;
@@ -164,6 +173,7 @@ void numbers_panel(const Simulation& simulation) {
   value_row("Contacts", fmt::format("{}", report.contacts));
   value_row("Deepest contact", text("%.2g mm", 1e3 * report.deepest_contact));
   value_row("Largest strain", text("%.2g %%", 100 * report.largest_strain));
+  balance_row(report);
   residual_table(report);
   if (report.message.empty() || simulation.failure()) return;
   ImGui::PushStyleColor(ImGuiCol_Text, ui_color(theme::warm));

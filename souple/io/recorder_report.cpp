@@ -52,9 +52,10 @@ const char* word(Integrator integrator) {
 }
 
 constexpr std::pair<Flag, const char*> flag_names[] = {
-    {Flag::non_finite, "non_finite"},     {Flag::large_strain, "large_strain"},
-    {Flag::deep_contact, "deep_contact"}, {Flag::callback_failed, "callback_failed"},
-    {Flag::intersecting, "tangled"},      {Flag::coarse_substeps, "coarse_substeps"}};
+    {Flag::non_finite, "non_finite"},      {Flag::large_strain, "large_strain"},
+    {Flag::deep_contact, "deep_contact"},  {Flag::callback_failed, "callback_failed"},
+    {Flag::intersecting, "tangled"},       {Flag::coarse_substeps, "coarse_substeps"},
+    {Flag::not_converged, "not_converged"}};
 
 }  // namespace
 
@@ -121,6 +122,10 @@ FrameReport frame_report(std::uint64_t frame, double time, const StepReport& rep
   for (const KindReport& kind : by_kind(report.kinds)) {
     kept.values.emplace_back("residual." + std::string(kind.kind), kind.largest);
     kept.values.emplace_back("mean_residual." + std::string(kind.kind), kind.mean);
+  }
+  for (const ObjectReport& object : report.objects) {
+    kept.values.emplace_back("unbalanced." + object.name, object.unbalanced);
+    kept.values.emplace_back("stretch." + object.name, object.stretch);
   }
   for (const auto& [flag, name] : flag_names) {
     if (report.has(flag)) kept.flags.emplace_back(name);

@@ -1,5 +1,6 @@
 #include "souple/solver/gauss_seidel.h"
 
+#include "souple/solver/external_moves.h"
 #include "souple/solver/linear_system.h"
 
 #include <algorithm>
@@ -18,8 +19,12 @@ void project_color(Projector& projector, int color, const ParticleView& particle
 }  // namespace
 
 void sweep(Projector& projector, const ParticleView& particles, const Substep& substep, Threads& threads) {
+  ExternalMoves* const external =
+      substep.external != nullptr && substep.external->concerns(projector) ? substep.external : nullptr;
+  if (external != nullptr) external->before(particles);
   for (int color = 0; color < projector.color_count(); ++color)
     project_color(projector, color, particles, substep, threads);
+  if (external != nullptr) external->after(particles);
 }
 
 bool in_contact(std::span<Projector* const> projectors) {

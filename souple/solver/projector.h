@@ -11,6 +11,8 @@
 
 namespace souple {
 
+class ExternalMoves;
+
 /// How constraints are enforced.
 enum class Mode {
   small_steps,  ///< compliance; many substeps of one iteration (Macklin et al. 2019). Multipliers only if
@@ -35,6 +37,7 @@ struct Substep {
   /// Factor of every correction and its multiplier (above 1: over-relaxation), constant from begin_substep
   /// on. Only solvers that sweep use it. Contacts ignore it.
   float relaxation = 1;
+  ExternalMoves* external = nullptr;  ///< records the sweeps of this substep; null: not needed
 
   bool stores_multipliers() const {
     return mode == Mode::xpbd || (mode == Mode::small_steps && iterations > 1);
@@ -171,6 +174,9 @@ class Projector {
   /// kind has no linear form (contacts, shape matching, enclosed volumes, custom constraints); solvers of a
   /// global system project it instead.
   virtual bool linearize(const ParticleView&, const Substep&, const LinearVisitor&) const { return false; }
+  /// Calls the visitor for the constraints of the given numbers, in their order: numbers as `linearize` counts them.
+  virtual void linearize_some(std::span<const std::uint32_t>, const ParticleView&, const Substep&,
+                              const LinearVisitor&) const {}
   /// Visits the multipliers stored in this substep, for solvers that extrapolate them with the positions.
   virtual void multipliers(const MultiplierVisitor&) {}
   virtual Residual residual(const ParticleView&) const = 0;

@@ -196,22 +196,12 @@ class SetProjector final : public Projector {
 
   bool linearize(const ParticleView& particles, const Substep& substep,
                  const LinearVisitor& visitor) const override {
-    for (std::size_t i = 0; i < set_.size(); ++i) {
-      ProjectionInput<Kind, float> in;
-      const Indices indices = set_.indices(i);
-      load(indices, i, particles, in);
-      set_terms(i, substep, in);
-      float C[rows_of<Kind>];
-      Vec3f gradient[rows_of<Kind>][Kind::arity];
-      evaluate_rows<Kind, float>(in.x, set_.params(i), C, gradient);
-      visitor({indices,
-               C,
-               {&gradient[0][0], std::size_t{rows_of<Kind>} * Kind::arity},
-               in.alpha,
-               in.scale,
-               Kind::sense == Sense::non_negative});
-    }
+    for (std::size_t i = 0; i < set_.size(); ++i) linearize_one(i, particles, substep, visitor);
     return true;
+  }
+  void linearize_some(std::span<const std::uint32_t> constraints, const ParticleView& particles,
+                      const Substep& substep, const LinearVisitor& visitor) const override {
+    for (const std::uint32_t i : constraints) linearize_one(i, particles, substep, visitor);
   }
 
   void multipliers(const MultiplierVisitor& visitor) override {
@@ -365,6 +355,23 @@ class SetProjector final : public Projector {
       for (std::size_t r = 0; r < rows_of<Kind>; ++r) rows[r] = C[r][i];
       if constexpr (has_strain) strains[i] = Kind::strain(params, rows);
     }
+  }
+
+  void linearize_one(std::size_t i, const ParticleView& particles, const Substep& substep,
+                     const LinearVisitor& visitor) const {
+    ProjectionInput<Kind, float> in;
+    const Indices indices = set_.indices(i);
+    load(indices, i, particles, in);
+    set_terms(i, substep, in);
+    float C[rows_of<Kind>];
+    Vec3f gradient[rows_of<Kind>][Kind::arity];
+    evaluate_rows<Kind, float>(in.x, set_.params(i), C, gradient);
+    visitor({indices,
+             C,
+             {&gradient[0][0], std::size_t{rows_of<Kind>} * Kind::arity},
+             in.alpha,
+             in.scale,
+             Kind::sense == Sense::non_negative});
   }
 
   // Pointers to the arrays of a set, as kernels use them.

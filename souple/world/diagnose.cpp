@@ -8,8 +8,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 namespace souple {
 namespace {
@@ -64,8 +65,17 @@ void report_fluids(WorldState& world) {
   report.emitted = flow.emitted, report.drained = flow.drained, report.held_back = flow.held_back;
 }
 
+void flag_not_converged(WorldState& world) {
+  const ObjectReport* worst = world.balance.worst(world);
+  if (worst == nullptr) return;
+  fmt::memory_buffer line;  // a string would allocate
+  fmt::format_to(std::back_inserter(line), "{}: {}", worst->name, advice(Flag::not_converged));
+  world.warn(Flag::not_converged, {line.data(), line.size()});
+}
+
 void raise_flags(WorldState& world) {
   const StepReport& report = world.report;
+  flag_not_converged(world);
   if (std::any_of(report.kinds.begin(), report.kinds.end(), [](const KindReport& kind) {
         return kind.kind != NeoHookean::name && kind.largest_strain > large_strain;
       }))
@@ -113,7 +123,8 @@ std::vector<Vec4f> awake_positions(const WorldState& world) {
 }  // namespace
 
 void bring_constraints_up_to_date(WorldState& world) {
-  if (world.dirty_constraints) {
+  const bool rebuilt = world.dirty_constraints;
+  if (rebuilt) {
     build_constraints(world);
     build_contact_radii(world);
     world.particles.shrink_to_fit();
@@ -123,6 +134,7 @@ void bring_constraints_up_to_date(WorldState& world) {
   }
   world.for_each_constraint_projector(
       [&](Projector& projector) { projector.prepare(world.particles.size()); });
+  if (rebuilt) world.balance.choose(world), world.report.objects.clear();
   if (!world.threads) world.threads = make_threads(world.settings.threading, world.settings.threads);
   if (!world.dirty_solver && !world.dirty_masses) return;
   world.order.clear();
@@ -171,9 +183,11 @@ bool begin_step(WorldState& world, double dt) {
     return false;
   }
   std::vector<KindReport> kinds = std::move(report.kinds);
+  std::vector<ObjectReport> objects = std::move(report.objects);
   kinds.clear();
   report = {};
   report.kinds = std::move(kinds);
+  report.objects = std::move(objects);
   report.step = world.steps;
   report.time = world.time;
   if (!(dt > 0) || !std::isfinite(dt) || !(static_cast<float>(dt / world.settings.substeps) > 0)) {

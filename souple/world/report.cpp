@@ -41,6 +41,10 @@ std::string_view advice(Flag flag) {
     case Flag::coarse_substeps:
       return "a fluid moves by more than a third of its spacing in a substep, or its depth and pressure "
              "allow such a motion: raise substeps or the spacing";
+    case Flag::not_converged:
+      return "the solver has not converged, so the material appears too soft: raise substeps, or use the "
+             "solver "
+             "automatic";
   }
   return "?";
 }

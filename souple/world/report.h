@@ -27,7 +27,10 @@ enum class Flag : std::uint32_t {
   /// Edges pass through triangles, and the step resolves them gradually: start without intersections.
   intersecting = 1u << 4,
   /// A fluid is too deep or too fast for its spacing and the substep: raise substeps.
-  coarse_substeps = 1u << 5
+  coarse_substeps = 1u << 5,
+  /// The deformation of an object needs forces far larger than those that it carries (ObjectReport):
+  /// raise substeps, or use the solver `automatic`. The message names the object.
+  not_converged = 1u << 6
 };
 /// One line: meaning of the flag and the setting that helps.
 std::string_view advice(Flag flag);
@@ -39,6 +42,17 @@ struct KindReport {
   double largest = 0;
   double mean = 0;
   double largest_strain = 0;  ///< (l - l0) / l0, extension only; 0 for kinds that measure none
+};
+
+/// Balance of the forces of a cloth, soft body or rope after the last solve of a step (world/balance.h states the
+/// formulas). Both are 0 in equilibrium, at rest and in motion, however soft the material. Each object is measured every
+/// sixteenth step; until then, and asleep, the values stay.
+struct ObjectReport {
+  std::string name;
+  /// Force out of balance, relative to elastic force, carried force and weight: 0 to 1. Stiff cloth has 0.1 to 0.7
+  /// where it looks converged, because a strain of 0.01 % already balances it.
+  double unbalanced = 0;
+  double stretch = 0;  ///< (l - l0) / l0 by which a uniform motion of the object would restore the balance
 };
 
 /// Results of a step for fluids. Density errors are max(0, C) with C = rho / rho_0 - 1, before the last
@@ -77,8 +91,10 @@ struct StepReport {
   double largest_strain = 0;
   FluidReport fluid;
   std::vector<KindReport> kinds;  ///< in order of solution
-  std::uint32_t flags = 0;        ///< bits of Flag
-  std::string bad_object;  ///< with Flag::non_finite: object of the first particle with a non-finite value
+  /// Cloths, soft bodies and ropes. Empty without Settings::measure_residuals, in PBD mode and with solver colors.
+  std::vector<ObjectReport> objects;
+  std::uint32_t flags = 0;  ///< bits of Flag
+  std::string bad_object;   ///< with Flag::non_finite: object of the first particle with a non-finite value
   std::uint32_t bad_vertex = 0;  ///< with Flag::non_finite: vertex of the first such particle, user order
   std::string message;           ///< one line for each flag that is set
 

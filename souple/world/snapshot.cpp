@@ -7,13 +7,13 @@
 // Layout of a snapshot: magic number, shape (a hash of the objects), time, steps, number of frictional
 // contacts, foam count and origin; then per particle position (with inverse mass), offset, velocity and
 // contact margin (how far contacts recently pushed it); then the friction cache of particle contacts; per
-// object rest time, island and particle count; state of emitters and drains; foam; a checksum of all
+// object rest time, island, particle count and imbalance; state of emitters and drains; foam; a checksum of all
 // preceding bytes.
 
 namespace souple {
 namespace {
 
-constexpr std::uint64_t magic = 0x34304e53504c5553u;  // "SULPSN04"
+constexpr std::uint64_t magic = 0x35304e53504c5553u;  // "SULPSN05"
 
 template <class T>
 void put(std::vector<std::byte>& out, const T* values, std::size_t count) {
@@ -52,10 +52,11 @@ struct Header {
 
 constexpr std::size_t foam_bytes = 2 * sizeof(Vec3f) + 2 * sizeof(float) + sizeof(FoamKind);  // per particle
 
-/// Sleep state and particle count of an object.
+/// Sleep state, particle count and last measured imbalance of an object.
 struct Rest {
   double rest_time;
   std::uint32_t island, particles;
+  Imbalance imbalance;
 };
 
 void put(std::vector<std::byte>& out, const FoamState& foam) {
@@ -110,6 +111,7 @@ void resume_objects(WorldState& world, std::span<const std::byte>& in) {
     get(in, &rest, 1);
     object->rest_time = rest.rest_time;
     object->island = rest.island;
+    object->imbalance = rest.imbalance;
     if (object->kind == ObjectKind::fluid)
       set_count(world, *object, std::min(rest.particles, object->capacity));
   }
@@ -142,7 +144,7 @@ Snapshot World::snapshot() const {
   put(out, particles.contact_margin.data(), particles.size());
   put(out, friction.data(), friction.size());
   for (const auto& object : world.objects) {
-    const Rest rest{object->rest_time, object->island, object->particle_count()};
+    const Rest rest{object->rest_time, object->island, object->particle_count(), object->imbalance};
     put(out, &rest, 1);
   }
   for (const EmitterRecord& record : world.emitters) put(out, &record.layers, 1);

@@ -183,6 +183,13 @@ void damp_constraints(WorldState& world, const Substep& substep) {
       [&](Projector& projector) { projector.damp(view, velocity, substep, *world.threads); });
 }
 
+// Stiffnesses of PBD are no forces, and phantoms no particles.
+bool measures_balance(const WorldState& world) {
+  const Settings& settings = world.settings;
+  return world.last_substep && settings.measure_residuals && settings.mode != Mode::pbd &&
+         settings.solver.colors == 0;
+}
+
 }  // namespace
 
 void integrate(WorldState& world, const Substep& substep) {
@@ -202,7 +209,16 @@ void solve(WorldState& world, const Substep& substep) {
   if (world.sleep.all) return;
   const ParticleView view = world.view();
   world.for_each_projector([&](Projector& projector) { projector.begin_substep(view, substep); });
-  world.solver->solve(world.order, view, substep, *world.threads);
+  if (measures_balance(world)) {
+    Substep recorded = substep;
+    recorded.external = &world.balance.external();
+    world.balance.begin(world.steps, view);
+    world.solver->solve(world.order, view, recorded, *world.threads);
+    world.balance.measure(world, view, substep);
+  } else {
+    world.solver->solve(world.order, view, substep, *world.threads);
+    if (world.last_substep) world.report.objects.clear();
+  }
   keep_apart(world, substep);
 }
 

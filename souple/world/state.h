@@ -15,6 +15,7 @@
 #include "souple/solver/projector.h"
 #include "souple/solver/set_projector.h"
 #include "souple/state/particles.h"
+#include "souple/world/balance.h"
 #include "souple/world/flow.h"
 #include "souple/world/fluids.h"
 #include "souple/world/sleeping.h"
@@ -77,6 +78,7 @@ struct Object {
   std::optional<std::pair<float, float>> enclosed_volume;  ///< factor and compliance
   double rest_time = 0;                                    ///< time at rest so far [s]
   std::uint32_t island = 0;  ///< id of the sleeping island: that of one of its objects; 0: awake
+  Imbalance imbalance;       ///< of cloths, soft bodies and ropes
   ObstacleMotion motion;     ///< of obstacles
   Transform placement;       ///< of obstacles: transform of the mesh sequence
 
@@ -181,6 +183,8 @@ struct WorldState {
   ParticleContacts particle_contacts;
   SurfaceContacts surface_contacts;
   IntersectionResolver intersection_resolver;
+  Balance balance;
+  bool last_substep = false;  ///< of a step
   Fluids fluids;
   bool check_intersections = true;  ///< an object was placed without continuous motion
   ContactTables tables;

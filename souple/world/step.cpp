@@ -33,6 +33,7 @@ const StepReport& World::step(double dt) {
   save_last_valid(world);
   run(*this, world, Stage::broad_phase, [&] { find_candidates(world, dt); });
   for (int i = 1; valid && i <= substep.count; ++i) {
+    world.last_substep = i == substep.count;
     run(*this, world, Stage::integrate, [&] { integrate(world, substep); });
     run(*this, world, Stage::fluids, [&] { solve_incompressibility(world, substep); });
     run(*this, world, Stage::contacts, [&] { generate_contacts(world, substep); });

@@ -127,6 +127,39 @@ class Bench(unittest.TestCase):
         self.assertLess(result["curve"][-1]["mean_strain"], 0.02)
         self.assertGreater(result["curve"][0]["mean_strain"], 0.02)
 
+    def test_cheapest_within_a_strain(self):
+        result = bench("cloth", "--size", 20, "--strain", 0.05, "--solver", "gauss_seidel")
+        *failed, last = result["strain"]["trials"]
+        self.assertTrue(result["strain"]["reached"])
+        self.assertTrue(last["within_bound"])
+        self.assertTrue(failed)
+        for trial in failed:
+            self.assertGreater(trial["largest_strain"], 0.05)
+            self.assertLess(trial["substeps"], last["substeps"])
+        self.assertEqual((last["substeps"], last["steps"]), (result["substeps"], 4))
+        self.assertLessEqual(result["strain"]["largest"], 0.05)
+        self.assertGreaterEqual(result["strain"]["largest"], result["max_strain"])
+        # A stricter bound takes more substeps, and the result is that of a run with these substeps.
+        strict = bench("cloth", "--size", 20, "--strain", 0.02, "--solver", "gauss_seidel")
+        self.assertGreater(strict["substeps"], result["substeps"])
+        self.assertEqual(bench("cloth", "--size", 20, "--substeps", result["substeps"],
+                               "--solver", "gauss_seidel")["hash"], result["hash"])
+
+    def test_cheapest_of_both_solvers(self):
+        result = bench("cloth", "--size", 20, "--strain", 0.05)
+        within = [trial for trial in result["strain"]["trials"] if trial["within_bound"]]
+        self.assertIn("automatic", [trial["solver"] for trial in within])
+        self.assertEqual(result["ms_per_step"], min(trial["ms_per_step"] for trial in within))
+        self.assertIn("cheapest with a strain of at most 5 %",
+                      souple("bench", "cloth", "--size", 20, "--strain", 0.05, "--runs", 4).stdout)
+
+    def test_a_strain_that_the_material_exceeds(self):
+        result = bench("tets", "--size", 100, "--strain", 1e-6)
+        self.assertFalse(result["strain"]["reached"])
+        self.assertNotIn("ms_per_step", result)
+        self.assertIn("no number of substeps up to 320",
+                      souple("bench", "tets", "--size", 100, "--strain", 1e-6, "--runs", 4).stdout)
+
     def test_compare(self):
         with tempfile.TemporaryDirectory() as folder:
             before = Path(folder) / "before.json"
@@ -165,6 +198,12 @@ class Bench(unittest.TestCase):
                                  (["cloth", "--size", "9", "--compare", wrong], "wrong.json"),
                                  (["cloth", "--compare", "missing.json"], "missing.json"),
                                  (["segments", "--size", "0"], "--size 0"),
+                                 *((["cloth", "--strain", bound], "--strain: expected")
+                                   for bound in ("0", "-0.1", "nan", "inf", "1.01")),
+                                 (["cloth", "--strain", "0.02", "--substeps", "3"], "--substeps"),
+                                 (["cloth", "--strain", "0.02", "--residual", "0.01"], "--residual"),
+                                 (["triangles", "--strain", "0.02"], "no solver"),
+                                 (["segments", "--strain", "0.02"], "no solver"),
                                  (["segments", "--compare", wrong], "segments")):
             done = souple("bench", *arguments, code=2)
             self.assertEqual(done.stdout, "")

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "souple/solver/projector.h"
+
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// Sums how far the sweeps of some projectors move some particles during a solve: contacts, for example, so that what
+/// the elastic constraints moved is known as well.
+class ExternalMoves {
+ public:
+  /// Sweeps of all projectors but `internal` will count, for these particles. Sums start at zero.
+  void begin(std::span<const Projector* const> internal, std::span<const std::uint32_t> particles) {
+    internal_ = internal;
+    particles_ = particles;
+    sums_.assign(particles.size(), {});
+  }
+  bool concerns(const Projector& projector) const {
+    if (projector.size() == 0) return false;
+    for (const Projector* const other : internal_)
+      if (other == &projector) return false;
+    return true;
+  }
+  /// Call before and after a sweep of a projector that concerns.
+  void before(const ParticleView& view) { add(view, -1); }
+  void after(const ParticleView& view) { add(view, 1); }
+  /// Per particle. [m]
+  std::span<const Vec3f> sums() const { return sums_; }
+
+ private:
+  void add(const ParticleView& view, float sign) {
+    for (std::size_t k = 0; k < particles_.size(); ++k) sums_[k] += view.moved(particles_[k]) * sign;
+  }
+
+  std::span<const Projector* const> internal_;
+  std::span<const std::uint32_t> particles_;
+  std::vector<Vec3f> sums_;
+};
+
+}  // namespace souple
