@@ -114,6 +114,7 @@ class Hierarchical final : public Solver {
   std::vector<float> masses_;            ///< per linked particle [kg]; 0: fixed
   std::vector<std::uint32_t> particle_;  ///< per linked particle: its particle in the world, ascending
   std::vector<Level> levels_;            ///< finest first
+  std::vector<Vec4f> motion_;            ///< work space of sweep_as_needed
   bool compliant_ = false;
   float h_ = 0;  ///< substep length of the current compliances [s]
   int iterations_ = 0;

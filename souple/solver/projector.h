@@ -142,7 +142,8 @@ class Projector {
   /// Number of sweeps, each of that many times the compliance, that reach the stiffness of the material from
   /// lambda = 0; at least 1 and at most max_sweeps.
   virtual int sweeps_needed(const Substep&) const { return 1; }
-  static constexpr int max_sweeps = 10;
+  /// With fewer than 10 substeps a step, their sweeps make up for them: up to 360 a step.
+  static int max_sweeps(const Substep& substep) { return substep.count < 10 ? 360 / substep.count : 10; }
   /// Whether the constraints keep objects apart.
   virtual bool is_contact() const { return false; }
   virtual void begin_substep(const ParticleView&, const Substep&) {}

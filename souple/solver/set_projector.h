@@ -110,7 +110,7 @@ class SetProjector final : public Projector {
   int sweeps_needed(const Substep& substep) const override {
     if (substep.mode == Mode::pbd) return 1;
     const float needed = std::round(1 + 2.5f * softness_ * substep.h * substep.h);
-    return static_cast<int>(std::fmin(needed, float{max_sweeps}));
+    return static_cast<int>(std::fmin(needed, static_cast<float>(max_sweeps(substep))));
   }
 
   void begin_substep(const ParticleView&, const Substep& substep) override {
