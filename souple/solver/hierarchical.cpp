@@ -453,7 +453,7 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
                      particles, threads);
     }
     if (automatic_) {
-      sweep_as_needed(projectors, particles, substep, threads);
+      sweep_as_needed(projectors, particles, substep, threads, motion_);
     } else {
       for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);
     }

@@ -151,7 +151,8 @@ class Projector {
   /// Number of sweeps, each of that many times the compliance, that reach the stiffness of the material from
   /// lambda = 0; at least 1 and at most max_sweeps.
   virtual int sweeps_needed(const Substep&, [[maybe_unused]] bool in_contact) const { return 1; }
-  static constexpr int max_sweeps = 10;
+  /// With fewer than 10 substeps a step, their sweeps make up for them: up to 360 a step.
+  static int max_sweeps(const Substep& substep) { return substep.count < 10 ? 360 / substep.count : 10; }
   /// Sweeps of distances, membranes and bendings while any object is in contact. A contact moves single
   /// particles, and a sweep takes their displacement only to their neighbors.
   static constexpr int contact_sweeps = 3;

@@ -111,7 +111,7 @@ class SetProjector final : public Projector {
     if (substep.mode == Mode::pbd || Kind::arity == 1) return 1;
     if constexpr (!requires { Kind::softness; }) return in_contact ? contact_sweeps : 1;
     const float needed = std::round(1 + 2.5f * softness_ * substep.h * substep.h);
-    return static_cast<int>(std::fmin(needed, float{max_sweeps}));
+    return static_cast<int>(std::fmin(needed, static_cast<float>(max_sweeps(substep))));
   }
 
   void begin_substep(const ParticleView&, const Substep& substep) override {

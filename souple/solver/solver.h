@@ -74,8 +74,10 @@ bool in_contact(std::span<Projector* const> projectors);
 
 /// Sweeps each projector as often as it needs to be as stiff as its material (Projector::sweeps_needed), in
 /// rounds. Contacts take part in every round: a stiff body that is swept alone pushes itself back into them and
-/// trembles. With stored multipliers there is one round.
+/// trembles. With stored multipliers there is one round. Where there are more than 10 rounds, each advances the
+/// particles by a part of their motion in the substep; projectors with fewer sweeps take part in the last rounds.
+/// `motion` is work space.
 void sweep_as_needed(std::span<Projector* const> projectors, const ParticleView& particles,
-                     const Substep& substep, Threads& threads);
+                     const Substep& substep, Threads& threads, std::vector<Vec4f>& motion);
 
 }  // namespace souple
