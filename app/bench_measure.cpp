@@ -103,7 +103,8 @@ CurvePoint solve(World& world, int iterations) {
   SolveTime best = world.time_solve(frame, iterations);
   for (int again = 0; again < 2 && best.seconds < repeated_below; ++again)
     best.seconds = std::min(best.seconds, world.time_solve(frame, iterations).seconds);
-  return {iterations, best.seconds * 1e3, best.mean_strain, best.rms_strain, best.largest_strain};
+  return {iterations,      best.seconds * 1e3,  best.mean_strain,
+          best.rms_strain, best.largest_strain, best.energy};
 }
 
 /// Smallest number of iterations that reaches the target, between a count that is too small and one that
@@ -136,8 +137,9 @@ ResidualResult time_to_residual(const BenchScene& scene, const BenchOptions& opt
   ResidualResult result;
   result.target = *options.residual;
   world.time_solve(frame, 1);  // excludes what the first solve prepares
-  result.start = world.time_solve(frame, 0).mean_strain;
-  CurvePoint before{0, 0, result.start, 0, 0}, point = before;
+  CurvePoint before = solve(world, 0), point = before;
+  result.start = before.mean_strain;
+  result.start_energy = before.energy;
   double growth = std::sqrt(2.0);
   for (int n = 1; n <= max_iterations; n = std::max(n + 1, static_cast<int>(n * growth))) {
     before = point;

@@ -26,17 +26,19 @@ struct BenchOptions {
 /// Values by name, in order of first occurrence.
 using NamedValues = std::vector<std::pair<std::string, double>>;
 
-/// Convergence of a solver: strains after some iterations, and the time these took.
+/// Convergence of a solver: strains and energy after some iterations, and the time these took.
 struct CurvePoint {
   int iterations = 0;
   double milliseconds = 0;
   double mean_strain = 0, rms_strain = 0, largest_strain = 0;
+  double energy = 0;  ///< 1/2 sum C^2 of the distances [J at 1 N/m]
 };
 
 /// Solve of the stretched cloth to a mean strain, without forces or velocities.
 struct ResidualResult {
   double target = 0;
   double start = 0;                    ///< mean strain at the start
+  double start_energy = 0;             ///< energy at the start, as in CurvePoint
   std::optional<double> milliseconds;  ///< time to the target; empty: not reached
   int iterations = 0;                  ///< iterations to the target
   std::vector<CurvePoint> curve;       ///< by number of iterations, each solved from scratch

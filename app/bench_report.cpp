@@ -29,6 +29,7 @@ Json curve_json(const std::vector<CurvePoint>& curve) {
     entry.set("mean_strain", rounded(point.mean_strain));
     entry.set("rms_strain", rounded(point.rms_strain));
     entry.set("largest_strain", rounded(point.largest_strain));
+    entry.set("energy", rounded(point.energy));
     list.items.push_back(std::move(entry));
   }
   return list;
@@ -38,6 +39,7 @@ Json residual_json(const ResidualResult& residual) {
   Json object = Json::object();
   object.set("target", rounded(residual.target));
   object.set("start", rounded(residual.start));
+  object.set("start_energy", rounded(residual.start_energy));
   object.set("reached", Json::of(residual.milliseconds.has_value()));
   object.set("ms", residual.milliseconds ? rounded(*residual.milliseconds) : Json());
   object.set("iterations", Json::whole(residual.iterations));

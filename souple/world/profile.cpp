@@ -56,6 +56,8 @@ void add_strains(const Projector& projector, const ParticleView& view, SolveTime
     result.mean_strain += std::fabs(strain);
     result.rms_strain += strain * strain;
     result.largest_strain = std::max(result.largest_strain, strain);
+    const auto C = static_cast<double>(constraint.residual);
+    result.energy += 0.5 * C * C;
   });
 }
 

@@ -22,6 +22,7 @@ struct SolveTime {
   double mean_strain = 0;     ///< mean of abs((l - l0) / l0)
   double rms_strain = 0;      ///< root mean square of (l - l0) / l0
   double largest_strain = 0;  ///< maximum of (l - l0) / l0
+  double energy = 0;          ///< 1/2 sum C^2 of the distances: that of links of 1 N/m [J]
   std::string diagnostic;     ///< of the solver; may be empty
 };
 

@@ -127,6 +127,22 @@ class Bench(unittest.TestCase):
         self.assertLess(result["curve"][-1]["mean_strain"], 0.02)
         self.assertGreater(result["curve"][0]["mean_strain"], 0.02)
 
+    def test_energy_of_sweeps(self):
+        """A sweep of Jacobi lowers 1/2 sum C^2; one of Gauss-Seidel stretches neighbors first."""
+        def energies(solver):
+            result = bench("cloth", "--size", 16, "--residual", 0.02, "--solver", solver)["residual"]
+            last = result["curve"][-1]  # equal links: the energy follows the root mean square of the strain
+            rms = [(point["energy"] / last["energy"], (point["rms_strain"] / last["rms_strain"]) ** 2)
+                   for point in result["curve"]]
+            for energy, squared in rms:
+                self.assertLess(abs(energy / squared - 1), 0.5)
+            return [result["start_energy"], *(point["energy"] for point in result["curve"])]
+        jacobi, gauss_seidel = energies("jacobi"), energies("gauss_seidel")
+        self.assertEqual(jacobi, sorted(jacobi, reverse=True))
+        self.assertEqual(jacobi[0], gauss_seidel[0])
+        self.assertGreater(gauss_seidel[1], gauss_seidel[0])
+        self.assertLess(gauss_seidel[-1], 0.1 * gauss_seidel[0])
+
     def test_cheapest_within_a_strain(self):
         result = bench("cloth", "--size", 20, "--strain", 0.05, "--solver", "gauss_seidel")
         *failed, last = result["strain"]["trials"]
