@@ -119,7 +119,8 @@ TEST(LevelLinks, ASweepKeepsMomentumOfFreeParticles) {
   for (std::size_t s = 0; s < links.slots(); ++s) {
     if (links.link(s) == LevelLinks::none) continue;
     const Link& link = level.links[links.link(s)];
-    links.set_gain(LevelLinks::without_contacts, s, 1 / (records.moving[link.a].w + records.moving[link.b].w));
+    links.set_gain(LevelLinks::without_contacts, s,
+                   1 / (records.moving[link.a].w + records.moving[link.b].w));
   }
   const auto momentum = [&] {
     Vec3d sum{};
