@@ -55,16 +55,10 @@ void sweep(Projector& projector, const ParticleView& particles, const Substep& s
   if (external != nullptr) external->after(particles);
 }
 
-bool in_contact(std::span<Projector* const> projectors) {
-  return std::any_of(projectors.begin(), projectors.end(),
-                     [](const Projector* p) { return p->is_contact() && p->size() > 0; });
-}
-
 void sweep_as_needed(std::span<Projector* const> projectors, const ParticleView& particles,
                      const Substep& substep, Threads& threads, std::vector<Vec4f>& motion) {
-  const bool touches = in_contact(projectors);
   const auto needed = [&](const Projector& p) {
-    return substep.stores_multipliers() ? 1 : p.sweeps_needed(substep, touches);
+    return substep.stores_multipliers() ? 1 : p.sweeps_needed(substep);
   };
   int rounds = 1;
   for (const Projector* projector : projectors) rounds = std::max(rounds, needed(*projector));

@@ -154,15 +154,10 @@ float supplied(float alpha, float h2_w) {
   return (sweeps - 1) / (each / omega + (1 / omega - 0.5f) * h2_w) + 1 / (each + 0.5f * h2_w);
 }
 
-/// The same of n sweeps of the finest constraints, which subtract their share from the compliance n alpha
-/// (projection.h).
-float supplied_finest(float alpha, float h2_w, int n) {
-  return 1 / std::fmax(alpha, finest_share * h2_w / static_cast<float>(n));
-}
-
-/// The same of n iterations with stored multipliers.
-float supplied_stored(float alpha, float h2_w, int n) {
-  return 1 / (alpha + finest_share * h2_w / static_cast<float>(n));
+/// The same of `iterations` sweeps of the finest constraints. One alone subtracts its share (projection.h).
+float supplied_finest(float alpha, float h2_w, int iterations) {
+  if (iterations == 1) return 1 / std::fmax(alpha, finest_share * h2_w);
+  return 1 / (alpha + finest_share * h2_w / static_cast<float>(iterations));
 }
 
 }  // namespace
@@ -357,17 +352,15 @@ void Hierarchical::set_gains(const Substep& substep) {
   const auto key = [](const Substep& of) { return std::tuple(of.h, of.iterations, of.mode); };
   if (key(gains_for_) == key(substep)) return;
   gains_for_ = substep;
-  for (const auto gains : {LevelLinks::without_contacts, LevelLinks::with_contacts})
-    for (std::size_t l = 0; l < levels_.size(); ++l) {
-      Level& level = levels_[l];
-      for (std::size_t e = 0; compliant_ && e < level.map.links.size(); ++e)
-        level.softening[e] = softening_of(gains, l, e);
-      set_gains_of(level, gains, level.all, sweeps_of(l));
-      set_gains_of(level, gains, level.near, near_sweeps);
-    }
+  for (std::size_t l = 0; l < levels_.size(); ++l) {
+    Level& level = levels_[l];
+    for (std::size_t e = 0; compliant_ && e < level.map.links.size(); ++e)
+      level.softening[e] = softening_of(l, e);
+    set_gains_of(level, level.all, sweeps_of(l)), set_gains_of(level, level.near, near_sweeps);
+  }
 }
 
-void Hierarchical::set_gains_of(const Level& level, LevelLinks::Gains gains, LevelLinks& links, int n) const {
+void Hierarchical::set_gains_of(const Level& level, LevelLinks& links, int n) const {
   const float h = gains_for_.h;
   for (std::size_t s = 0; s < links.slots(); ++s) {
     const std::uint32_t e = links.link(s);
@@ -378,12 +371,12 @@ void Hierarchical::set_gains_of(const Level& level, LevelLinks::Gains gains, Lev
     const float gain = gains_for_.mode == Mode::pbd
                            ? stiffness_per_iteration(link.stiffness, gains_for_.iterations) / w
                            : 1 / (w + static_cast<float>(n) * alpha / (h * h));
-    links.set_gain(gains, s, w > 0 ? gain : 0);
+    links.set_gain(s, w > 0 ? gain : 0);
   }
 }
 
 // Mean softening that the finer links of the path leave to this link.
-float Hierarchical::softening_of(LevelLinks::Gains gains, std::size_t l, std::size_t e) const {
+float Hierarchical::softening_of(std::size_t l, std::size_t e) const {
   const CoarseLevel& map = levels_[l].map;
   float sum = 0;
   for (std::uint32_t k = map.path_begin[e]; k < map.path_begin[e + 1]; ++k) {
@@ -393,17 +386,11 @@ float Hierarchical::softening_of(LevelLinks::Gains gains, std::size_t l, std::si
     const float factor = finer ? finer->softening[step] : 1;
     const float w = finer ? finer->position[link.a].w + finer->position[link.b].w : inverse_masses_[step];
     const float alpha = factor * compliance_of(link), h2_w = gains_for_.h * gains_for_.h * w;
-    const float stiffness = finer ? supplied(alpha, h2_w) : supplied_by_finest(gains, alpha, h2_w);
+    const float stiffness =
+        finer ? supplied(alpha, h2_w) : supplied_finest(alpha, h2_w, gains_for_.iterations);
     sum += h2_w > 0 ? factor / std::fmax(1 - alpha * stiffness, 1e-6f) : factor;
   }
   return sum / static_cast<float>(map.path_begin[e + 1] - map.path_begin[e]);
-}
-
-// What the sweeps of the finest constraints supply.
-float Hierarchical::supplied_by_finest(LevelLinks::Gains gains, float alpha, float h2_w) const {
-  if (gains_for_.iterations > 1) return supplied_stored(alpha, h2_w, gains_for_.iterations);
-  return supplied_finest(alpha, h2_w,
-                         automatic_ && gains == LevelLinks::with_contacts ? Projector::contact_sweeps : 1);
 }
 
 void Hierarchical::restrict_particles(const ParticleView& particles, Threads& threads) {
@@ -428,13 +415,13 @@ void Hierarchical::prolong(const Level& from, std::span<const Vec4f> inverse_mas
 }
 
 // From the coarsest level to the particles.
-void Hierarchical::project_levels(LevelLinks::Gains gains, const ParticleView& particles, Threads& threads) {
+void Hierarchical::project_levels(const ParticleView& particles, Threads& threads) {
   for (std::size_t l = levels_.size(); l-- > 0;) {
     Level& level = levels_[l];
     std::copy(level.moving.begin(), level.moving.end(), level.before.begin());
     if (l + 1 < levels_.size()) prolong(levels_[l + 1], level.position, level.moving, threads);
-    level.near.sweep(gains, near_sweeps, over_relaxation, level.moving, threads);
-    level.all.sweep(gains, sweeps_of(l), over_relaxation, level.moving, threads);
+    level.near.sweep(near_sweeps, over_relaxation, level.moving, threads);
+    level.all.sweep(sweeps_of(l), over_relaxation, level.moving, threads);
     for (std::size_t i = 0; i < level.moving.size(); ++i)  // whole records: w becomes 0
       level.correction[i] = {level.moving[i].x - level.before[i].x, level.moving[i].y - level.before[i].y,
                              level.moving[i].z - level.before[i].z, 0};
@@ -449,8 +436,7 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
     if (with_levels) {
       restrict_particles(particles, threads);
       if (iteration == 0) measure(particles, threads), set_gains(substep);
-      project_levels(in_contact(projectors) ? LevelLinks::with_contacts : LevelLinks::without_contacts,
-                     particles, threads);
+      project_levels(particles, threads);
     }
     if (automatic_) {
       sweep_as_needed(projectors, particles, substep, threads, motion_);

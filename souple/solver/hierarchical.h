@@ -83,11 +83,10 @@ class Hierarchical final : public Solver {
   void measure(const ParticleView& particles, Threads& threads);
   void measure_paths(std::size_t l, Threads& threads);
   void set_gains(const Substep& substep);
-  void set_gains_of(const Level& level, LevelLinks::Gains gains, LevelLinks& links, int n) const;
-  float softening_of(LevelLinks::Gains gains, std::size_t l, std::size_t e) const;
-  float supplied_by_finest(LevelLinks::Gains gains, float alpha, float h2_w) const;
+  void set_gains_of(const Level& level, LevelLinks& links, int n) const;
+  float softening_of(std::size_t l, std::size_t e) const;
   void restrict_particles(const ParticleView& particles, Threads& threads);
-  void project_levels(LevelLinks::Gains gains, const ParticleView& particles, Threads& threads);
+  void project_levels(const ParticleView& particles, Threads& threads);
   static void prolong(const Level& from, std::span<const Vec4f> inverse_mass, std::span<Vec4f> to,
                       Threads& threads);
   int sweeps_of(std::size_t l) const;

@@ -73,8 +73,8 @@ LevelLinks::LevelLinks(const CoarseLevel& map, std::span<const std::uint32_t> li
   }
   for (const std::uint32_t e : fixed) add(map, e);
   pad(map);
-  x_.assign(slots(), 1);
-  y_ = z_ = min_length_ = max_length_ = gain_[without_contacts] = gain_[with_contacts] = x_;
+  gain_.assign(slots(), 1);
+  x_ = y_ = z_ = min_length_ = max_length_ = gain_;
 }
 
 void LevelLinks::add(const CoarseLevel& map, std::uint32_t link) {
@@ -97,13 +97,13 @@ std::vector<std::uint32_t> LevelLinks::slot_of_link() const {
   return slot;
 }
 
-kernels::LinkArrays LevelLinks::arrays(Gains gains) {
+kernels::LinkArrays LevelLinks::arrays() {
   return {a_.data(), b_.data(),          x_.data(),          y_.data(),
-          z_.data(), min_length_.data(), max_length_.data(), gain_[gains].data()};
+          z_.data(), min_length_.data(), max_length_.data(), gain_.data()};
 }
 
 void LevelLinks::measure(const kernels::LinkMeasures& from, Threads& threads) {
-  const kernels::LinkArrays links = arrays(without_contacts);
+  const kernels::LinkArrays links = arrays();
   threads.for_each(slots() / lanes, grain / lanes, [&](std::size_t begin, std::size_t end) {
     link_kernels().measure(links, from, begin * lanes, end * lanes);
   });
@@ -118,8 +118,8 @@ void LevelLinks::copy_limits(const LevelLinks& all, std::span<const std::uint32_
   }
 }
 
-void LevelLinks::sweep(Gains gains, int n, float omega, std::span<Vec4f> moving, Threads& threads) {
-  const kernels::LinkArrays links = arrays(gains);
+void LevelLinks::sweep(int n, float omega, std::span<Vec4f> moving, Threads& threads) {
+  const kernels::LinkArrays links = arrays();
   const kernels::SweepLinks sweep_links = link_kernels().sweep;
   float* const d = &moving.data()->x;
   const std::size_t colors = color_begin_.size() - 1;

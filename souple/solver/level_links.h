@@ -5,8 +5,6 @@
 #include "souple/solver/threads.h"
 #include "souple/state/particles.h"
 
-#include <array>
-
 namespace souple {
 
 /// Links of a coarse level as sweeps use them: sorted by color, each color padded to whole registers. A slot is
@@ -27,27 +25,24 @@ class LevelLinks {
   std::vector<std::uint32_t> slot_of_link() const;
   /// Number of links that are swept.
   std::size_t swept() const { return swept_; }
-  /// Gains of substeps without and with contacts.
-  enum Gains { without_contacts, with_contacts };
   /// Sets g of a slot, 1 / (w_J + w_K + alpha~). [kg]
-  void set_gain(Gains gains, std::size_t slot, float gain) { gain_[gains][slot] = gain; }
+  void set_gain(std::size_t slot, float gain) { gain_[slot] = gain; }
 
   /// Limits of all slots at the start of the substep.
   void measure(const kernels::LinkMeasures& from, Threads& threads);
   /// Takes over the limits that its links have in `all`.
   void copy_limits(const LevelLinks& all, std::span<const std::uint32_t> slot_in_all);
   /// Projects every link n times. The last sweep is plain, those before it are over-relaxed by omega.
-  void sweep(Gains gains, int n, float omega, std::span<Vec4f> moving, Threads& threads);
+  void sweep(int n, float omega, std::span<Vec4f> moving, Threads& threads);
 
  private:
-  kernels::LinkArrays arrays(Gains gains);
+  kernels::LinkArrays arrays();
   void add(const CoarseLevel& map, std::uint32_t link);
   void pad(const CoarseLevel& map);
 
-  std::vector<std::uint32_t> link_, a_, b_;                 // per slot
-  std::vector<float> x_, y_, z_, min_length_, max_length_;  // per slot
-  std::array<std::vector<float>, 2> gain_;                  // per slot
-  std::vector<std::size_t> color_begin_{0};                 // of swept slots
+  std::vector<std::uint32_t> link_, a_, b_;                        // per slot
+  std::vector<float> x_, y_, z_, min_length_, max_length_, gain_;  // per slot
+  std::vector<std::size_t> color_begin_{0};                        // of swept slots
   std::size_t swept_ = 0;
 };
 

@@ -150,12 +150,9 @@ class Projector {
   virtual void prepare_sweeps(const ParticleView&, [[maybe_unused]] bool masses_changed) {}
   /// Number of sweeps, each of that many times the compliance, that reach the stiffness of the material from
   /// lambda = 0; at least 1 and at most max_sweeps.
-  virtual int sweeps_needed(const Substep&, [[maybe_unused]] bool in_contact) const { return 1; }
+  virtual int sweeps_needed(const Substep&) const { return 1; }
   /// With fewer than 10 substeps a step, their sweeps make up for them: up to 360 a step.
   static int max_sweeps(const Substep& substep) { return substep.count < 10 ? 360 / substep.count : 10; }
-  /// Sweeps of distances, membranes and bendings while any object is in contact. A contact moves single
-  /// particles, and a sweep takes their displacement only to their neighbors.
-  static constexpr int contact_sweeps = 3;
   /// Whether the constraints keep objects apart.
   virtual bool is_contact() const { return false; }
   virtual void begin_substep(const ParticleView&, const Substep&) {}

@@ -107,9 +107,8 @@ class SetProjector final : public Projector {
   }
   /// n sweeps supply the stiffness if n >= softness h^2. The gradient of a tet's shear turns while it is
   /// projected, which costs as much again and more: measured on hanging bars of 1e6 to 1e7 Pa.
-  int sweeps_needed(const Substep& substep, bool in_contact) const override {
-    if (substep.mode == Mode::pbd || Kind::arity == 1) return 1;
-    if constexpr (!requires { Kind::softness; }) return in_contact ? contact_sweeps : 1;
+  int sweeps_needed(const Substep& substep) const override {
+    if (substep.mode == Mode::pbd) return 1;
     const float needed = std::round(1 + 2.5f * softness_ * substep.h * substep.h);
     return static_cast<int>(std::fmin(needed, static_cast<float>(max_sweeps(substep))));
   }

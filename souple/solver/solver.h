@@ -69,9 +69,6 @@ std::unique_ptr<Solver> make_solver(const SolverSettings& settings);
 /// Projects all constraints of a projector once, color after color, each color on all threads.
 void sweep(Projector& projector, const ParticleView& particles, const Substep& substep, Threads& threads);
 
-/// Whether objects are in contact.
-bool in_contact(std::span<Projector* const> projectors);
-
 /// Sweeps each projector as often as it needs to be as stiff as its material (Projector::sweeps_needed), in
 /// rounds. Contacts take part in every round: a stiff body that is swept alone pushes itself back into them and
 /// trembles. With stored multipliers there is one round. Where there are more than 10 rounds, each advances the

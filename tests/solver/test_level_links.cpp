@@ -95,7 +95,7 @@ TEST(LevelLinks, ASweepBringsEachLinkBetweenItsLimits) {
     const double w_a = static_cast<double>(records.moving[link.a].w),
                  w_b = static_cast<double>(records.moving[link.b].w);
     if (w_a + w_b == 0) continue;
-    links.set_gain(LevelLinks::without_contacts, s, static_cast<float>(1 / (w_a + w_b)));
+    links.set_gain(s, static_cast<float>(1 / (w_a + w_b)));
     const Vec3d X(records.position[link.a].xyz() - records.position[link.b].xyz());
     const Vec3d predicted = X + Vec3d(records.moving[link.a].xyz()) - Vec3d(records.moving[link.b].xyz());
     const double most = static_cast<double>(link.length),
@@ -105,7 +105,7 @@ TEST(LevelLinks, ASweepBringsEachLinkBetweenItsLimits) {
     d[link.a] -= p * w_a, d[link.b] += p * w_b;
   }
   const auto threads = make_threads(Threading::serial, 1);
-  links.sweep(LevelLinks::without_contacts, 1, 1, records.moving, *threads);
+  links.sweep(1, 1, records.moving, *threads);
   for (std::size_t i = 0; i < level.mass.size(); ++i)
     EXPECT_LT(length(Vec3d(records.moving[i].xyz()) - d[i]), 2e-6) << i;
 }
@@ -119,8 +119,7 @@ TEST(LevelLinks, ASweepKeepsMomentumOfFreeParticles) {
   for (std::size_t s = 0; s < links.slots(); ++s) {
     if (links.link(s) == LevelLinks::none) continue;
     const Link& link = level.links[links.link(s)];
-    links.set_gain(LevelLinks::without_contacts, s,
-                   1 / (records.moving[link.a].w + records.moving[link.b].w));
+    links.set_gain(s, 1 / (records.moving[link.a].w + records.moving[link.b].w));
   }
   const auto momentum = [&] {
     Vec3d sum{};
@@ -130,7 +129,7 @@ TEST(LevelLinks, ASweepKeepsMomentumOfFreeParticles) {
   };
   const Vec3d before = momentum();
   const auto threads = make_threads(Threading::serial, 1);
-  links.sweep(LevelLinks::without_contacts, 3, 1.6f, records.moving, *threads);
+  links.sweep(3, 1.6f, records.moving, *threads);
   EXPECT_LT(length(momentum() - before), 1e-5);
 }
 
