@@ -56,6 +56,8 @@ class IntersectionResolver {
 
   /// Whether contacts must ignore the pair. `edges`: it is a pair of edges, not a vertex and a triangle.
   bool exempts(const NearPair& pair, bool edges) const;
+  /// Whether `separate` moves anything in this step.
+  bool acts() const { return !constraints_.empty(); }
   /// Intersecting pairs of objects that `begin_step` found.
   std::span<const IntersectingPair> pairs() const { return pairs_; }
   /// Layer violations that `begin_step` found.

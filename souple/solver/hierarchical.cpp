@@ -431,7 +431,8 @@ void Hierarchical::project_levels(const ParticleView& particles, Threads& thread
 
 void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleView& particles,
                          const Substep& substep, Threads& threads) {
-  const bool with_levels = !levels_.empty() && (!automatic_ || substep.mode == Mode::small_steps);
+  const bool with_levels =
+      !levels_.empty() && (!automatic_ || (substep.levels && substep.mode == Mode::small_steps));
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
     if (with_levels) {
       restrict_particles(particles, threads);

@@ -37,6 +37,8 @@ struct Substep {
   /// Factor of every correction and its multiplier (above 1: over-relaxation), constant from begin_substep
   /// on. Only solvers that sweep use it. Contacts ignore it.
   float relaxation = 1;
+  /// Whether coarser levels act. While intersections are resolved they must not: they pull back what is separated.
+  bool levels = true;
   ExternalMoves* external = nullptr;  ///< records the sweeps of this substep; null: not needed
 
   bool stores_multipliers() const {

@@ -209,14 +209,15 @@ void solve(WorldState& world, const Substep& substep) {
   if (world.sleep.all) return;
   const ParticleView view = world.view();
   world.for_each_projector([&](Projector& projector) { projector.begin_substep(view, substep); });
+  Substep solved = substep;
+  solved.levels = !world.intersection_resolver.acts();
   if (measures_balance(world)) {
-    Substep recorded = substep;
-    recorded.external = &world.balance.external();
+    solved.external = &world.balance.external();
     world.balance.begin(world.steps, view);
-    world.solver->solve(world.order, view, recorded, *world.threads);
+    world.solver->solve(world.order, view, solved, *world.threads);
     world.balance.measure(world, view, substep);
   } else {
-    world.solver->solve(world.order, view, substep, *world.threads);
+    world.solver->solve(world.order, view, solved, *world.threads);
     if (world.last_substep) world.report.objects.clear();
   }
   keep_apart(world, substep);
