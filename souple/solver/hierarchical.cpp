@@ -180,6 +180,11 @@ bool Hierarchical::inputs_changed(std::span<Projector* const> projectors, const 
 }
 
 void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
+  prepare(projectors, particles, *make_threads(Threading::serial, 1));
+}
+
+void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles,
+                           Threads& threads) {
   if (!inputs_changed(projectors, particles)) return;
   std::vector<Link> links;
   for (const Projector* projector : projectors) {
@@ -203,7 +208,7 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
   for (std::uint32_t i = 0; i < particle_.size(); ++i) number[particle_[i]] = i;
   for (Link& link : links) link.a = number[link.a], link.b = number[link.b];
   levels_.clear();
-  for (CoarseLevel& level : build_levels(links, masses_, coarsest_size)) add_level(std::move(level));
+  for (CoarseLevel& level : build_levels(links, masses_, coarsest_size, threads)) add_level(std::move(level));
   compliant_ =
       std::any_of(links_.begin(), links_.end(), [](const Link& link) { return std::isfinite(link.energy); });
   inverse_masses_.clear();

@@ -45,6 +45,8 @@ class Hierarchical final : public Solver {
 
   std::string_view name() const override { return automatic_ ? "automatic" : "hierarchical"; }
   /// Builds the levels, unless their inputs are unchanged: links, rest lengths, masses.
+  void prepare(std::span<Projector* const> projectors, const ParticleView& particles,
+               Threads& threads) override;
   void prepare(std::span<Projector* const> projectors, const ParticleView& particles) override;
   void solve(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
              Threads& threads) override;
