@@ -65,16 +65,25 @@ void add_links(const SetProjector<TriangleMembrane>& membranes, std::vector<Link
   }
 }
 
-/// Merges the links of each pair of particles into one as strong as all of them together.
-void merge(std::vector<Link>& links) {
-  const auto key = [](const Link& link) { return std::tuple(link.a, link.b, link.length, link.energy); };
-  std::sort(links.begin(), links.end(), [&](const Link& p, const Link& q) { return key(p) < key(q); });
+/// Merges the links of each pair of particles into one as strong as all of them together; sorts them.
+void merge(std::vector<Link>& links, std::size_t particles) {
+  std::vector<std::uint32_t> begin(particles + 1);
+  for (const Link& link : links) ++begin[link.a + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Link> by_a(links.size());
+  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+  for (const Link& link : links) by_a[next[link.a]++] = link;
+  const auto key = [](const Link& link) { return std::tuple(link.b, link.length, link.energy); };
   std::size_t count = 0;
-  for (const Link& link : links) {
-    if (count > 0 && links[count - 1].a == link.a && links[count - 1].b == link.b) {
-      links[count - 1].energy += link.energy;
-    } else {
-      links[count++] = link;
+  for (std::size_t a = 0; a < particles; ++a) {
+    std::sort(by_a.begin() + begin[a], by_a.begin() + begin[a + 1],
+              [&](const Link& p, const Link& q) { return key(p) < key(q); });
+    for (std::size_t e = begin[a]; e < begin[a + 1]; ++e) {
+      if (count > 0 && links[count - 1].a == by_a[e].a && links[count - 1].b == by_a[e].b) {
+        links[count - 1].energy += by_a[e].energy;
+      } else {
+        links[count++] = by_a[e];
+      }
     }
   }
   links.resize(count);
@@ -193,7 +202,7 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
     if (const auto* membranes = dynamic_cast<const SetProjector<TriangleMembrane>*>(projector))
       add_links(*membranes, links);
   }
-  merge(links);
+  merge(links, particles.position.size());
   if (automatic_) remove_small(links, particles.position.size());
   std::vector<std::uint32_t> linked_particles = linked(links, particles.position.size());
   std::vector<float> masses;

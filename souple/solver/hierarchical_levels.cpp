@@ -24,10 +24,10 @@ constexpr std::size_t max_parents = 4;
 // cloth's particles. At 1.3 the kinks that a level leaves cancel its gain; at 2 Gauss-Seidel has too far to
 // smooth.
 constexpr float coarsening = 1.6f;
-// Radius around a coarse particle within which lengths are marched, in its spacing: reaches the four nearest coarse
-// particles of nearly every particle.
+// Radius around a coarse particle within which lengths are marched, in its spacing: reaches the nearest coarse
+// particles of every particle, and most of those next to them. Along edges it takes more to find as many.
 constexpr float march_radius = 2.0f, border_radius = 2.7f;
-constexpr int interior = 5;
+constexpr int enough_coarse = 7;
 // eps of find_weights.
 constexpr double smoothing = 0.1;
 /// Minimum number of particles per thread.
@@ -82,7 +82,6 @@ class Choice {
         marcher_(triangles) {
     for (int rank = 0; rank < 6; ++rank) choose(rank);
   }
-  std::span<const int> rank() const { return rank_; }
   /// Per particle: 1 if it is chosen.
   const std::vector<char>& coarse() const { return coarse_; }
 
@@ -125,15 +124,18 @@ class Near {
  public:
   /// `coarse`: particle of each coarse particle.
   Near(const LinkEnds& ends, const LinkTriangles& triangles, std::span<const std::uint32_t> coarse,
-       std::span<const int> rank, Threads& threads)
+       std::span<const char> is_coarse, Threads& threads)
       : begin_(triangles.size() + 1) {
     std::vector<March> marches((coarse.size() + chunk - 1) / chunk);
     threads.for_each(marches.size(), 1, [&](std::size_t begin, std::size_t end) {
       Marcher marcher(triangles);
       for (std::size_t c = begin; c < end; ++c)
         for (std::size_t j = c * chunk; j < std::min((c + 1) * chunk, coarse.size()); ++j) {
-          const float radius = (rank[coarse[j]] == interior ? march_radius : border_radius) * spacing(ends, coarse[j]);
-          const std::span<const Reached> reached = marcher.march(coarse[j], radius, radius);
+          const float unit = spacing(ends, coarse[j]);
+          std::span<const Reached> reached = marcher.march(coarse[j], march_radius * unit);
+          const auto found = std::count_if(reached.begin(), reached.end(),
+                                           [&](const Reached& r) { return is_coarse[r.particle] != 0; });
+          if (found <= enough_coarse) reached = marcher.march(coarse[j], border_radius * unit);
           marches[c].reached.insert(marches[c].reached.end(), reached.begin(), reached.end());
           marches[c].end.push_back(marches[c].reached.size());
         }
@@ -484,14 +486,13 @@ void LevelBuilder::add_children() {
 }
 
 CoarseLevel LevelBuilder::build() {
-  const Choice choice(ends_, triangles_, masses_, threads_);
-  const std::vector<char>& coarse = choice.coarse();
+  const std::vector<char> coarse = Choice(ends_, triangles_, masses_, threads_).coarse();
   std::vector<std::uint32_t> number(masses_.size(), none);
   for (std::uint32_t i = 0; i < masses_.size(); ++i)
     if (coarse[i] != 0)
       number[i] = static_cast<std::uint32_t>(level_.finer.size()), level_.finer.push_back(i);
   if (level_.finer.size() == masses_.size()) return {};
-  const Near near(ends_, triangles_, level_.finer, choice.rank(), threads_);
+  const Near near(ends_, triangles_, level_.finer, coarse, threads_);
   const CoarseLengths lengths(near, level_.finer, threads_);
   collapse(near, lengths);
   find_parents(near, lengths, number);

@@ -14,14 +14,16 @@ constexpr std::uint32_t none = ~std::uint32_t{0};
 /// Minimum number of particles per thread.
 constexpr std::size_t grain = 1024;
 constexpr float infinity = std::numeric_limits<float>::infinity();
-/// Square of the length in Triangle's coordinates. du2, dw2: squares of the distances to u and w.
+/// Square of the length in Triangle's coordinates; infinite if the line does not cross the edge. du2, dw2: squares of
+/// the distances to u and w.
 float unfolded_squared(float du2, float dw2, const LinkTriangles::Triangle& t) {
   const float s_x = (du2 - dw2) * t.inverse_2c + t.half_c, s_y2 = du2 - s_x * s_x;
-  if (!(s_y2 > 0)) return infinity;
+  const float s_y = std::sqrt(s_y2 > 0 ? s_y2 : 0);
   // The line from s to v crosses the edge at x = (s_x v_y + v_x s_y) / (s_y + v_y).
-  const float s_y = std::sqrt(s_y2), across = s_x * t.v_y + t.v_x * s_y;
-  if (!(across >= 0 && across <= 2 * t.half_c * (s_y + t.v_y))) return infinity;
-  return (t.v_x - s_x) * (t.v_x - s_x) + (t.v_y + s_y) * (t.v_y + s_y);
+  const float across = s_x * t.v_y + t.v_x * s_y;
+  const bool crosses = (s_y2 > 0) & (across >= 0) & (across <= 2 * t.half_c * (s_y + t.v_y));
+  const float squared = (t.v_x - s_x) * (t.v_x - s_x) + (t.v_y + s_y) * (t.v_y + s_y);
+  return crosses ? squared : infinity;
 }
 
 /// False if no line from one side of the edge u w reaches a corner v on the other.
@@ -103,12 +105,14 @@ void LinkTriangles::find_triangles(std::uint32_t first, std::uint32_t last,
   }
 }
 
-Marcher::Marcher(const LinkTriangles& triangles) : triangles_(triangles), state_(triangles.size()) {}
+Marcher::Marcher(const LinkTriangles& triangles)
+    : triangles_(triangles), seen_(triangles.size()), squared_(triangles.size(), infinity) {}
 
 std::span<const Marcher::Reached> Marcher::march(std::uint32_t source, float radius, float max_beyond) {
-  reached_.clear(), heap_.clear(), seen_.clear();
+  for (const Reached& r : reached_) squared_[r.particle] = infinity;
+  reached_.clear(), heap_.clear(), offered_.clear();
   max_length_ = std::max(radius, max_beyond);
-  offered_ += 2;
+  ++march_;
   offer(source, 0);
   while (!heap_.empty()) {
     const std::uint64_t nearest = heap_.front();
@@ -117,46 +121,44 @@ std::span<const Marcher::Reached> Marcher::march(std::uint32_t source, float rad
     std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
     heap_.pop_back();
     const auto u = static_cast<std::uint32_t>(nearest);
-    if (state_[u].stamp > offered_) continue;
-    state_[u].stamp = offered_ + 1;
+    if (squared_[u] < infinity) continue;
+    squared_[u] = length * length;
     reached_.push_back({u, length});
-    relax_neighbors(u);
+    relax_neighbors(u, length);
   }
   return reached_;
 }
 
 std::span<const Marcher::Reached> Marcher::beyond() {
   beyond_.clear();
-  for (const std::uint32_t v : seen_)
-    if (state_[v].stamp == offered_) beyond_.push_back({v, state_[v].length});
+  for (const std::uint32_t v : offered_)
+    if (!(squared_[v] < infinity)) beyond_.push_back({v, seen_[v].length});
   return beyond_;
 }
 
 void Marcher::offer(std::uint32_t v, float length) {
   if (length > max_length_) return;
-  State& state = state_[v];
-  if (state.stamp < offered_) {
-    state.stamp = offered_;
-    seen_.push_back(v);
-  } else if (state.length <= length) {
+  Seen& seen = seen_[v];
+  if (seen.march != march_) {
+    seen.march = march_;
+    offered_.push_back(v);
+  } else if (seen.length <= length) {
     return;
   }
-  state.length = length;
+  seen.length = length;
   heap_.push_back(std::uint64_t{std::bit_cast<std::uint32_t>(length)} << 32 | v);
   std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
 }
 
-void Marcher::relax_neighbors(std::uint32_t u) {
-  const float du = state_[u].length, du2 = du * du;
+void Marcher::relax_neighbors(std::uint32_t u, float du) {
+  const float du2 = squared_[u];
   const LinkTriangles::Triangle* const triangles = triangles_.triangles_of(u);
   for (const LinkTriangles::Neighbor& n : triangles_.of(u)) {
-    if (state_[n.to].stamp > offered_) continue;
+    if (squared_[n.to] < infinity) continue;
     float best2 = infinity;
-    for (std::uint32_t k = n.triangle_begin; k < n.triangle_end; ++k) {
-      const State& w = state_[triangles[k].w];
-      if (w.stamp > offered_)
-        best2 = std::min(best2, unfolded_squared(du2, w.length * w.length, triangles[k]));
-    }
+    for (std::uint32_t k = n.triangle_begin; k < n.triangle_end; ++k)
+      if (const float dw2 = squared_[triangles[k].w]; dw2 < infinity)
+        best2 = std::min(best2, unfolded_squared(du2, dw2, triangles[k]));
     offer(n.to, std::min(du + n.length, std::sqrt(best2)));
   }
 }

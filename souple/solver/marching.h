@@ -90,20 +90,21 @@ class Marcher {
   std::span<const Reached> beyond();
 
  private:
-  struct State {
-    std::uint32_t stamp = 0;  // 2 s: offered by march s; 2 s + 1: reached
-    float length = 0;
+  struct Seen {
+    std::uint32_t march = 0;  // number of the last march that offered a length
+    float length = 0;         // the shortest offered
   };
 
   void offer(std::uint32_t v, float length);
-  void relax_neighbors(std::uint32_t u);
+  void relax_neighbors(std::uint32_t u, float du);
 
   const LinkTriangles& triangles_;
-  std::uint32_t offered_ = 0;  // stamp of this march
+  std::uint32_t march_ = 0;
   float max_length_ = 0;
-  std::vector<State> state_;
+  std::vector<Seen> seen_;
+  std::vector<float> squared_;       // per particle: square of its length; infinite if not reached
   std::vector<std::uint64_t> heap_;  // bits of the length, particle
-  std::vector<std::uint32_t> seen_;
+  std::vector<std::uint32_t> offered_;
   std::vector<Reached> reached_, beyond_;
 };
 
