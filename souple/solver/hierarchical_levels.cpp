@@ -26,8 +26,8 @@ constexpr std::size_t max_parents = 4;
 constexpr float coarsening = 1.6f;
 // Radius around a coarse particle within which lengths are marched, in its spacing: reaches the nearest coarse
 // particles of every particle, and most of those next to them. Along edges it takes more to find as many.
-constexpr float march_radius = 2.0f, border_radius = 2.7f;
-constexpr int enough_coarse = 7;
+constexpr float march_radius = 1.6f, border_radius = 2.7f;
+constexpr std::size_t enough_coarse = 9;
 // eps of find_weights.
 constexpr double smoothing = 0.1;
 /// Minimum number of particles per thread.
@@ -132,10 +132,11 @@ class Near {
       for (std::size_t c = begin; c < end; ++c)
         for (std::size_t j = c * chunk; j < std::min((c + 1) * chunk, coarse.size()); ++j) {
           const float unit = spacing(ends, coarse[j]);
-          std::span<const Reached> reached = marcher.march(coarse[j], march_radius * unit);
-          const auto found = std::count_if(reached.begin(), reached.end(),
-                                           [&](const Reached& r) { return is_coarse[r.particle] != 0; });
-          if (found <= enough_coarse) reached = marcher.march(coarse[j], border_radius * unit);
+          std::size_t found = 0;
+          const std::span<const Reached> reached =
+              marcher.march(coarse[j], march_radius * unit, border_radius * unit, [&](std::uint32_t particle) {
+                return (found += is_coarse[particle] != 0) >= enough_coarse;
+              });
           marches[c].reached.insert(marches[c].reached.end(), reached.begin(), reached.end());
           marches[c].end.push_back(marches[c].reached.size());
         }

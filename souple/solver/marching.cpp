@@ -109,24 +109,38 @@ Marcher::Marcher(const LinkTriangles& triangles)
     : triangles_(triangles), seen_(triangles.size()), squared_(triangles.size(), infinity) {}
 
 std::span<const Marcher::Reached> Marcher::march(std::uint32_t source, float radius, float max_beyond) {
+  begin(source, max_beyond);
+  while (next_length() <= radius) reach_next();
+  return reached_;
+}
+
+void Marcher::begin(std::uint32_t source, float max_length) {
   for (const Reached& r : reached_) squared_[r.particle] = infinity;
   reached_.clear(), heap_.clear(), offered_.clear();
-  max_length_ = std::max(radius, max_beyond);
+  max_length_ = max_length;
   ++march_;
   offer(source, 0);
-  while (!heap_.empty()) {
-    const std::uint64_t nearest = heap_.front();
-    const float length = std::bit_cast<float>(static_cast<std::uint32_t>(nearest >> 32));
-    if (length > radius) break;
-    std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
-    heap_.pop_back();
-    const auto u = static_cast<std::uint32_t>(nearest);
-    if (squared_[u] < infinity) continue;
-    squared_[u] = length * length;
-    reached_.push_back({u, length});
-    relax_neighbors(u, length);
-  }
-  return reached_;
+}
+
+// Of the nearest particle that is not reached; infinite if there is none.
+float Marcher::next_length() {
+  while (!heap_.empty() && squared_[static_cast<std::uint32_t>(heap_.front())] < infinity) pop();
+  return heap_.empty() ? infinity : std::bit_cast<float>(static_cast<std::uint32_t>(heap_.front() >> 32));
+}
+
+std::uint32_t Marcher::reach_next() {
+  const auto u = static_cast<std::uint32_t>(heap_.front());
+  const float length = seen_[u].length;
+  pop();
+  squared_[u] = length * length;
+  reached_.push_back({u, length});
+  relax_neighbors(u, length);
+  return u;
+}
+
+void Marcher::pop() {
+  std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
+  heap_.pop_back();
 }
 
 std::span<const Marcher::Reached> Marcher::beyond() {

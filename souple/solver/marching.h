@@ -84,7 +84,15 @@ class Marcher {
   explicit Marcher(const LinkTriangles& triangles);
 
   /// Particles no farther than `radius` from `source`, nearest first; valid until the next march.
-  std::span<const Reached> march(std::uint32_t source, float radius, float max_beyond = 0);
+  std::span<const Reached> march(std::uint32_t source, float radius, float max_beyond);
+  template <class Enough>
+  std::span<const Reached> march(std::uint32_t source, float min_radius, float max_radius,
+                                 const Enough& enough) {
+    begin(source, max_radius);
+    bool is_enough = false;
+    while (next_length() <= (is_enough ? min_radius : max_radius)) is_enough = enough(reach_next());
+    return reached_;
+  }
   /// Neighbors of these particles, farther than the radius and no farther than `max_beyond`. Their lengths are those
   /// across triangles of particles reached; in the end they might be shorter.
   std::span<const Reached> beyond();
@@ -95,6 +103,10 @@ class Marcher {
     float length = 0;         // the shortest offered
   };
 
+  void begin(std::uint32_t source, float max_length);
+  float next_length();
+  std::uint32_t reach_next();
+  void pop();
   void offer(std::uint32_t v, float length);
   void relax_neighbors(std::uint32_t u, float du);
 
