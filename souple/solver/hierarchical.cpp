@@ -171,9 +171,9 @@ float supplied_finest(float alpha, float h2_w, int iterations) {
 
 }  // namespace
 
-// Whether constraints or masses changed since the last call. Comparing the links themselves takes as long as
-// a frame of a large cloth.
-bool Hierarchical::inputs_changed(std::span<Projector* const> projectors, const ParticleView& particles) {
+// Whether constraints changed since the last call. Comparing the links themselves takes as long as a frame of a
+// large cloth.
+bool Hierarchical::constraints_changed(std::span<Projector* const> projectors) {
   std::vector<std::pair<const Projector*, std::uint64_t>> revisions;
   for (const Projector* projector : projectors) {
     if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector))
@@ -181,11 +181,29 @@ bool Hierarchical::inputs_changed(std::span<Projector* const> projectors, const 
     if (const auto* membranes = dynamic_cast<const SetProjector<TriangleMembrane>*>(projector))
       revisions.emplace_back(projector, membranes->revision());
   }
-  bool changed = revisions != revisions_;
+  const bool changed = revisions != revisions_;
   revisions_ = std::move(revisions);
-  for (std::size_t i = 0; i < particle_.size() && !changed; ++i)
-    changed = masses_[i] != inverse(particles.inverse_mass(particle_[i]));
   return changed;
+}
+
+bool Hierarchical::masses_changed(const ParticleView& particles) const {
+  for (std::size_t i = 0; i < particle_.size(); ++i)
+    if (masses_[i] != inverse(particles.inverse_mass(particle_[i]))) return true;
+  return false;
+}
+
+std::vector<Link> Hierarchical::links_of(std::span<Projector* const> projectors,
+                                         std::size_t particles) const {
+  std::vector<Link> links;
+  for (const Projector* projector : projectors) {
+    if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector))
+      add_links(*distances, links);
+    if (const auto* membranes = dynamic_cast<const SetProjector<TriangleMembrane>*>(projector))
+      add_links(*membranes, links);
+  }
+  merge(links, particles);
+  if (automatic_) remove_small(links, particles);
+  return links;
 }
 
 void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
@@ -194,27 +212,20 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
 
 void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles,
                            Threads& threads) {
-  if (!inputs_changed(projectors, particles)) return;
-  std::vector<Link> links;
-  for (const Projector* projector : projectors) {
-    if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector))
-      add_links(*distances, links);
-    if (const auto* membranes = dynamic_cast<const SetProjector<TriangleMembrane>*>(projector))
-      add_links(*membranes, links);
+  bool links_changed = false;
+  if (constraints_changed(projectors)) {
+    std::vector<Link> links = links_of(projectors, particles.position.size());
+    links_changed = links != links_;
+    links_ = std::move(links);
+    particle_ = linked(links_, particles.position.size());
   }
-  merge(links, particles.position.size());
-  if (automatic_) remove_small(links, particles.position.size());
-  std::vector<std::uint32_t> linked_particles = linked(links, particles.position.size());
-  std::vector<float> masses;
-  masses.reserve(linked_particles.size());
-  for (const std::uint32_t i : linked_particles) masses.push_back(inverse(particles.inverse_mass(i)));
-  if (links == links_ && masses == masses_) return;
-
-  links_ = links;
-  masses_ = std::move(masses);
-  particle_ = std::move(linked_particles);
+  if (!links_changed && !masses_changed(particles)) return;
+  const ActiveScope awake(threads);
+  masses_.clear();
+  for (const std::uint32_t i : particle_) masses_.push_back(inverse(particles.inverse_mass(i)));
   std::vector<std::uint32_t> number(particles.position.size(), none);
   for (std::uint32_t i = 0; i < particle_.size(); ++i) number[particle_[i]] = i;
+  std::vector<Link> links = links_;
   for (Link& link : links) link.a = number[link.a], link.b = number[link.b];
   levels_.clear();
   for (CoarseLevel& level : build_levels(links, masses_, coarsest_size, threads)) add_level(std::move(level));

@@ -93,7 +93,9 @@ class Hierarchical final : public Solver {
                       Threads& threads);
   int sweeps_of(std::size_t l) const;
 
-  bool inputs_changed(std::span<Projector* const> projectors, const ParticleView& particles);
+  bool constraints_changed(std::span<Projector* const> projectors);
+  bool masses_changed(const ParticleView& particles) const;
+  std::vector<Link> links_of(std::span<Projector* const> projectors, std::size_t particles) const;
 
   bool automatic_;
   std::vector<std::pair<const Projector*, std::uint64_t>> revisions_;  ///< of the sets that links_ come from
