@@ -2,9 +2,11 @@
 
 #include "souple/geometry/adjacency.h"
 #include "souple/math/vec3.h"
+#include "souple/world/world.h"
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -34,8 +36,27 @@ class PeerEngine {
   virtual double projections() const = 0;
 };
 
+/// The benchmark `cloth`: distances along edges and across them, upper row pinned, pushed.
+PeerScene cloth_scene(int size);
+
+/// Souple with the first object of a world, which has the particles of a scene.
+std::unique_ptr<PeerEngine> make_souple(World world, std::string name);
+/// Souple with the benchmark `cloth`; not `pushed`: at rest.
+std::unique_ptr<PeerEngine> make_souple_cloth(int size, const Settings& settings, bool pushed,
+                                              std::string name);
+
 /// Bullet's soft body: a link for every distance, stiffness 1. A frame is `substeps` calls of stepSimulation
 /// with `iterations` of its position solver each.
 std::unique_ptr<PeerEngine> make_bullet(const PeerScene& input, int substeps, int iterations);
+
+/// Simulates frames of 1/60 s on all engines in turn, another one first in each frame, so that a slow phase of the
+/// machine affects all of them. Returns the median time of each. [ms]
+std::vector<double> simulate(std::span<const std::unique_ptr<PeerEngine>> engines, int frames);
+
+constexpr double frame = 1.0 / 60;  ///< s
+
+/// Largest relative extension of a link.
+double largest_strain(const PeerScene& scene, const std::vector<Vec3d>& now);
+double median(std::vector<double> values);
 
 }  // namespace souple::peers

@@ -1,8 +1,9 @@
 // The same scene in Souple and in other engines, frame by frame alternately, so that a slow phase of the
 // machine affects all of them: medians, ratios, and the strain of each engine's links at the end.
 //   peers [--size N] [--frames N] [--threads N] [--json]
+//   peers --strain [--size N] [--frames N] [--longest MS] [--json]    at equal strain: equal_strain.h
 
-#include "app/bench_scenes.h"
+#include "benchmarks/peers/equal_strain.h"
 #include "benchmarks/peers/peer_scene.h"
 #include "souple/geometry/builders.h"
 #include "souple/geometry/measures.h"
@@ -11,7 +12,6 @@
 #include "souple/world/world.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -20,29 +20,11 @@
 namespace souple::peers {
 namespace {
 
-constexpr double frame = 1.0 / 60;  // s
 constexpr int substeps = 10;
 
 struct Options {
-  int size = 200, frames = 60, threads = 1;
-  bool json = false;
-};
-
-/// Souple with plain Gauss-Seidel, or with its default solver.
-class SoupleEngine final : public PeerEngine {
- public:
-  SoupleEngine(World world, std::string name) : world_(std::move(world)), name_(std::move(name)) {}
-  std::string name() const override { return name_; }
-  void step(double dt) override { world_.step(dt); }
-  std::vector<Vec3d> positions() const override {
-    const auto x = world_.positions(world_.objects()[0]);
-    return {x.begin(), x.end()};
-  }
-  double projections() const override { return static_cast<double>(world_.report().constraints) * substeps; }
-
- private:
-  World world_;
-  std::string name_;
+  int size = 200, frames = 0, threads = 1, longest = 250;
+  bool strain = false, json = false;
 };
 
 Settings settings(const Options& options) {
@@ -52,10 +34,6 @@ Settings settings(const Options& options) {
   result.measure_residuals = false;
   result.solver.kind = SolverKind::gauss_seidel;
   return result;
-}
-
-void pin(PeerScene& input, const World& world) {
-  for (const std::uint32_t i : world.pinned(world.objects()[0])) input.masses[i] = 0;
 }
 
 /// A scene, and the engines that simulate it.
@@ -74,21 +52,12 @@ void add_peers(Comparison& comparison) {
 Comparison cloth(const Options& options) {
   Comparison comparison;
   comparison.scene = "cloth " + std::to_string(options.size) + " x " + std::to_string(options.size);
-  const TriangleMesh mesh = app::hanging_grid(options.size);
-  PeerScene& input = comparison.input;
-  input.positions = mesh.positions;
-  input.masses = lumped_masses(mesh.positions, mesh.triangles, double(ClothMaterial{}.areal_density));
-  input.links = unique_edges(mesh.triangles);
-  for (const Hinge& hinge : interior_edges(mesh.triangles)) input.links.push_back({hinge[2], hinge[3]});
+  comparison.input = cloth_scene(options.size);
   const auto add = [&](Form form, SolverKind solver, std::string name) {
     Settings with_form = settings(options);
     with_form.form = form;
     with_form.solver.kind = solver;
-    World world(with_form);
-    app::find_bench_scene("cloth").build(world, options.size);
-    input.velocity = Vec3d(world.velocities(world.objects()[0]).back());
-    pin(input, world);
-    comparison.engines.push_back(std::make_unique<SoupleEngine>(std::move(world), std::move(name)));
+    comparison.engines.push_back(make_souple_cloth(options.size, with_form, true, std::move(name)));
   };
   add(Form::displacement, SolverKind::gauss_seidel, "Souple");
   add(Form::plain, SolverKind::gauss_seidel, "Souple, plain form");
@@ -120,51 +89,20 @@ Comparison bar(const Options& options) {
     const ObjectId object = world.add_soft_body(mesh, material);
     const auto end = static_cast<float>(-size.x / 2);
     world.pin(object, in_box({end - 1e-3f, -9, -9}, {end + 1e-3f, 9, 9}));
-    pin(input, world);
-    comparison.engines.push_back(std::make_unique<SoupleEngine>(
-        std::move(world),
-        model == SoftBodyModel::springs ? "Souple, edges and volumes" : "Souple, neo-Hookean"));
+    for (const std::uint32_t i : world.pinned(object)) input.masses[i] = 0;
+    comparison.engines.push_back(make_souple(std::move(world), model == SoftBodyModel::springs
+                                                                   ? "Souple, edges and volumes"
+                                                                   : "Souple, neo-Hookean"));
   }
   add_peers(comparison);
   return comparison;
 }
 
-double largest_strain(const PeerScene& input, const std::vector<Vec3d>& now) {
-  double largest = 0;
-  for (const Edge& link : input.links) {
-    const double rest = length(input.positions[link[0]] - input.positions[link[1]]);
-    largest = std::max(largest, length(now[link[0]] - now[link[1]]) / rest - 1);
-  }
-  return largest;
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
-/// The first engine changes from frame to frame.
-std::vector<double> simulate(Comparison& comparison, int frames) {
-  std::vector<std::vector<double>> milliseconds(comparison.engines.size());
-  constexpr int warm_up = 2;
-  for (int f = 0; f < frames; ++f)
-    for (std::size_t k = 0; k < comparison.engines.size(); ++k) {
-      const std::size_t engine = (k + static_cast<std::size_t>(f)) % comparison.engines.size();
-      const auto start = std::chrono::steady_clock::now();
-      comparison.engines[engine]->step(frame);
-      const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
-      if (f >= warm_up || frames <= warm_up) milliseconds[engine].push_back(spent.count());
-    }
-  std::vector<double> result;
-  result.reserve(milliseconds.size());
-  for (const std::vector<double>& one : milliseconds) result.push_back(median(one));
-  return result;
-}
-
 /// Prints a comparison, or adds it to the list.
 void report(Comparison& comparison, const Options& options, scene_format::Json& list) {
   using scene_format::Json;
-  const std::vector<double> milliseconds = simulate(comparison, options.frames);
+  const std::vector<double> milliseconds =
+      simulate(comparison.engines, options.frames > 0 ? options.frames : 60);
   if (!options.json)
     std::printf("%s\n  %-28s %10s %14s %8s %14s\n", comparison.scene.c_str(), "", "ms/frame", "M constr./s",
                 "ratio", "largest strain");
@@ -194,13 +132,15 @@ Options parse(int argc, char** argv) {
     int* number = word == "--size"      ? &options.size
                   : word == "--frames"  ? &options.frames
                   : word == "--threads" ? &options.threads
+                  : word == "--longest" ? &options.longest
                                         : nullptr;
-    if (word == "--json") {
-      options.json = true;
+    if (word == "--json" || word == "--strain") {
+      (word == "--json" ? options.json : options.strain) = true;
     } else if (number != nullptr && i + 1 < argc && std::atoi(argv[i + 1]) > 0) {
       *number = std::atoi(argv[++i]);
     } else {
-      throw Error(word + ": expected --size N, --frames N, --threads N or --json, N above 0");
+      throw Error(word +
+                  ": expected --strain, --size N, --frames N, --threads N, --longest N or --json, N above 0");
     }
   }
   return options;
@@ -208,15 +148,21 @@ Options parse(int argc, char** argv) {
 
 void run(const Options& options) {
   scene_format::Json result = scene_format::Json::object(), list = scene_format::Json::array();
-  for (const auto make : {cloth, bar}) {
-    Comparison comparison = make(options);
-    report(comparison, options, list);
+  if (options.strain) {
+    list = compare_at_equal_strain({.size = options.size,
+                                    .frames = options.frames > 0 ? options.frames : 240,
+                                    .max_milliseconds = static_cast<double>(options.longest),
+                                    .prints = !options.json});
+  } else {
+    for (const auto make : {cloth, bar}) {
+      Comparison comparison = make(options);
+      report(comparison, options, list);
+    }
+    result.set("threads", scene_format::Json::whole(options.threads));
   }
   if (!options.json) return;
   result.set("size", scene_format::Json::whole(options.size));
-  result.set("threads", scene_format::Json::whole(options.threads));
   result.set("simd", scene_format::Json::of(std::string(simd_name())));
-  result.set("frames", scene_format::Json::whole(options.frames));
   result.set("rows", std::move(list));
   std::fputs(dump_json(result).c_str(), stdout);
 }

@@ -65,16 +65,25 @@ void add_links(const SetProjector<TriangleMembrane>& membranes, std::vector<Link
   }
 }
 
-/// Merges the links of each pair of particles into one as strong as all of them together.
-void merge(std::vector<Link>& links) {
-  const auto key = [](const Link& link) { return std::tuple(link.a, link.b, link.length, link.energy); };
-  std::sort(links.begin(), links.end(), [&](const Link& p, const Link& q) { return key(p) < key(q); });
+/// Merges the links of each pair of particles into one as strong as all of them together; sorts them.
+void merge(std::vector<Link>& links, std::size_t particles) {
+  std::vector<std::uint32_t> begin(particles + 1);
+  for (const Link& link : links) ++begin[link.a + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Link> by_a(links.size());
+  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+  for (const Link& link : links) by_a[next[link.a]++] = link;
+  const auto key = [](const Link& link) { return std::tuple(link.b, link.length, link.energy); };
   std::size_t count = 0;
-  for (const Link& link : links) {
-    if (count > 0 && links[count - 1].a == link.a && links[count - 1].b == link.b) {
-      links[count - 1].energy += link.energy;
-    } else {
-      links[count++] = link;
+  for (std::size_t a = 0; a < particles; ++a) {
+    std::sort(by_a.begin() + begin[a], by_a.begin() + begin[a + 1],
+              [&](const Link& p, const Link& q) { return key(p) < key(q); });
+    for (std::size_t e = begin[a]; e < begin[a + 1]; ++e) {
+      if (count > 0 && links[count - 1].a == by_a[e].a && links[count - 1].b == by_a[e].b) {
+        links[count - 1].energy += by_a[e].energy;
+      } else {
+        links[count++] = by_a[e];
+      }
     }
   }
   links.resize(count);
@@ -162,9 +171,9 @@ float supplied_finest(float alpha, float h2_w, int iterations) {
 
 }  // namespace
 
-// Whether constraints or masses changed since the last call. Comparing the links themselves takes as long as
-// a frame of a large cloth.
-bool Hierarchical::inputs_changed(std::span<Projector* const> projectors, const ParticleView& particles) {
+// Whether constraints changed since the last call. Comparing the links themselves takes as long as a frame of a
+// large cloth.
+bool Hierarchical::constraints_changed(std::span<Projector* const> projectors) {
   std::vector<std::pair<const Projector*, std::uint64_t>> revisions;
   for (const Projector* projector : projectors) {
     if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector))
@@ -172,15 +181,19 @@ bool Hierarchical::inputs_changed(std::span<Projector* const> projectors, const 
     if (const auto* membranes = dynamic_cast<const SetProjector<TriangleMembrane>*>(projector))
       revisions.emplace_back(projector, membranes->revision());
   }
-  bool changed = revisions != revisions_;
+  const bool changed = revisions != revisions_;
   revisions_ = std::move(revisions);
-  for (std::size_t i = 0; i < particle_.size() && !changed; ++i)
-    changed = masses_[i] != inverse(particles.inverse_mass(particle_[i]));
   return changed;
 }
 
-void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
-  if (!inputs_changed(projectors, particles)) return;
+bool Hierarchical::masses_changed(const ParticleView& particles) const {
+  for (std::size_t i = 0; i < particle_.size(); ++i)
+    if (masses_[i] != inverse(particles.inverse_mass(particle_[i]))) return true;
+  return false;
+}
+
+std::vector<Link> Hierarchical::links_of(std::span<Projector* const> projectors,
+                                         std::size_t particles) const {
   std::vector<Link> links;
   for (const Projector* projector : projectors) {
     if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector))
@@ -188,22 +201,34 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
     if (const auto* membranes = dynamic_cast<const SetProjector<TriangleMembrane>*>(projector))
       add_links(*membranes, links);
   }
-  merge(links);
-  if (automatic_) remove_small(links, particles.position.size());
-  std::vector<std::uint32_t> linked_particles = linked(links, particles.position.size());
-  std::vector<float> masses;
-  masses.reserve(linked_particles.size());
-  for (const std::uint32_t i : linked_particles) masses.push_back(inverse(particles.inverse_mass(i)));
-  if (links == links_ && masses == masses_) return;
+  merge(links, particles);
+  if (automatic_) remove_small(links, particles);
+  return links;
+}
 
-  links_ = links;
-  masses_ = std::move(masses);
-  particle_ = std::move(linked_particles);
+void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
+  prepare(projectors, particles, *make_threads(Threading::serial, 1));
+}
+
+void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles,
+                           Threads& threads) {
+  bool links_changed = false;
+  if (constraints_changed(projectors)) {
+    std::vector<Link> links = links_of(projectors, particles.position.size());
+    links_changed = links != links_;
+    links_ = std::move(links);
+    particle_ = linked(links_, particles.position.size());
+  }
+  if (!links_changed && !masses_changed(particles)) return;
+  const ActiveScope awake(threads);
+  masses_.clear();
+  for (const std::uint32_t i : particle_) masses_.push_back(inverse(particles.inverse_mass(i)));
   std::vector<std::uint32_t> number(particles.position.size(), none);
   for (std::uint32_t i = 0; i < particle_.size(); ++i) number[particle_[i]] = i;
+  std::vector<Link> links = links_;
   for (Link& link : links) link.a = number[link.a], link.b = number[link.b];
   levels_.clear();
-  for (CoarseLevel& level : build_levels(links, masses_, coarsest_size)) add_level(std::move(level));
+  for (CoarseLevel& level : build_levels(links, masses_, coarsest_size, threads)) add_level(std::move(level));
   compliant_ =
       std::any_of(links_.begin(), links_.end(), [](const Link& link) { return std::isfinite(link.energy); });
   inverse_masses_.clear();

@@ -45,6 +45,8 @@ class Hierarchical final : public Solver {
 
   std::string_view name() const override { return automatic_ ? "automatic" : "hierarchical"; }
   /// Builds the levels, unless their inputs are unchanged: links, rest lengths, masses.
+  void prepare(std::span<Projector* const> projectors, const ParticleView& particles,
+               Threads& threads) override;
   void prepare(std::span<Projector* const> projectors, const ParticleView& particles) override;
   void solve(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
              Threads& threads) override;
@@ -91,7 +93,9 @@ class Hierarchical final : public Solver {
                       Threads& threads);
   int sweeps_of(std::size_t l) const;
 
-  bool inputs_changed(std::span<Projector* const> projectors, const ParticleView& particles);
+  bool constraints_changed(std::span<Projector* const> projectors);
+  bool masses_changed(const ParticleView& particles) const;
+  std::vector<Link> links_of(std::span<Projector* const> projectors, std::size_t particles) const;
 
   bool automatic_;
   std::vector<std::pair<const Projector*, std::uint64_t>> revisions_;  ///< of the sets that links_ come from

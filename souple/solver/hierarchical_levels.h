@@ -1,5 +1,7 @@
 #pragma once
 
+#include "souple/solver/threads.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -39,6 +41,6 @@ struct CoarseLevel {
 /// particles or none can be removed. Mass 0: a fixed particle. Depends on the arguments only; takes O(n log
 /// n) time.
 std::vector<CoarseLevel> build_levels(std::span<const Link> links, std::span<const float> masses,
-                                      std::size_t coarsest_size);
+                                      std::size_t coarsest_size, Threads& threads);
 
 }  // namespace souple

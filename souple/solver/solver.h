@@ -55,6 +55,10 @@ class Solver {
   /// already. Throws Error when the solver cannot handle the scene (too large, too many coupled rows); the
   /// message names an alternative.
   virtual void prepare(std::span<Projector* const> projectors, const ParticleView& particles) = 0;
+  /// The same on several threads, for solvers that take long to prepare. The default uses the caller's alone.
+  virtual void prepare(std::span<Projector* const> projectors, const ParticleView& particles, Threads&) {
+    prepare(projectors, particles);
+  }
   /// Runs all iterations of a substep. `projectors` are in solving order, contacts last; begin_substep of
   /// each has been called.
   virtual void solve(std::span<Projector* const> projectors, const ParticleView& particles,

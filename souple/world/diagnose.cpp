@@ -148,7 +148,7 @@ void bring_constraints_up_to_date(WorldState& world) {
     world.solver = make_solver(world.settings.solver);
     world.solver_settings = world.settings.solver;
   }
-  world.solver->prepare(world.order, view);
+  world.solver->prepare(world.order, view, *world.threads);
   world.dirty_solver = world.dirty_masses = false;
 }
 

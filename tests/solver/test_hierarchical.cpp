@@ -139,7 +139,7 @@ TEST(HierarchicalLevels, EveryParticleFollowsCoarseOnesByWeightsOfSumOne) {
     const Sheet sheet(60, true, 0, across);
     std::vector<float> masses(sheet.body.position.size(), 2.0f);
     for (std::size_t column = 0; column < 60; ++column) masses[column] = 0;
-    const std::vector<CoarseLevel> levels = build_levels(links_of(sheet), masses, 24);
+    const std::vector<CoarseLevel> levels = build_levels(links_of(sheet), masses, 24, *serial());
     ASSERT_GE(levels.size(), 3u);
     for (const CoarseLevel& level : levels) {
       EXPECT_LT(level.finer.size(), masses.size() / 2);
@@ -177,7 +177,7 @@ TEST(HierarchicalLevels, RestLengthsAreThoseOfTheFlatSheetHoweverItIsCut) {
   // Rest lengths of coarse links follow from finer links alone, across the sheet's triangles.
   const Sheet sheet(60, true, 0, false);
   const std::vector<float> masses(sheet.body.position.size(), 1.0f);
-  const std::vector<CoarseLevel> levels = build_levels(links_of(sheet), masses, 24);
+  const std::vector<CoarseLevel> levels = build_levels(links_of(sheet), masses, 24, *serial());
   std::vector<std::uint32_t> particle(masses.size());
   for (std::uint32_t i = 0; i < particle.size(); ++i) particle[i] = i;
   for (const CoarseLevel& level : levels) {
@@ -197,7 +197,7 @@ TEST(HierarchicalLevels, RestLengthsAreThoseOfTheFlatSheetHoweverItIsCut) {
 TEST(HierarchicalLevels, AUniformStretchIsHandedDownInside) {
   const Sheet sheet(60, true);
   const std::vector<float> masses(sheet.body.position.size(), 1.0f);
-  const CoarseLevel level = build_levels(links_of(sheet), masses, 24).front();
+  const CoarseLevel level = build_levels(links_of(sheet), masses, 24, *serial()).front();
   double error = 0;
   for (std::uint32_t i = 0; i < masses.size(); ++i) {
     Vec3d position{};
