@@ -33,15 +33,19 @@ constexpr std::size_t smallest_piece = 200;
 /// Minimum number of coarse particles per thread.
 constexpr std::size_t grain = 256;
 
-void add_links(const SetProjector<Distance>& distances, std::vector<Link>& links) {
+// Without constraints of trees: they are eliminated.
+void add_links(const SetProjector<Distance>& distances, const LeftOut& trees, std::vector<Link>& links) {
   const auto& set = distances.set();
-  for (std::size_t i = 0; i < set.size(); ++i) {
+  const auto add = [&](std::size_t i) {
     const auto [a, b] = set.indices(i);
     const float length = set.params(i).rest_length;
-    if (a == b || !(length > 0)) continue;
+    if (a == b || !(length > 0)) return;
     links.push_back(
         {std::min(a, b), std::max(a, b), length, length * length / set.compliance(i)[0], set.stiffness(i)});
-  }
+  };
+  trees.for_each_kept(distances, 0, set.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) add(i);
+  });
 }
 
 // The edges of a triangle with rest shape B^-1 divide its stiffness: each edge gets S A of the triangle's
@@ -180,11 +184,12 @@ bool Hierarchical::inputs_changed(std::span<Projector* const> projectors, const 
 }
 
 void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
+  if (automatic_) trees_.prepare(projectors, particles);
   if (!inputs_changed(projectors, particles)) return;
   std::vector<Link> links;
   for (const Projector* projector : projectors) {
     if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector))
-      add_links(*distances, links);
+      add_links(*distances, trees_.left_out(), links);
     if (const auto* membranes = dynamic_cast<const SetProjector<TriangleMembrane>*>(projector))
       add_links(*membranes, links);
   }
@@ -430,14 +435,18 @@ void Hierarchical::project_levels(const ParticleView& particles, Threads& thread
 }
 
 void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleView& particles,
-                         const Substep& substep, Threads& threads) {
-  const bool with_levels = !levels_.empty() && (!automatic_ || substep.mode == Mode::small_steps);
+                         const Substep& of, Threads& threads) {
+  const bool with_levels = !levels_.empty() && (!automatic_ || of.mode == Mode::small_steps);
+  const bool with_trees = automatic_ && !trees_.empty() && of.mode == Mode::small_steps;
+  Substep substep = of;
+  if (with_trees) substep.left_out = &trees_.left_out();
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
     if (with_levels) {
       restrict_particles(particles, threads);
       if (iteration == 0) measure(particles, threads), set_gains(substep);
       project_levels(particles, threads);
     }
+    if (with_trees) trees_.solve(particles, substep, iteration, threads);
     if (automatic_) {
       sweep_as_needed(projectors, particles, substep, threads, motion_);
     } else {

@@ -3,6 +3,7 @@
 #include "souple/solver/hierarchical_levels.h"
 #include "souple/solver/level_links.h"
 #include "souple/solver/solver.h"
+#include "souple/solver/tree_elimination.h"
 #include "souple/solver/weighted_sums.h"
 
 #include <string>
@@ -94,6 +95,7 @@ class Hierarchical final : public Solver {
   bool inputs_changed(std::span<Projector* const> projectors, const ParticleView& particles);
 
   bool automatic_;
+  TreeElimination trees_;  ///< SolverKind::automatic only
   std::vector<std::pair<const Projector*, std::uint64_t>> revisions_;  ///< of the sets that links_ come from
   std::vector<Link> links_;              ///< links of the finest level; ends are the world's particles
   std::vector<float> inverse_masses_;    ///< per link: sum of the inverse masses of its two ends [1/kg]

@@ -12,6 +12,7 @@
 namespace souple {
 
 class ExternalMoves;
+class LeftOut;
 
 /// How constraints are enforced.
 enum class Mode {
@@ -38,6 +39,7 @@ struct Substep {
   /// on. Only solvers that sweep use it. Contacts ignore it.
   float relaxation = 1;
   ExternalMoves* external = nullptr;  ///< records the sweeps of this substep; null: not needed
+  const LeftOut* left_out = nullptr;  ///< constraints that sweeps omit; null: none
 
   bool stores_multipliers() const {
     return mode == Mode::xpbd || (mode == Mode::small_steps && iterations > 1);
