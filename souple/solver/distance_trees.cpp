@@ -7,7 +7,7 @@ namespace souple {
 namespace {
 
 constexpr std::uint32_t none = ~std::uint32_t{0};
-/// No triangle mesh has such paths.
+/// Links of the shortest path that becomes a tree. In triangle meshes no two neighbors have two links each.
 constexpr std::size_t shortest_path = 3;
 
 /// The links of each particle, ascending.
@@ -51,12 +51,16 @@ class Pieces {
   std::vector<std::uint32_t> root_;
 };
 
-/// Chooses links that form no cycle.
+/// Chooses the links of find_trees: they form no cycle.
 class Chooser {
  public:
   Chooser(std::span<const TreeLink> links, std::size_t particles)
-      : links_(links), all_(all_of(links)), links_of_(links, all_, particles), degree_(particles),
-        removed_(links.size()), pieces_(particles) {
+      : links_(links),
+        all_(all_of(links)),
+        links_of_(links, all_, particles),
+        degree_(particles),
+        removed_(links.size()),
+        pieces_(particles) {
     for (const std::uint32_t e : all_) ++degree_[links[e].a], ++degree_[links[e].b];
   }
 
@@ -123,31 +127,39 @@ class Chooser {
   std::vector<std::uint32_t> chosen_, path_;
 };
 
+/// Fills `tree`, root first, breadth first.
+void grow(std::uint32_t root, std::span<const TreeLink> links, const LinksOf& links_of,
+          std::vector<bool>& seen, std::vector<TreeNode>& tree) {
+  tree.assign(1, {.particle = root});
+  seen[root] = true;
+  for (std::uint32_t k = 0; k < tree.size(); ++k) {
+    for (const std::uint32_t e : links_of(tree[k].particle)) {
+      const std::uint32_t child = other_end(links[e], tree[k].particle);
+      if (seen[child]) continue;
+      seen[child] = true;
+      tree.push_back({child, k, links[e].set, links[e].constraint});
+    }
+  }
+}
+
 }  // namespace
 
-DistanceTrees find_trees(std::span<const TreeLink> links, std::size_t particles) {
-  const std::vector<std::uint32_t> chosen = Chooser(links, particles).choose();
+DistanceTrees find_trees(std::span<const TreeLink> links, std::size_t particle_count) {
+  const std::vector<std::uint32_t> chosen = Chooser(links, particle_count).choose();
   DistanceTrees trees;
   if (chosen.size() < 2) return trees;
-  const LinksOf links_of(links, chosen, particles);
-  std::vector<bool> seen(particles);
-  std::vector<TreeNode> tree;  // root first
-  for (std::uint32_t root = 0; root < particles; ++root) {
+  const LinksOf links_of(links, chosen, particle_count);
+  std::vector<bool> seen(particle_count);
+  std::vector<TreeNode> tree;
+  for (std::uint32_t root = 0; root < particle_count; ++root) {
     if (seen[root] || links_of(root).empty()) continue;
-    tree.assign(1, {root, 0, none});
-    seen[root] = true;
-    for (std::uint32_t k = 0; k < tree.size(); ++k) {
-      for (const std::uint32_t e : links_of(tree[k].particle)) {
-        const std::uint32_t child = other_end(links[e], tree[k].particle);
-        if (seen[child]) continue;
-        seen[child] = true;
-        tree.push_back({child, k, e});
-      }
-    }
+    grow(root, links, links_of, seen, tree);
     if (tree.size() < 3) continue;
     const auto last = static_cast<std::uint32_t>(trees.nodes.size() + tree.size() - 1);
-    for (auto node = tree.rbegin(); node != tree.rend(); ++node)
-      trees.nodes.push_back({node->particle, last - node->parent, node->link});
+    for (auto node = tree.rbegin(); node != tree.rend(); ++node) {
+      trees.nodes.push_back(*node);
+      trees.nodes.back().parent = last - node->parent;
+    }
     trees.begin.push_back(last + 1);
   }
   return trees;

@@ -183,8 +183,17 @@ bool Hierarchical::inputs_changed(std::span<Projector* const> projectors, const 
   return changed;
 }
 
+// Trees are eliminated after the sweeps of all constraints, so that the ties of heavy things hold, and before contacts.
+void Hierarchical::add_trees(std::span<Projector* const> projectors, std::size_t particle_count) {
+  trees_.find(projectors, particle_count);
+  with_trees_.assign(projectors.begin(), projectors.end());
+  const auto first_contact = std::find_if(with_trees_.begin(), with_trees_.end(),
+                                          [](const Projector* projector) { return projector->is_contact(); });
+  with_trees_.insert(first_contact, &trees_);
+}
+
 void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
-  if (automatic_) trees_.prepare(projectors, particles);
+  if (automatic_) add_trees(projectors, particles.position.size());
   if (!inputs_changed(projectors, particles)) return;
   std::vector<Link> links;
   for (const Projector* projector : projectors) {
@@ -435,24 +444,35 @@ void Hierarchical::project_levels(const ParticleView& particles, Threads& thread
 }
 
 void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleView& particles,
-                         const Substep& of, Threads& threads) {
-  const bool with_levels = !levels_.empty() && (!automatic_ || of.mode == Mode::small_steps);
-  const bool with_trees = automatic_ && !trees_.empty() && of.mode == Mode::small_steps;
-  Substep substep = of;
-  if (with_trees) substep.left_out = &trees_.left_out();
-  for (int iteration = 0; iteration < substep.iterations; ++iteration) {
-    if (with_levels) {
-      restrict_particles(particles, threads);
-      if (iteration == 0) measure(particles, threads), set_gains(substep);
-      project_levels(particles, threads);
-    }
-    if (with_trees) trees_.solve(particles, substep, iteration, threads);
-    if (automatic_) {
-      sweep_as_needed(projectors, particles, substep, threads, motion_);
-    } else {
+                         const Substep& substep, Threads& threads) {
+  if (!automatic_) {
+    for (int iteration = 0; iteration < substep.iterations; ++iteration) {
+      correct_levels(particles, substep, iteration, threads);
       for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);
     }
+    return;
   }
+  const bool small_steps = substep.mode == Mode::small_steps;
+  const bool with_trees = small_steps && trees_.has_trees();
+  Substep swept = substep;
+  if (with_trees) {
+    swept.left_out = &trees_.left_out();
+    projectors = with_trees_;
+    trees_.begin_substep(particles, substep);
+  }
+  for (int iteration = 0; iteration < substep.iterations; ++iteration) {
+    if (small_steps) correct_levels(particles, substep, iteration, threads);
+    sweep_as_needed(projectors, particles, swept, threads, motion_);
+  }
+  if (with_trees && substep.external != nullptr) trees_.add_external(*substep.external, particles, substep);
+}
+
+void Hierarchical::correct_levels(const ParticleView& particles, const Substep& substep, int iteration,
+                                  Threads& threads) {
+  if (levels_.empty()) return;
+  restrict_particles(particles, threads);
+  if (iteration == 0) measure(particles, threads), set_gains(substep);
+  project_levels(particles, threads);
 }
 
 std::string Hierarchical::diagnostic() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace souple {
@@ -13,8 +14,9 @@ class Projector;
 class LeftOut {
  public:
   void clear() { sets_.clear(); }
-  /// `constraints` of a projector of `size` constraints, ascending.
-  void add(const Projector& projector, const std::vector<std::uint32_t>& constraints, std::size_t size) {
+  /// `constraints` of a projector of `size` constraints, each once, in any order.
+  void add(const Projector& projector, std::vector<std::uint32_t> constraints, std::size_t size) {
+    std::sort(constraints.begin(), constraints.end());
     Set set{&projector, {}};
     std::size_t begin = 0;
     for (const std::uint32_t constraint : constraints) {
@@ -26,8 +28,10 @@ class LeftOut {
   }
   /// Calls f(begin, end) for the ranges of [begin, end) that remain.
   template <class Function>
-  void for_each_kept(const Projector& projector, std::size_t begin, std::size_t end, const Function& f) const {
-    const auto set = std::find_if(sets_.begin(), sets_.end(), [&](const Set& s) { return s.projector == &projector; });
+  void for_each_kept(const Projector& projector, std::size_t begin, std::size_t end,
+                     const Function& f) const {
+    const auto set =
+        std::find_if(sets_.begin(), sets_.end(), [&](const Set& s) { return s.projector == &projector; });
     if (set == sets_.end()) return f(begin, end);
     auto range = std::upper_bound(set->kept.begin(), set->kept.end(), begin,
                                   [](std::size_t i, const Range& r) { return i < r.end; });

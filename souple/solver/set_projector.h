@@ -399,7 +399,8 @@ class SetProjector final : public Projector {
     return {&particles.position.data()->x, &particles.moving.data()->x, &corrected.data()->x};
   }
 
-  void project_range(std::size_t begin, std::size_t end, const ParticleView& particles, const Substep& substep) {
+  void project_range(std::size_t begin, std::size_t end, const ParticleView& particles,
+                     const Substep& substep) {
     // The plain kernels correct in place.
     const bool general = substep.stores_multipliers() || !particles.corrected.empty();
     if (kernels_) {

@@ -1,251 +1,335 @@
 #include "souple/solver/tree_elimination.h"
 
+#include "souple/solver/external_moves.h"
 #include "souple/solver/set_projector.h"
 
-#include <cmath>
-#include <cstdlib>
+#include <algorithm>
+#include <tuple>
 
 namespace souple {
 namespace {
 
 constexpr std::uint32_t none = ~std::uint32_t{0};
-using Sym3 = TreeElimination::Sym3;
+/// Newton's method ends when no particle moved further relative to its parent than this part of the link's length.
+/// The error that remains is about half of its square.
+constexpr double enough = 0.01;
+/// One step turns no link further than about this; a rope that was torn away needs several.
+constexpr double longest_step = 0.5;
+constexpr int most_steps = 8;
+/// Compliance of rigid links to fixed particles, relative to the inverse mass of the other end.
+constexpr double floor = 1e-8;
+/// Lengths below this part of the rest length do not make a link turn more stiffly.
+constexpr double shortest = 0.1;
 
-Vec3d mul(const Sym3& m, const Vec3d& v) {
-  return {m.xx * v.x + m.xy * v.y + m.xz * v.z, m.xy * v.x + m.yy * v.y + m.yz * v.z,
-          m.xz * v.x + m.yz * v.y + m.zz * v.z};
-}
-void add_outer(Sym3& m, double s, const Vec3d& a) {
-  const Vec3d b = a * s;
-  m.xx += b.x * a.x, m.xy += b.x * a.y, m.yy += b.y * a.y, m.xz += b.x * a.z, m.yz += b.y * a.z, m.zz += b.z * a.z;
-}
-void add_pair(Sym3& m, const Vec3d& a, const Vec3d& b) {  // a b^T + b a^T
-  m.xx += 2 * a.x * b.x, m.yy += 2 * a.y * b.y, m.zz += 2 * a.z * b.z;
-  m.xy += a.x * b.y + a.y * b.x, m.xz += a.x * b.z + a.z * b.x, m.yz += a.y * b.z + a.z * b.y;
-}
-void add_identity(Sym3& m, double s) { m.xx += s, m.yy += s, m.zz += s; }
-void add(Sym3& m, double s, const Sym3& a) {
-  m.xx += s * a.xx, m.xy += s * a.xy, m.yy += s * a.yy, m.xz += s * a.xz, m.yz += s * a.yz, m.zz += s * a.zz;
-}
-Sym3 inverse(const Sym3& m) {
-  const double cxx = m.yy * m.zz - m.yz * m.yz, cxy = m.xz * m.yz - m.xy * m.zz, cxz = m.xy * m.yz - m.xz * m.yy;
-  const double d = 1 / (m.xx * cxx + m.xy * cxy + m.xz * cxz);
-  return {cxx * d, cxy * d, (m.xx * m.zz - m.xz * m.xz) * d, cxz * d, (m.xz * m.xy - m.xx * m.yz) * d,
-          (m.xx * m.yy - m.xy * m.xy) * d};
+double square(float h) {
+  return static_cast<double>(h) * static_cast<double>(h);
 }
 
-Vec3d position(const ParticleView& particles, std::size_t i) {
-  const Vec3d x(particles.position[i].xyz());
-  return particles.form == Form::displacement ? x + Vec3d(particles.moving[i].xyz()) : x;
-}
-Vec3d start_position(const ParticleView& particles, std::size_t i) {
-  const Vec3d x(particles.start[i].xyz());
+Vec3d position(const ParticleView& particles, std::span<const Vec4f> moving, std::size_t i) {
+  const Vec3d x(moving[i].xyz());
   return particles.form == Form::displacement ? x + Vec3d(particles.position[i].xyz()) : x;
+}
+
+/// (I - g g^T) v.
+Vec3d across(const Vec3d& g, const Vec3d& v) {
+  return v - g * dot(g, v);
 }
 
 }  // namespace
 
-void TreeElimination::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
-  distances_.clear(), attachments_.clear(), links_.clear();
+TreeElimination::Symmetric& TreeElimination::Symmetric::operator+=(const Symmetric& b) {
+  xx += b.xx, xy += b.xy, yy += b.yy, xz += b.xz, yz += b.yz, zz += b.zz;
+  return *this;
+}
+
+void TreeElimination::Symmetric::add_square(double s, const Vec3d& a) {
+  const Vec3d b = a * s;
+  xx += b.x * a.x, xy += b.x * a.y, yy += b.y * a.y, xz += b.x * a.z, yz += b.y * a.z, zz += b.z * a.z;
+}
+
+void TreeElimination::Symmetric::add_squares(double s, const Vec3d& a, const Vec3d& b) {
+  const Vec3d c = a * s;
+  xx += 2 * c.x * b.x, yy += 2 * c.y * b.y, zz += 2 * c.z * b.z;
+  xy += c.x * b.y + c.y * b.x, xz += c.x * b.z + c.z * b.x, yz += c.y * b.z + c.z * b.y;
+}
+
+TreeElimination::Symmetric TreeElimination::Symmetric::inverse() const {
+  const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
+  const double d = 1 / (xx * a + xy * b + xz * c);
+  return {a * d, b * d, (xx * zz - xz * xz) * d, c * d, (xz * xy - xx * yz) * d, (xx * yy - xy * xy) * d};
+}
+
+Vec3d TreeElimination::Symmetric::operator*(const Vec3d& v) const {
+  return {xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z};
+}
+
+void TreeElimination::find(std::span<Projector* const> projectors, std::size_t particle_count) {
+  std::vector<std::pair<const Projector*, std::uint64_t>> revisions;
+  distances_.clear(), attachments_.clear();
   for (const Projector* projector : projectors) {
     if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector)) {
-      const auto set = static_cast<std::uint32_t>(distances_.size());
-      for (std::uint32_t i = 0; i < distances->size(); ++i) {
-        const auto [a, b] = distances->set().indices(i);
-        links_.push_back({a, b, set, i});
-      }
       distances_.push_back(distances);
+      revisions.emplace_back(distances, distances->revision());
     }
     if (const auto* attachments = dynamic_cast<const SetProjector<Attachment>*>(projector))
       attachments_.push_back(attachments);
   }
-  trees_ = find_trees(links_, particles.position.size());
-  nodes_.assign(trees_.nodes.size(), {});
-  moved_.assign(trees_.nodes.size(), {});
-  node_of_.assign(particles.position.size(), none);
-  for (std::uint32_t k = 0; k < trees_.nodes.size(); ++k) node_of_[trees_.nodes[k].particle] = k;
-  anchors_.clear();
+  if (revisions != revisions_ || particle_count != particle_count_) {
+    revisions_ = std::move(revisions);
+    particle_count_ = particle_count;
+    std::vector<TreeLink> links;
+    for (std::uint32_t s = 0; s < distances_.size(); ++s)
+      for (std::uint32_t i = 0; i < distances_[s]->size(); ++i) {
+        const auto [a, b] = distances_[s]->set().indices(i);
+        links.push_back({a, b, s, i});
+      }
+    trees_ = find_trees(links, particle_count);
+    nodes_.assign(trees_.nodes.size(), {});
+  }
   left_out_.clear();
-  std::vector<std::vector<std::uint32_t>> left(distances_.size());
+  std::vector<std::vector<std::uint32_t>> of_set(distances_.size());
   for (std::uint32_t k = 0; k < trees_.nodes.size(); ++k) {
-    if (trees_.nodes[k].parent == k) continue;
-    const TreeLink& link = links_[trees_.nodes[k].link];
-    left[link.set].push_back(link.constraint);
+    const TreeNode& node = trees_.nodes[k];
+    if (node.parent != k) of_set[node.set].push_back(node.constraint);
   }
-  for (std::size_t s = 0; s < left.size(); ++s) {
-    std::sort(left[s].begin(), left[s].end());
-    if (!left[s].empty()) left_out_.add(*distances_[s], left[s], distances_[s]->size());
-  }
-  for (std::uint32_t s = 0; s < attachments_.size(); ++s) {
-    std::vector<std::uint32_t> out;
+  for (std::size_t s = 0; s < of_set.size(); ++s)
+    left_out_.add(*distances_[s], std::move(of_set[s]), distances_[s]->size());
+  find_attachments(particle_count);
+}
+
+void TreeElimination::find_attachments(std::size_t particle_count) {
+  std::vector<std::uint32_t> node_of(has_trees() && !attachments_.empty() ? particle_count : 0, none);
+  for (std::uint32_t k = 0; !node_of.empty() && k < trees_.nodes.size(); ++k)
+    node_of[trees_.nodes[k].particle] = k;
+  anchors_.clear();
+  for (std::uint32_t s = 0; !node_of.empty() && s < attachments_.size(); ++s) {
+    std::vector<std::uint32_t> of_set;
     for (std::uint32_t i = 0; i < attachments_[s]->size(); ++i) {
-      const std::uint32_t node = node_of_[attachments_[s]->set().indices(i)[0]];
+      const std::uint32_t node = node_of[attachments_[s]->set().indices(i)[0]];
       if (node == none) continue;
       anchors_.push_back({node, s, i});
-      out.push_back(i);
+      of_set.push_back(i);
     }
-    if (!out.empty()) left_out_.add(*attachments_[s], out, attachments_[s]->size());
+    left_out_.add(*attachments_[s], std::move(of_set), attachments_[s]->size());
   }
   std::sort(anchors_.begin(), anchors_.end(), [](const Anchor& a, const Anchor& b) {
     return std::tuple(a.node, a.set, a.constraint) < std::tuple(b.node, b.set, b.constraint);
   });
-  anchor_begin_.clear();
+  anchors_begin_.clear();
   for (const std::uint32_t begin : trees_.begin)
-    anchor_begin_.push_back(static_cast<std::uint32_t>(
-        std::lower_bound(anchors_.begin(), anchors_.end(), begin, [](const Anchor& a, std::uint32_t n) { return a.node < n; }) -
-        anchors_.begin()));
-  if (const char* e = std::getenv("NEWTON")) max_newton_ = std::atoi(e);
+    anchors_begin_.push_back(
+        static_cast<std::uint32_t>(std::partition_point(anchors_.begin(), anchors_.end(),
+                                                        [&](const Anchor& a) { return a.node < begin; }) -
+                                   anchors_.begin()));
 }
 
-void TreeElimination::solve(const ParticleView& particles, const Substep& substep, int iteration, Threads& threads) {
-  threads.for_each(trees_.begin.size() - 1, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t tree = begin; tree < end; ++tree) solve_tree(tree, particles, substep, iteration);
-  });
+void TreeElimination::begin_substep(const ParticleView&, const Substep&) {
+  begun_.assign(trees_.size(), 0);
 }
 
-void TreeElimination::load(std::size_t begin, std::size_t end, const ParticleView& particles, const Substep& substep, int iteration) {
-  const double inverse_h2 = 1 / (double(substep.h) * double(substep.h));
-  for (std::size_t k = begin; k < end; ++k) {
-    Node& node = nodes_[k];
-    const std::uint32_t i = trees_.nodes[k].particle;
-    const auto w = double(particles.inverse_mass(i));
-    node.mass = w > 0 ? 1 / w : 0;
-    node.x = position(particles, i);
-    if (iteration == 0) moved_[k] = {};
-    node.target = node.x - moved_[k];
-    if (trees_.nodes[k].parent == k) continue;
-    const TreeLink& link = links_[trees_.nodes[k].link];
-    const auto& set = distances_[link.set]->set();
-    node.rest_length = double(set.params(link.constraint).rest_length);
-    node.point = node.rest_length <= 0;
-    node.alpha = double(set.compliance(link.constraint)[0]) * inverse_h2;
-    if (iteration > 0) continue;
-    const double l = length(start_position(particles, i) - start_position(particles, trees_.nodes[trees_.nodes[k].parent].particle));
-    node.tension = node.alpha > 0 ? (l - node.rest_length) / node.alpha : 0;
-  }
-}
-
-// Leaf to root.
-void TreeElimination::eliminate(std::size_t tree, double inverse_h2) {
+// Rest lengths and compliances of the links, and their tension at the substep's start.
+void TreeElimination::begin_tree(std::size_t tree, const ParticleView& particles, double h2) {
   const std::size_t begin = trees_.begin[tree], end = trees_.begin[tree + 1];
   for (std::size_t k = begin; k < end; ++k) {
     Node& node = nodes_[k];
-    node.D = {node.mass, 0, node.mass, 0, 0, node.mass};
-    node.r = (node.target - node.x) * node.mass;
-  }
-  for (std::size_t a = anchor_begin_[tree]; a < anchor_begin_[tree + 1]; ++a) {
-    const Anchor& anchor = anchors_[a];
-    Node& node = nodes_[anchor.node];
-    if (!(node.mass > 0)) continue;
-    const auto& set = attachments_[anchor.set]->set();
-    const double alpha = std::fmax(double(set.compliance(anchor.constraint)[0]) * inverse_h2, 1e-8 / node.mass);
-    add_identity(node.D, 1 / alpha);
-    node.r += (Vec3d(set.params(anchor.constraint).target) - node.x) * (1 / alpha);
+    const TreeNode& at = trees_.nodes[k];
+    const auto w = static_cast<double>(particles.inverse_mass(at.particle));
+    node.mass = w > 0 ? 1 / w : 0;
+    node.moved = {};
+    node.x = position(particles, particles.start, at.particle);
   }
   for (std::size_t k = begin; k + 1 < end; ++k) {
     Node& node = nodes_[k];
-    Node& parent = nodes_[trees_.nodes[k].parent];
-    const bool fixed = !(node.mass > 0), fixed_parent = !(parent.mass > 0);
-    if (fixed && fixed_parent) continue;
-    const Vec3d d = node.x - parent.x;
-    const double l = length(d);
-    const double alpha = fixed ? std::fmax(node.alpha, 1e-8 / parent.mass) : node.alpha;
-    if (node.point) {
-      const Sym3 inverse_N = fixed ? Sym3{} : inverse(node.D);
-      node.g = d;
-      node.D = inverse_N;
-      if (fixed_parent) add_identity(node.D, 0);
-      Sym3 sum = inverse_N;
-      add_identity(sum, alpha);
-      const Sym3 S = inverse(sum);
-      if (!fixed_parent) {
-        add(parent.D, 1, S);
-        parent.r += mul(S, d + mul(inverse_N, node.r));
-      }
-      continue;
-    }
-    node.g = d * (1 / std::fmax(l, 1e-18));
-    node.C = l - node.rest_length;
-    node.t = std::fmax(0.0, node.tension) / std::fmax(l, 0.1 * node.rest_length);
-    if (fixed) {
-      node.D = {};
-    } else {
-      add_identity(node.D, node.t);
-      add_outer(node.D, -node.t, node.g);
-      node.D = inverse(node.D);
-    }
-    node.n = mul(node.D, node.g);
-    const double gn = dot(node.g, node.n);
-    node.q = node.g - (node.n - node.g * gn) * node.t;
-    const double sum = alpha + gn;
-    node.s = sum > 0 ? 1 / sum : 0;
-    if (fixed_parent) continue;
-    // t P - t P N^-1 t P
-    add_identity(parent.D, node.t);
-    add_outer(parent.D, -node.t, node.g);
-    const double t2 = node.t * node.t;
-    add(parent.D, -t2, node.D);
-    add_pair(parent.D, node.g * t2, node.n);
-    add_outer(parent.D, -t2 * gn, node.g);
-    add_outer(parent.D, node.s, node.q);
-    const Vec3d free = mul(node.D, node.r);
-    parent.r += (free - node.g * dot(node.g, free)) * node.t + node.q * (node.s * (node.C + dot(node.n, node.r)));
+    const TreeNode& at = trees_.nodes[k];
+    const Node& parent = nodes_[at.parent];
+    const auto& set = distances_[at.set]->set();
+    node.length = max(0.0, static_cast<double>(set.params(at.constraint).rest_length));
+    node.alpha = static_cast<double>(set.compliance(at.constraint)[0]) / h2;
+    node.lambda = node.alpha > 0 ? (node.length - length(node.x - parent.x)) / node.alpha : 0;
+    if (node.fixed() && !parent.fixed()) node.alpha = max(node.alpha, floor / parent.mass);
   }
 }
 
-// Root to leaf; returns the largest motion of a particle relative to its parent.
-double TreeElimination::substitute(std::size_t begin, std::size_t end) {
+bool TreeElimination::is_fixed(std::size_t tree, const ParticleView& particles) const {
+  for (std::size_t k = trees_.begin[tree]; k < trees_.begin[tree + 1]; ++k)
+    if (particles.inverse_mass(trees_.nodes[k].particle) > 0) return false;
+  return true;
+}
+
+void TreeElimination::project(int, std::size_t begin, std::size_t end, const ParticleView& particles,
+                              const Substep& substep) {
+  for (std::size_t tree = begin; tree < end; ++tree) {
+    if (is_fixed(tree, particles)) continue;
+    if (begun_[tree] == 0) begin_tree(tree, particles, square(substep.h));
+    begun_[tree] = 1;
+    load(tree, particles);
+    solve(tree, square(substep.h));
+    for (std::size_t k = trees_.begin[tree]; k < trees_.begin[tree + 1]; ++k) {
+      Node& node = nodes_[k];
+      if (node.fixed()) continue;
+      const std::uint32_t i = trees_.nodes[k].particle;
+      const Vec3d change = node.x - position(particles, particles.moving, i);
+      node.moved += change;
+      particles.moving[i].set_xyz(Vec3f(Vec3d(particles.moving[i].xyz()) + change));
+    }
+  }
+}
+
+void TreeElimination::load(std::size_t tree, const ParticleView& particles) {
+  for (std::size_t k = trees_.begin[tree]; k < trees_.begin[tree + 1]; ++k) {
+    nodes_[k].x = position(particles, particles.moving, trees_.nodes[k].particle);
+    nodes_[k].y = nodes_[k].x - nodes_[k].moved;
+  }
+}
+
+void TreeElimination::solve(std::size_t tree, double h2) {
+  for (int step = 0; step < most_steps; ++step) {
+    assemble(tree, h2);
+    const double longest = substitute(tree);
+    const double part = longest > longest_step ? longest_step / longest : 1;
+    for (std::size_t k = trees_.begin[tree]; k < trees_.begin[tree + 1]; ++k)
+      nodes_[k].x += nodes_[k].dx * part;
+    if (longest < enough) return;
+  }
+}
+
+double TreeElimination::anchor_alpha(const Anchor& anchor, double h2) const {
+  const auto alpha = static_cast<double>(attachments_[anchor.set]->set().compliance(anchor.constraint)[0]);
+  return max(alpha / h2, floor / nodes_[anchor.node].mass);
+}
+
+// Fills D and r, and eliminates all nodes but the root.
+void TreeElimination::assemble(std::size_t tree, double h2) {
+  const std::size_t begin = trees_.begin[tree], end = trees_.begin[tree + 1];
+  for (std::size_t k = begin; k < end; ++k) {
+    Node& node = nodes_[k];
+    node.D = Symmetric::identity(node.mass);
+    node.r = (node.y - node.x) * node.mass;
+  }
+  for (std::size_t a = anchors_begin_[tree]; a < anchors_begin_[tree + 1]; ++a) {
+    Node& node = nodes_[anchors_[a].node];
+    if (node.fixed()) continue;
+    const double stiffness = 1 / anchor_alpha(anchors_[a], h2);
+    const Vec3d target(attachments_[anchors_[a].set]->set().params(anchors_[a].constraint).target);
+    node.D += Symmetric::identity(stiffness);
+    node.r += (target - node.x) * stiffness;
+  }
+  for (std::size_t k = begin; k + 1 < end; ++k) {
+    Node& parent = nodes_[trees_.nodes[k].parent];
+    if (nodes_[k].fixed() && parent.fixed()) continue;
+    if (nodes_[k].length > 0) {
+      eliminate(nodes_[k], parent);
+    } else {
+      eliminate_point(nodes_[k], parent);
+    }
+  }
+}
+
+// The rows of a node i, its link, and its parent p, with P = I - g g^T:
+//
+//   (D + t P) dx_i - t P dx_p - g lambda = r
+//   g . (dx_i - dx_p) + alpha~ lambda = -C
+//   (D_p + t P) dx_p - t P dx_i + g lambda = r_p
+//
+// The first two, with N = D + t P, n = N^-1 g, q = g - t P n and s = 1 / (alpha~ + g . n), give
+//
+//   lambda = s (q . dx_p - C - n . r),   dx_i = N^-1 (r + t P dx_p + g lambda)
+//
+// and the third becomes
+//
+//   (D_p + t P - t P N^-1 t P + s q q^T) dx_p = r_p + t P N^-1 r + s q (C + n . r)
+//
+// A fixed node has N^-1 = 0. A fixed parent needs no row.
+void TreeElimination::eliminate(Node& node, Node& parent) {
+  const Vec3d d = node.x - parent.x;
+  const double l = length(d);
+  node.g = d * (1 / max(l, 1e-18));
+  node.C = l - node.length;
+  node.t = max(0.0, -node.lambda) / max(l, shortest * node.length);
+  if (node.fixed()) {
+    node.D = {};
+  } else {
+    node.D += Symmetric::identity(node.t);
+    node.D.add_square(-node.t, node.g);
+    node.D = node.D.inverse();
+  }
+  node.n = node.D * node.g;
+  node.q = node.g - across(node.g, node.n) * node.t;
+  const double gn = dot(node.g, node.n), sum = node.alpha + gn;
+  node.s = sum > 0 ? 1 / sum : 0;
+  if (parent.fixed()) return;
+  const double t2 = node.t * node.t;
+  Symmetric PNP = node.D;  // P N^-1 P
+  PNP.add_squares(-1, node.g, node.n);
+  PNP.add_square(gn, node.g);
+  parent.D += Symmetric::identity(node.t);
+  parent.D.add_square(-node.t, node.g);
+  parent.D += {-t2 * PNP.xx, -t2 * PNP.xy, -t2 * PNP.yy, -t2 * PNP.xz, -t2 * PNP.yz, -t2 * PNP.zz};
+  parent.D.add_square(node.s, node.q);
+  parent.r += across(node.g, node.D * node.r) * node.t + node.q * (node.s * (node.C + dot(node.n, node.r)));
+}
+
+// A link without length is linear in the difference of its ends, which takes the place of C and g:
+//
+//   lambda = S (dx_p - d - D^-1 r),   S = (alpha~ I + D^-1)^-1,   dx_i = D^-1 (r + lambda)
+//   (D_p + S) dx_p = r_p + S (d + D^-1 r)
+void TreeElimination::eliminate_point(Node& node, Node& parent) {
+  node.g = node.x - parent.x;
+  node.D = node.fixed() ? Symmetric{} : node.D.inverse();
+  if (parent.fixed()) return;
+  Symmetric S = Symmetric::identity(node.alpha);
+  S += node.D;
+  S = S.inverse();
+  parent.D += S;
+  parent.r += S * (node.g + node.D * node.r);
+}
+
+// From the root to the leaves. Returns how far a particle moves relative to its parent, at most, as a part of their
+// link.
+double TreeElimination::substitute(std::size_t tree) {
+  const std::size_t begin = trees_.begin[tree], end = trees_.begin[tree + 1];
   Node& root = nodes_[end - 1];
-  root.dx = root.mass > 0 ? mul(inverse(root.D), root.r) : Vec3d{};
-  double largest = 0;
+  root.dx = root.fixed() ? Vec3d{} : root.D.inverse() * root.r;
+  double longest2 = 0;
   for (std::size_t k = end - 1; k-- > begin;) {
     Node& node = nodes_[k];
     const Node& parent = nodes_[trees_.nodes[k].parent];
-    const bool fixed = !(node.mass > 0);
-    if (fixed && !(parent.mass > 0)) {
-      node.dx = {};
-      continue;
+    node.dx = {};
+    if (node.fixed() && parent.fixed()) continue;
+    if (node.length > 0) {
+      node.lambda = node.s * (dot(node.q, parent.dx) - node.C - dot(node.n, node.r));
+      const Vec3d force = node.r + across(node.g, parent.dx) * node.t + node.g * node.lambda;
+      if (!node.fixed()) node.dx = node.D * force;
+      longest2 = max(longest2, length_squared(node.dx - parent.dx) / (node.length * node.length));
+    } else {
+      Symmetric S = Symmetric::identity(node.alpha);
+      S += node.D;
+      node.lambdas = S.inverse() * (parent.dx - node.g - node.D * node.r);
+      if (!node.fixed()) node.dx = node.D * (node.r + node.lambdas);
     }
-    if (node.point) {
-      const double alpha = fixed ? std::fmax(node.alpha, 1e-8 / parent.mass) : node.alpha;
-      Sym3 sum = node.D;
-      add_identity(sum, alpha);
-      const Vec3d lambda = mul(inverse(sum), parent.dx - node.g - mul(node.D, node.r));
-      node.dx = fixed ? Vec3d{} : mul(node.D, node.r + lambda);
-      continue;
-    }
-    const Vec3d across = (parent.dx - node.g * dot(node.g, parent.dx)) * node.t;
-    const double lambda = node.s * (dot(node.q, parent.dx) - node.C - dot(node.n, node.r));
-    node.dx = fixed ? Vec3d{} : mul(node.D, node.r + across + node.g * lambda);
-    node.tension = -lambda;
-    largest = std::fmax(largest, length(node.dx - parent.dx) / node.rest_length);
   }
-  return largest;
+  return sqrt(longest2);
 }
 
-void TreeElimination::solve_tree(std::size_t tree, const ParticleView& particles, const Substep& substep, int iteration) {
-  const std::size_t begin = trees_.begin[tree], end = trees_.begin[tree + 1];
-  bool any = false;
-  for (std::size_t k = begin; k < end && !any; ++k) any = particles.inverse_mass(trees_.nodes[k].particle) > 0;
-  if (!any) return;
-  load(begin, end, particles, substep, iteration);
-  const double inverse_h2 = 1 / (double(substep.h) * double(substep.h));
-  ++solves;
-  for (int newton = 0; newton < max_newton_; ++newton) {
-    ++newtons;
-    eliminate(tree, inverse_h2);
-    const double largest = substitute(begin, end);
-    const double step = largest > 0.5 ? 0.5 / largest : 1;
-    for (std::size_t k = begin; k < end; ++k) nodes_[k].x += nodes_[k].dx * step;
-    if (largest < 0.01) break;
+void TreeElimination::add_external(ExternalMoves& external, const ParticleView& particles,
+                                   const Substep& substep) const {
+  const auto add = [&](std::size_t k, const Vec3d& force) {
+    if (nodes_[k].fixed()) return;
+    external.add(trees_.nodes[k].particle, Vec3f(force * (1 / nodes_[k].mass)));
+  };
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const TreeNode& node = trees_.nodes[k];
+    if (node.parent == k || !external.concerns(*distances_[node.set])) continue;
+    const Vec3d force = nodes_[k].length > 0 ? nodes_[k].g * nodes_[k].lambda : nodes_[k].lambdas;
+    add(k, force), add(node.parent, -force);
   }
-  for (std::size_t k = begin; k < end; ++k) {
-    const std::uint32_t i = trees_.nodes[k].particle;
-    if (!(nodes_[k].mass > 0)) continue;
-    const Vec3d change = nodes_[k].x - position(particles, i);
-    moved_[k] += change;
-    Vec4f& moving = particles.moving[i];
-    moving.set_xyz(Vec3f(Vec3d(moving.xyz()) + change));
+  for (const Anchor& anchor : anchors_) {
+    const Node& node = nodes_[anchor.node];
+    if (node.fixed() || !external.concerns(*attachments_[anchor.set])) continue;
+    const Vec3d target(attachments_[anchor.set]->set().params(anchor.constraint).target);
+    const std::uint32_t particle = trees_.nodes[anchor.node].particle;
+    add(anchor.node, (target - position(particles, particles.moving, particle)) *
+                         (1 / anchor_alpha(anchor, square(substep.h))));
   }
 }
 
