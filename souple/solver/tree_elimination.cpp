@@ -13,6 +13,8 @@ constexpr std::uint32_t none = ~std::uint32_t{0};
 /// Newton's method ends when no particle moved further relative to its parent than this part of the link's length.
 /// The error that remains is about half of its square.
 constexpr double enough = 0.01;
+/// So much of a link's length may follow from a tension that was assumed wrongly.
+constexpr double enough_of_tension = 0.001;
 /// One step turns no link further than about this; a rope that was torn away needs several.
 constexpr double longest_step = 0.5;
 constexpr int most_steps = 8;
@@ -185,11 +187,11 @@ void TreeElimination::load(std::size_t tree, const ParticleView& particles) {
 void TreeElimination::solve(std::size_t tree, double h2) {
   for (int step = 0; step < most_steps; ++step) {
     assemble(tree, h2);
-    const double longest = substitute(tree);
-    const double part = longest > longest_step ? longest_step / longest : 1;
+    const Change change = substitute(tree);
+    const double part = change.longest > longest_step ? longest_step / change.longest : 1;
     for (std::size_t k = trees_.begin[tree]; k < trees_.begin[tree + 1]; ++k)
       nodes_[k].x += nodes_[k].dx * part;
-    if (longest < enough) return;
+    if (change.longest < enough && change.by_tension < enough_of_tension) return;
   }
 }
 
@@ -284,13 +286,20 @@ void TreeElimination::eliminate_point(Node& node, Node& parent) {
   parent.r += S * (node.g + node.D * node.r);
 }
 
-// From the root to the leaves. Returns how far a particle moves relative to its parent, at most, as a part of their
-// link.
-double TreeElimination::substitute(std::size_t tree) {
+// What the tension that was assumed for t moved a link's end wrongly, as a part of its length: the lighter end moves
+// by force / (mass + t). A stiff link's assumed tension may be a thousand times too large.
+double TreeElimination::by_tension(const Node& node, const Node& parent) {
+  const double t = max(0.0, -node.lambda) / max(node.C + node.length, shortest * node.length);
+  const double mass = node.fixed() || parent.fixed() ? node.mass + parent.mass : min(node.mass, parent.mass);
+  return abs(t - node.t) * length(across(node.g, node.dx - parent.dx)) / ((mass + t) * node.length);
+}
+
+// From the root to the leaves.
+TreeElimination::Change TreeElimination::substitute(std::size_t tree) {
   const std::size_t begin = trees_.begin[tree], end = trees_.begin[tree + 1];
   Node& root = nodes_[end - 1];
   root.dx = root.fixed() ? Vec3d{} : root.D.inverse() * root.r;
-  double longest2 = 0;
+  Change change;
   for (std::size_t k = end - 1; k-- > begin;) {
     Node& node = nodes_[k];
     const Node& parent = nodes_[trees_.nodes[k].parent];
@@ -300,7 +309,8 @@ double TreeElimination::substitute(std::size_t tree) {
       node.lambda = node.s * (dot(node.q, parent.dx) - node.C - dot(node.n, node.r));
       const Vec3d force = node.r + across(node.g, parent.dx) * node.t + node.g * node.lambda;
       if (!node.fixed()) node.dx = node.D * force;
-      longest2 = max(longest2, length_squared(node.dx - parent.dx) / (node.length * node.length));
+      change.longest = max(change.longest, length(node.dx - parent.dx) / node.length);
+      change.by_tension = max(change.by_tension, by_tension(node, parent));
     } else {
       Symmetric S = Symmetric::identity(node.alpha);
       S += node.D;
@@ -308,7 +318,7 @@ double TreeElimination::substitute(std::size_t tree) {
       if (!node.fixed()) node.dx = node.D * (node.r + node.lambdas);
     }
   }
-  return sqrt(longest2);
+  return change;
 }
 
 void TreeElimination::add_external(ExternalMoves& external, const ParticleView& particles,

@@ -95,6 +95,11 @@ class TreeElimination final : public Projector {
     double s = 0;         ///< 1 / (alpha~ + g . n)
     bool fixed() const { return mass == 0; }
   };
+  /// Of a step of Newton's method, the largest of all links, as parts of their lengths.
+  struct Change {
+    double longest = 0;     ///< motion of a particle relative to its parent
+    double by_tension = 0;  ///< the part of it that follows from a wrong tension
+  };
   /// An attachment of a node.
   struct Anchor {
     std::uint32_t node = 0, set = 0, constraint = 0;
@@ -108,7 +113,8 @@ class TreeElimination final : public Projector {
   double anchor_alpha(const Anchor& anchor, double h2) const;
   static void eliminate(Node& node, Node& parent);
   static void eliminate_point(Node& node, Node& parent);
-  double substitute(std::size_t tree);
+  static double by_tension(const Node& node, const Node& parent);
+  Change substitute(std::size_t tree);
   void solve(std::size_t tree, double h2);
 
   DistanceTrees trees_;
