@@ -20,6 +20,8 @@ constexpr double longest_step = 0.5;
 constexpr int most_steps = 8;
 /// Compliance of rigid links to fixed particles, relative to the inverse mass of the other end.
 constexpr double floor = 1e-8;
+/// Cosine of the angle up to which a link's force acts along the mean of its directions.
+constexpr double little_turn = 0.9;
 /// Lengths below this part of the rest length do not make a link turn more stiffly.
 constexpr double shortest = 0.1;
 
@@ -37,33 +39,22 @@ Vec3d across(const Vec3d& g, const Vec3d& v) {
   return v - g * dot(g, v);
 }
 
+Mat3d scaled_identity(double s) {
+  return Mat3d::diagonal({s, s, s});
+}
+
+/// I - g g^T.
+Mat3d across(const Vec3d& g) {
+  return Mat3d::identity() - outer(g, g);
+}
+
+/// P N P with P = I - g g^T.
+Mat3d across(const Vec3d& g, const Mat3d& N) {
+  const Vec3d right = N * g, left = transpose(N) * g;
+  return N - outer(right, g) - outer(g, left - g * dot(g, right));
+}
+
 }  // namespace
-
-TreeElimination::Symmetric& TreeElimination::Symmetric::operator+=(const Symmetric& b) {
-  xx += b.xx, xy += b.xy, yy += b.yy, xz += b.xz, yz += b.yz, zz += b.zz;
-  return *this;
-}
-
-void TreeElimination::Symmetric::add_square(double s, const Vec3d& a) {
-  const Vec3d b = a * s;
-  xx += b.x * a.x, xy += b.x * a.y, yy += b.y * a.y, xz += b.x * a.z, yz += b.y * a.z, zz += b.z * a.z;
-}
-
-void TreeElimination::Symmetric::add_squares(double s, const Vec3d& a, const Vec3d& b) {
-  const Vec3d c = a * s;
-  xx += 2 * c.x * b.x, yy += 2 * c.y * b.y, zz += 2 * c.z * b.z;
-  xy += c.x * b.y + c.y * b.x, xz += c.x * b.z + c.z * b.x, yz += c.y * b.z + c.z * b.y;
-}
-
-TreeElimination::Symmetric TreeElimination::Symmetric::inverse() const {
-  const double a = yy * zz - yz * yz, b = xz * yz - xy * zz, c = xy * yz - xz * yy;
-  const double d = 1 / (xx * a + xy * b + xz * c);
-  return {a * d, b * d, (xx * zz - xz * xz) * d, c * d, (xz * xy - xx * yz) * d, (xx * yy - xy * xy) * d};
-}
-
-Vec3d TreeElimination::Symmetric::operator*(const Vec3d& v) const {
-  return {xx * v.x + xy * v.y + xz * v.z, xy * v.x + yy * v.y + yz * v.z, xz * v.x + yz * v.y + zz * v.z};
-}
 
 void TreeElimination::find(std::span<Projector* const> projectors, std::size_t particle_count) {
   std::vector<std::pair<const Projector*, std::uint64_t>> revisions;
@@ -148,6 +139,7 @@ void TreeElimination::begin_tree(std::size_t tree, const ParticleView& particles
     node.length = max(0.0, static_cast<double>(set.params(at.constraint).rest_length));
     node.alpha = static_cast<double>(set.compliance(at.constraint)[0]) / h2;
     node.lambda = node.alpha > 0 ? (node.length - length(node.x - parent.x)) / node.alpha : 0;
+    node.g0 = normalized(node.x - parent.x);
     if (node.fixed() && !parent.fixed()) node.alpha = max(node.alpha, floor / parent.mass);
   }
 }
@@ -205,7 +197,7 @@ void TreeElimination::assemble(std::size_t tree, double h2) {
   const std::size_t begin = trees_.begin[tree], end = trees_.begin[tree + 1];
   for (std::size_t k = begin; k < end; ++k) {
     Node& node = nodes_[k];
-    node.D = Symmetric::identity(node.mass);
+    node.D = scaled_identity(node.mass);
     node.r = (node.y - node.x) * node.mass;
   }
   for (std::size_t a = anchors_begin_[tree]; a < anchors_begin_[tree + 1]; ++a) {
@@ -213,7 +205,7 @@ void TreeElimination::assemble(std::size_t tree, double h2) {
     if (node.fixed()) continue;
     const double stiffness = 1 / anchor_alpha(anchors_[a], h2);
     const Vec3d target(attachments_[anchors_[a].set]->set().params(anchors_[a].constraint).target);
-    node.D += Symmetric::identity(stiffness);
+    node.D = node.D + scaled_identity(stiffness);
     node.r += (target - node.x) * stiffness;
   }
   for (std::size_t k = begin; k + 1 < end; ++k) {
@@ -227,19 +219,19 @@ void TreeElimination::assemble(std::size_t tree, double h2) {
   }
 }
 
-// The rows of a node i, its link, and its parent p, with P = I - g g^T:
+// The rows of a node i, its link, and its parent p, with P = I - g g^T and t for t/2 or t:
 //
-//   (D + t P) dx_i - t P dx_p - g lambda = r
+//   (D + t P) dx_i - t P dx_p - f lambda = r
 //   g . (dx_i - dx_p) + alpha~ lambda = -C
-//   (D_p + t P) dx_p - t P dx_i + g lambda = r_p
+//   (D_p + t P) dx_p - t P dx_i + f lambda = r_p
 //
-// The first two, with N = D + t P, n = N^-1 g, q = g - t P n and s = 1 / (alpha~ + g . n), give
+// The first two, with N = D + t P, q = f - t P N^-1 f, p = g - t P N^-T g and s = 1 / (alpha~ + g . N^-1 f), give
 //
-//   lambda = s (q . dx_p - C - n . r),   dx_i = N^-1 (r + t P dx_p + g lambda)
+//   lambda = s (p . dx_p - C - g . N^-1 r),   dx_i = N^-1 (r + t P dx_p + f lambda)
 //
 // and the third becomes
 //
-//   (D_p + t P - t P N^-1 t P + s q q^T) dx_p = r_p + t P N^-1 r + s q (C + n . r)
+//   (D_p + t P - t P N^-1 t P + s q p^T) dx_p = r_p + t P N^-1 r + s q (C + g . N^-1 r)
 //
 // A fixed node has N^-1 = 0. A fixed parent needs no row.
 void TreeElimination::eliminate(Node& node, Node& parent) {
@@ -248,41 +240,32 @@ void TreeElimination::eliminate(Node& node, Node& parent) {
   node.g = d * (1 / max(l, 1e-18));
   node.C = l - node.length;
   node.t = max(0.0, -node.lambda) / max(l, shortest * node.length);
-  if (node.fixed()) {
-    node.D = {};
-  } else {
-    node.D += Symmetric::identity(node.t);
-    node.D.add_square(-node.t, node.g);
-    node.D = node.D.inverse();
-  }
-  node.n = node.D * node.g;
-  node.q = node.g - across(node.g, node.n) * node.t;
-  const double gn = dot(node.g, node.n), sum = node.alpha + gn;
+  const bool half = dot(node.g, node.g0) > little_turn;
+  node.f = half ? (node.g + node.g0) * 0.5 : node.g;
+  node.turn = half ? 0.5 * node.t : node.t;
+  const Mat3d tP = across(node.g) * node.turn;
+  node.D = node.fixed() ? Mat3d{} : inverse(node.D + tP);
+  const Vec3d n = node.D * node.f, free = node.D * node.r;
+  node.p = node.g - across(node.g, transpose(node.D) * node.g) * node.turn;
+  node.rest = node.C + dot(node.g, free);
+  const double sum = node.alpha + dot(node.g, n);
   node.s = sum > 0 ? 1 / sum : 0;
   if (parent.fixed()) return;
-  const double t2 = node.t * node.t;
-  Symmetric PNP = node.D;  // P N^-1 P
-  PNP.add_squares(-1, node.g, node.n);
-  PNP.add_square(gn, node.g);
-  parent.D += Symmetric::identity(node.t);
-  parent.D.add_square(-node.t, node.g);
-  parent.D += {-t2 * PNP.xx, -t2 * PNP.xy, -t2 * PNP.yy, -t2 * PNP.xz, -t2 * PNP.yz, -t2 * PNP.zz};
-  parent.D.add_square(node.s, node.q);
-  parent.r += across(node.g, node.D * node.r) * node.t + node.q * (node.s * (node.C + dot(node.n, node.r)));
+  const Vec3d q = node.f - across(node.g, n) * node.turn;
+  parent.D = parent.D + tP - across(node.g, node.D) * (node.turn * node.turn) + outer(q * node.s, node.p);
+  parent.r += across(node.g, free) * node.turn + q * (node.s * node.rest);
 }
 
-// A link without length is linear in the difference of its ends, which takes the place of C and g:
+// A link without length is linear in the difference d of its ends, which takes the place of C:
 //
 //   lambda = S (dx_p - d - D^-1 r),   S = (alpha~ I + D^-1)^-1,   dx_i = D^-1 (r + lambda)
 //   (D_p + S) dx_p = r_p + S (d + D^-1 r)
 void TreeElimination::eliminate_point(Node& node, Node& parent) {
   node.g = node.x - parent.x;
-  node.D = node.fixed() ? Symmetric{} : node.D.inverse();
+  node.D = node.fixed() ? Mat3d{} : inverse(node.D);
   if (parent.fixed()) return;
-  Symmetric S = Symmetric::identity(node.alpha);
-  S += node.D;
-  S = S.inverse();
-  parent.D += S;
+  const Mat3d S = inverse(node.D + scaled_identity(node.alpha));
+  parent.D = parent.D + S;
   parent.r += S * (node.g + node.D * node.r);
 }
 
@@ -298,7 +281,7 @@ double TreeElimination::by_tension(const Node& node, const Node& parent) {
 TreeElimination::Change TreeElimination::substitute(std::size_t tree) {
   const std::size_t begin = trees_.begin[tree], end = trees_.begin[tree + 1];
   Node& root = nodes_[end - 1];
-  root.dx = root.fixed() ? Vec3d{} : root.D.inverse() * root.r;
+  root.dx = root.fixed() ? Vec3d{} : inverse(root.D) * root.r;
   Change change;
   for (std::size_t k = end - 1; k-- > begin;) {
     Node& node = nodes_[k];
@@ -306,15 +289,13 @@ TreeElimination::Change TreeElimination::substitute(std::size_t tree) {
     node.dx = {};
     if (node.fixed() && parent.fixed()) continue;
     if (node.length > 0) {
-      node.lambda = node.s * (dot(node.q, parent.dx) - node.C - dot(node.n, node.r));
-      const Vec3d force = node.r + across(node.g, parent.dx) * node.t + node.g * node.lambda;
+      node.lambda = node.s * (dot(node.p, parent.dx) - node.rest);
+      const Vec3d force = node.r + across(node.g, parent.dx) * node.turn + node.f * node.lambda;
       if (!node.fixed()) node.dx = node.D * force;
       change.longest = max(change.longest, length(node.dx - parent.dx) / node.length);
       change.by_tension = max(change.by_tension, by_tension(node, parent));
     } else {
-      Symmetric S = Symmetric::identity(node.alpha);
-      S += node.D;
-      node.lambdas = S.inverse() * (parent.dx - node.g - node.D * node.r);
+      node.lambdas = inverse(node.D + scaled_identity(node.alpha)) * (parent.dx - node.g - node.D * node.r);
       if (!node.fixed()) node.dx = node.D * (node.r + node.lambdas);
     }
   }
@@ -330,7 +311,7 @@ void TreeElimination::add_external(ExternalMoves& external, const ParticleView& 
   for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const TreeNode& node = trees_.nodes[k];
     if (node.parent == k || !external.concerns(*distances_[node.set])) continue;
-    const Vec3d force = nodes_[k].length > 0 ? nodes_[k].g * nodes_[k].lambda : nodes_[k].lambdas;
+    const Vec3d force = nodes_[k].length > 0 ? nodes_[k].f * nodes_[k].lambda : nodes_[k].lambdas;
     add(k, force), add(node.parent, -force);
   }
   for (const Anchor& anchor : anchors_) {

@@ -2,6 +2,7 @@
 
 #include "souple/constraints/attachment.h"
 #include "souple/constraints/distance.h"
+#include "souple/math/mat3.h"
 #include "souple/solver/distance_trees.h"
 #include "souple/solver/left_out.h"
 #include "souple/solver/projector.h"
@@ -66,33 +67,22 @@ class TreeElimination final : public Projector {
   void erase_particles(std::uint32_t, std::uint32_t) override {}
 
  private:
-  /// Lower triangle of a symmetric matrix.
-  struct Symmetric {
-    double xx = 0, xy = 0, yy = 0, xz = 0, yz = 0, zz = 0;
-
-    static Symmetric identity(double s) { return {s, 0, s, 0, 0, s}; }
-    Symmetric& operator+=(const Symmetric& b);
-    /// Adds s a a^T.
-    void add_square(double s, const Vec3d& a);
-    /// Adds s (a b^T + b a^T).
-    void add_squares(double s, const Vec3d& a, const Vec3d& b);
-    Symmetric inverse() const;
-    Vec3d operator*(const Vec3d& v) const;
-  };
   /// A particle and the link to its parent.
   struct Node {
-    double mass = 0;      ///< kg; 0: fixed
-    Vec3d x, y;           ///< m
-    Vec3d moved;          ///< by the projections of this substep [m]
-    double length = 0;    ///< rest length of the link [m]; 0: its ends coincide
-    double alpha = 0;     ///< alpha~ of the link [1/kg]
-    double lambda = 0;    ///< of the link, divided by h^2: a mass times a length [kg m]
-    Vec3d lambdas;        ///< of a link without length
-    Vec3d dx, r;          ///< unknown and right side
-    Symmetric D;          ///< the node's block; once eliminated, the inverse N^-1
-    Vec3d g, n, q;        ///< direction of the link, N^-1 g, g - t (I - g g^T) n
-    double C = 0, t = 0;  ///< of the link
-    double s = 0;         ///< 1 / (alpha~ + g . n)
+    double mass = 0;         ///< kg; 0: fixed
+    Vec3d x, y;              ///< m
+    Vec3d moved;             ///< by the projections of this substep [m]
+    double length = 0;       ///< rest length of the link [m]; 0: its ends coincide
+    double alpha = 0;        ///< alpha~ of the link [1/kg]
+    double lambda = 0;       ///< of the link, divided by h^2: a mass times a length [kg m]
+    Vec3d lambdas;           ///< of a link without length
+    Vec3d dx, r;             ///< unknown and right side
+    Mat3d D;                 ///< the node's block; once eliminated, the inverse N^-1
+    Vec3d g0, g;             ///< direction of the link at the substep's start and now
+    Vec3d f, p;              ///< direction of its force; see `eliminate`
+    double C = 0;            ///< of the link [m]
+    double t = 0, turn = 0;  ///< tension / length, and the part of it that turns with g
+    double s = 0, rest = 0;  ///< see `eliminate`
     bool fixed() const { return mass == 0; }
   };
   /// Of a step of Newton's method, the largest of all links, as parts of their lengths.
