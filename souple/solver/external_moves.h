@@ -2,6 +2,7 @@
 
 #include "souple/solver/projector.h"
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -11,7 +12,7 @@ namespace souple {
 /// the elastic constraints moved is known as well.
 class ExternalMoves {
  public:
-  /// Sweeps of all projectors but `internal` will count, for these particles. Sums start at zero.
+  /// Sweeps of all projectors but `internal` will count, for these particles, ascending. Sums start at zero.
   void begin(std::span<const Projector* const> internal, std::span<const std::uint32_t> particles) {
     internal_ = internal;
     particles_ = particles;
@@ -26,6 +27,12 @@ class ExternalMoves {
   /// Call before and after a sweep of a projector that concerns.
   void before(const ParticleView& view) { add(view, -1); }
   void after(const ParticleView& view) { add(view, 1); }
+  /// Adds a move of one particle. [m]
+  void add(std::uint32_t particle, const Vec3f& move) {
+    const auto found = std::lower_bound(particles_.begin(), particles_.end(), particle);
+    if (found != particles_.end() && *found == particle)
+      sums_[static_cast<std::size_t>(found - particles_.begin())] += move;
+  }
   /// Per particle. [m]
   std::span<const Vec3f> sums() const { return sums_; }
 

@@ -33,15 +33,19 @@ constexpr std::size_t smallest_piece = 200;
 /// Minimum number of coarse particles per thread.
 constexpr std::size_t grain = 256;
 
-void add_links(const SetProjector<Distance>& distances, std::vector<Link>& links) {
+// Without constraints of trees: they are eliminated.
+void add_links(const SetProjector<Distance>& distances, const LeftOut& trees, std::vector<Link>& links) {
   const auto& set = distances.set();
-  for (std::size_t i = 0; i < set.size(); ++i) {
+  const auto add = [&](std::size_t i) {
     const auto [a, b] = set.indices(i);
     const float length = set.params(i).rest_length;
-    if (a == b || !(length > 0)) continue;
+    if (a == b || !(length > 0)) return;
     links.push_back(
         {std::min(a, b), std::max(a, b), length, length * length / set.compliance(i)[0], set.stiffness(i)});
-  }
+  };
+  trees.for_each_kept(distances, 0, set.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) add(i);
+  });
 }
 
 // The edges of a triangle with rest shape B^-1 divide its stiffness: each edge gets S A of the triangle's
@@ -192,12 +196,21 @@ bool Hierarchical::masses_changed(const ParticleView& particles) const {
   return false;
 }
 
+// Trees are eliminated after the sweeps of all constraints, so that the ties of heavy things hold, and before contacts.
+void Hierarchical::add_trees(std::span<Projector* const> projectors, std::size_t particle_count) {
+  trees_.find(projectors, particle_count);
+  with_trees_.assign(projectors.begin(), projectors.end());
+  const auto first_contact = std::find_if(with_trees_.begin(), with_trees_.end(),
+                                          [](const Projector* projector) { return projector->is_contact(); });
+  with_trees_.insert(first_contact, &trees_);
+}
+
 std::vector<Link> Hierarchical::links_of(std::span<Projector* const> projectors,
                                          std::size_t particles) const {
   std::vector<Link> links;
   for (const Projector* projector : projectors) {
     if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector))
-      add_links(*distances, links);
+      add_links(*distances, trees_.left_out(), links);
     if (const auto* membranes = dynamic_cast<const SetProjector<TriangleMembrane>*>(projector))
       add_links(*membranes, links);
   }
@@ -212,6 +225,7 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
 
 void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles,
                            Threads& threads) {
+  if (automatic_) add_trees(projectors, particles.position.size());
   bool links_changed = false;
   if (constraints_changed(projectors)) {
     std::vector<Link> links = links_of(projectors, particles.position.size());
@@ -456,20 +470,34 @@ void Hierarchical::project_levels(const ParticleView& particles, Threads& thread
 
 void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleView& particles,
                          const Substep& substep, Threads& threads) {
-  const bool with_levels =
-      !levels_.empty() && (!automatic_ || (substep.levels && substep.mode == Mode::small_steps));
-  for (int iteration = 0; iteration < substep.iterations; ++iteration) {
-    if (with_levels) {
-      restrict_particles(particles, threads);
-      if (iteration == 0) measure(particles, threads), set_gains(substep);
-      project_levels(particles, threads);
-    }
-    if (automatic_) {
-      sweep_as_needed(projectors, particles, substep, threads, motion_);
-    } else {
+  if (!automatic_) {
+    for (int iteration = 0; iteration < substep.iterations; ++iteration) {
+      correct_levels(particles, substep, iteration, threads);
       for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);
     }
+    return;
   }
+  const bool small_steps = substep.mode == Mode::small_steps;
+  const bool with_trees = small_steps && trees_.has_trees();
+  Substep swept = substep;
+  if (with_trees) {
+    swept.left_out = &trees_.left_out();
+    projectors = with_trees_;
+    trees_.begin_substep(particles, substep);
+  }
+  for (int iteration = 0; iteration < substep.iterations; ++iteration) {
+    if (small_steps && substep.levels) correct_levels(particles, substep, iteration, threads);
+    sweep_as_needed(projectors, particles, swept, threads, motion_);
+  }
+  if (with_trees && substep.external != nullptr) trees_.add_external(*substep.external, particles, substep);
+}
+
+void Hierarchical::correct_levels(const ParticleView& particles, const Substep& substep, int iteration,
+                                  Threads& threads) {
+  if (levels_.empty()) return;
+  restrict_particles(particles, threads);
+  if (iteration == 0) measure(particles, threads), set_gains(substep);
+  project_levels(particles, threads);
 }
 
 std::string Hierarchical::diagnostic() const {

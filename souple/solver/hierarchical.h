@@ -3,6 +3,7 @@
 #include "souple/solver/hierarchical_levels.h"
 #include "souple/solver/level_links.h"
 #include "souple/solver/solver.h"
+#include "souple/solver/tree_elimination.h"
 #include "souple/solver/weighted_sums.h"
 
 #include <string>
@@ -33,8 +34,8 @@ namespace souple {
 /// With compliance, a coarse link is a spring in parallel with the finer links. Its stiffness and the
 /// stiffness that the sweeps of the finer levels reach add up to that of the material.
 ///
-/// As SolverKind::automatic it builds levels only for pieces of cloth that need them, and sweeps each set as
-/// often as its material needs (Projector::sweeps_needed).
+/// As SolverKind::automatic it builds levels only for pieces of cloth that need them, sweeps each set as often as
+/// its material needs (Projector::sweeps_needed), and eliminates ropes and other trees of distances exactly.
 ///
 /// Needs SetProjector<Distance> or SetProjector<TriangleMembrane>; other kinds get Gauss-Seidel alone. Linear
 /// momentum is kept to rounding, angular momentum as far as the cloth is smooth.
@@ -88,6 +89,8 @@ class Hierarchical final : public Solver {
   void set_gains_of(const Level& level, LevelLinks& links, int n) const;
   float softening_of(std::size_t l, std::size_t e) const;
   void restrict_particles(const ParticleView& particles, Threads& threads);
+  void add_trees(std::span<Projector* const> projectors, std::size_t particle_count);
+  void correct_levels(const ParticleView& particles, const Substep& substep, int iteration, Threads& threads);
   void project_levels(const ParticleView& particles, Threads& threads);
   static void prolong(const Level& from, std::span<const Vec4f> inverse_mass, std::span<Vec4f> to,
                       Threads& threads);
@@ -98,6 +101,8 @@ class Hierarchical final : public Solver {
   std::vector<Link> links_of(std::span<Projector* const> projectors, std::size_t particles) const;
 
   bool automatic_;
+  TreeElimination trees_;               ///< SolverKind::automatic only
+  std::vector<Projector*> with_trees_;  ///< all projectors and trees_, in order of solution
   std::vector<std::pair<const Projector*, std::uint64_t>> revisions_;  ///< of the sets that links_ come from
   std::vector<Link> links_;              ///< links of the finest level; ends are the world's particles
   std::vector<float> inverse_masses_;    ///< per link: sum of the inverse masses of its two ends [1/kg]

@@ -12,6 +12,7 @@
 namespace souple {
 
 class ExternalMoves;
+class LeftOut;
 
 /// How constraints are enforced.
 enum class Mode {
@@ -40,6 +41,7 @@ struct Substep {
   /// Whether coarser levels act. While intersections are resolved they must not: they pull back what is separated.
   bool levels = true;
   ExternalMoves* external = nullptr;  ///< records the sweeps of this substep; null: not needed
+  const LeftOut* left_out = nullptr;  ///< constraints that sweeps omit; null: none
 
   bool stores_multipliers() const {
     return mode == Mode::xpbd || (mode == Mode::small_steps && iterations > 1);

@@ -7,6 +7,7 @@
 #include "souple/solver/coloring.h"
 #include "souple/solver/instruction_set.h"
 #include "souple/solver/kernels/projection.h"
+#include "souple/solver/left_out.h"
 #include "souple/solver/partition.h"
 #include "souple/solver/projector.h"
 
@@ -129,13 +130,10 @@ class SetProjector final : public Projector {
                const Substep& substep) override {
     const std::size_t color_begin = set_.color_begin[static_cast<std::size_t>(color)];
     const std::size_t begin = color_begin + first, end = color_begin + last;
-    // The plain kernels correct in place.
-    const bool general = substep.stores_multipliers() || !particles.corrected.empty();
-    if (kernels_) {
-      project_packed(begin, end, particles, substep, general);
-    } else {
-      project_scalar(begin, end, particles, substep, general);
-    }
+    if (substep.left_out == nullptr) return project_range(begin, end, particles, substep);
+    substep.left_out->for_each_kept(*this, begin, end, [&](std::size_t from, std::size_t to) {
+      project_range(from, to, particles, substep);
+    });
   }
 
   void damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
@@ -401,6 +399,16 @@ class SetProjector final : public Projector {
     return {&particles.position.data()->x, &particles.moving.data()->x, &corrected.data()->x};
   }
 
+  void project_range(std::size_t begin, std::size_t end, const ParticleView& particles,
+                     const Substep& substep) {
+    // The plain kernels correct in place.
+    const bool general = substep.stores_multipliers() || !particles.corrected.empty();
+    if (kernels_) {
+      project_packed(begin, end, particles, substep, general);
+    } else {
+      project_scalar(begin, end, particles, substep, general);
+    }
+  }
   void project_packed(std::size_t begin, std::size_t end, const ParticleView& particles,
                       const Substep& substep, bool general) {
     Arrays arrays(set_);

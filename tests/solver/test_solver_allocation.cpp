@@ -30,5 +30,25 @@ TEST(SolverAllocation, AWarmSubstepAllocatesNothing) {
   }
 }
 
+TEST(SolverAllocation, AWarmSubstepOfARopeAllocatesNothing) {
+  test::SolverScene scene;
+  auto& distances = scene.add<Distance>();
+  for (std::uint32_t i = 0; i < 30; ++i) {
+    scene.add({0.1 * i, 0, 0}, i == 0 ? 0 : 0.01);
+    if (i > 0) distances.add({i - 1, i}, {0.1f}, {1e-6f});
+  }
+  scene.gravity = {0, -9.81f, 0};
+  scene.use({});
+  const std::vector<Projector*> order = scene.order();
+  const ParticleView view = scene.body.view();
+  scene.step();
+  const long before = test::allocations();
+  for (int k = 0; k < 3; ++k) {
+    for (Projector* projector : order) projector->begin_substep(view, scene.substep);
+    scene.solver->solve(order, view, scene.substep, *scene.threads);
+  }
+  EXPECT_EQ(test::allocations() - before, 0);
+}
+
 }  // namespace
 }  // namespace souple

@@ -1,0 +1,327 @@
+#include "souple/solver/tree_elimination.h"
+
+#include "souple/solver/external_moves.h"
+#include "souple/solver/set_projector.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace souple {
+namespace {
+
+constexpr std::uint32_t none = ~std::uint32_t{0};
+/// Newton's method ends when no particle moved further relative to its parent than this part of the link's length.
+/// The error that remains is about half of its square.
+constexpr double enough = 0.01;
+/// So much of a link's length may follow from a tension that was assumed wrongly.
+constexpr double enough_of_tension = 0.001;
+/// One step turns no link further than about this; a rope that was torn away needs several.
+constexpr double longest_step = 0.5;
+constexpr int most_steps = 8;
+/// Compliance of rigid links to fixed particles, relative to the inverse mass of the other end.
+constexpr double floor = 1e-8;
+/// Cosine of the angle up to which a link's force acts along the mean of its directions.
+constexpr double little_turn = 0.9;
+/// Lengths below this part of the rest length do not make a link turn more stiffly.
+constexpr double shortest = 0.1;
+
+double square(float h) {
+  return static_cast<double>(h) * static_cast<double>(h);
+}
+
+Vec3d position(const ParticleView& particles, std::span<const Vec4f> moving, std::size_t i) {
+  const Vec3d x(moving[i].xyz());
+  return particles.form == Form::displacement ? x + Vec3d(particles.position[i].xyz()) : x;
+}
+
+/// (I - g g^T) v.
+Vec3d across(const Vec3d& g, const Vec3d& v) {
+  return v - g * dot(g, v);
+}
+
+Mat3d scaled_identity(double s) {
+  return Mat3d::diagonal({s, s, s});
+}
+
+/// I - g g^T.
+Mat3d across(const Vec3d& g) {
+  return Mat3d::identity() - outer(g, g);
+}
+
+/// P N P with P = I - g g^T.
+Mat3d across(const Vec3d& g, const Mat3d& N) {
+  const Vec3d right = N * g, left = transpose(N) * g;
+  return N - outer(right, g) - outer(g, left - g * dot(g, right));
+}
+
+}  // namespace
+
+void TreeElimination::find(std::span<Projector* const> projectors, std::size_t particle_count) {
+  std::vector<std::pair<const Projector*, std::uint64_t>> revisions;
+  distances_.clear(), attachments_.clear();
+  for (const Projector* projector : projectors) {
+    if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector)) {
+      distances_.push_back(distances);
+      revisions.emplace_back(distances, distances->revision());
+    }
+    if (const auto* attachments = dynamic_cast<const SetProjector<Attachment>*>(projector))
+      attachments_.push_back(attachments);
+  }
+  if (revisions != revisions_ || particle_count != particle_count_) {
+    revisions_ = std::move(revisions);
+    particle_count_ = particle_count;
+    std::vector<TreeLink> links;
+    for (std::uint32_t s = 0; s < distances_.size(); ++s)
+      for (std::uint32_t i = 0; i < distances_[s]->size(); ++i) {
+        const auto [a, b] = distances_[s]->set().indices(i);
+        links.push_back({a, b, s, i});
+      }
+    trees_ = find_trees(links, particle_count);
+    nodes_.assign(trees_.nodes.size(), {});
+  }
+  left_out_.clear();
+  std::vector<std::vector<std::uint32_t>> of_set(distances_.size());
+  for (std::uint32_t k = 0; k < trees_.nodes.size(); ++k) {
+    const TreeNode& node = trees_.nodes[k];
+    if (node.parent != k) of_set[node.set].push_back(node.constraint);
+  }
+  for (std::size_t s = 0; s < of_set.size(); ++s)
+    left_out_.add(*distances_[s], std::move(of_set[s]), distances_[s]->size());
+  find_attachments(particle_count);
+}
+
+void TreeElimination::find_attachments(std::size_t particle_count) {
+  std::vector<std::uint32_t> node_of(has_trees() && !attachments_.empty() ? particle_count : 0, none);
+  for (std::uint32_t k = 0; !node_of.empty() && k < trees_.nodes.size(); ++k)
+    node_of[trees_.nodes[k].particle] = k;
+  anchors_.clear();
+  for (std::uint32_t s = 0; !node_of.empty() && s < attachments_.size(); ++s) {
+    std::vector<std::uint32_t> of_set;
+    for (std::uint32_t i = 0; i < attachments_[s]->size(); ++i) {
+      const std::uint32_t node = node_of[attachments_[s]->set().indices(i)[0]];
+      if (node == none) continue;
+      anchors_.push_back({node, s, i});
+      of_set.push_back(i);
+    }
+    left_out_.add(*attachments_[s], std::move(of_set), attachments_[s]->size());
+  }
+  std::sort(anchors_.begin(), anchors_.end(), [](const Anchor& a, const Anchor& b) {
+    return std::tuple(a.node, a.set, a.constraint) < std::tuple(b.node, b.set, b.constraint);
+  });
+  anchors_begin_.clear();
+  for (const std::uint32_t begin : trees_.begin)
+    anchors_begin_.push_back(
+        static_cast<std::uint32_t>(std::partition_point(anchors_.begin(), anchors_.end(),
+                                                        [&](const Anchor& a) { return a.node < begin; }) -
+                                   anchors_.begin()));
+}
+
+void TreeElimination::begin_substep(const ParticleView&, const Substep&) {
+  begun_.assign(trees_.size(), 0);
+}
+
+// Rest lengths and compliances of the links, and their tension at the substep's start.
+void TreeElimination::begin_tree(std::size_t tree, const ParticleView& particles, double h2) {
+  const std::size_t begin = trees_.begin[tree], end = trees_.begin[tree + 1];
+  for (std::size_t k = begin; k < end; ++k) {
+    Node& node = nodes_[k];
+    const TreeNode& at = trees_.nodes[k];
+    const auto w = static_cast<double>(particles.inverse_mass(at.particle));
+    node.mass = w > 0 ? 1 / w : 0;
+    node.moved = {};
+    node.x = position(particles, particles.start, at.particle);
+  }
+  for (std::size_t k = begin; k + 1 < end; ++k) {
+    Node& node = nodes_[k];
+    const TreeNode& at = trees_.nodes[k];
+    const Node& parent = nodes_[at.parent];
+    const auto& set = distances_[at.set]->set();
+    node.length = max(0.0, static_cast<double>(set.params(at.constraint).rest_length));
+    node.alpha = static_cast<double>(set.compliance(at.constraint)[0]) / h2;
+    node.lambda = node.alpha > 0 ? (node.length - length(node.x - parent.x)) / node.alpha : 0;
+    node.g0 = normalized(node.x - parent.x);
+    if (node.fixed() && !parent.fixed()) node.alpha = max(node.alpha, floor / parent.mass);
+  }
+}
+
+bool TreeElimination::is_fixed(std::size_t tree, const ParticleView& particles) const {
+  for (std::size_t k = trees_.begin[tree]; k < trees_.begin[tree + 1]; ++k)
+    if (particles.inverse_mass(trees_.nodes[k].particle) > 0) return false;
+  return true;
+}
+
+void TreeElimination::project(int, std::size_t begin, std::size_t end, const ParticleView& particles,
+                              const Substep& substep) {
+  for (std::size_t tree = begin; tree < end; ++tree) {
+    if (is_fixed(tree, particles)) continue;
+    if (begun_[tree] == 0) begin_tree(tree, particles, square(substep.h));
+    begun_[tree] = 1;
+    load(tree, particles);
+    solve(tree, square(substep.h));
+    for (std::size_t k = trees_.begin[tree]; k < trees_.begin[tree + 1]; ++k) {
+      Node& node = nodes_[k];
+      if (node.fixed()) continue;
+      const std::uint32_t i = trees_.nodes[k].particle;
+      const Vec3d change = node.x - position(particles, particles.moving, i);
+      node.moved += change;
+      particles.moving[i].set_xyz(Vec3f(Vec3d(particles.moving[i].xyz()) + change));
+    }
+  }
+}
+
+void TreeElimination::load(std::size_t tree, const ParticleView& particles) {
+  for (std::size_t k = trees_.begin[tree]; k < trees_.begin[tree + 1]; ++k) {
+    nodes_[k].x = position(particles, particles.moving, trees_.nodes[k].particle);
+    nodes_[k].y = nodes_[k].x - nodes_[k].moved;
+  }
+}
+
+void TreeElimination::solve(std::size_t tree, double h2) {
+  for (int step = 0; step < most_steps; ++step) {
+    assemble(tree, h2);
+    const Change change = substitute(tree);
+    const double part = change.longest > longest_step ? longest_step / change.longest : 1;
+    for (std::size_t k = trees_.begin[tree]; k < trees_.begin[tree + 1]; ++k)
+      nodes_[k].x += nodes_[k].dx * part;
+    if (change.longest < enough && change.by_tension < enough_of_tension) return;
+  }
+}
+
+double TreeElimination::anchor_alpha(const Anchor& anchor, double h2) const {
+  const auto alpha = static_cast<double>(attachments_[anchor.set]->set().compliance(anchor.constraint)[0]);
+  return max(alpha / h2, floor / nodes_[anchor.node].mass);
+}
+
+// Fills D and r, and eliminates all nodes but the root.
+void TreeElimination::assemble(std::size_t tree, double h2) {
+  const std::size_t begin = trees_.begin[tree], end = trees_.begin[tree + 1];
+  for (std::size_t k = begin; k < end; ++k) {
+    Node& node = nodes_[k];
+    node.D = scaled_identity(node.mass);
+    node.r = (node.y - node.x) * node.mass;
+  }
+  for (std::size_t a = anchors_begin_[tree]; a < anchors_begin_[tree + 1]; ++a) {
+    Node& node = nodes_[anchors_[a].node];
+    if (node.fixed()) continue;
+    const double stiffness = 1 / anchor_alpha(anchors_[a], h2);
+    const Vec3d target(attachments_[anchors_[a].set]->set().params(anchors_[a].constraint).target);
+    node.D = node.D + scaled_identity(stiffness);
+    node.r += (target - node.x) * stiffness;
+  }
+  for (std::size_t k = begin; k + 1 < end; ++k) {
+    Node& parent = nodes_[trees_.nodes[k].parent];
+    if (nodes_[k].fixed() && parent.fixed()) continue;
+    if (nodes_[k].length > 0) {
+      eliminate(nodes_[k], parent);
+    } else {
+      eliminate_point(nodes_[k], parent);
+    }
+  }
+}
+
+// The rows of a node i, its link, and its parent p, with P = I - g g^T and t for t/2 or t:
+//
+//   (D + t P) dx_i - t P dx_p - f lambda = r
+//   g . (dx_i - dx_p) + alpha~ lambda = -C
+//   (D_p + t P) dx_p - t P dx_i + f lambda = r_p
+//
+// The first two, with N = D + t P, q = f - t P N^-1 f, p = g - t P N^-T g and s = 1 / (alpha~ + g . N^-1 f), give
+//
+//   lambda = s (p . dx_p - C - g . N^-1 r),   dx_i = N^-1 (r + t P dx_p + f lambda)
+//
+// and the third becomes
+//
+//   (D_p + t P - t P N^-1 t P + s q p^T) dx_p = r_p + t P N^-1 r + s q (C + g . N^-1 r)
+//
+// A fixed node has N^-1 = 0. A fixed parent needs no row.
+void TreeElimination::eliminate(Node& node, Node& parent) {
+  const Vec3d d = node.x - parent.x;
+  const double l = length(d);
+  node.g = d * (1 / max(l, 1e-18));
+  node.C = l - node.length;
+  node.t = max(0.0, -node.lambda) / max(l, shortest * node.length);
+  const bool half = dot(node.g, node.g0) > little_turn;
+  node.f = half ? (node.g + node.g0) * 0.5 : node.g;
+  node.turn = half ? 0.5 * node.t : node.t;
+  const Mat3d tP = across(node.g) * node.turn;
+  node.D = node.fixed() ? Mat3d{} : inverse(node.D + tP);
+  const Vec3d n = node.D * node.f, free = node.D * node.r;
+  node.p = node.g - across(node.g, transpose(node.D) * node.g) * node.turn;
+  node.rest = node.C + dot(node.g, free);
+  const double sum = node.alpha + dot(node.g, n);
+  node.s = sum > 0 ? 1 / sum : 0;
+  if (parent.fixed()) return;
+  const Vec3d q = node.f - across(node.g, n) * node.turn;
+  parent.D = parent.D + tP - across(node.g, node.D) * (node.turn * node.turn) + outer(q * node.s, node.p);
+  parent.r += across(node.g, free) * node.turn + q * (node.s * node.rest);
+}
+
+// A link without length is linear in the difference d of its ends, which takes the place of C:
+//
+//   lambda = S (dx_p - d - D^-1 r),   S = (alpha~ I + D^-1)^-1,   dx_i = D^-1 (r + lambda)
+//   (D_p + S) dx_p = r_p + S (d + D^-1 r)
+void TreeElimination::eliminate_point(Node& node, Node& parent) {
+  node.g = node.x - parent.x;
+  node.D = node.fixed() ? Mat3d{} : inverse(node.D);
+  if (parent.fixed()) return;
+  const Mat3d S = inverse(node.D + scaled_identity(node.alpha));
+  parent.D = parent.D + S;
+  parent.r += S * (node.g + node.D * node.r);
+}
+
+// What the tension that was assumed for t moved a link's end wrongly, as a part of its length: the lighter end moves
+// by force / (mass + t). A stiff link's assumed tension may be a thousand times too large.
+double TreeElimination::by_tension(const Node& node, const Node& parent) {
+  const double t = max(0.0, -node.lambda) / max(node.C + node.length, shortest * node.length);
+  const double mass = node.fixed() || parent.fixed() ? node.mass + parent.mass : min(node.mass, parent.mass);
+  return abs(t - node.t) * length(across(node.g, node.dx - parent.dx)) / ((mass + t) * node.length);
+}
+
+// From the root to the leaves.
+TreeElimination::Change TreeElimination::substitute(std::size_t tree) {
+  const std::size_t begin = trees_.begin[tree], end = trees_.begin[tree + 1];
+  Node& root = nodes_[end - 1];
+  root.dx = root.fixed() ? Vec3d{} : inverse(root.D) * root.r;
+  Change change;
+  for (std::size_t k = end - 1; k-- > begin;) {
+    Node& node = nodes_[k];
+    const Node& parent = nodes_[trees_.nodes[k].parent];
+    node.dx = {};
+    if (node.fixed() && parent.fixed()) continue;
+    if (node.length > 0) {
+      node.lambda = node.s * (dot(node.p, parent.dx) - node.rest);
+      const Vec3d force = node.r + across(node.g, parent.dx) * node.turn + node.f * node.lambda;
+      if (!node.fixed()) node.dx = node.D * force;
+      change.longest = max(change.longest, length(node.dx - parent.dx) / node.length);
+      change.by_tension = max(change.by_tension, by_tension(node, parent));
+    } else {
+      node.lambdas = inverse(node.D + scaled_identity(node.alpha)) * (parent.dx - node.g - node.D * node.r);
+      if (!node.fixed()) node.dx = node.D * (node.r + node.lambdas);
+    }
+  }
+  return change;
+}
+
+void TreeElimination::add_external(ExternalMoves& external, const ParticleView& particles,
+                                   const Substep& substep) const {
+  const auto add = [&](std::size_t k, const Vec3d& force) {
+    if (nodes_[k].fixed()) return;
+    external.add(trees_.nodes[k].particle, Vec3f(force * (1 / nodes_[k].mass)));
+  };
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const TreeNode& node = trees_.nodes[k];
+    if (node.parent == k || !external.concerns(*distances_[node.set])) continue;
+    const Vec3d force = nodes_[k].length > 0 ? nodes_[k].f * nodes_[k].lambda : nodes_[k].lambdas;
+    add(k, force), add(node.parent, -force);
+  }
+  for (const Anchor& anchor : anchors_) {
+    const Node& node = nodes_[anchor.node];
+    if (node.fixed() || !external.concerns(*attachments_[anchor.set])) continue;
+    const Vec3d target(attachments_[anchor.set]->set().params(anchor.constraint).target);
+    const std::uint32_t particle = trees_.nodes[anchor.node].particle;
+    add(anchor.node, (target - position(particles, particles.moving, particle)) *
+                         (1 / anchor_alpha(anchor, square(substep.h))));
+  }
+}
+
+}  // namespace souple

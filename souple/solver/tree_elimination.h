@@ -1,0 +1,122 @@
+#pragma once
+
+#include "souple/constraints/attachment.h"
+#include "souple/constraints/distance.h"
+#include "souple/math/mat3.h"
+#include "souple/solver/distance_trees.h"
+#include "souple/solver/left_out.h"
+#include "souple/solver/projector.h"
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace souple {
+
+template <class Kind>
+class SetProjector;
+
+/// Solves trees of distances (ropes, chains, and what is tied to them by distance joints and attachments) exactly, in
+/// time linear in their length: elimination from the leaves to the root, without fill (Deul et al. 2018, "Direct
+/// position-based solver for stiff rods").
+///
+/// A tree ends the substep where implicit Euler does: x is the least of
+///
+///   1/2 |x - y|_M^2 + sum_j C_j^2 / (2 alpha~_j),     y: positions without the constraints of the tree
+///
+/// Newton's method for the positions and the multipliers lambda (tension positive in t) solves, until it moves no link
+/// by more than a hundredth of its length,
+///
+///   (M + T) dx - J^T lambda = M (y - x),   J dx + alpha~ lambda = -C,
+///   T = sum_j t_j (I - g_j g_j^T) on the difference of its ends,   t_j = max(0, -lambda_j) / |d_j|
+///
+/// with g_j = d_j / |d_j| the direction of the link. T is what the links' turning changes (their second derivative),
+/// of tension only: without it a swinging load of many times the rope's mass explodes, with compression the matrix
+/// would be indefinite (Tournier et al. 2015, "Stable constrained dynamics"). lambda starts at -C / alpha~ of the
+/// substep's start. Links without compliance, and links without length, need nothing special.
+///
+/// It is a projector with one color, whose elements are the trees. Several projections of a substep, with those of
+/// other constraints in between, converge to a common solution: y is the position without what the projections before
+/// have moved.
+class TreeElimination final : public Projector {
+ public:
+  /// Finds the trees among the distances of all projectors, and the attachments of their particles. Topology is found
+  /// again only when distances changed. Lengths, compliances, targets and masses are read in each projection.
+  void find(std::span<Projector* const> projectors, std::size_t particle_count);
+  bool has_trees() const { return trees_.size() > 0; }
+  /// The constraints of the trees; sweeps must leave them out.
+  const LeftOut& left_out() const { return left_out_; }
+  /// Adds what the constraints of other projectors than `internal` moved in this substep. Call after the last
+  /// projection.
+  void add_external(ExternalMoves& external, const ParticleView& particles, const Substep& substep) const;
+
+  std::string_view kind() const override { return "tree of distances"; }
+  /// None of its own.
+  std::size_t size() const override { return 0; }
+  void prepare(std::size_t) override {}
+  /// Takes part in every round of sweeps, as contacts do.
+  bool is_contact() const override { return true; }
+  int color_count() const override { return 1; }
+  std::size_t color_size(int) const override { return trees_.size(); }
+  void begin_substep(const ParticleView& particles, const Substep& substep) override;
+  using Projector::project;
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
+               const Substep& substep) override;
+  Residual residual(const ParticleView&) const override { return {}; }
+  void erase_particles(std::uint32_t, std::uint32_t) override {}
+
+ private:
+  /// A particle and the link to its parent.
+  struct Node {
+    double mass = 0;         ///< kg; 0: fixed
+    Vec3d x, y;              ///< m
+    Vec3d moved;             ///< by the projections of this substep [m]
+    double length = 0;       ///< rest length of the link [m]; 0: its ends coincide
+    double alpha = 0;        ///< alpha~ of the link [1/kg]
+    double lambda = 0;       ///< of the link, divided by h^2: a mass times a length [kg m]
+    Vec3d lambdas;           ///< of a link without length
+    Vec3d dx, r;             ///< unknown and right side
+    Mat3d D;                 ///< the node's block; once eliminated, the inverse N^-1
+    Vec3d g0, g;             ///< direction of the link at the substep's start and now
+    Vec3d f, p;              ///< direction of its force; see `eliminate`
+    double C = 0;            ///< of the link [m]
+    double t = 0, turn = 0;  ///< tension / length, and the part of it that turns with g
+    double s = 0, rest = 0;  ///< see `eliminate`
+    bool fixed() const { return mass == 0; }
+  };
+  /// Of a step of Newton's method, the largest of all links, as parts of their lengths.
+  struct Change {
+    double longest = 0;     ///< motion of a particle relative to its parent
+    double by_tension = 0;  ///< the part of it that follows from a wrong tension
+  };
+  /// An attachment of a node.
+  struct Anchor {
+    std::uint32_t node = 0, set = 0, constraint = 0;
+  };
+
+  void find_attachments(std::size_t particle_count);
+  void begin_tree(std::size_t tree, const ParticleView& particles, double h2);
+  bool is_fixed(std::size_t tree, const ParticleView& particles) const;
+  void load(std::size_t tree, const ParticleView& particles);
+  void assemble(std::size_t tree, double h2);
+  double anchor_alpha(const Anchor& anchor, double h2) const;
+  static void eliminate(Node& node, Node& parent);
+  static void eliminate_point(Node& node, Node& parent);
+  static double by_tension(const Node& node, const Node& parent);
+  Change substitute(std::size_t tree);
+  void solve(std::size_t tree, double h2);
+
+  DistanceTrees trees_;
+  std::vector<Node> nodes_;  ///< as trees_.nodes
+  std::vector<char> begun_;  ///< per tree: whether it was projected in this substep
+  std::vector<const SetProjector<Distance>*> distances_;
+  std::vector<const SetProjector<Attachment>*> attachments_;
+  std::vector<std::pair<const Projector*, std::uint64_t>> revisions_;  ///< of distances_
+  std::size_t particle_count_ = 0;
+  std::vector<Anchor> anchors_;               ///< ascending by node
+  std::vector<std::uint32_t> anchors_begin_;  ///< per tree
+  LeftOut left_out_;
+};
+
+}  // namespace souple
