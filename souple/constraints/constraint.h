@@ -53,6 +53,11 @@
 //   static float softness(const Params<float>& p, const std::array<float, compliance_size>& alpha,
 //                         const float (&w)[arity]);
 //
+// A bending constraint states the lengths of its gradients along the normal of a flat sheet, with their signs: to first
+// order C = |sum_k flat_gradient_k x_k| (solver/stiff_bending.h):
+//
+//   static std::array<float, arity> flat_gradient(const Params<float>& p);
+//
 // Where the gradient is undefined (0/0), evaluate returns C = 0 or a zero gradient, never a NaN. Thresholds
 // are relative: a constraint must behave alike at millimeters and at hundreds of meters.
 

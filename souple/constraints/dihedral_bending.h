@@ -28,6 +28,7 @@ struct DihedralBending {
   struct Params {
     T scale;                   ///< |e| / sqrt(A2 + A3)
     T rest_sine, rest_cosine;  ///< of theta0
+    T k1, k2, k3;              ///< see flat_gradient [1/m]
   };
 
   /// Edge x0 x1, opposite vertices x2 and x3. Throws Error when a triangle is degenerate.
@@ -38,8 +39,19 @@ struct DihedralBending {
     detail::require_valid_rest_shape(std::fmin(area2, area3), 0.4 * edge * edge, name);
     const DihedralAngle<double> angle = dihedral_angle(x);
     const double norm = std::hypot(angle.sine, angle.cosine);
-    return {static_cast<float>(length(e) / std::sqrt(area2 + area3)), static_cast<float>(angle.sine / norm),
-            static_cast<float>(angle.cosine / norm)};
+    const double scale = length(e) / std::sqrt(area2 + area3), ee = dot(e, e);
+    const double k2 = scale * length(e) / (2 * area2), k3 = scale * length(e) / (2 * area3);
+    const double k1 = -(k2 * dot(x[2] - x[0], e) + k3 * dot(x[3] - x[0], e)) / ee;
+    return {static_cast<float>(scale),
+            static_cast<float>(angle.sine / norm),
+            static_cast<float>(angle.cosine / norm),
+            static_cast<float>(k1),
+            static_cast<float>(k2),
+            static_cast<float>(k3)};
+  }
+
+  static std::array<float, 4> flat_gradient(const Params<float>& p) {
+    return {-(p.k1 + p.k2 + p.k3), p.k1, p.k2, p.k3};
   }
 
   /// alpha of a bending stiffness D [N m].

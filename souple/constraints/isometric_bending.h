@@ -45,6 +45,10 @@ struct IsometricBending {
     return {static_cast<float>(k1), static_cast<float>(k2), static_cast<float>(k3)};
   }
 
+  static std::array<float, 4> flat_gradient(const Params<float>& p) {
+    return {-(p.k1 + p.k2 + p.k3), p.k1, p.k2, p.k3};
+  }
+
   /// alpha of a bending stiffness D [N m].
   static std::array<float, 1> compliance(double bending_stiffness) {
     detail::require_positive(bending_stiffness, "bending stiffness [N m]");

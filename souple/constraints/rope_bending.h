@@ -2,6 +2,8 @@
 
 #include "souple/constraints/constraint.h"
 
+#include <array>
+
 namespace souple {
 
 /// Straightens three consecutive particles of a rope. C = |x0 - 2 x1 + x2|  [m]; for segments of length l
@@ -17,6 +19,8 @@ struct RopeBending {
   struct Params {
     T rest_length;  ///< l, rest length of one segment [m]
   };
+
+  static std::array<float, 3> flat_gradient(const Params<float>&) { return {1, -2, 1}; }
 
   template <class T>
   static T evaluate(const Vec3<T> (&x)[3], const Params<T>& p, Vec3<T> (&gradient)[3]) {

@@ -1,5 +1,6 @@
 #include "souple/solver/hierarchical.h"
 
+#include "souple/constraints/attachment.h"
 #include "souple/constraints/distance.h"
 #include "souple/constraints/triangle_membrane.h"
 #include "souple/solver/set_projector.h"
@@ -30,6 +31,9 @@ constexpr float finest_share = 0.55f;
 /// With SolverKind::automatic, pieces of fewer particles get no levels: at 14 x 14 plain sweeps leave a cotton
 /// cloth of 1 m 0.18 % too long.
 constexpr std::size_t smallest_piece = 200;
+/// Smaller ones that are long get levels: so many links across, and their square so many times the particles. A strip
+/// of 17 x 3 has 16 links and 5 times.
+constexpr std::size_t shortest_strip = 16, slenderness = 5;
 /// Minimum number of coarse particles per thread.
 constexpr std::size_t grain = 256;
 
@@ -93,6 +97,15 @@ void merge(std::vector<Link>& links, std::size_t particles) {
   links.resize(count);
 }
 
+/// Tied particles become one; links within them vanish.
+void contract(const TiedParticles& tied, std::vector<Link>& links) {
+  for (Link& link : links) {
+    const std::uint32_t a = tied.representative(link.a), b = tied.representative(link.b);
+    link.a = std::min(a, b), link.b = std::max(a, b);
+  }
+  std::erase_if(links, [](const Link& link) { return link.a == link.b; });
+}
+
 /// The particles of the links, ascending.
 std::vector<std::uint32_t> linked(std::span<const Link> links, std::size_t particles) {
   std::vector<bool> named(particles);
@@ -126,10 +139,53 @@ class Components {
   std::vector<std::uint32_t> root_, size_;
 };
 
-/// Removes the links of small pieces, which plain sweeps solve well.
+/// Finds how many links lie between the ends of pieces.
+class Extents {
+ public:
+  Extents(std::span<const Link> links, std::size_t particles) : begin_(particles + 1), reached_(particles) {
+    for (const Link& link : links) ++begin_[link.a + 1], ++begin_[link.b + 1];
+    for (std::size_t i = 0; i < particles; ++i) begin_[i + 1] += begin_[i];
+    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+    neighbor_.resize(2 * links.size());
+    for (const Link& link : links) neighbor_[next[link.a]++] = link.b, neighbor_[next[link.b]++] = link.a;
+  }
+  /// Links from the particle farthest from i to that farthest from there.
+  std::size_t across(std::uint32_t i) { return farthest(farthest(i).first).second; }
+
+ private:
+  std::pair<std::uint32_t, std::size_t> farthest(std::uint32_t from) {
+    ++search_;
+    std::vector<std::uint32_t> front{from}, next;
+    reached_[from] = search_;
+    for (std::size_t links = 0;; ++links, std::swap(front, next)) {
+      next.clear();
+      for (const std::uint32_t i : front)
+        for (std::uint32_t k = begin_[i]; k < begin_[i + 1]; ++k)
+          if (std::exchange(reached_[neighbor_[k]], search_) != search_) next.push_back(neighbor_[k]);
+      if (next.empty()) return {front.front(), links};
+    }
+  }
+  std::vector<std::uint32_t> begin_, neighbor_, reached_;
+  std::uint32_t search_ = 0;
+};
+
+/// Removes the links of pieces that plain sweeps solve well: small ones, unless they are long strips.
 void remove_small(std::vector<Link>& links, std::size_t particles) {
   Components components(links, particles);
-  std::erase_if(links, [&](const Link& link) { return components.size(link.a) < smallest_piece; });
+  std::vector<std::size_t> count(particles);  // of links, per piece, at its root
+  for (const Link& link : links) ++count[components.root(link.a)];
+  std::vector<bool> removed(particles);
+  std::unique_ptr<Extents> extents;
+  for (std::uint32_t i = 0; i < particles; ++i) {
+    const std::size_t size = components.size(i);
+    if (components.root(i) != i || size >= smallest_piece) continue;
+    removed[i] = true;
+    if (size < shortest_strip || count[i] < size) continue;  // ropes are no strips
+    if (!extents) extents = std::make_unique<Extents>(links, particles);
+    const std::size_t across = extents->across(i);
+    removed[i] = across < shortest_strip || across * across < slenderness * size;
+  }
+  std::erase_if(links, [&](const Link& link) { return removed[components.root(link.a)]; });
 }
 
 /// Per particle of a level: whether it is at most `near_radius` links away from an isolated pinned particle, one
@@ -192,7 +248,7 @@ bool Hierarchical::constraints_changed(std::span<Projector* const> projectors) {
 
 bool Hierarchical::masses_changed(const ParticleView& particles) const {
   for (std::size_t i = 0; i < particle_.size(); ++i)
-    if (masses_[i] != inverse(particles.inverse_mass(particle_[i]))) return true;
+    if (masses_[i] != tied_.mass(particle_[i], particles)) return true;
   return false;
 }
 
@@ -214,6 +270,7 @@ std::vector<Link> Hierarchical::links_of(std::span<Projector* const> projectors,
     if (const auto* membranes = dynamic_cast<const SetProjector<TriangleMembrane>*>(projector))
       add_links(*membranes, links);
   }
+  contract(tied_, links);
   merge(links, particles);
   if (automatic_) remove_small(links, particles);
   return links;
@@ -225,33 +282,38 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
 
 void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles,
                            Threads& threads) {
+  if (automatic_) stiff_bending_.prepare(projectors, particles);
   if (automatic_) add_trees(projectors, particles.position.size());
-  bool links_changed = false;
-  if (constraints_changed(projectors)) {
+  TiedParticles tied(projectors, particles);
+  bool links_changed = tied != tied_;
+  tied_ = std::move(tied);
+  if (constraints_changed(projectors) || links_changed) {
     std::vector<Link> links = links_of(projectors, particles.position.size());
-    links_changed = links != links_;
+    links_changed = links_changed || links != links_;
     links_ = std::move(links);
     particle_ = linked(links_, particles.position.size());
   }
   if (!links_changed && !masses_changed(particles)) return;
   const ActiveScope awake(threads);
   masses_.clear();
-  for (const std::uint32_t i : particle_) masses_.push_back(inverse(particles.inverse_mass(i)));
+  for (const std::uint32_t i : particle_) masses_.push_back(tied_.mass(i, particles));
   std::vector<std::uint32_t> number(particles.position.size(), none);
   for (std::uint32_t i = 0; i < particle_.size(); ++i) number[particle_[i]] = i;
   std::vector<Link> links = links_;
   for (Link& link : links) link.a = number[link.a], link.b = number[link.b];
   levels_.clear();
-  for (CoarseLevel& level : build_levels(links, masses_, coarsest_size, threads)) add_level(std::move(level));
+  for (CoarseLevel& level : build_levels(links, masses_, coarsest_size, threads))
+    add_level(std::move(level), particles);
   compliant_ =
       std::any_of(links_.begin(), links_.end(), [](const Link& link) { return std::isfinite(link.energy); });
   inverse_masses_.clear();
   for (const Link& link : links_)
-    inverse_masses_.push_back(particles.inverse_mass(link.a) + particles.inverse_mass(link.b));
+    inverse_masses_.push_back(inverse(tied_.mass(link.a, particles)) +
+                              inverse(tied_.mass(link.b, particles)));
   gains_for_ = {};
 }
 
-void Hierarchical::add_level(CoarseLevel map) {
+void Hierarchical::add_level(CoarseLevel map, const ParticleView& particles) {
   const std::span<const std::uint32_t> finer = levels_.empty() ? particle_ : levels_.back().particle;
   Level level;
   for (const std::uint32_t i : map.finer) level.particle.push_back(finer[i]);
@@ -266,24 +328,31 @@ void Hierarchical::add_level(CoarseLevel map) {
   std::iota(links.begin(), links.end(), 0u);
   level.all = LevelLinks(map, links);
   level.map = std::move(map);
-  find_transfers(level);
+  find_transfers(level, particles);
   find_slots(level);
   add_links_near_pins(level);
   levels_.push_back(std::move(level));
 }
 
-void Hierarchical::find_transfers(Level& level) const {
+// Those of the first level act on every particle of the world that is tied to a linked one.
+void Hierarchical::find_transfers(Level& level, const ParticleView& particles) const {
   const CoarseLevel& map = level.map;
+  const auto for_each = [&](std::uint32_t i, const auto& f) {
+    levels_.empty() ? tied_.for_each(particle_[i], particles, f) : f(i, 1.0f);
+  };
   const std::size_t finer_count = map.parent_begin.size() - 1;
-  for (std::uint32_t i = 0; i < finer_count; ++i) {
-    level.finer.push_back(levels_.empty() ? particle_[i] : i);
-    for (std::uint32_t k = map.parent_begin[i]; k < map.parent_begin[i + 1]; ++k)
-      level.prolongation.add(map.parent[k], map.weight[k]);
-    level.prolongation.end_row();
-  }
+  for (std::uint32_t i = 0; i < finer_count; ++i)
+    for_each(i, [&](std::uint32_t finer, float) {
+      level.finer.push_back(finer);
+      for (std::uint32_t k = map.parent_begin[i]; k < map.parent_begin[i + 1]; ++k)
+        level.prolongation.add(map.parent[k], map.weight[k]);
+      level.prolongation.end_row();
+    });
   for (std::size_t j = 0; j < map.mass.size(); ++j) {
     for (std::uint32_t k = map.child_begin[j]; k < map.child_begin[j + 1]; ++k)
-      level.restriction.add(level.finer[map.child[k]], map.child_weight[k]);
+      for_each(map.child[k], [&](std::uint32_t finer, float part) {
+        if (part > 0) level.restriction.add(finer, map.child_weight[k] * part);
+      });
     level.restriction.end_row();
   }
 }
@@ -468,16 +537,25 @@ void Hierarchical::project_levels(const ParticleView& particles, Threads& thread
   prolong(levels_.front(), particles.position, particles.moving, threads);
 }
 
+// Levels take attached particles for fixed: they move first.
+void Hierarchical::sweep_attachments(std::span<Projector* const> projectors, const ParticleView& particles,
+                                     const Substep& substep, Threads& threads) {
+  for (Projector* projector : projectors)
+    if (dynamic_cast<SetProjector<Attachment>*>(projector)) sweep(*projector, particles, substep, threads);
+}
+
 void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleView& particles,
                          const Substep& substep, Threads& threads) {
+  const bool small_steps = substep.mode == Mode::small_steps;
+  const bool with_levels = !levels_.empty() && (!automatic_ || (small_steps && substep.levels));
+  if (with_levels && tied_.has_attached()) sweep_attachments(projectors, particles, substep, threads);
   if (!automatic_) {
     for (int iteration = 0; iteration < substep.iterations; ++iteration) {
-      correct_levels(particles, substep, iteration, threads);
+      if (with_levels) correct_levels(particles, substep, iteration, threads);
       for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);
     }
     return;
   }
-  const bool small_steps = substep.mode == Mode::small_steps;
   const bool with_trees = small_steps && trees_.has_trees();
   Substep swept = substep;
   if (with_trees) {
@@ -485,8 +563,10 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
     projectors = with_trees_;
     trees_.begin_substep(particles, substep);
   }
+  stiff_bending_.begin_substep(substep);
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
-    if (small_steps && substep.levels) correct_levels(particles, substep, iteration, threads);
+    stiff_bending_.solve(particles, substep, iteration, threads);
+    if (with_levels) correct_levels(particles, substep, iteration, threads);
     sweep_as_needed(projectors, particles, swept, threads, motion_);
   }
   if (with_trees && substep.external != nullptr) trees_.add_external(*substep.external, particles, substep);
@@ -494,7 +574,6 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
 
 void Hierarchical::correct_levels(const ParticleView& particles, const Substep& substep, int iteration,
                                   Threads& threads) {
-  if (levels_.empty()) return;
   restrict_particles(particles, threads);
   if (iteration == 0) measure(particles, threads), set_gains(substep);
   project_levels(particles, threads);

@@ -3,6 +3,8 @@
 #include "souple/solver/hierarchical_levels.h"
 #include "souple/solver/level_links.h"
 #include "souple/solver/solver.h"
+#include "souple/solver/stiff_bending.h"
+#include "souple/solver/tied_particles.h"
 #include "souple/solver/tree_elimination.h"
 #include "souple/solver/weighted_sums.h"
 
@@ -30,6 +32,8 @@ namespace souple {
 ///
 /// Where a few pinned particles carry a whole cloth, stress grows towards them faster than levels get finer.
 /// There each level sweeps the links around them a few times more.
+///
+/// Particles that are tied rigidly are one particle of the levels, and attached ones are fixed (TiedParticles).
 ///
 /// With compliance, a coarse link is a spring in parallel with the finer links. Its stiffness and the
 /// stiffness that the sweeps of the finer levels reach add up to that of the material.
@@ -79,9 +83,9 @@ class Hierarchical final : public Solver {
     std::vector<std::uint32_t> path_begin, path;  ///< slots of the finer links; see CoarseLevel::path
   };
 
-  void add_level(CoarseLevel map);
+  void add_level(CoarseLevel map, const ParticleView& particles);
   static void add_links_near_pins(Level& level);
-  void find_transfers(Level& level) const;
+  void find_transfers(Level& level, const ParticleView& particles) const;
   void find_slots(Level& level) const;
   void measure(const ParticleView& particles, Threads& threads);
   void measure_paths(std::size_t l, Threads& threads);
@@ -94,6 +98,8 @@ class Hierarchical final : public Solver {
   void project_levels(const ParticleView& particles, Threads& threads);
   static void prolong(const Level& from, std::span<const Vec4f> inverse_mass, std::span<Vec4f> to,
                       Threads& threads);
+  static void sweep_attachments(std::span<Projector* const> projectors, const ParticleView& particles,
+                                const Substep& substep, Threads& threads);
   int sweeps_of(std::size_t l) const;
 
   bool constraints_changed(std::span<Projector* const> projectors);
@@ -106,9 +112,11 @@ class Hierarchical final : public Solver {
   std::vector<std::pair<const Projector*, std::uint64_t>> revisions_;  ///< of the sets that links_ come from
   std::vector<Link> links_;              ///< links of the finest level; ends are the world's particles
   std::vector<float> inverse_masses_;    ///< per link: sum of the inverse masses of its two ends [1/kg]
+  TiedParticles tied_;                   ///< one linked particle each
   std::vector<float> masses_;            ///< per linked particle [kg]; 0: fixed
-  std::vector<std::uint32_t> particle_;  ///< per linked particle: its particle in the world, ascending
+  std::vector<std::uint32_t> particle_;  ///< per linked particle: its representative in the world, ascending
   std::vector<Level> levels_;            ///< finest first
+  StiffBending stiff_bending_;           ///< only with SolverKind::automatic
   std::vector<Vec4f> motion_;            ///< work space of sweep_as_needed
   bool compliant_ = false;
   Substep gains_for_;  ///< substep of the current gains; length 0: none
