@@ -56,9 +56,10 @@ LinkEnds::LinkEnds(std::span<const Link> links, std::size_t particles, Threads& 
   threads.for_each(particles, grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto first = ends_.begin() + begin_[i], last = ends_.begin() + begin_[i + 1];
-      std::partial_sort(
-          first, first + std::min<std::ptrdiff_t>(sorted, last - first), last,
-          [](const End& p, const End& q) { return std::pair(p.length, p.to) < std::pair(q.length, q.to); });
+      if (last - first > static_cast<std::ptrdiff_t>(max_shortest))
+        std::nth_element(first, first + max_shortest, last, [](const End& p, const End& q) {
+          return std::pair(p.length, p.to) < std::pair(q.length, q.to);
+        });
     }
   });
 }
@@ -108,16 +109,16 @@ void LinkTriangles::find_triangles(std::uint32_t first, std::uint32_t last,
 Marcher::Marcher(const LinkTriangles& triangles)
     : triangles_(triangles), seen_(triangles.size()), squared_(triangles.size(), infinity) {}
 
-std::span<const Marcher::Reached> Marcher::march(std::uint32_t source, float radius, float max_beyond) {
-  begin(source, max_beyond);
+std::span<const Marcher::Reached> Marcher::march(std::uint32_t source, float radius) {
+  begin(source, radius);
   while (next_length() <= radius) reach_next();
   return reached_;
 }
 
-void Marcher::begin(std::uint32_t source, float max_length) {
+void Marcher::begin(std::uint32_t source, float radius) {
   for (const Reached& r : reached_) squared_[r.particle] = infinity;
   reached_.clear(), heap_.clear(), offered_.clear();
-  max_length_ = max_length;
+  radius_ = radius;
   ++march_;
   offer(source, 0);
 }
@@ -151,7 +152,6 @@ std::span<const Marcher::Reached> Marcher::beyond() {
 }
 
 void Marcher::offer(std::uint32_t v, float length) {
-  if (length > max_length_) return;
   Seen& seen = seen_[v];
   if (seen.march != march_) {
     seen.march = march_;
@@ -160,6 +160,7 @@ void Marcher::offer(std::uint32_t v, float length) {
     return;
   }
   seen.length = length;
+  if (length > radius_) return;
   heap_.push_back(std::uint64_t{std::bit_cast<std::uint32_t>(length)} << 32 | v);
   std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
 }

@@ -11,7 +11,7 @@
 
 namespace souple {
 
-/// The ends of the links of each particle; the shortest come first, in order of length.
+/// The ends of the links of each particle; the shortest come first.
 class LinkEnds {
  public:
   struct End {
@@ -20,7 +20,7 @@ class LinkEnds {
     std::uint32_t link = 0;
   };
   /// Longer links than a particle's eight shortest add no information about lengths along the material.
-  static constexpr std::size_t sorted = 8;
+  static constexpr std::size_t max_shortest = 8;
 
   LinkEnds(std::span<const Link> links, std::size_t particles, Threads& threads);
 
@@ -28,7 +28,9 @@ class LinkEnds {
   std::span<const End> of(std::uint32_t i) const {
     return {ends_.data() + begin_[i], ends_.data() + begin_[i + 1]};
   }
-  std::span<const End> shortest(std::uint32_t i) const { return of(i).first(std::min(sorted, of(i).size())); }
+  std::span<const End> shortest(std::uint32_t i) const {
+    return of(i).first(std::min(max_shortest, of(i).size()));
+  }
 
  private:
   std::vector<std::uint32_t> begin_;
@@ -84,7 +86,8 @@ class Marcher {
   explicit Marcher(const LinkTriangles& triangles);
 
   /// Particles no farther than `radius` from `source`, nearest first; valid until the next march.
-  std::span<const Reached> march(std::uint32_t source, float radius, float max_beyond);
+  std::span<const Reached> march(std::uint32_t source, float radius);
+  /// The same, but as far as `max_radius` until enough(particle) is true of a particle reached.
   template <class Enough>
   std::span<const Reached> march(std::uint32_t source, float min_radius, float max_radius,
                                  const Enough& enough) {
@@ -93,8 +96,8 @@ class Marcher {
     while (next_length() <= (is_enough ? min_radius : max_radius)) is_enough = enough(reach_next());
     return reached_;
   }
-  /// Neighbors of these particles, farther than the radius and no farther than `max_beyond`. Their lengths are those
-  /// across triangles of particles reached; in the end they might be shorter.
+  /// Neighbors of these particles that were not reached. Their lengths are those across triangles of particles
+  /// reached: a longer march might find shorter ones.
   std::span<const Reached> beyond();
 
  private:
@@ -103,7 +106,7 @@ class Marcher {
     float length = 0;         // the shortest offered
   };
 
-  void begin(std::uint32_t source, float max_length);
+  void begin(std::uint32_t source, float radius);
   float next_length();
   std::uint32_t reach_next();
   void pop();
@@ -112,7 +115,7 @@ class Marcher {
 
   const LinkTriangles& triangles_;
   std::uint32_t march_ = 0;
-  float max_length_ = 0;
+  float radius_ = 0;
   std::vector<Seen> seen_;
   std::vector<float> squared_;       // per particle: square of its length; infinite if not reached
   std::vector<std::uint64_t> heap_;  // bits of the length, particle

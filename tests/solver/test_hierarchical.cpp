@@ -208,6 +208,45 @@ TEST(HierarchicalLevels, AUniformStretchIsHandedDownInside) {
   EXPECT_LT(error, 0.1 * 2 / 59) << "the mean error exceeds a tenth of a cell";
 }
 
+TEST(HierarchicalLevels, DoNotDependOnThreads) {
+  const Sheet sheet(80, true);
+  std::vector<float> masses(sheet.body.position.size(), 1.0f);
+  masses[0] = masses[79] = masses[80 * 40 + 40] = 0;
+  const auto several = make_threads(Threading::pool, 3);
+  const std::vector<CoarseLevel> one = build_levels(links_of(sheet), masses, 24, *serial());
+  const std::vector<CoarseLevel> other = build_levels(links_of(sheet), masses, 24, *several);
+  ASSERT_EQ(one.size(), other.size());
+  for (std::size_t l = 0; l < one.size(); ++l) {
+    EXPECT_EQ(one[l].finer, other[l].finer);
+    EXPECT_EQ(one[l].links, other[l].links);
+    EXPECT_EQ(one[l].path, other[l].path);
+    EXPECT_EQ(one[l].parent, other[l].parent);
+    EXPECT_EQ(one[l].weight, other[l].weight);
+    EXPECT_EQ(one[l].child_weight, other[l].child_weight);
+    EXPECT_EQ(one[l].mass, other[l].mass);
+  }
+}
+
+// A vertex that is pinned, or freed, gives the levels that a solver builds from scratch.
+TEST(Hierarchical, PinsThatComeAndGoLeaveNoTrace) {
+  const auto threads = serial();
+  const auto moved = [&](bool changes) {
+    Sheet sheet(40, false);
+    sheet.pin_first_row();
+    const float free = sheet.body.position[20 * 40 + 20].w;
+    sheet.body.position[20 * 40 + 20].w = changes ? 0 : free;
+    const auto solver = prepared(sheet);
+    sheet.body.position[20 * 40 + 20].w = free;
+    sheet.distances.prepare_sweeps(sheet.body.view(), true);
+    Projector* const projectors[] = {&sheet.distances};
+    solver->prepare(projectors, sheet.body.view());
+    for (int frame = 0; frame < 5; ++frame) sheet.frame(*solver, 4, 9.81f, *threads);
+    return sheet.body.position;
+  };
+  const std::vector<Vec4f> once = moved(false), twice = moved(true);
+  EXPECT_EQ(std::memcmp(once.data(), twice.data(), once.size() * sizeof(Vec4f)), 0);
+}
+
 TEST(Hierarchical, StretchedClothConvergesFiveTimesFaster) {
   // A stretch of 10 % along the cloth, first row pinned, no gravity: the slowest case of Gauss-Seidel.
   Sheet stretched(100, false);
