@@ -252,7 +252,7 @@ bool Hierarchical::masses_changed(const ParticleView& particles) const {
   return false;
 }
 
-// Trees are eliminated after the sweeps of all constraints, so that the ties of heavy things hold, and before contacts.
+// Trees are eliminated after the sweeps of all constraints, so that the ties of heavy objects hold, and before contacts.
 void Hierarchical::add_trees(std::span<Projector* const> projectors, std::size_t particle_count) {
   trees_.find(projectors, particle_count);
   with_trees_.assign(projectors.begin(), projectors.end());

@@ -43,17 +43,6 @@ Mat3d scaled_identity(double s) {
   return Mat3d::diagonal({s, s, s});
 }
 
-/// I - g g^T.
-Mat3d across(const Vec3d& g) {
-  return Mat3d::identity() - outer(g, g);
-}
-
-/// P N P with P = I - g g^T.
-Mat3d across(const Vec3d& g, const Mat3d& N) {
-  const Vec3d right = N * g, left = transpose(N) * g;
-  return N - outer(right, g) - outer(g, left - g * dot(g, right));
-}
-
 }  // namespace
 
 void TreeElimination::find(std::span<Projector* const> projectors, std::size_t particle_count) {
@@ -78,6 +67,7 @@ void TreeElimination::find(std::span<Projector* const> projectors, std::size_t p
       }
     trees_ = find_trees(links, particle_count);
     nodes_.assign(trees_.nodes.size(), {});
+    kept_.assign(trees_.nodes.size(), {});
   }
   left_out_.clear();
   std::vector<std::vector<std::uint32_t>> of_set(distances_.size());
@@ -120,101 +110,113 @@ void TreeElimination::begin_substep(const ParticleView&, const Substep&) {
   begun_.assign(trees_.size(), 0);
 }
 
-// Rest lengths and compliances of the links, and their tension at the substep's start.
-void TreeElimination::begin_tree(std::size_t tree, const ParticleView& particles, double h2) {
-  const std::size_t begin = trees_.begin[tree], end = trees_.begin[tree + 1];
-  for (std::size_t k = begin; k < end; ++k) {
-    Node& node = nodes_[k];
-    const TreeNode& at = trees_.nodes[k];
-    const auto w = static_cast<double>(particles.inverse_mass(at.particle));
-    node.mass = w > 0 ? 1 / w : 0;
-    node.moved = {};
-    node.x = position(particles, particles.start, at.particle);
-  }
-  for (std::size_t k = begin; k + 1 < end; ++k) {
-    Node& node = nodes_[k];
-    const TreeNode& at = trees_.nodes[k];
-    const Node& parent = nodes_[at.parent];
-    const auto& set = distances_[at.set]->set();
-    node.length = max(0.0, static_cast<double>(set.params(at.constraint).rest_length));
-    node.alpha = static_cast<double>(set.compliance(at.constraint)[0]) / h2;
-    node.lambda = node.alpha > 0 ? (node.length - length(node.x - parent.x)) / node.alpha : 0;
-    node.g0 = normalized(node.x - parent.x);
-    if (node.fixed() && !parent.fixed()) node.alpha = max(node.alpha, floor / parent.mass);
-  }
-}
-
 bool TreeElimination::is_fixed(std::size_t tree, const ParticleView& particles) const {
   for (std::size_t k = trees_.begin[tree]; k < trees_.begin[tree + 1]; ++k)
     if (particles.inverse_mass(trees_.nodes[k].particle) > 0) return false;
   return true;
 }
 
+// All trees of a call use the memory of the first nodes, which stays in the cache: no tree has more nodes than all.
 void TreeElimination::project(int, std::size_t begin, std::size_t end, const ParticleView& particles,
                               const Substep& substep) {
   for (std::size_t tree = begin; tree < end; ++tree) {
     if (is_fixed(tree, particles)) continue;
-    if (begun_[tree] == 0) begin_tree(tree, particles, square(substep.h));
+    Work work{trees_.begin[tree], {}, square(substep.h)};
+    work.nodes = std::span(nodes_).subspan(trees_.begin[begin], trees_.begin[tree + 1] - work.begin);
+    load(work, particles, begun_[tree] != 0);
     begun_[tree] = 1;
-    load(tree, particles);
-    solve(tree, square(substep.h));
-    for (std::size_t k = trees_.begin[tree]; k < trees_.begin[tree + 1]; ++k) {
-      Node& node = nodes_[k];
-      if (node.fixed()) continue;
-      const std::uint32_t i = trees_.nodes[k].particle;
-      const Vec3d change = node.x - position(particles, particles.moving, i);
-      node.moved += change;
-      particles.moving[i].set_xyz(Vec3f(Vec3d(particles.moving[i].xyz()) + change));
+    solve(tree, work);
+    store(work, particles, substep.external != nullptr);
+  }
+}
+
+void TreeElimination::load(const Work& work, const ParticleView& particles, bool begun) {
+  for (std::size_t k = 0; k < work.nodes.size(); ++k) {
+    Node& node = work.nodes[k];
+    const std::uint32_t i = trees_.nodes[work.begin + k].particle;
+    const auto w = static_cast<double>(particles.inverse_mass(i));
+    node.mass = w > 0 ? 1 / w : 0;
+    node.x = position(particles, particles.start, i);
+  }
+  for (std::size_t k = 0; k + 1 < work.nodes.size(); ++k)
+    load_link(work.nodes[k], parent_of(work, k), trees_.nodes[work.begin + k], work.h2);
+  for (std::size_t k = 0; k < work.nodes.size(); ++k) {
+    Node& node = work.nodes[k];
+    Kept& kept = kept_[work.begin + k];
+    if (begun) {
+      node.lambda = kept.lambda;
+    } else {
+      kept.moved = {};
     }
+    node.x = position(particles, particles.moving, trees_.nodes[work.begin + k].particle);
+    node.y = node.x - kept.moved;
   }
 }
 
-void TreeElimination::load(std::size_t tree, const ParticleView& particles) {
-  for (std::size_t k = trees_.begin[tree]; k < trees_.begin[tree + 1]; ++k) {
-    nodes_[k].x = position(particles, particles.moving, trees_.nodes[k].particle);
-    nodes_[k].y = nodes_[k].x - nodes_[k].moved;
+// Rest length and compliance, and direction and multiplier of the substep's start.
+void TreeElimination::load_link(Node& node, const Node& parent, const TreeNode& link, double h2) const {
+  const auto& set = distances_[link.set]->set();
+  const Vec3d d = node.x - parent.x;
+  const double l = length(d);
+  node.length = max(0.0, static_cast<double>(set.params(link.constraint).rest_length));
+  node.alpha = static_cast<double>(set.compliance(link.constraint)[0]) / h2;
+  node.lambda = node.alpha > 0 ? (node.length - l) / node.alpha : 0;
+  node.g0 = d * (1 / max(l, 1e-18));
+  if (node.fixed() && !parent.fixed()) node.alpha = max(node.alpha, floor / parent.mass);
+}
+
+void TreeElimination::store(const Work& work, const ParticleView& particles, bool with_forces) {
+  for (std::size_t k = 0; k < work.nodes.size(); ++k) {
+    const Node& node = work.nodes[k];
+    Kept& kept = kept_[work.begin + k];
+    kept.lambda = node.lambda;
+    if (with_forces) kept.force = node.length > 0 ? node.f * node.lambda : node.lambdas;
+    if (node.fixed()) continue;
+    const std::uint32_t i = trees_.nodes[work.begin + k].particle;
+    const Vec3d change = node.x - position(particles, particles.moving, i);
+    kept.moved += change;
+    particles.moving[i].set_xyz(Vec3f(Vec3d(particles.moving[i].xyz()) + change));
   }
 }
 
-void TreeElimination::solve(std::size_t tree, double h2) {
+void TreeElimination::solve(std::size_t tree, const Work& work) {
   for (int step = 0; step < most_steps; ++step) {
-    assemble(tree, h2);
-    const Change change = substitute(tree);
+    assemble(tree, work);
+    const Change change = substitute(work);
     const double part = change.longest > longest_step ? longest_step / change.longest : 1;
-    for (std::size_t k = trees_.begin[tree]; k < trees_.begin[tree + 1]; ++k)
-      nodes_[k].x += nodes_[k].dx * part;
+    for (Node& node : work.nodes) node.x += node.dx * part;
     if (change.longest < enough && change.by_tension < enough_of_tension) return;
   }
 }
 
-double TreeElimination::anchor_alpha(const Anchor& anchor, double h2) const {
-  const auto alpha = static_cast<double>(attachments_[anchor.set]->set().compliance(anchor.constraint)[0]);
-  return max(alpha / h2, floor / nodes_[anchor.node].mass);
+double TreeElimination::anchor_alpha(const Anchor& anchor, double mass, double h2) const {
+  return max(static_cast<double>(attachments_[anchor.set]->set().compliance(anchor.constraint)[0]) / h2,
+             floor / mass);
 }
 
 // Fills D and r, and eliminates all nodes but the root.
-void TreeElimination::assemble(std::size_t tree, double h2) {
-  const std::size_t begin = trees_.begin[tree], end = trees_.begin[tree + 1];
-  for (std::size_t k = begin; k < end; ++k) {
-    Node& node = nodes_[k];
+void TreeElimination::assemble(std::size_t tree, const Work& work) {
+  for (Node& node : work.nodes) {
     node.D = scaled_identity(node.mass);
     node.r = (node.y - node.x) * node.mass;
   }
   for (std::size_t a = anchors_begin_[tree]; a < anchors_begin_[tree + 1]; ++a) {
-    Node& node = nodes_[anchors_[a].node];
+    const Anchor& anchor = anchors_[a];
+    Node& node = work.nodes[anchor.node - work.begin];
     if (node.fixed()) continue;
-    const double stiffness = 1 / anchor_alpha(anchors_[a], h2);
-    const Vec3d target(attachments_[anchors_[a].set]->set().params(anchors_[a].constraint).target);
+    const double stiffness = 1 / anchor_alpha(anchor, node.mass, work.h2);
+    const Vec3d target(attachments_[anchor.set]->set().params(anchor.constraint).target);
     node.D = node.D + scaled_identity(stiffness);
     node.r += (target - node.x) * stiffness;
   }
-  for (std::size_t k = begin; k + 1 < end; ++k) {
-    Node& parent = nodes_[trees_.nodes[k].parent];
-    if (nodes_[k].fixed() && parent.fixed()) continue;
-    if (nodes_[k].length > 0) {
-      eliminate(nodes_[k], parent);
+  for (std::size_t k = 0; k + 1 < work.nodes.size(); ++k) {
+    Node& node = work.nodes[k];
+    Node& parent = parent_of(work, k);
+    if (node.fixed() && parent.fixed()) continue;
+    if (node.length > 0) {
+      eliminate(node, parent);
     } else {
-      eliminate_point(nodes_[k], parent);
+      eliminate_point(node, parent);
     }
   }
 }
@@ -243,16 +245,19 @@ void TreeElimination::eliminate(Node& node, Node& parent) {
   const bool half = dot(node.g, node.g0) > little_turn;
   node.f = half ? (node.g + node.g0) * 0.5 : node.g;
   node.turn = half ? 0.5 * node.t : node.t;
-  const Mat3d tP = across(node.g) * node.turn;
+  const Mat3d tP = scaled_identity(node.turn) - outer(node.g * node.turn, node.g);
   node.D = node.fixed() ? Mat3d{} : inverse(node.D + tP);
-  const Vec3d n = node.D * node.f, free = node.D * node.r;
-  node.p = node.g - across(node.g, transpose(node.D) * node.g) * node.turn;
+  const Vec3d right = node.D * node.g, left = transpose(node.D) * node.g, n = node.D * node.f,
+              free = node.D * node.r;
+  node.p = node.g - across(node.g, left) * node.turn;
   node.rest = node.C + dot(node.g, free);
   const double sum = node.alpha + dot(node.g, n);
   node.s = sum > 0 ? 1 / sum : 0;
   if (parent.fixed()) return;
   const Vec3d q = node.f - across(node.g, n) * node.turn;
-  parent.D = parent.D + tP - across(node.g, node.D) * (node.turn * node.turn) + outer(q * node.s, node.p);
+  const Vec3d gPN = left - node.g * dot(node.g, right);  // P N^-1 P = N^-1 - right g^T - g gPN^T
+  const Mat3d PNP = node.D - outer(right, node.g) - outer(node.g, gPN);
+  parent.D = parent.D + tP - PNP * (node.turn * node.turn) + outer(q * node.s, node.p);
   parent.r += across(node.g, free) * node.turn + q * (node.s * node.rest);
 }
 
@@ -278,14 +283,13 @@ double TreeElimination::by_tension(const Node& node, const Node& parent) {
 }
 
 // From the root to the leaves.
-TreeElimination::Change TreeElimination::substitute(std::size_t tree) {
-  const std::size_t begin = trees_.begin[tree], end = trees_.begin[tree + 1];
-  Node& root = nodes_[end - 1];
-  root.dx = root.fixed() ? Vec3d{} : inverse(root.D) * root.r;
+TreeElimination::Change TreeElimination::substitute(const Work& work) const {
   Change change;
-  for (std::size_t k = end - 1; k-- > begin;) {
-    Node& node = nodes_[k];
-    const Node& parent = nodes_[trees_.nodes[k].parent];
+  Node& root = work.nodes.back();
+  root.dx = root.fixed() ? Vec3d{} : inverse(root.D) * root.r;
+  for (std::size_t k = work.nodes.size() - 1; k-- > 0;) {
+    Node& node = work.nodes[k];
+    const Node& parent = parent_of(work, k);
     node.dx = {};
     if (node.fixed() && parent.fixed()) continue;
     if (node.length > 0) {
@@ -304,23 +308,24 @@ TreeElimination::Change TreeElimination::substitute(std::size_t tree) {
 
 void TreeElimination::add_external(ExternalMoves& external, const ParticleView& particles,
                                    const Substep& substep) const {
-  const auto add = [&](std::size_t k, const Vec3d& force) {
-    if (nodes_[k].fixed()) return;
-    external.add(trees_.nodes[k].particle, Vec3f(force * (1 / nodes_[k].mass)));
+  const auto add = [&](std::uint32_t particle, const Vec3d& force) {
+    external.add(particle, Vec3f(force * static_cast<double>(particles.inverse_mass(particle))));
   };
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    const TreeNode& node = trees_.nodes[k];
-    if (node.parent == k || !external.concerns(*distances_[node.set])) continue;
-    const Vec3d force = nodes_[k].length > 0 ? nodes_[k].f * nodes_[k].lambda : nodes_[k].lambdas;
-    add(k, force), add(node.parent, -force);
+  for (std::size_t tree = 0; tree < trees_.size(); ++tree) {
+    if (begun_[tree] == 0) continue;
+    for (std::size_t k = trees_.begin[tree]; k + 1 < trees_.begin[tree + 1]; ++k) {
+      const TreeNode& node = trees_.nodes[k];
+      if (!external.concerns(*distances_[node.set])) continue;
+      add(node.particle, kept_[k].force), add(trees_.nodes[node.parent].particle, -kept_[k].force);
+    }
   }
   for (const Anchor& anchor : anchors_) {
-    const Node& node = nodes_[anchor.node];
-    if (node.fixed() || !external.concerns(*attachments_[anchor.set])) continue;
+    const std::uint32_t i = trees_.nodes[anchor.node].particle;
+    const auto w = static_cast<double>(particles.inverse_mass(i));
+    if (w == 0 || !external.concerns(*attachments_[anchor.set])) continue;
     const Vec3d target(attachments_[anchor.set]->set().params(anchor.constraint).target);
-    const std::uint32_t particle = trees_.nodes[anchor.node].particle;
-    add(anchor.node, (target - position(particles, particles.moving, particle)) *
-                         (1 / anchor_alpha(anchor, square(substep.h))));
+    add(i, (target - position(particles, particles.moving, i)) *
+               (1 / anchor_alpha(anchor, 1 / w, square(substep.h))));
   }
 }
 

@@ -71,7 +71,6 @@ class TreeElimination final : public Projector {
   struct Node {
     double mass = 0;         ///< kg; 0: fixed
     Vec3d x, y;              ///< m
-    Vec3d moved;             ///< by the projections of this substep [m]
     double length = 0;       ///< rest length of the link [m]; 0: its ends coincide
     double alpha = 0;        ///< alpha~ of the link [1/kg]
     double lambda = 0;       ///< of the link, divided by h^2: a mass times a length [kg m]
@@ -95,20 +94,38 @@ class TreeElimination final : public Projector {
     std::uint32_t node = 0, set = 0, constraint = 0;
   };
 
+  /// What later projections of the substep need of a node.
+  struct Kept {
+    Vec3d moved;        ///< by the projections so far [m]
+    double lambda = 0;  ///< of the link
+    Vec3d force;        ///< f lambda, if forces are recorded
+  };
+  /// A tree that is being solved.
+  struct Work {
+    std::size_t begin;      ///< its first node
+    std::span<Node> nodes;  ///< from that one on
+    double h2;              ///< square of the substep [s^2]
+  };
+
   void find_attachments(std::size_t particle_count);
-  void begin_tree(std::size_t tree, const ParticleView& particles, double h2);
   bool is_fixed(std::size_t tree, const ParticleView& particles) const;
-  void load(std::size_t tree, const ParticleView& particles);
-  void assemble(std::size_t tree, double h2);
-  double anchor_alpha(const Anchor& anchor, double h2) const;
+  Node& parent_of(const Work& work, std::size_t k) const {
+    return work.nodes[trees_.nodes[work.begin + k].parent - work.begin];
+  }
+  void load(const Work& work, const ParticleView& particles, bool begun);
+  void load_link(Node& node, const Node& parent, const TreeNode& link, double h2) const;
+  void store(const Work& work, const ParticleView& particles, bool with_forces);
+  void solve(std::size_t tree, const Work& work);
+  void assemble(std::size_t tree, const Work& work);
+  double anchor_alpha(const Anchor& anchor, double mass, double h2) const;
   static void eliminate(Node& node, Node& parent);
   static void eliminate_point(Node& node, Node& parent);
   static double by_tension(const Node& node, const Node& parent);
-  Change substitute(std::size_t tree);
-  void solve(std::size_t tree, double h2);
+  Change substitute(const Work& work) const;
 
   DistanceTrees trees_;
-  std::vector<Node> nodes_;  ///< as trees_.nodes
+  std::vector<Node> nodes_;  ///< work space
+  std::vector<Kept> kept_;   ///< as trees_.nodes
   std::vector<char> begun_;  ///< per tree: whether it was projected in this substep
   std::vector<const SetProjector<Distance>*> distances_;
   std::vector<const SetProjector<Attachment>*> attachments_;

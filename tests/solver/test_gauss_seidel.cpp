@@ -94,7 +94,7 @@ TEST(GaussSeidel, SymmetricSweepGoesBothWays) {
     // One projector per link fixes the order.
     for (std::uint32_t i = 0; i < 4; ++i) scene.add<Distance>().add({i, i + 1}, {0.1f});
     scene.body.position[4].x += 0.05f;
-    SolverSettings settings = kind_of(SolverKind::gauss_seidel);
+    SolverSettings settings = test::kind_of(SolverKind::gauss_seidel);
     settings.sweep = sweep;
     scene.use(settings);
     scene.solve();
