@@ -306,6 +306,9 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
     add_level(std::move(level), particles);
   compliant_ =
       std::any_of(links_.begin(), links_.end(), [](const Link& link) { return std::isfinite(link.energy); });
+  double length = 0;
+  for (const Link& link : links_) length += static_cast<double>(link.length);
+  mean_length_ = static_cast<float>(length / static_cast<double>(std::max<std::size_t>(links_.size(), 1)));
   inverse_masses_.clear();
   for (const Link& link : links_)
     inverse_masses_.push_back(inverse(tied_.mass(link.a, particles)) +
@@ -547,7 +550,8 @@ void Hierarchical::sweep_attachments(std::span<Projector* const> projectors, con
 void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleView& particles,
                          const Substep& substep, Threads& threads) {
   const bool small_steps = substep.mode == Mode::small_steps;
-  const bool with_levels = !levels_.empty() && (!automatic_ || (small_steps && substep.levels));
+  const bool with_levels = !levels_.empty() && (!automatic_ || (small_steps && substep.levels)) &&
+                           tied_.closed(mean_length_, particles);
   if (with_levels && tied_.has_attached()) sweep_attachments(projectors, particles, substep, threads);
   if (!automatic_) {
     for (int iteration = 0; iteration < substep.iterations; ++iteration) {

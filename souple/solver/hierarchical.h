@@ -33,7 +33,8 @@ namespace souple {
 /// Where a few pinned particles carry a whole cloth, stress grows towards them faster than levels get finer.
 /// There each level sweeps the links around them a few times more.
 ///
-/// Particles that are tied rigidly are one particle of the levels, and attached ones are fixed (TiedParticles).
+/// Particles that are tied rigidly are one particle of the levels, and attached ones are fixed (TiedParticles). While a
+/// tie is open by more than a link, there are no levels: they would close it at once, however large the cloth.
 ///
 /// With compliance, a coarse link is a spring in parallel with the finer links. Its stiffness and the
 /// stiffness that the sweeps of the finer levels reach add up to that of the material.
@@ -119,7 +120,8 @@ class Hierarchical final : public Solver {
   StiffBending stiff_bending_;           ///< only with SolverKind::automatic
   std::vector<Vec4f> motion_;            ///< work space of sweep_as_needed
   bool compliant_ = false;
-  Substep gains_for_;  ///< substep of the current gains; length 0: none
+  float mean_length_ = 0;  ///< of the links of the finest level [m]
+  Substep gains_for_;      ///< substep of the current gains; length 0: none
 };
 
 }  // namespace souple

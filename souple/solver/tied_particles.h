@@ -31,6 +31,8 @@ class TiedParticles {
       f(i, all > 0 ? 1 / (particles.inverse_mass(i) * all) : i == representative ? 1.0f : 0.0f);
     });
   }
+  /// Whether tied particles are no farther apart than `distance` [m].
+  bool closed(float distance, const ParticleView& particles) const;
   bool has_attached() const { return !attached_.empty(); }
 
   bool operator==(const TiedParticles&) const = default;
