@@ -180,6 +180,12 @@ bool Hierarchical::inputs_changed(std::span<Projector* const> projectors, const 
 }
 
 void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
+  if (automatic_) {
+    SetProjector<NeoHookean>* tets = nullptr;
+    for (Projector* projector : projectors)
+      if (auto* found = dynamic_cast<SetProjector<NeoHookean>*>(projector)) tets = found;
+    tet_levels_.prepare(tets, particles);
+  }
   if (!inputs_changed(projectors, particles)) return;
   std::vector<Link> links;
   for (const Projector* projector : projectors) {
@@ -431,6 +437,7 @@ void Hierarchical::project_levels(const ParticleView& particles, Threads& thread
 
 void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleView& particles,
                          const Substep& substep, Threads& threads) {
+  if (automatic_) tet_levels_.choose(substep);
   const bool with_levels = !levels_.empty() && (!automatic_ || substep.mode == Mode::small_steps);
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
     if (with_levels) {
@@ -439,6 +446,7 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
       project_levels(particles, threads);
     }
     if (automatic_) {
+      tet_levels_.correct(particles, substep, threads);
       sweep_as_needed(projectors, particles, substep, threads, motion_);
     } else {
       for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);

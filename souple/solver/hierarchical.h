@@ -3,6 +3,7 @@
 #include "souple/solver/hierarchical_levels.h"
 #include "souple/solver/level_links.h"
 #include "souple/solver/solver.h"
+#include "souple/solver/tet_levels.h"
 #include "souple/solver/weighted_sums.h"
 
 #include <string>
@@ -100,6 +101,7 @@ class Hierarchical final : public Solver {
   std::vector<float> masses_;            ///< per linked particle [kg]; 0: fixed
   std::vector<std::uint32_t> particle_;  ///< per linked particle: its particle in the world, ascending
   std::vector<Level> levels_;            ///< finest first
+  TetLevels tet_levels_;                 ///< automatic only
   std::vector<Vec4f> motion_;            ///< work space of sweep_as_needed
   bool compliant_ = false;
   Substep gains_for_;  ///< substep of the current gains; length 0: none

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/solver/kernels/cells.h"
 #include "souple/solver/kernels/kernels.h"
 #include "souple/solver/kernels/links.h"
 #include "souple/solver/kernels/motion.h"
@@ -62,6 +63,12 @@ const kernels::KindKernels* find_kernels(InstructionSet set) {
 inline const kernels::LinkKernels* find_link_kernels(InstructionSet set) {
   return detail::find_for(set,
                           []<class Isa>(std::type_identity<Isa>) { return &kernels::link_kernels<Isa>(); });
+}
+
+/// Kernels of the cells of a coarse lattice.
+inline const kernels::CellKernels* find_cell_kernels(InstructionSet set) {
+  return detail::find_for(set,
+                          []<class Isa>(std::type_identity<Isa>) { return &kernels::cell_kernels<Isa>(); });
 }
 
 /// Kernels that move particles.

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "souple/math/mat3.h"
+
+#include <cstddef>
+#include <cstdint>
+
+// Kernels over the cells of a coarse lattice (solver/tet_levels.h), one register of cells at a time. A cell has a
+// stiffness matrix K of its 8 nodes in the frame of its rest shape, and a rotation R to where it is:
+//
+//   y_a += s R sum_b K_ab R^T x_b
+
+namespace souple::kernels {
+
+constexpr int cell_nodes = 8;
+/// Numbers of the lower triangle of K, row by row; row 3 a + i is axis i of node a.
+constexpr int cell_stiffnesses = 3 * cell_nodes * (3 * cell_nodes + 1) / 2;
+
+/// The cells of a lattice, one array per number. Every color is padded to whole registers of the widest instruction
+/// set with cells of scale 0 whose nodes are all the last record.
+struct CellArrays {
+  const std::uint32_t* node[cell_nodes] = {};  ///< 4 times the node: the index of its record's first float
+  const float* stiffness = nullptr;            ///< entry k of cell c at [k * stride + c]  [J/m^2]
+  const float* rotation = nullptr;             ///< entry 3 column + row of R, likewise
+  const float* scale = nullptr;                ///< s
+  std::size_t stride = 0;
+};
+
+/// Adds the products of cells [begin, end), whole registers, in order; x and y: records of the nodes, w = 0.
+using ApplyCells = void (*)(const CellArrays&, const float* x, float* y, std::size_t begin, std::size_t end);
+
+struct CellKernels {
+  ApplyCells apply;
+};
+
+/// Compiled in one translation unit per instruction set (compile_cells.h).
+template <class Isa>
+const CellKernels& cell_kernels();
+
+/// in becomes R K R^T in. `stiffness(k)` is entry k of K.
+template <class T, class Stiffness>
+inline void multiply_cell(const Mat3<T>& R, const Stiffness& stiffness, Vec3<T> (&x)[cell_nodes]) {
+  T in[3 * cell_nodes];
+  for (int a = 0; a < cell_nodes; ++a)
+    for (int i = 0; i < 3; ++i) in[3 * a + i] = dot(R.column[i], x[a]);
+  for (int a = 0; a < cell_nodes; ++a) {
+    T out[3];
+    for (int i = 0; i < 3; ++i) {
+      const int row = 3 * a + i;
+      T sum = stiffness(row * (row + 1) / 2) * in[0];
+      for (int column = 1; column < 3 * cell_nodes; ++column) {
+        const int high = row > column ? row : column, low = row > column ? column : row;
+        sum += stiffness(high * (high + 1) / 2 + low) * in[column];
+      }
+      out[i] = sum;
+    }
+    x[a] = R.column[0] * out[0] + R.column[1] * out[1] + R.column[2] * out[2];
+  }
+}
+
+}  // namespace souple::kernels
