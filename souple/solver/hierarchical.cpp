@@ -446,7 +446,7 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
       project_levels(particles, threads);
     }
     if (automatic_) {
-      tet_levels_.correct(particles, substep, threads);
+      tet_levels_.correct(projectors, particles, substep, threads);
       sweep_as_needed(projectors, particles, substep, threads, motion_);
     } else {
       for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "souple/solver/kernels/cells.h"
 #include "souple/solver/kernels/kernels.h"
 #include "souple/solver/kernels/links.h"
 #include "souple/solver/kernels/motion.h"
@@ -8,6 +7,15 @@
 
 #include <string_view>
 #include <type_traits>
+
+namespace souple::kernels {
+
+struct CellKernels;
+/// See cells.h.
+template <class Isa>
+const CellKernels& cell_kernels();
+
+}  // namespace souple::kernels
 
 namespace souple {
 

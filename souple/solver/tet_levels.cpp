@@ -14,15 +14,15 @@ namespace {
 
 constexpr std::uint32_t none = ~std::uint32_t{0};
 constexpr std::size_t corners = kernels::cell_nodes;
-/// Cells per color are a multiple of this: the lanes of the widest register.
-constexpr std::size_t lanes = 16;
+/// Cells per color are a multiple of this.
+constexpr std::size_t lanes = kernels::cell_block;
 /// A level costs about as much as two sweeps, so bodies that need fewer have none. Small bodies are swept: their
 /// lattices would have too few cells to bend.
 constexpr float fewest_sweeps = 3;
 constexpr std::size_t smallest_body = 1000;
-/// Sweeps act on a smooth stress as springs of compliance alpha~/omega + b D: b = (1/omega - 1/2), times 1.5 because
+/// Sweeps act on a smooth stress as springs of compliance alpha~/omega + b D: b = 1/omega - 1/2, times 1.3 because
 /// gradients turn while they are projected (measured: hanging and bent bars of 1e6 and 1e7 Pa).
-constexpr float sweep_share = 2.3f;
+constexpr float sweep_share = 1.9f;
 /// K is this much stiffer than the tets of the rest shape, for what the lattice does not resolve.
 constexpr float margin = 1.1f;
 /// Springs that hold the lattice at pinned particles, relative to the stiffness of their tets: |a - b|^2 <= 2 |a|^2 +
@@ -69,12 +69,13 @@ void apply_cells(const kernels::CellArrays& cells, const float* x, float* y, std
       const float* const at = x + cells.node[a][c];
       v[a] = {at[0], at[1], at[2]};
     }
-    const auto entry = [c, &cells](const float* of_first, int k) {
-      return of_first[static_cast<std::size_t>(k) * cells.stride + c];
-    };
     Mat3f R;
-    for (int k = 0; k < 9; ++k) R.column[k / 3][k % 3] = entry(cells.rotation, k);
-    kernels::multiply_cell(R, [&](int k) { return entry(cells.stiffness, k); }, v);
+    for (std::size_t k = 0; k < 9; ++k)
+      R.column[k / 3][static_cast<int>(k % 3)] = cells.rotation[kernels::cell_entry(c, 9, k)];
+    const auto stiffness = [c, &cells](int k) {
+      return cells.stiffness[kernels::cell_entry(c, kernels::cell_stiffnesses, static_cast<std::size_t>(k))];
+    };
+    kernels::multiply_cell(R, stiffness, v);
     for (std::size_t a = 0; a < corners; ++a)
       for (int axis = 0; axis < 3; ++axis)
         y[cells.node[a][c] + static_cast<std::uint32_t>(axis)] += v[a][axis] * cells.scale[c];
@@ -120,6 +121,7 @@ void TetLevels::prepare(SetProjector<NeoHookean>* tets, const ParticleView& part
     bodies_.clear();
     if (tets) find_bodies(particles);
   }
+  if (!bodies_.empty()) find_softness(particles);
   for (Body& body : bodies_) set_masses(body, particles);
   chosen_for_ = {};
   any_ = false;
@@ -153,16 +155,9 @@ void TetLevels::find_bodies(const ParticleView& particles) {
   for (std::uint32_t i = 0; i < root.size(); ++i)
     if (const std::uint32_t body = number[find(i)]; body != none) ++size[body];
   bodies_.resize(tets.size());
+  find_softness(particles);
   for (std::size_t b = 0; b < tets.size(); ++b) {
     Body& body = bodies_[b];
-    body.tets = tets[b].size();
-    double sum = 0;
-    for (const std::uint32_t t : tets[b]) {
-      float w[4];
-      for (std::size_t k = 0; k < 4; ++k) w[k] = particles.inverse_mass(set.indices(t)[k]);
-      sum += static_cast<double>(NeoHookean::softness(set.params(t), set.compliance(t), w));
-    }
-    body.softness = static_cast<float>(sum / static_cast<double>(body.tets));
     constexpr float longest_substep = 1 / 60.0f;
     if (size[b] < smallest_body ||
         SetProjector<NeoHookean>::sweeps_for(body.softness, longest_substep) < fewest_sweeps)
@@ -172,6 +167,21 @@ void TetLevels::find_bodies(const ParticleView& particles) {
   }
   in_level_.assign(set.size(), 0);
   force_.assign(particles.position.size(), {});
+  contact_.assign(particles.position.size(), {});
+}
+
+void TetLevels::find_softness(const ParticleView& particles) {
+  const auto& set = std::as_const(*tets_).set();
+  std::vector<double> sum(bodies_.size());
+  std::vector<std::size_t> count(bodies_.size());
+  for (std::size_t t = 0; t < set.size(); ++t) {
+    float w[4];
+    for (std::size_t k = 0; k < 4; ++k) w[k] = particles.inverse_mass(set.indices(t)[k]);
+    sum[body_of_[t]] += static_cast<double>(NeoHookean::softness(set.params(t), set.compliance(t), w));
+    ++count[body_of_[t]];
+  }
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    bodies_[b].softness = static_cast<float>(sum[b] / static_cast<double>(count[b]));
 }
 
 // Sorts the cells by color and lists the particles of each node.
@@ -197,7 +207,7 @@ void TetLevels::arrange(Body& body) {
           4 * (cell == none ? static_cast<std::uint32_t>(lattice.node_count) : lattice.cells[cell].node[a]));
   for (std::size_t s = 0; s < slots; ++s)
     for (std::size_t k = 0; body.cell[s] != none && k < kernels::cell_stiffnesses; ++k)
-      body.stiffness[k * slots + s] = lattice.cell_stiffness[body.cell[s]][k];
+      body.stiffness[kernels::cell_entry(s, kernels::cell_stiffnesses, k)] = lattice.cell_stiffness[body.cell[s]][k];
   body.child_begin.assign(lattice.node_count + 1, 0);
   for (std::size_t i = 0; i < lattice.parent.size(); ++i)
     for (std::size_t c = 0; c < corners; ++c)
@@ -211,22 +221,20 @@ void TetLevels::arrange(Body& body) {
       const std::uint32_t at = next[lattice.parent[i][c]]++;
       body.child[at] = i, body.child_weight[at] = lattice.weight[i][c];
     }
-  body.mass.resize(lattice.node_count), body.pin_stiffness = body.inverse = body.mass;
+  body.mass.resize(lattice.node_count), body.held_stiffness = body.inverse = body.mass;
   body.x.resize(lattice.node_count + 1), body.r = body.p = body.Ap = body.x;
-  body.pinned.reserve(lattice.particle.size());
+  body.pinned.reserve(lattice.particle.size()), body.held.reserve(lattice.particle.size());
 }
 
 void TetLevels::set_masses(Body& body, const ParticleView& particles) const {
   const TetLattice& lattice = body.lattice;
   std::fill(body.mass.begin(), body.mass.end(), 0.0f);
-  std::fill(body.pin_stiffness.begin(), body.pin_stiffness.end(), 0.0f);
   body.pinned.clear();
   for (std::uint32_t i = 0; i < lattice.particle.size(); ++i) {
     const float w = particles.inverse_mass(lattice.particle[i]);
     if (!(w > 0)) body.pinned.push_back(i);
-    std::vector<float>& sums = w > 0 ? body.mass : body.pin_stiffness;
-    const float value = w > 0 ? 1 / w : pin_margin * lattice.stiffness[i];
-    for (std::size_t c = 0; c < corners; ++c) sums[lattice.parent[i][c]] += lattice.weight[i][c] * value;
+    for (std::size_t c = 0; w > 0 && c < corners; ++c)
+      body.mass[lattice.parent[i][c]] += lattice.weight[i][c] / w;
   }
 }
 
@@ -250,17 +258,58 @@ void TetLevels::choose(const Substep& substep) {
   }
 }
 
-void TetLevels::correct(const ParticleView& particles, const Substep& substep, Threads& threads) {
+void TetLevels::correct(std::span<Projector* const> projectors, const ParticleView& particles,
+                        const Substep& substep, Threads& threads) {
   if (!any_) return;
+  meet_contacts(projectors, particles, substep, threads);
   find_forces(particles, substep, tets_->sweeps_needed(substep), threads);
   const float h2 = substep.h * substep.h;
   for (Body& body : bodies_) {
     if (!body.active) continue;
+    find_held(body);
     measure_cells(body, particles, h2, threads);
     restrict_forces(body, force_, threads);
     solve(body, h2, threads);
     prolong(body, particles, threads);
   }
+}
+
+// Contacts come first as well as last, so that the lattice feels them: what they move is in contact.
+void TetLevels::meet_contacts(std::span<Projector* const> projectors, const ParticleView& particles,
+                              const Substep& substep, Threads& threads) {
+  const auto moved = [&](float sign) {
+    for (const Body& body : bodies_) {
+      if (!body.active) continue;
+      for (const std::uint32_t i : body.lattice.particle) contact_[i] += particles.moved(i) * sign;
+    }
+  };
+  for (const Body& body : bodies_) {
+    if (!body.active) continue;
+    for (const std::uint32_t i : body.lattice.particle) contact_[i] = {};
+  }
+  if (std::none_of(projectors.begin(), projectors.end(),
+                   [](const Projector* p) { return p->is_contact() && p->size() > 0; }))
+    return;
+  moved(-1);
+  for (Projector* projector : projectors)
+    if (projector->is_contact()) sweep(*projector, particles, substep, threads);
+  moved(1);
+}
+
+// Springs hold pinned particles, and those that elastic forces press against a contact, f . n < 0. Otherwise the
+// lattice would move the body through the contact and the contact would push back its outermost layer alone.
+void TetLevels::find_held(Body& body) const {
+  const TetLattice& lattice = body.lattice;
+  body.held.assign(body.pinned.begin(), body.pinned.end());
+  for (std::uint32_t i = 0; i < lattice.particle.size(); ++i) {
+    const std::uint32_t particle = lattice.particle[i];
+    const Vec4f& f = force_[particle];
+    if (dot(contact_[particle], f.xyz()) < 0) body.held.push_back(i);
+  }
+  std::fill(body.held_stiffness.begin(), body.held_stiffness.end(), 0.0f);
+  for (const std::uint32_t i : body.held)
+    for (std::size_t c = 0; c < corners; ++c)
+      body.held_stiffness[lattice.parent[i][c]] += lattice.weight[i][c] * pin_margin * lattice.stiffness[i];
 }
 
 void TetLevels::find_forces(const ParticleView& particles, const Substep& substep, int sweeps, Threads& threads) {
@@ -294,7 +343,7 @@ void TetLevels::measure_cells(Body& body, const ParticleView& particles, float h
         F = F + outer(particles.difference(lattice.particle[lattice.sample[k]], first), lattice.gradient[k]);
       const Mat3f R = rotation_of(F);
       for (std::size_t k = 0; k < 9; ++k)
-        body.rotation[k * slots + s] = R.column[k / 3][static_cast<int>(k % 3)];
+        body.rotation[kernels::cell_entry(s, 9, k)] = R.column[k / 3][static_cast<int>(k % 3)];
       body.scale[s] = h2 * margin * stiffening(F);
     }
   });
@@ -318,7 +367,6 @@ void TetLevels::apply(Body& body, float h2, Threads& threads) {
   kernels::CellArrays cells;
   for (std::size_t a = 0; a < corners; ++a) cells.node[a] = body.node[a].data();
   cells.stiffness = body.stiffness.data(), cells.rotation = body.rotation.data(), cells.scale = body.scale.data();
-  cells.stride = body.cell.size();
   const kernels::ApplyCells kernel = cell_kernels().apply;
   const float* const p = &body.p.data()->x;
   float* const Ap = &body.Ap.data()->x;
@@ -329,7 +377,7 @@ void TetLevels::apply(Body& body, float h2, Threads& threads) {
     });
   }
   const TetLattice& lattice = body.lattice;
-  for (const std::uint32_t i : body.pinned) {
+  for (const std::uint32_t i : body.held) {
     FourFloats sum{};
     for (std::size_t c = 0; c < corners; ++c) sum += load(body.p[lattice.parent[i][c]]) * lattice.weight[i][c];
     sum *= h2 * pin_margin * lattice.stiffness[i];
@@ -344,7 +392,7 @@ void TetLevels::apply(Body& body, float h2, Threads& threads) {
 void TetLevels::solve(Body& body, float h2, Threads& threads) {
   const std::size_t n = body.mass.size();
   for (std::size_t j = 0; j < n; ++j) {
-    const float m = body.mass[j] + h2 * body.pin_stiffness[j];
+    const float m = body.mass[j] + h2 * body.held_stiffness[j];
     body.inverse[j] = m > 0 ? 1 / m : 0;
     body.x[j] = {};
     store(body.p[j], load(body.r[j]) * body.inverse[j]);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/solver/set_projector.h"
+#include "souple/solver/solver.h"
 #include "souple/solver/tet_lattice.h"
 
 #include <utility>
@@ -28,19 +29,20 @@ class TetLevels {
   /// Chooses the bodies that have a level in such a substep, and tells the tets.
   void choose(const Substep& substep);
   /// Moves the particles of these bodies. As many sweeps of the tets follow as they need.
-  void correct(const ParticleView& particles, const Substep& substep, Threads& threads);
+  void correct(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
+               Threads& threads);
 
  private:
   struct Body {
     TetLattice lattice;
-    std::size_t tets = 0;
     float softness = 0;  ///< mean of NeoHookean::softness [1/s^2]
     bool active = false;
     std::vector<std::uint32_t> child_begin, child;  ///< per node: particles of the lattice
     std::vector<float> child_weight;
     std::vector<float> mass;             ///< per node [kg]
     std::vector<std::uint32_t> pinned;   ///< particles of the lattice
-    std::vector<float> pin_stiffness;    ///< per node: sum over the pinned particles [N/m]
+    std::vector<std::uint32_t> held;     ///< pinned particles, and those that the body presses against a contact
+    std::vector<float> held_stiffness;   ///< per node: sum over the held particles [N/m]
     std::vector<float> inverse;          ///< per node: preconditioner [1/kg]
     // Per slot, the cells sorted by color and padded:
     std::vector<std::uint32_t> cell;     ///< none: padding
@@ -51,7 +53,11 @@ class TetLevels {
     std::vector<Vec4f> x, r, p, Ap;
   };
 
+  void meet_contacts(std::span<Projector* const> projectors, const ParticleView& particles,
+                     const Substep& substep, Threads& threads);
+  void find_held(Body& body) const;
   void find_bodies(const ParticleView& particles);
+  void find_softness(const ParticleView& particles);
   void set_masses(Body& body, const ParticleView& particles) const;
   static void arrange(Body& body);
   void find_forces(const ParticleView& particles, const Substep& substep, int sweeps, Threads& threads);
@@ -67,6 +73,7 @@ class TetLevels {
   std::vector<std::uint32_t> body_of_;  ///< per tet of the set
   std::vector<std::uint8_t> in_level_;  ///< per tet of the set
   std::vector<Vec4f> force_;            ///< per particle of the world: h^2 f [kg m]
+  std::vector<Vec3f> contact_;          ///< per particle: how far contacts moved it [m]
   std::pair<float, int> chosen_for_{0, 0};
   bool any_ = false;
 };

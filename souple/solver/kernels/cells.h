@@ -20,11 +20,17 @@ constexpr int cell_stiffnesses = 3 * cell_nodes * (3 * cell_nodes + 1) / 2;
 /// set with cells of scale 0 whose nodes are all the last record.
 struct CellArrays {
   const std::uint32_t* node[cell_nodes] = {};  ///< 4 times the node: the index of its record's first float
-  const float* stiffness = nullptr;            ///< entry k of cell c at [k * stride + c]  [J/m^2]
-  const float* rotation = nullptr;             ///< entry 3 column + row of R, likewise
+  const float* stiffness = nullptr;            ///< entry k of cell c at cell_entry(c, cell_stiffnesses, k)  [N/m]
+  const float* rotation = nullptr;             ///< entry 3 column + row of R at cell_entry(c, 9, ...)
   const float* scale = nullptr;                ///< s
-  std::size_t stride = 0;
 };
+
+/// Lanes of the widest register.
+constexpr std::size_t cell_block = 16;
+/// Place of entry k of n entries of a cell, in blocks of 16 cells.
+inline std::size_t cell_entry(std::size_t cell, std::size_t n, std::size_t k) {
+  return (cell / cell_block * n + k) * cell_block + cell % cell_block;
+}
 
 /// Adds the products of cells [begin, end), whole registers, in order; x and y: records of the nodes, w = 0.
 using ApplyCells = void (*)(const CellArrays&, const float* x, float* y, std::size_t begin, std::size_t end);
@@ -37,25 +43,23 @@ struct CellKernels {
 template <class Isa>
 const CellKernels& cell_kernels();
 
-/// in becomes R K R^T in. `stiffness(k)` is entry k of K.
+/// x becomes R K R^T x. `stiffness(k)` is entry k of K.
 template <class T, class Stiffness>
 inline void multiply_cell(const Mat3<T>& R, const Stiffness& stiffness, Vec3<T> (&x)[cell_nodes]) {
-  T in[3 * cell_nodes];
+  T in[3 * cell_nodes], out[3 * cell_nodes];
   for (int a = 0; a < cell_nodes; ++a)
     for (int i = 0; i < 3; ++i) in[3 * a + i] = dot(R.column[i], x[a]);
-  for (int a = 0; a < cell_nodes; ++a) {
-    T out[3];
-    for (int i = 0; i < 3; ++i) {
-      const int row = 3 * a + i;
-      T sum = stiffness(row * (row + 1) / 2) * in[0];
-      for (int column = 1; column < 3 * cell_nodes; ++column) {
-        const int high = row > column ? row : column, low = row > column ? column : row;
-        sum += stiffness(high * (high + 1) / 2 + low) * in[column];
-      }
-      out[i] = sum;
+  for (int row = 0, k = 0; row < 3 * cell_nodes; ++row) {
+    T sum(0);
+    for (int column = 0; column < row; ++column, ++k) {
+      const T entry = stiffness(k);
+      sum += entry * in[column];
+      out[column] += entry * in[row];
     }
-    x[a] = R.column[0] * out[0] + R.column[1] * out[1] + R.column[2] * out[2];
+    out[row] = sum + stiffness(k++) * in[row];
   }
+  for (int a = 0; a < cell_nodes; ++a)
+    x[a] = R.column[0] * out[3 * a] + R.column[1] * out[3 * a + 1] + R.column[2] * out[3 * a + 2];
 }
 
 }  // namespace souple::kernels

@@ -21,12 +21,12 @@ template <class Isa>
       simd::transpose<Isa>(r);
       v[a] = {T(r[0]), T(r[1]), T(r[2])};
     }
-    const auto entry = [c, &cells](const float* of_first, int k) {
-      return T::load(of_first + static_cast<std::size_t>(k) * cells.stride + c);
-    };
+    const float* const rotation = cells.rotation + cell_entry(c, 9, 0);
+    const float* const stiffness = cells.stiffness + cell_entry(c, cell_stiffnesses, 0);
     Mat3<T> R;
-    for (int k = 0; k < 9; ++k) R.column[k / 3][k % 3] = entry(cells.rotation, k);
-    multiply_cell(R, [&](int k) { return entry(cells.stiffness, k); }, v);
+    for (int k = 0; k < 9; ++k) R.column[k / 3][k % 3] = T::load(rotation + static_cast<std::size_t>(k) * cell_block);
+    multiply_cell(
+        R, [stiffness](int k) { return T::load(stiffness + static_cast<std::size_t>(k) * cell_block); }, v);
     const T scale = T::load(cells.scale + c);
     for (int a = 0; a < cell_nodes; ++a) {
       typename Isa::Vector r[4] = {(v[a].x * scale).v, (v[a].y * scale).v, (v[a].z * scale).v,
