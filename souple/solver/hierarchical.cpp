@@ -252,6 +252,13 @@ bool Hierarchical::masses_changed(const ParticleView& particles) const {
   return false;
 }
 
+void Hierarchical::prepare_tets(std::span<Projector* const> projectors, const ParticleView& particles) {
+  SetProjector<NeoHookean>* tets = nullptr;
+  for (Projector* projector : projectors)
+    if (auto* found = dynamic_cast<SetProjector<NeoHookean>*>(projector)) tets = found;
+  tet_levels_.prepare(tets, particles);
+}
+
 // Trees are eliminated after the sweeps of all constraints, so that the ties of heavy objects hold, and before contacts.
 void Hierarchical::add_trees(std::span<Projector* const> projectors, std::size_t particle_count) {
   trees_.find(projectors, particle_count);
@@ -282,6 +289,7 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
 
 void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles,
                            Threads& threads) {
+  if (automatic_) prepare_tets(projectors, particles);
   if (automatic_) stiff_bending_.prepare(projectors, particles);
   if (automatic_) add_trees(projectors, particles.position.size());
   TiedParticles tied(projectors, particles);
@@ -567,10 +575,12 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
     projectors = with_trees_;
     trees_.begin_substep(particles, substep);
   }
+  tet_levels_.choose(substep);
   stiff_bending_.begin_substep(substep);
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
     stiff_bending_.solve(particles, substep, iteration, threads);
     if (with_levels) correct_levels(particles, substep, iteration, threads);
+    tet_levels_.correct(projectors, particles, substep, threads);
     sweep_as_needed(projectors, particles, swept, threads, motion_);
   }
   if (with_trees && substep.external != nullptr) trees_.add_external(*substep.external, particles, substep);

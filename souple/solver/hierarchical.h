@@ -4,6 +4,7 @@
 #include "souple/solver/level_links.h"
 #include "souple/solver/solver.h"
 #include "souple/solver/stiff_bending.h"
+#include "souple/solver/tet_levels.h"
 #include "souple/solver/tied_particles.h"
 #include "souple/solver/tree_elimination.h"
 #include "souple/solver/weighted_sums.h"
@@ -94,6 +95,7 @@ class Hierarchical final : public Solver {
   void set_gains_of(const Level& level, LevelLinks& links, int n) const;
   float softening_of(std::size_t l, std::size_t e) const;
   void restrict_particles(const ParticleView& particles, Threads& threads);
+  void prepare_tets(std::span<Projector* const> projectors, const ParticleView& particles);
   void add_trees(std::span<Projector* const> projectors, std::size_t particle_count);
   void correct_levels(const ParticleView& particles, const Substep& substep, int iteration, Threads& threads);
   void project_levels(const ParticleView& particles, Threads& threads);
@@ -118,6 +120,7 @@ class Hierarchical final : public Solver {
   std::vector<std::uint32_t> particle_;  ///< per linked particle: its representative in the world, ascending
   std::vector<Level> levels_;            ///< finest first
   StiffBending stiff_bending_;           ///< only with SolverKind::automatic
+  TetLevels tet_levels_;                 ///< automatic only
   std::vector<Vec4f> motion_;            ///< work space of sweep_as_needed
   bool compliant_ = false;
   float mean_length_ = 0;  ///< of the links of the finest level [m]

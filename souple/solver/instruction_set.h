@@ -8,6 +8,15 @@
 #include <string_view>
 #include <type_traits>
 
+namespace souple::kernels {
+
+struct CellKernels;
+/// See cells.h.
+template <class Isa>
+const CellKernels& cell_kernels();
+
+}  // namespace souple::kernels
+
 namespace souple {
 
 /// The instruction sets for which kernels are compiled. All give the same bits.
@@ -62,6 +71,12 @@ const kernels::KindKernels* find_kernels(InstructionSet set) {
 inline const kernels::LinkKernels* find_link_kernels(InstructionSet set) {
   return detail::find_for(set,
                           []<class Isa>(std::type_identity<Isa>) { return &kernels::link_kernels<Isa>(); });
+}
+
+/// Kernels of the cells of a coarse lattice.
+inline const kernels::CellKernels* find_cell_kernels(InstructionSet set) {
+  return detail::find_for(set,
+                          []<class Isa>(std::type_identity<Isa>) { return &kernels::cell_kernels<Isa>(); });
 }
 
 /// Kernels that move particles.

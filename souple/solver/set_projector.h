@@ -62,7 +62,8 @@ class SetProjector final : public Projector {
   std::string_view kind() const override { return Kind::name; }
   std::size_t size() const override { return set_.size(); }
   std::size_t bytes() const override {
-    return set_.bytes() + scales_.bytes() + half_shared_.bytes() + partial_.capacity() * sizeof(Residual);
+    return set_.bytes() + scales_.bytes() + half_shared_.bytes() + in_level_.bytes() + level_scales_.bytes() +
+           level_shared_.bytes() + partial_.capacity() * sizeof(Residual);
   }
   int color_count() const override { return static_cast<int>(set_.color_begin.size()) - 1; }
 
@@ -75,6 +76,7 @@ class SetProjector final : public Projector {
         if (index >= particle_count) detail::throw_missing_particle(kind(), i, index, particle_count);
     dirty_ = false;
     split_ = {};
+    clear_levels();
     half_shared_ = {};
     for (std::size_t i = 0; i < set_.size(); ++i) half_shared_.push_back(0);
     dirty_sweeps_ = true;
@@ -82,6 +84,7 @@ class SetProjector final : public Projector {
   }
 
   std::span<const std::uint32_t> split(int colors, std::uint32_t first_phantom) override {
+    clear_levels();
     if (!split_.unsplit.order.empty()) arrange(std::move(split_.unsplit));
     split_ = {};
     if (colors == 0 || color_count() <= colors) return {};
@@ -118,8 +121,42 @@ class SetProjector final : public Projector {
   /// projected, which costs as much again and more: measured on hanging bars of 1e6 to 1e7 Pa.
   int sweeps_needed(const Substep& substep) const override {
     if (substep.mode == Mode::pbd) return 1;
-    const float needed = std::round(1 + 2.5f * softness_ * substep.h * substep.h);
+    const float softness = in_level_.size() > 0 ? softness_of_rest_ : softness_;
+    const float needed = sweeps_for(softness, substep.h);
     return static_cast<int>(std::fmin(needed, static_cast<float>(max_sweeps(substep))));
+  }
+
+  static float sweeps_for(float softness, float h) { return std::round(1 + 2.5f * softness * h * h); }
+
+  /// Tells sweeps of which constraints levels carry a part of the load (TetLevels); `softness`: of the others, as in
+  /// sweeps_needed. [1/s^2]
+  void set_levels(std::span<const std::uint8_t> in_level, float softness) {
+    clear_levels();
+    softness_of_rest_ = softness;
+    for (std::size_t i = 0; i < in_level.size(); ++i) {
+      in_level_.push_back(in_level[i]);
+      level_scales_.push_back(in_level[i] ? level_relaxation : 1);
+      level_shared_.push_back(in_level[i] ? 0 : half_shared_[i]);
+    }
+  }
+  void clear_levels() { in_level_ = level_scales_ = level_shared_ = {}; }
+  /// Adds the forces that the sweeps leave to the levels, times h^2, of constraints [begin, end) of a color; see
+  /// elastic_forces.
+  void add_forces(int color, std::size_t first, std::size_t last, const ParticleView& particles,
+                  const Substep& substep, float sweep_share) requires(requires { Kind::softness; }) {
+    const std::size_t color_begin = set_.color_begin[static_cast<std::size_t>(color)];
+    if (!kernels_) {
+      for (std::size_t i = color_begin + first; i < color_begin + last; ++i)
+        if (in_level_[i] > 0) add_forces_of(i, particles, substep, sweep_share);
+      return;
+    }
+    Arrays arrays(set_);
+    arrays.set.scale = {in_level_.data(), in_level_.stride()};
+    arrays.set.h = substep.h;
+    arrays.set.inverse_h2 = inverse_h2(substep);
+    arrays.set.sweep_share = sweep_share;
+    kernels_->forces[particles.form == Form::displacement ? 1 : 0](arrays_of(particles), arrays.set,
+                                                                   color_begin + first, color_begin + last);
   }
 
   void begin_substep(const ParticleView&, const Substep& substep) override {
@@ -428,7 +465,12 @@ class SetProjector final : public Projector {
     arrays.set.relaxation = substep.relaxation;
     static constexpr float zero = 0;
     arrays.set.half_shared = {&zero, 0};
-    if (substep.relaxation == 1) arrays.set.half_shared = {half_shared_.data(), half_shared_.stride()};
+    if (in_level_.size() > 0) {
+      arrays.set.scale = {level_scales_.data(), level_scales_.stride()};
+      arrays.set.half_shared = {level_shared_.data(), level_shared_.stride()};
+    } else if (substep.relaxation == 1) {
+      arrays.set.half_shared = {half_shared_.data(), half_shared_.stride()};
+    }
     float* multipliers[rows_of<Kind>];
     for (std::size_t r = 0; r < rows_of<Kind>; ++r) multipliers[r] = set_.multipliers[r].data();
     if (substep.stores_multipliers()) arrays.set.multipliers = multipliers;
@@ -515,6 +557,7 @@ class SetProjector final : public Projector {
     ProjectionInput<Kind, float> in;
     load(indices, i, particles, in);
     set_terms(i, substep, in);
+    if (in_level_.size() > 0) in.scale = level_scales_[i], in.half_shared = level_shared_[i];
     const bool stored = terms == Terms::general && substep.stores_multipliers();
     if (stored)
       for (std::size_t r = 0; r < rows_of<Kind>; ++r) in.lambda[r] = set_.multipliers[r][i];
@@ -524,6 +567,18 @@ class SetProjector final : public Projector {
     if (stored)
       for (std::size_t r = 0; r < rows_of<Kind>; ++r) set_.multipliers[r][i] += dlambda[r];
     for (int k = 0; k < Kind::arity; ++k) particles.correct(indices[static_cast<std::size_t>(k)], dx[k]);
+  }
+
+  // The scalar version of the packed kernel.
+  void add_forces_of(std::size_t i, const ParticleView& particles, const Substep& substep, float sweep_share) {
+    const Indices indices = set_.indices(i);
+    ProjectionInput<Kind, float> in;
+    load(indices, i, particles, in);
+    set_terms(i, substep, in);
+    in.scale = in_level_[i];
+    Vec3f f[Kind::arity];
+    elastic_forces<Kind, float>(in, set_.params(i), sweep_share, f);
+    for (std::size_t k = 0; k < Set::arity; ++k) particles.correct(indices[k], f[k]);
   }
 
   // The scalar version of the packed kernel.
@@ -545,6 +600,8 @@ class SetProjector final : public Projector {
   std::vector<Residual> partial_;  // per chunk
   Column half_shared_;             // phi / 2 of each constraint
   float softness_ = 0;             // see find_softness
+  Column in_level_, level_scales_, level_shared_;  // see set_levels; empty: no levels
+  float softness_of_rest_ = 0;                     // see set_levels
   bool dirty_sweeps_ = true;       // half_shared_ and softness_ are out of date
   std::uint64_t revision_ = detail::next_revision();
   Column scales_;               // k' of each constraint, for scales_for_

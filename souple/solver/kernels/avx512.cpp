@@ -1,4 +1,5 @@
 #include "souple/solver/kernels/compile.h"
+#include "souple/solver/kernels/compile_cells.h"
 #include "souple/solver/kernels/compile_links.h"
 #include "souple/solver/kernels/compile_motion.h"
 #include "souple/solver/kernels/compile_triangles.h"
@@ -6,6 +7,7 @@
 namespace souple::kernels {
 
 template struct Compile<simd::Avx512, OtherConstraints>;
+template const CellKernels& cell_kernels<simd::Avx512>();
 template const LinkKernels& link_kernels<simd::Avx512>();
 template const MotionKernels& motion_kernels<simd::Avx512>();
 template const TriangleKernels& triangle_kernels<simd::Avx512>();

@@ -242,6 +242,29 @@ template <class Isa, class Kind, bool displacement>
   }
 }
 
+/// Adds the elastic forces of blocks of one register of constraints, from the i-th constraint on. Blocks of scale 0
+/// have none.
+template <class Isa, class Kind, bool displacement>
+[[gnu::flatten]] void force_blocks(const ParticleArrays& arrays, const SetArrays& set_arrays, std::size_t i,
+                                   std::size_t end) {
+  using T = simd::Pack<Isa>;
+  const ParticleArrays p = arrays;
+  const LocalSet<Isa, Kind> set(set_arrays);
+  const T sweep_share(set_arrays.sweep_share);
+  for (; i < end; i += Isa::lanes) {
+    const T scale = set.scale.load(i);
+    if (!any_lane(scale > T(0))) continue;
+    Block<Isa, Kind> block(set, i);
+    load_particles<Isa, Kind, displacement>(p, block);
+    for (int k = 0; k < LocalSet<Isa, Kind>::alpha_count; ++k)
+      block.in.alpha[k] = set.compliances[k].load(i) * set.inverse_h2;
+    block.in.scale = scale;
+    Vec3<T> f[Kind::arity];
+    elastic_forces<Kind, T>(block.in, block.params, sweep_share, f);
+    store_corrections<Isa, Kind, displacement, false>(p, block, f);
+  }
+}
+
 /// Evaluates C of blocks of one register of constraints, from the i-th constraint on.
 template <class Isa, class Kind, bool displacement>
 [[gnu::flatten]] void evaluate_blocks(const ParticleArrays& arrays, const SetArrays& set_arrays,
@@ -385,6 +408,12 @@ void evaluate(const ParticleArrays& p, const SetArrays& set, std::size_t begin, 
     for (std::size_t lane = 0; lane < end - last; ++lane) values[r][last - begin + lane] = C[r][lane];
 }
 
+template <class Isa, class Kind, bool displacement>
+constexpr Project forces_or_null() {
+  if constexpr (requires { Kind::softness; }) return run<Isa, Kind, force_blocks<Isa, Kind, displacement>>;
+  return nullptr;
+}
+
 template <class Isa, class Kind>
 const KindKernels& kind_kernels() {
   static constexpr KindKernels kernels{
@@ -393,7 +422,8 @@ const KindKernels& kind_kernels() {
       {run<Isa, Kind, project_blocks<Isa, Kind, false, Terms::general>>,
        run<Isa, Kind, project_blocks<Isa, Kind, true, Terms::general>>},
       {run<Isa, Kind, damp_blocks<Isa, Kind, false>>, run<Isa, Kind, damp_blocks<Isa, Kind, true>>},
-      {evaluate<Isa, Kind, false>, evaluate<Isa, Kind, true>}};
+      {evaluate<Isa, Kind, false>, evaluate<Isa, Kind, true>},
+      {forces_or_null<Isa, Kind, false>(), forces_or_null<Isa, Kind, true>()}};
   return kernels;
 }
 

@@ -44,6 +44,7 @@ struct SetArrays {
   float h = 0;                                    ///< s
   float inverse_h2 = 0;                           ///< 1 / h^2; 0 in PBD mode
   float relaxation = 1;                           ///< factor of every correction, besides `scale`
+  float sweep_share = 0;                          ///< forces only: see elastic_forces in projection.h
 };
 
 /// Projects constraints [begin, end), which share no particle.
@@ -58,6 +59,7 @@ struct KindKernels {
   Project general[2];  ///< all terms
   Project damp[2];     ///< `corrected` are velocities
   Evaluate evaluate[2];
+  Project forces[2];  ///< adds elastic forces times h^2 to `corrected`; null for kinds without softness
 };
 
 /// Compiled in one translation unit per instruction set (compile.h).

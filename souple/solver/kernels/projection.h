@@ -95,6 +95,9 @@ void limit_correction(const typename Kind::template Params<T>& params, Vec3<T> (
   for (int r = 0; r < rows_of<Kind>; ++r) dlambda[r] = select(bounded, dlambda[r] * factor, T(0));
 }
 
+/// Factor omega of corrections that follow those of levels of tets.
+inline constexpr float level_relaxation = 0.5f;
+
 /// The terms of dlambda that are computed; omitted terms cost nothing.
 enum class Terms {
   plain,   ///< no stored multipliers: lambda = 0
@@ -170,6 +173,29 @@ inline void project_constraint(const ProjectionInput<Kind, T>& in,
       !requires { Kind::template reach<T>(params); }, "rename the constraint's reach: max_correction");
   if constexpr (requires { Kind::template max_correction<T>(params); })
     limit_correction<Kind, T>(params, dx, dlambda);
+}
+
+/// Elastic forces of one constraint, times h^2, except for the part that sweeps supply (docs/solvers.md, "Tet
+/// levels"). A sweep relaxed by omega acts on a smooth stress as a spring of compliance alpha~/omega + b D beside
+/// the others, b = `sweep_share`:
+///
+///   f_i = -grad_i C (1/alpha~ - 1/(alpha~/omega + b D)) C
+template <class Kind, class T>
+inline void elastic_forces(const ProjectionInput<Kind, T>& in, const typename Kind::template Params<T>& params,
+                           const T& sweep_share, Vec3<T> (&f)[Kind::arity]) {
+  constexpr int rows = rows_of<Kind>;
+  T C[rows];
+  Vec3<T> gradient[rows][Kind::arity];
+  evaluate_rows<Kind, T>(in.x, params, C, gradient);
+  for (int i = 0; i < Kind::arity; ++i) f[i] = {T(0), T(0), T(0)};
+  for (int r = 0; r < rows; ++r) {
+    T D = in.inverse_mass[0] * dot(gradient[r][0], gradient[r][0]);
+    for (int i = 1; i < Kind::arity; ++i) D += in.inverse_mass[i] * dot(gradient[r][i], gradient[r][i]);
+    const T alpha = in.alpha[r * (r + 3) / 2];
+    const T supplied = alpha * T(1 / level_relaxation) + sweep_share * D;
+    const T lambda = C[r] * ((alpha - supplied) / (alpha * supplied)) * in.scale;
+    for (int i = 0; i < Kind::arity; ++i) f[i] += gradient[r][i] * lambda;
+  }
 }
 
 /// Input of the damping of one constraint.
