@@ -9,6 +9,8 @@ namespace {
 constexpr std::uint32_t none = ~std::uint32_t{0};
 /// Links of the shortest path that becomes a tree. In triangle meshes no two neighbors have two links each.
 constexpr std::size_t shortest_path = 3;
+/// Links of the shortest ring that becomes a tree. Smaller ones are bodies rather than ropes.
+constexpr std::size_t shortest_ring = 8;
 
 /// The links of each particle, ascending.
 class LinksOf {
@@ -113,7 +115,7 @@ class Chooser {
         at = other_end(links_[e], at);
         e = degree_[at] == 2 ? remaining_link(at) : none;
       } while (e != none);
-      if (path_.size() >= shortest_path)
+      if (path_.size() >= (at == i ? shortest_ring : shortest_path))
         for (const std::uint32_t link : path_) take(link);
     }
   }

@@ -30,7 +30,7 @@ struct DistanceTrees {
 /// - all links that disappear when particles with a single link are removed again and again: ropes, chains, and
 ///   what hangs on them, up to the body that they are tied to;
 /// - among the links that remain, each of which is part of a cycle or connects cycles, all unbranched paths of three
-///   links or more, such as a rope between two points of a cloth. A ring is cut at one link.
+///   links or more, such as a rope between two points of a cloth. A ring of at least eight links is cut at one.
 /// Trees of a single link are omitted.
 DistanceTrees find_trees(std::span<const TreeLink> links, std::size_t particle_count);
 

@@ -12,7 +12,7 @@ namespace souple {
 
 /// Solver of the constraints of a substep; docs/solvers.md compares them.
 enum class SolverKind {
-  automatic,     ///< the default: Gauss-Seidel, with levels for large cloth and more sweeps for stiff tets
+  automatic,     ///< the default: Gauss-Seidel, levels for cloth, more sweeps for stiff tets, exact ropes
   gauss_seidel,  ///< nonlinear, colored
   jacobi,        ///< all constraints projected from the same positions, corrections averaged
   direct,        ///< the linearized system by a sparse Cholesky factorization

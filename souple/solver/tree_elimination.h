@@ -21,20 +21,21 @@ class SetProjector;
 /// time linear in their length: elimination from the leaves to the root, without fill (Deul et al. 2018, "Direct
 /// position-based solver for stiff rods").
 ///
-/// A tree ends the substep where implicit Euler does: x is the least of
+/// From y, the positions without the constraints of the tree, a substep ends at x and lambda with
 ///
-///   1/2 |x - y|_M^2 + sum_j C_j^2 / (2 alpha~_j),     y: positions without the constraints of the tree
+///   M (x - y) = sum_j f_j lambda_j,   C_j + alpha~_j lambda_j = 0,   f_j = (g_j + g0_j) / 2
 ///
-/// Newton's method for the positions and the multipliers lambda (tension positive in t) solves, until it moves no link
-/// by more than a hundredth of its length,
+/// g_j is the direction of link j at x and g0_j at the start of the substep. With f_j = g_j this is implicit Euler; the
+/// mean of both directions brakes a swing half as much. A link that turns far in one substep has f_j = g_j. Newton's
+/// method solves, until no particle moves further than a hundredth of its link relative to its parent,
 ///
-///   (M + T) dx - J^T lambda = M (y - x),   J dx + alpha~ lambda = -C,
-///   T = sum_j t_j (I - g_j g_j^T) on the difference of its ends,   t_j = max(0, -lambda_j) / |d_j|
+///   (M + T) dx - f lambda = M (y - x),   g . dx + alpha~ lambda = -C,
+///   T = sum_j t_j / 2 (I - g_j g_j^T) on the difference of the ends,   t_j = max(0, -lambda_j) / |d_j|
 ///
-/// with g_j = d_j / |d_j| the direction of the link. T is what the links' turning changes (their second derivative),
-/// of tension only: without it a swinging load of many times the rope's mass explodes, with compression the matrix
-/// would be indefinite (Tournier et al. 2015, "Stable constrained dynamics"). lambda starts at -C / alpha~ of the
-/// substep's start. Links without compliance, and links without length, need nothing special.
+/// T is what follows from the turning of the links, under tension only: without it a swinging load of many times the
+/// rope's mass explodes, with compression the matrix would be indefinite (Tournier et al. 2015, "Stable constrained
+/// dynamics"). The first lambda is -C / alpha~ of the substep's start. Links without compliance, and links without
+/// length, need nothing special.
 ///
 /// It is a projector with one color, whose elements are the trees. Several projections of a substep, with those of
 /// other constraints in between, converge to a common solution: y is the position without what the projections before

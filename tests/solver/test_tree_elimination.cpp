@@ -66,9 +66,13 @@ TEST(DistanceTrees, EndAtACloth) {
   EXPECT_EQ(links_in(trees, links), expected);
 }
 
-TEST(DistanceTrees, CutRingsAtOneLink) {
-  const auto links = links_of({{0, 1}, {1, 2}, {2, 3}, {3, 4}, {4, 0}, {4, 4}});
-  EXPECT_EQ(links_in(find_trees(links, 5), links).size(), 4u);
+TEST(DistanceTrees, CutLargeRingsAtOneLink) {
+  for (const std::uint32_t n : {3u, 5u, 8u, 20u}) {
+    std::vector<std::array<std::uint32_t, 2>> ends{{0, 0}};  // a link to itself is ignored
+    for (std::uint32_t i = 0; i < n; ++i) ends.push_back({i, (i + 1) % n});
+    const auto links = links_of(ends);
+    EXPECT_EQ(links_in(find_trees(links, n), links).size(), n < 8 ? 0u : n - 1);
+  }
 }
 
 // --- what they solve -----------------------------------------------------------------------------
