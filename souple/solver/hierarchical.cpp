@@ -521,6 +521,9 @@ void Hierarchical::restrict_particles(const ParticleView& particles, Threads& th
       level.restriction.assign(begin, end, position, moving, level.position, level.moving);
       for (std::size_t j = begin; differs && j < end; ++j)
         level.moving[j].set_xyz(level.moving[j].xyz() - level.position[j].xyz());
+      std::copy(level.moving.begin() + static_cast<std::ptrdiff_t>(begin),
+                level.moving.begin() + static_cast<std::ptrdiff_t>(end),
+                level.before.begin() + static_cast<std::ptrdiff_t>(begin));
     });
     position = level.position, moving = level.moving;
   }
@@ -537,13 +540,14 @@ void Hierarchical::prolong(const Level& from, std::span<const Vec4f> inverse_mas
 void Hierarchical::project_levels(const ParticleView& particles, Threads& threads) {
   for (std::size_t l = levels_.size(); l-- > 0;) {
     Level& level = levels_[l];
-    std::copy(level.moving.begin(), level.moving.end(), level.before.begin());
     if (l + 1 < levels_.size()) prolong(levels_[l + 1], level.position, level.moving, threads);
     level.near.sweep(near_sweeps, over_relaxation, level.moving, threads);
     level.all.sweep(sweeps_of(l), over_relaxation, level.moving, threads);
-    for (std::size_t i = 0; i < level.moving.size(); ++i)  // whole records: w becomes 0
-      level.correction[i] = {level.moving[i].x - level.before[i].x, level.moving[i].y - level.before[i].y,
-                             level.moving[i].z - level.before[i].z, 0};
+    threads.for_each(level.moving.size(), 4 * grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)  // whole records: w becomes 0
+        level.correction[i] = {level.moving[i].x - level.before[i].x, level.moving[i].y - level.before[i].y,
+                               level.moving[i].z - level.before[i].z, 0};
+    });
   }
   prolong(levels_.front(), particles.position, particles.moving, threads);
 }

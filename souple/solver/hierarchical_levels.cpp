@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -240,7 +239,7 @@ class CoarseLengths {
             if (length < infinity) result.push_back({k.particle, length});
           }
       }
-      // p may come again as a neighbor of another j
+      // A neighbor of another j may be p again.
       for (const Reached& n : marched_[p.particle]) from_p[n.particle].first = none;
     }
     keep_shortest(result);

@@ -13,6 +13,9 @@ namespace {
 constexpr std::uint32_t none = ~std::uint32_t{0};
 /// Minimum number of particles per thread.
 constexpr std::size_t grain = 1024;
+/// Relative difference of lengths that is not worth another entry of the queue: the paths across two triangles to one
+/// particle often differ by rounding alone.
+constexpr float indifferent = 1e-5f;
 constexpr float infinity = std::numeric_limits<float>::infinity();
 /// Square of the length in Triangle's coordinates; infinite if the line does not cross the edge. du2, dw2: squares of
 /// the distances to u and w.
@@ -156,7 +159,7 @@ void Marcher::offer(std::uint32_t v, float length) {
   if (seen.march != march_) {
     seen.march = march_;
     offered_.push_back(v);
-  } else if (seen.length <= length) {
+  } else if (seen.length <= length * (1 + indifferent)) {
     return;
   }
   seen.length = length;

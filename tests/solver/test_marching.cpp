@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -40,8 +41,9 @@ struct Sheet {
   }
   double straight(std::uint32_t a, std::uint32_t b) const {
     const auto n = static_cast<std::uint32_t>(side);
+    const std::uint32_t row_a = a / n, row_b = b / n;
     return std::hypot(static_cast<double>(a % n) - static_cast<double>(b % n),
-                      static_cast<double>(a / n) - static_cast<double>(b / n));
+                      static_cast<double>(row_a) - static_cast<double>(row_b));
   }
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -13,12 +14,15 @@ namespace {
 /// each other than ever before.
 long allocations_of_a_warm_step(World& world, int warm_frames) {
   for (int frame = 0; frame < warm_frames; ++frame) world.step(1.0 / 60);
-  long fewest = std::numeric_limits<long>::max();
-  for (int window = 0; window < 4; ++window) {
-    const long before = test::allocations();
-    for (int frame = 0; frame < 5; ++frame) world.step(1.0 / 60);
-    fewest = std::min(fewest, test::allocations() - before);
+  std::vector<long> before;
+  before.reserve(21);
+  for (int frame = 0; frame <= 20; ++frame) {
+    before.push_back(test::allocations());
+    world.step(1.0 / 60);
   }
+  long fewest = std::numeric_limits<long>::max();
+  for (std::size_t frame = 5; frame < before.size(); ++frame)
+    fewest = std::min(fewest, before[frame] - before[frame - 5]);
   return fewest;
 }
 
