@@ -104,6 +104,7 @@ class SetProjector final : public Projector {
   /// Leaves constraints out of projections in Mode::small_steps, because the solver enforces them in another way:
   /// one entry per constraint, in the current order. Ends with the next prepare_sweeps.
   void exempt(std::vector<bool> exempted) {
+    if (exempted == exempted_) return;
     exempted_ = std::move(exempted);
     scales_for_ = -1;
   }

@@ -19,10 +19,10 @@ using Matrix = Eigen::SparseMatrix<double>;
 constexpr std::uint32_t none = ~std::uint32_t{0};
 /// Pieces are solved here where, in the mean, h^2 sum_k w_k K_k^2 is more than this times the compliance: there one sweep
 /// does not reach the stiffness any more (SetProjector::find_shared).
-constexpr float limit = 1.8f;
-/// Pieces with more unknowns, or more entries in their factors, are swept only: 2 million entries are 32 MB to read
-/// in each substep, 3 ms.
-constexpr std::size_t max_unknowns = 20000, max_entries = 2000000;
+constexpr double limit = 1.8;
+/// Pieces of more unknowns are swept only, unless they are far softer so: the factors of 2,500 unknowns cost as much as
+/// two substeps of such a cloth, those of 10,000 as much as four.
+constexpr double usual_unknowns = 3000, max_unknowns = 12000;
 /// Pieces per thread, at least.
 constexpr std::size_t grain = 1;
 
@@ -75,7 +75,7 @@ struct StiffBending::Piece {
   std::vector<double> entry, inverse_diagonal;
   std::vector<Vec3dPadded> step, moved;  ///< work space, per unknown
 
-  bool factorize(std::span<const float> inverse_masses);
+  bool factorize(std::span<const float> inverse_masses, double softness);
   void solve(const ParticleView& particles, bool first_iteration);
 
  private:
@@ -133,17 +133,18 @@ void StiffBending::Piece::permute(const Eigen::VectorXi& new_position) {
       if (i != none) i = position(i);
 }
 
-// False if the factors are too large.
-bool StiffBending::Piece::factorize(std::span<const float> inverse_masses) {
+// False if the piece is too large. `softness`: mean of h^2 sum_k w_k K_k^2 / alpha.
+bool StiffBending::Piece::factorize(std::span<const float> inverse_masses, double softness) {
   number_unknowns(inverse_masses);
-  if (particle.empty() || particle.size() > max_unknowns) return false;
+  const auto unknowns = static_cast<double>(particle.size());
+  if (unknowns == 0 || unknowns > std::min(max_unknowns, usual_unknowns * std::sqrt(softness / limit)))
+    return false;
   const Matrix matrix = assemble();
   Eigen::SimplicialLDLT<Matrix, Eigen::Lower> factors;
   factors.analyzePattern(matrix);
   factors.factorize(matrix);
   if (factors.info() != Eigen::Success) return false;
   const Matrix L = factors.matrixL();
-  if (static_cast<std::size_t>(L.nonZeros()) > max_entries) return false;
   const Eigen::VectorXd D = factors.vectorD();
   permute(factors.permutationP().indices());
   begin.push_back(0);
@@ -254,14 +255,15 @@ void StiffBending::prepare(std::span<Projector* const> projectors, const Particl
 
 // What is solved here is not swept.
 void StiffBending::exempt() {
-  for (std::size_t k = 0; k < exempted_.size(); ++k)
-    if_bending(*revisions_[k].first, [&](auto& set) { set.exempt(exempted_[k]); });
+  for (std::size_t k = 0; k < revisions_.size(); ++k)
+    if_bending(*revisions_[k].first,
+               [&](auto& set) { set.exempt(exempted_.empty() ? std::vector<bool>{} : exempted_[k]); });
 }
 
 void StiffBending::build(float h) {
   built_for_ = h;
   pieces_.clear(), exempted_.clear();
-  if (softest_ * h * h > limit) {
+  if (static_cast<double>(softest_ * h * h) > limit) {
     std::vector<std::vector<Bending>> sets;
     std::vector<Tet> elements;
     for (const auto& [projector, revision] : revisions_) {
@@ -273,8 +275,6 @@ void StiffBending::build(float h) {
     }
     const Components components = connected_components(elements, inverse_masses_.size());
     std::vector<std::unique_ptr<Piece>> pieces = stiff_pieces(sets, components, h);
-    for (std::unique_ptr<Piece>& piece : pieces)
-      if (piece && !piece->factorize(inverse_masses_)) piece.reset();
     for (const std::vector<Bending>& set : sets) {
       exempted_.emplace_back();
       for (const Bending& bending : set)
@@ -296,15 +296,18 @@ std::vector<std::unique_ptr<StiffBending::Piece>> StiffBending::stiff_pieces(
       sum[component(bending)] += static_cast<double>(bending.softness(inverse_masses_)),
           ++count[component(bending)];
   const double h2 = static_cast<double>(h) * static_cast<double>(h);
+  const auto mean = [&](std::uint32_t c) { return h2 * sum[c] / std::max(count[c], 1.0); };
   std::vector<std::unique_ptr<Piece>> pieces(components.count);
   for (const std::vector<Bending>& set : sets)
     for (Bending bending : set) {
       const std::uint32_t c = component(bending);
-      if (!(sum[c] * h2 > static_cast<double>(limit) * count[c]) || !(bending.alpha > 0)) continue;
+      if (!(mean(c) > limit) || !(bending.alpha > 0)) continue;
       bending.stiffness = h2 / static_cast<double>(bending.alpha);
       if (!pieces[c]) pieces[c] = std::make_unique<Piece>();
       pieces[c]->bendings.push_back(bending);
     }
+  for (std::uint32_t c = 0; c < components.count; ++c)
+    if (pieces[c] && !pieces[c]->factorize(inverse_masses_, mean(c))) pieces[c].reset();
   return pieces;
 }
 
