@@ -278,6 +278,18 @@ void ColliderContacts::apply_restitution_to(const Body& body, Contact& contact, 
   contact.depth = max(0.0f, float(-g.C));
 }
 
+void ColliderContacts::append_impacts(const Substep& substep, std::vector<Impact>& out) const {
+  const float inverse_h = 1 / substep.h;
+  for (const Contact& contact : contacts_) {
+    const float approach = -dot(contact.normal, contact.predicted) * inverse_h;
+    if (!(contact.normal_sum > 0) || !(contact.material.restitution > 0) ||
+        !(approach > 2 * step_.gravity * substep.h))
+      continue;
+    out.push_back({contact.particle, Impact::collider, contact.normal, approach, contact.material.restitution,
+                   contact.surface_motion * inverse_h});
+  }
+}
+
 ContactReport ColliderContacts::report() const {
   return report_of(contacts_);
 }

@@ -57,6 +57,9 @@ class ColliderContacts final : public Projector {
   void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
                          Threads& threads);
 
+  /// Appends the impacts of the substep that are faster than the threshold of restitution.
+  void append_impacts(const Substep& substep, std::vector<Impact>& out) const;
+
   ContactReport report() const;
   /// Appends the contacts with a normal impulse in the last substep, in order of collider, then particle.
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const;

@@ -39,6 +39,17 @@ struct ContactPush {
   float impulse = 0;        ///< normal impulse on `particle` [N s]
 };
 
+/// A contact that pushes, with restitution, whose sides approached each other.
+struct Impact {
+  static constexpr std::uint32_t collider = 0xffffffff;
+  std::uint32_t particle = 0;
+  std::uint32_t other = 0;   ///< a particle of the second side, or `collider`
+  Vec3f normal{};            ///< unit, towards `particle`
+  float approach = 0;        ///< speed of the predicted motion along the normal [m/s]
+  float restitution = 0;     ///< coefficient
+  Vec3f surface_velocity{};  ///< of the collider [m/s]
+};
+
 struct ContactReport {
   std::size_t count = 0;  ///< contacts with a normal impulse in the last substep
   float deepest = 0;      ///< largest penetration left after the last substep [m]

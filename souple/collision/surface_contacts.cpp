@@ -514,6 +514,21 @@ void SurfaceContacts::apply_restitution(const ParticleView& particles, std::span
   }
 }
 
+void SurfaceContacts::append_impacts(const Substep&, std::vector<Impact>& out) const {
+  for (std::size_t c = 0; c < size(); ++c) {
+    const float approach = columns_.approach[c] * limits_.inverse_h;
+    if (!(columns_.normal_sum[c] > 0) || !(columns_.restitution[c] > 0) ||
+        !(approach > limits_.restitution_threshold))
+      continue;
+    out.push_back({columns_.particle[0][c],
+                   columns_.particle[3][c],
+                   {columns_.normal[0][c], columns_.normal[1][c], columns_.normal[2][c]},
+                   approach,
+                   columns_.restitution[c],
+                   {}});
+  }
+}
+
 // --- reports
 
 ContactReport SurfaceContacts::report() const {

@@ -14,6 +14,10 @@ namespace {
 constexpr double pin_weight = 1e4;
 // Ratio of squared thickness to squared length below which a direction is missing.
 constexpr double flat = 1e-6;
+// Sweeps of stacks: three per region, at most 30, or as many as the ratio of the masses; and what a substep may cost.
+constexpr double sweeps_per_region = 3, max_stack_sweeps = 30, max_moves = 4e4;
+// Boxes of regions touch when they are nearer than twice this part of their largest extent.
+constexpr float near_part = 0.02f;
 constexpr double min_det = 0.1;  // below this determinant, linear regions become rigid
 
 void require(bool valid, const char* name, float value, const char* expected) {
@@ -118,11 +122,56 @@ void ShapeMatching::update_masses(Region& region, std::span<const std::uint32_t>
   region.rest_inverse = pseudo_inverse(a_qq, region.missing);
 }
 
+void ShapeMatching::prepare_sweeps(const ParticleView& particles, bool) {
+  softness_ = 0;
+  std::size_t particle_count = 0;
+  for (std::size_t i = 0; i < regions_.size(); ++i) {
+    Region& region = regions_[i];
+    update_masses(region, groups_[i], particles);
+    if (!(region.free_mass > 0)) continue;
+    particle_count += groups_[i].size();
+    if (region.settings.compliance > 0)
+      softness_ = std::fmax(softness_, 1 / (2 * region.free_mass * region.settings.compliance));
+  }
+  affordable_sweeps_ = max_moves / static_cast<double>(std::max(particle_count, std::size_t{1}));
+}
+
+void ShapeMatching::find_stacks(const ParticleView& particles) {
+  if (regions_.size() < 2) return;
+  stacks_.resize(regions_.size());
+  for (std::size_t i = 0; i < regions_.size(); ++i) {
+    const std::span<const std::uint32_t> group = groups_[i];
+    Vec3f lo = particles.relative(group[0], {}), hi = lo;
+    for (const std::uint32_t particle : group) {
+      const Vec3f x = particles.relative(particle, {});
+      lo = {min(lo.x, x.x), min(lo.y, x.y), min(lo.z, x.z)};
+      hi = {max(hi.x, x.x), max(hi.y, x.y), max(hi.z, x.z)};
+    }
+    const Vec3f size = hi - lo;
+    const float near = near_part * max(size.x, max(size.y, size.z));
+    const Vec3f margin{near, near, near};
+    stacks_.set(i, lo - margin, hi + margin, regions_[i].free_mass);
+  }
+  const Stacks::Size size = stacks_.find();
+  const double stack = std::fmin(sweeps_per_region * static_cast<double>(size.bodies), max_stack_sweeps);
+  stack_sweeps_ = size.bodies < 2 ? 1 : std::fmin(std::fmax(stack, size.mass_ratio), affordable_sweeps_);
+}
+
+// A region alone needs one sweep. With contacts, which take part in each, it needs as many as its particles would
+// (SetProjector::sweeps_needed), and in a stack as many as carry a weight through it.
+int ShapeMatching::sweeps_needed(const Substep& substep) const {
+  if (substep.mode == Mode::pbd) return 1;
+  const double own = std::round(1 + 2.5 * softness_ * static_cast<double>(substep.h * substep.h));
+  const double stack = stack_sweeps_ * std::fmin(1, 10.0 / substep.count);
+  return static_cast<int>(std::fmax(std::fmin(own, max_sweeps(substep)), stack));
+}
+
 void ShapeMatching::begin_substep(const ParticleView& particles, const Substep&) {
   for (std::size_t i = 0; i < regions_.size(); ++i) {
     update_masses(regions_[i], groups_[i], particles);
     regions_[i].multiplier = 0;
   }
+  find_stacks(particles);
 }
 
 ShapeMatching::Pose ShapeMatching::fit(const Region& region, std::span<const std::uint32_t> group,
@@ -186,25 +235,52 @@ void ShapeMatching::project(int color, std::size_t begin, std::size_t end, const
     project_one(i, particles, substep);
 }
 
-// grad_i C = -m_i d_i / (M C) as in project_one.
+// The rigid motion of the free particles, as for objects (world/damping.cpp).
+ShapeMatching::RigidMotion ShapeMatching::rigid_motion(const Region& region,
+                                                       std::span<const std::uint32_t> group,
+                                                       const ParticleView& particles,
+                                                       std::span<const Vec4f> velocity) {
+  RigidMotion motion;
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    if (!(region.inverse_mass[k] > 0)) continue;
+    motion.center += Vec3d(particles.difference(group[k], group[0])) * region.mass[k];
+    motion.velocity += Vec3d(velocity[group[k]].xyz()) * region.mass[k];
+  }
+  motion.center = motion.center / region.free_mass;
+  motion.velocity = motion.velocity / region.free_mass;
+  Mat3d second;
+  Vec3d momentum{};
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    if (!(region.inverse_mass[k] > 0)) continue;
+    const Vec3d r = Vec3d(particles.difference(group[k], group[0])) - motion.center;
+    second = second + outer(r, r) * region.mass[k];
+    momentum += cross(r, Vec3d(velocity[group[k]].xyz()) - motion.velocity) * region.mass[k];
+  }
+  // A rod or a point has no inertia about its axis, hence no spin there: a small relative inertia is added.
+  const double t = trace(second);
+  if (t > 0) motion.spin = inverse(Mat3d::identity() * (t * (1 + 1e-9)) - second) * momentum;
+  return motion;
+}
+
+// The forces of all changes of shape have one stiffness: the energy is that of springs from every particle to its
+// goal, sum m |x - g|^2 / (2 alpha M). Kelvin-Voigt damping is that of dampers beside these springs, as the goals
+// move with the body. In an implicit Euler step of size h, gamma = tau / h,
+//   u <- alpha~ / (alpha~ + gamma / M) u,   u_i: velocity of particle i relative to the rigid motion
 void ShapeMatching::damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
                              const Substep& substep) {
-  Region& region = regions_[i];
+  const Region& region = regions_[i];
   if (!(region.free_mass > 0) || !(region.settings.damping_time > 0)) return;
   const auto group = groups_[i];
-  const Pose pose = fit(region, group, particles);
-  ScalarState state{std::sqrt(distance_squared(region, group, particles, pose)), 1 / region.free_mass};
-  if (state.C == 0) return;
-  const double scale = -1 / (region.free_mass * state.C);
-  double rate = 0;
-  for (std::size_t k = 0; k < group.size(); ++k)
-    if (region.inverse_mass[k] > 0)
-      rate += scale * region.mass[k] *
-              dot(to_goal(region, group, particles, pose, k), Vec3d(velocity[group[k]].xyz()));
-  const double dlambda = damp_scalar(state, rate, region.settings, substep);
-  for (std::size_t k = 0; k < group.size(); ++k)
-    if (region.inverse_mass[k] > 0)
-      add_velocity(velocity[group[k]], to_goal(region, group, particles, pose, k) * (scale * dlambda));
+  const double h = static_cast<double>(substep.h),
+               gamma = region.settings.damping_time / h / region.free_mass;
+  const double removed = gamma / (gamma + region.settings.compliance / (h * h));
+  const RigidMotion motion = rigid_motion(region, group, particles, velocity);
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    if (!(region.inverse_mass[k] > 0)) continue;
+    const Vec3d r = Vec3d(particles.difference(group[k], group[0])) - motion.center;
+    const Vec3d rigid = motion.velocity + cross(motion.spin, r);
+    add_velocity(velocity[group[k]], (rigid - Vec3d(velocity[group[k]].xyz())) * removed);
+  }
 }
 
 void ShapeMatching::damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,

@@ -3,6 +3,7 @@
 #include "souple/math/mat3.h"
 #include "souple/solver/particle_groups.h"
 #include "souple/solver/scalar_projection.h"
+#include "souple/solver/stacks.h"
 
 namespace souple {
 
@@ -47,6 +48,8 @@ class ShapeMatching final : public Projector {
   std::size_t size() const override { return regions_.size(); }
   void prepare(std::size_t particle_count) override { groups_.prepare(particle_count, kind()); }
   int color_count() const override { return groups_.color_count(); }
+  void prepare_sweeps(const ParticleView& particles, bool masses_changed) override;
+  int sweeps_needed(const Substep& substep) const override;
   /// Must run before `project`: it updates changed masses.
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
   std::size_t color_size(int color) const override { return groups_.color(color).size(); }
@@ -79,6 +82,12 @@ class ShapeMatching final : public Projector {
     Mat3d transform;
   };
 
+  struct RigidMotion {
+    Vec3d center;  // relative to the region's first particle
+    Vec3d velocity, spin;
+  };
+
+  void find_stacks(const ParticleView& particles);
   static void update_masses(Region& region, std::span<const std::uint32_t> group,
                             const ParticleView& particles);
   static Pose fit(const Region& region, std::span<const std::uint32_t> group, const ParticleView& particles);
@@ -89,10 +98,16 @@ class ShapeMatching final : public Projector {
   /// C of region i, 0 when all its particles are pinned. [m]
   double distance(std::size_t i, const ParticleView& particles) const;
   void project_one(std::size_t i, const ParticleView& particles, const Substep& substep);
+  static RigidMotion rigid_motion(const Region& region, std::span<const std::uint32_t> group,
+                                  const ParticleView& particles, std::span<const Vec4f> velocity);
   void damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
                 const Substep& substep);
 
   ParticleGroups groups_;
+  double softness_ = 0;                  // largest D / (2 alpha) [1/s^2]
+  double stack_sweeps_ = 1;              // sweeps of regions that touch each other
+  double affordable_sweeps_ = 1;
+  Stacks stacks_;
   mutable std::vector<Region> regions_;  // `residual` updates values that depend on the masses
 };
 

@@ -224,17 +224,33 @@ void add_tet_springs(const Object& object, const SoftBodyMaterial& m, Kinds& kin
   }
 }
 
-// One region whose total stiffness is E times its size, 1/alpha = E V^(1/3) [N/m]: a stiff box, not a
-// material.
+// One region. A uniform stretch e along an axis moves its particles by e q, q along that axis: C^2 = e^2 <q^2>. Its
+// energy C^2 / (2 alpha) is the material's, E e^2 V / 2, with
+//   alpha = <|q|^2> / (3 E V),   <>: mean over the mass, V: volume
+//
+// Its vibrations are no vibrations of a material, as all have the same frequency, 1 / sqrt(alpha M). They are damped
+// nearly critically where only a face is in contact: a box on a slope would otherwise hop, and walk down.
 void add_region(const Object& object, const SoftBodyMaterial& m, Kinds& kinds) {
+  constexpr double own_damping = 4;  // times the period over 2 pi
   std::vector<std::uint32_t> particles;
   for (std::uint32_t i = 0; i < object.particle_count(); ++i) particles.push_back(object.begin + i);
-  const double size = std::cbrt(tet_volume(object.tets));
-  kinds.shape_matching->add(
-      particles, object.rest,
-      {.compliance = static_cast<float>(1 / (static_cast<double>(m.young_modulus) * size)),
-       .damping_time = m.damping_time,
-       .stiffness = m.pbd_stiffness});
+  double volume = 0, square = 0;  // of a quarter of each tet at each of its corners
+  Vec3d center{};
+  const auto for_each_corner = [&](const auto& visit) {
+    for (const Tet& tet : object.tets.tets) {
+      const double quarter = rest_tet(object, tet).volume / 4;
+      for (const std::uint32_t i : tet) visit(object.rest[i], quarter);
+    }
+  };
+  for_each_corner([&](const Vec3d& q, double v) { volume += v, center += q * v; });
+  center = center / volume;
+  for_each_corner([&](const Vec3d& q, double v) { square += length_squared(q - center) * v; });
+  const double stiffness = 3 * static_cast<double>(m.young_modulus) * volume * volume / square;
+  const double time = std::sqrt(static_cast<double>(m.density) * volume / stiffness);
+  kinds.shape_matching->add(particles, object.rest,
+                            {.compliance = static_cast<float>(1 / stiffness),
+                             .damping_time = m.damping_time + static_cast<float>(own_damping * time),
+                             .stiffness = m.pbd_stiffness});
 }
 
 void add_object(const Object& object, const SoftBodyMaterial& m, Kinds& kinds) {

@@ -1,5 +1,6 @@
 #include "souple/world/contacts.h"
 
+#include "souple/world/body_restitution.h"
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/sleeping.h"
@@ -64,6 +65,10 @@ ContactMaterial contact_material_of(const Material& material) {
   // Fluids have viscous friction, not Coulomb friction.
   if (const auto* fluid = std::get_if<FluidMaterial>(&material))
     return {.friction = 0, .restitution = fluid->restitution};
+  // Particles of soft bodies do not bounce alone, see body_restitution.h.
+  if (const auto* soft = std::get_if<SoftBodyMaterial>(&material))
+    return {.friction = soft->friction,
+            .restitution = soft->restitution > elastic_restitution ? soft->restitution : 0};
   return std::visit(
       [](const auto& m) { return ContactMaterial{.friction = m.friction, .restitution = m.restitution}; },
       material);
@@ -246,6 +251,7 @@ void keep_apart(WorldState& world, const Substep& substep) {
 
 void apply_restitution(WorldState& world, const Substep& substep) {
   const ParticleView view = world.view();
+  restitute_bodies(world, substep);
   world.surface_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
   world.particle_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
   world.collider_element_contacts.apply_restitution(view, world.particles.velocity, substep);

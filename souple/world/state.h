@@ -144,6 +144,14 @@ struct ContactTables {
   ContactMaterialTable against_colliders, against_objects;
 };
 
+/// A soft body at an impact, see body_restitution.h.
+struct BodyAtImpact {
+  std::uint32_t object = 0;
+  double mass = 0;   ///< 0: does not move as a whole [kg]
+  Vec3d velocity{};  ///< of the center of mass [m/s]
+  Vec3d change{};    ///< by the impacts so far [m/s]
+};
+
 /// Sums over particles relative to a point near them: mass, m x, m v, m x x^T (lower triangle), m x cross v.
 struct RigidSums {
   double mass = 0;
@@ -186,7 +194,9 @@ struct WorldState {
   Balance balance;
   bool last_substep = false;  ///< of a step
   Fluids fluids;
-  bool check_intersections = true;  ///< an object was placed without continuous motion
+  bool check_intersections = true;             ///< an object was placed without continuous motion
+  std::vector<Impact> impacts;                 ///< of the substep, see body_restitution.h
+  std::vector<BodyAtImpact> bodies_at_impact;  ///< bodies at impacts
   ContactTables tables;
   PairOverrides pairs;
   bool dirty_constraints = true;  ///< objects or materials changed: rebuild before the next step

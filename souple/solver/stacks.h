@@ -1,0 +1,43 @@
+#pragma once
+
+#include "souple/math/vec3.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace souple {
+
+/// Groups of bodies whose bounding boxes touch, directly or through others.
+class Stacks {
+ public:
+  /// Of all groups, the largest values.
+  struct Size {
+    std::size_t bodies = 1;
+    double mass_ratio = 1;  ///< heaviest to lightest body of a group
+  };
+
+  /// Begins with as many bodies as `set` follows for. Allocates only when there are more than ever before.
+  void resize(std::size_t bodies);
+  /// A body with a box [lo, hi] [m] and a mass [kg]. A mass of 0 takes part in no group.
+  void set(std::size_t body, const Vec3f& lo, const Vec3f& hi, double mass);
+  /// Sorts the boxes along x, where they are nearly sorted from the last call, and joins those that overlap.
+  Size find();
+
+ private:
+  struct Body {
+    Vec3f lo, hi;
+    double mass = 0;
+  };
+  struct Group {
+    std::size_t bodies;
+    double lightest, heaviest;
+  };
+  std::uint32_t root(std::uint32_t body);
+
+  std::vector<Body> bodies_;
+  std::vector<std::uint32_t> by_x_, root_;
+  std::vector<Group> groups_;  // at the roots
+};
+
+}  // namespace souple

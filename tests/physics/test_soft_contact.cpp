@@ -1,0 +1,168 @@
+#include "souple/souple.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <gtest/gtest.h>
+
+// Boxes of tets and of shape matching: they rebound, grip a slope, stand on each other and carry weights.
+
+namespace souple {
+namespace {
+
+constexpr double g = 9.81f;
+constexpr SoftBodyModel models[] = {SoftBodyModel::neo_hookean, SoftBodyModel::shape_matching};
+const char* name_of(SoftBodyModel model) {
+  return model == SoftBodyModel::neo_hookean ? "tets" : "shape matching";
+}
+
+TetMesh box(double size, int cells = 4) {
+  return tet_bar(cells, cells, cells, {size, size, size});
+}
+
+SoftBodyMaterial material_of(SoftBodyModel model, float young_modulus) {
+  return {.young_modulus = young_modulus,
+          .poisson_ratio = 0.3f,
+          .thickness = 0.01f,
+          .friction = 0.5f,
+          .model = model};
+}
+
+double top_speed(const World& world, ObjectId body) {
+  double top = 0;
+  for (const Vec3f& v : world.velocities(body)) top = std::max(top, double(length(v)));
+  return top;
+}
+
+// Height of the first rebound of a box that falls 0.5 m onto a floor, over the height of the fall.
+double height_of_bounce(const SoftBodyMaterial& material) {
+  constexpr double drop = 0.5, rest = 0.105;
+  World world;
+  world.add_collider(Plane{}, {});
+  const ObjectId body =
+      world.add_soft_body(box(0.2), material, {.transform = {.translation = {0, rest + drop, 0}}});
+  double top = 0;
+  for (int frame = 0; frame < 60; ++frame) {
+    world.step(1.0 / 60);
+    const double v = world.momentum(body).y / world.total_mass(body);
+    if (v > 0) top = std::max(top, world.center_of_mass(body).y - rest + v * v / (2 * g));
+  }
+  return top / drop;
+}
+
+TEST(SoftRestitution, GrowsWithRestitutionAndShrinksWithDamping) {
+  for (const SoftBodyModel model : models) {
+    SoftBodyMaterial material = material_of(model, 1e6f);
+    const double own = height_of_bounce(material);
+    EXPECT_GT(own, 0.05) << name_of(model);
+    EXPECT_LT(own, 0.3) << name_of(model);
+    double last = own;
+    for (const float e : {0.5f, 0.8f, 0.9f, 1.0f}) {
+      material.restitution = e;
+      const double height = height_of_bounce(material);
+      EXPECT_GE(height, last) << name_of(model) << ", e = " << e;
+      last = height;
+    }
+    EXPECT_GT(last, 0.7) << name_of(model);
+    EXPECT_LE(last, 1) << name_of(model);
+    material.restitution = 0;
+    material.damping_time = 0.01f;
+    EXPECT_LT(height_of_bounce(material), own) << name_of(model);
+    material.damping_time = 0;
+    material.damping = 100;
+    EXPECT_LT(height_of_bounce(material), own) << name_of(model);
+  }
+}
+
+TEST(SoftGrip, ABlockStaysBelowTheFrictionAngleAndSlidesAbove) {
+  constexpr float mu = 0.5f;
+  for (const SoftBodyModel model : models)
+    for (const float young_modulus : {1e5f, 1e6f})
+      for (const int substeps : {5, 10, 30, 100})
+        for (const double steepness : {0.9, 1.5}) {
+          const double angle = std::atan(steepness * double(mu));
+          World world({.substeps = substeps,
+                       .gravity = {float(g * std::sin(angle)), float(-g * std::cos(angle)), 0}});
+          world.add_collider(Plane{}, {.friction = mu});
+          const ObjectId body = world.add_soft_body(box(0.2, 2), material_of(model, young_modulus),
+                                                    {.transform = {.translation = {0, 0.1051, 0}}});
+          for (int frame = 0; frame < 90; ++frame) world.step(1.0 / 60);
+          const double place = world.center_of_mass(body).x, early = world.momentum(body).x;
+          for (int frame = 0; frame < 30; ++frame) world.step(1.0 / 60);
+          const std::string what = std::string(name_of(model)) + ", E " + std::to_string(young_modulus) +
+                                   ", " + std::to_string(substeps) + " substeps";
+          const double acceleration = (world.momentum(body).x - early) / world.total_mass(body) / 0.5;
+          if (steepness < 1) {
+            EXPECT_LT(std::fabs(world.center_of_mass(body).x - place) / 0.5, 1e-3) << what;
+          } else {
+            const double expected = g * (std::sin(angle) - double(mu) * std::cos(angle));
+            EXPECT_NEAR(acceleration, expected, 0.05 * expected) << what;
+          }
+        }
+}
+
+// Stacks of boxes with gaps of 1 mm. None may move aside by a twentieth of its width.
+void expect_stands(int count, double size, const SoftBodyMaterial& material, int seconds) {
+  World world;
+  world.add_collider(Plane{}, {.friction = 0.5f});
+  std::vector<ObjectId> bodies;
+  for (int i = 0; i < count; ++i)
+    bodies.push_back(world.add_soft_body(
+        box(size), material, {.transform = {.translation = {0, size / 2 + 0.006 + i * (size + 0.011), 0}}}));
+  const std::string what =
+      std::string(name_of(material.model)) + ", E " + std::to_string(material.young_modulus);
+  for (int frame = 0; frame < 60 * seconds; ++frame) {
+    world.step(1.0 / 60);
+    const Vec3d top = world.center_of_mass(bodies.back());
+    ASSERT_LT(std::hypot(top.x, top.z), size / 20) << what << ", frame " << frame;
+  }
+  for (const ObjectId body : bodies) EXPECT_LT(top_speed(world, body), 0.02) << what;
+}
+
+TEST(SoftStack, TenShapeMatchedBoxesStand) {
+  expect_stands(10, 0.1, material_of(SoftBodyModel::shape_matching, 1e7f), 4);
+}
+
+TEST(SoftStack, TenShapeMatchedBoxesStandSlow) {
+  for (const float young_modulus : {3e6f, 1e7f, 1e8f})
+    expect_stands(10, 0.1, material_of(SoftBodyModel::shape_matching, young_modulus), 60);
+}
+
+TEST(SoftStack, FiveCubesOfTetsStand) {
+  for (const float damping_time : {0.0f, 0.01f}) {
+    SoftBodyMaterial material = material_of(SoftBodyModel::neo_hookean, 1e6f);
+    material.damping_time = damping_time;
+    expect_stands(5, 0.1, material, 6);
+  }
+}
+
+TEST(SoftStack, FiveCubesOfTetsStandSlow) {
+  for (const float young_modulus : {1e6f, 1e7f})
+    for (const float damping_time : {0.0f, 0.01f}) {
+      SoftBodyMaterial material = material_of(SoftBodyModel::neo_hookean, young_modulus);
+      material.damping_time = damping_time;
+      expect_stands(5, 0.1, material, 60);
+    }
+}
+
+// A cube carries another of equal size and a hundred times its mass.
+TEST(SoftStack, AShapeMatchedCubeCarriesAHundredTimesItsMass) {
+  World world;
+  world.add_collider(Plane{}, {.friction = 0.5f});
+  SoftBodyMaterial material = material_of(SoftBodyModel::shape_matching, 1e7f);
+  const ObjectId light =
+      world.add_soft_body(box(0.1), material, {.transform = {.translation = {0, 0.056, 0}}});
+  material.density *= 100;
+  const ObjectId heavy =
+      world.add_soft_body(box(0.1), material, {.transform = {.translation = {0, 0.167, 0}}});
+  for (int frame = 0; frame < 240; ++frame) world.step(1.0 / 60);
+  EXPECT_LT(top_speed(world, light), 0.02);
+  const Vec3d top = world.center_of_mass(heavy);
+  EXPECT_LT(std::hypot(top.x, top.z), 0.001);
+  EXPECT_GT(top.y, 0.161);
+  EXPECT_LT(top.y, 0.165);
+}
+
+}  // namespace
+}  // namespace souple
