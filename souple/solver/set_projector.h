@@ -123,7 +123,8 @@ class SetProjector final : public Projector {
   /// sweeps_needed. [1/s^2]
   void set_levels(std::span<const std::uint8_t> in_level, float softness) {
     softness_of_rest_ = softness;
-    for (std::vector<float>* values : {&in_level_, &level_scales_, &level_shared_}) values->resize(in_level.size());
+    for (std::vector<float>* values : {&in_level_, &level_scales_, &level_shared_})
+      values->resize(in_level.size());
     for (std::size_t i = 0; i < in_level.size(); ++i) {
       in_level_[i] = in_level[i];
       level_scales_[i] = in_level[i] ? level_relaxation : 1;
@@ -549,7 +550,8 @@ class SetProjector final : public Projector {
   }
 
   // The scalar version of the packed kernel.
-  void add_forces_of(std::size_t i, const ParticleView& particles, const Substep& substep, float sweep_share) {
+  void add_forces_of(std::size_t i, const ParticleView& particles, const Substep& substep,
+                     float sweep_share) {
     const Indices indices = set_.indices(i);
     ProjectionInput<Kind, float> in;
     load(indices, i, particles, in);
@@ -576,12 +578,12 @@ class SetProjector final : public Projector {
   }
 
   Set set_;
-  std::vector<Residual> partial_;  // per chunk
-  Column half_shared_;             // phi / 2 of each constraint
-  float softness_ = 0;             // see find_softness
+  std::vector<Residual> partial_;                              // per chunk
+  Column half_shared_;                                         // phi / 2 of each constraint
+  float softness_ = 0;                                         // see find_softness
   std::vector<float> in_level_, level_scales_, level_shared_;  // see set_levels; empty: no levels
   float softness_of_rest_ = 0;                                 // see set_levels
-  bool dirty_sweeps_ = true;       // half_shared_ and softness_ are out of date
+  bool dirty_sweeps_ = true;                                   // half_shared_ and softness_ are out of date
   std::uint64_t revision_ = detail::next_revision();
   Column scales_;        // k' of each constraint, for scales_for_
   int scales_for_ = -1;  // number of iterations in PBD mode, else 0

@@ -62,7 +62,8 @@ float product(std::span<const Vec4f> a, std::span<const float> by) {
 }
 
 // The scalar version of the packed kernel (compile_cells.h).
-void apply_cells(const kernels::CellArrays& cells, const float* x, float* y, std::size_t begin, std::size_t end) {
+void apply_cells(const kernels::CellArrays& cells, const float* x, float* y, std::size_t begin,
+                 std::size_t end) {
   for (std::size_t c = begin; c < end; ++c) {
     Vec3f v[corners];
     for (std::size_t a = 0; a < corners; ++a) {
@@ -189,7 +190,8 @@ void TetLevels::find_softness(const ParticleView& particles) {
 void TetLevels::arrange(Body& body) {
   const TetLattice& lattice = body.lattice;
   std::vector<std::uint32_t> ends;
-  for (const TetLattice::Cell& cell : lattice.cells) ends.insert(ends.end(), cell.node.begin(), cell.node.end());
+  for (const TetLattice::Cell& cell : lattice.cells)
+    ends.insert(ends.end(), cell.node.begin(), cell.node.end());
   const Coloring colors = color_constraints(ends, corners, lattice.node_count);
   body.color_begin = {0};
   for (std::size_t c = 0; c + 1 < colors.color_begin.size(); ++c) {
@@ -208,7 +210,8 @@ void TetLevels::arrange(Body& body) {
           4 * (cell == none ? static_cast<std::uint32_t>(lattice.node_count) : lattice.cells[cell].node[a]));
   for (std::size_t s = 0; s < slots; ++s)
     for (std::size_t k = 0; body.cell[s] != none && k < kernels::cell_stiffnesses; ++k)
-      body.stiffness[kernels::cell_entry(s, kernels::cell_stiffnesses, k)] = lattice.cell_stiffness[body.cell[s]][k];
+      body.stiffness[kernels::cell_entry(s, kernels::cell_stiffnesses, k)] =
+          lattice.cell_stiffness[body.cell[s]][k];
   body.child_begin.assign(lattice.node_count + 1, 0);
   for (std::size_t i = 0; i < lattice.parent.size(); ++i)
     for (std::size_t c = 0; c < corners; ++c)
@@ -249,7 +252,11 @@ void TetLevels::choose(const Substep& substep) {
     body.wanted = body.active = key.second == 1 && needed >= fewest_sweeps && !body.lattice.cells.empty();
     any_ = any_ || body.wanted;
   }
-  mark();
+  if (any_) {
+    mark();
+  } else {
+    tets_->clear_levels();
+  }
 }
 
 // Tells the tets which of them have a level.
@@ -302,8 +309,9 @@ void TetLevels::meet_contacts(std::span<Projector* const> projectors, const Part
   meet(true, collider_moved_);
   bool changed = false;
   for (Body& body : bodies_) {
-    const bool active = body.wanted && std::none_of(body.lattice.particle.begin(), body.lattice.particle.end(),
-                                                    [&](std::uint32_t i) { return others_moved_[i] != Vec3f{}; });
+    const bool active =
+        body.wanted && std::none_of(body.lattice.particle.begin(), body.lattice.particle.end(),
+                                    [&](std::uint32_t i) { return others_moved_[i] != Vec3f{}; });
     changed = changed || active != body.active;
     body.active = active;
   }
@@ -325,7 +333,8 @@ void TetLevels::find_held(Body& body) const {
       body.held_stiffness[lattice.parent[i][c]] += lattice.weight[i][c] * pin_margin * lattice.stiffness[i];
 }
 
-void TetLevels::find_forces(const ParticleView& particles, const Substep& substep, int sweeps, Threads& threads) {
+void TetLevels::find_forces(const ParticleView& particles, const Substep& substep, int sweeps,
+                            Threads& threads) {
   for (const Body& body : bodies_) {
     if (!body.active) continue;
     for (const std::uint32_t i : body.lattice.particle) force_[i] = {};
@@ -379,7 +388,8 @@ void TetLevels::apply(Body& body, float h2, Threads& threads) {
   for (std::size_t j = 0; j < body.mass.size(); ++j) store(body.Ap[j], load(body.p[j]) * body.mass[j]);
   kernels::CellArrays cells;
   for (std::size_t a = 0; a < corners; ++a) cells.node[a] = body.node[a].data();
-  cells.stiffness = body.stiffness.data(), cells.rotation = body.rotation.data(), cells.scale = body.scale.data();
+  cells.stiffness = body.stiffness.data(), cells.rotation = body.rotation.data(),
+  cells.scale = body.scale.data();
   const kernels::ApplyCells kernel = cell_kernels().apply;
   const float* const p = &body.p.data()->x;
   float* const Ap = &body.Ap.data()->x;
@@ -392,7 +402,8 @@ void TetLevels::apply(Body& body, float h2, Threads& threads) {
   const TetLattice& lattice = body.lattice;
   for (const std::uint32_t i : body.held) {
     FourFloats sum{};
-    for (std::size_t c = 0; c < corners; ++c) sum += load(body.p[lattice.parent[i][c]]) * lattice.weight[i][c];
+    for (std::size_t c = 0; c < corners; ++c)
+      sum += load(body.p[lattice.parent[i][c]]) * lattice.weight[i][c];
     sum *= h2 * pin_margin * lattice.stiffness[i];
     for (std::size_t c = 0; c < corners; ++c) {
       Vec4f& y = body.Ap[lattice.parent[i][c]];

@@ -40,18 +40,19 @@ class TetLevels {
  private:
   struct Body {
     TetLattice lattice;
-    float softness = 0;  ///< mean of NeoHookean::softness [1/s^2]
-    bool wanted = false;  ///< needs a level in substeps of this length
-    bool active = false;  ///< and has one in this substep
+    float softness = 0;                             ///< mean of NeoHookean::softness [1/s^2]
+    bool wanted = false;                            ///< needs a level in substeps of this length
+    bool active = false;                            ///< and has one in this substep
     std::vector<std::uint32_t> child_begin, child;  ///< per node: particles of the lattice
     std::vector<float> child_weight;
-    std::vector<float> mass;             ///< per node [kg]
-    std::vector<std::uint32_t> pinned;   ///< particles of the lattice
-    std::vector<std::uint32_t> held;     ///< pinned particles, and those that the body presses against a collider
-    std::vector<float> held_stiffness;   ///< per node: sum over the held particles [N/m]
-    std::vector<float> inverse;          ///< per node: preconditioner [1/kg]
+    std::vector<float> mass;            ///< per node [kg]
+    std::vector<std::uint32_t> pinned;  ///< particles of the lattice
+    std::vector<std::uint32_t>
+        held;  ///< pinned particles, and those that the body presses against a collider
+    std::vector<float> held_stiffness;  ///< per node: sum over the held particles [N/m]
+    std::vector<float> inverse;         ///< per node: preconditioner [1/kg]
     // Per slot, the cells sorted by color and padded:
-    std::vector<std::uint32_t> cell;     ///< none: padding
+    std::vector<std::uint32_t> cell;  ///< none: padding
     std::vector<std::uint32_t> color_begin;
     std::array<std::vector<std::uint32_t>, kernels::cell_nodes> node;
     std::vector<float> stiffness, rotation, scale;
