@@ -62,8 +62,8 @@ class SetProjector final : public Projector {
   std::string_view kind() const override { return Kind::name; }
   std::size_t size() const override { return set_.size(); }
   std::size_t bytes() const override {
-    return set_.bytes() + scales_.bytes() + half_shared_.bytes() + in_level_.bytes() + level_scales_.bytes() +
-           level_shared_.bytes() + partial_.capacity() * sizeof(Residual);
+    return set_.bytes() + scales_.bytes() + half_shared_.bytes() + 3 * in_level_.capacity() * sizeof(float) +
+           partial_.capacity() * sizeof(Residual);
   }
   int color_count() const override { return static_cast<int>(set_.color_begin.size()) - 1; }
 
@@ -132,15 +132,18 @@ class SetProjector final : public Projector {
   /// Tells sweeps of which constraints levels carry a part of the load (TetLevels); `softness`: of the others, as in
   /// sweeps_needed. [1/s^2]
   void set_levels(std::span<const std::uint8_t> in_level, float softness) {
-    clear_levels();
     softness_of_rest_ = softness;
+    for (std::vector<float>* values : {&in_level_, &level_scales_, &level_shared_})
+      values->resize(in_level.size());
     for (std::size_t i = 0; i < in_level.size(); ++i) {
-      in_level_.push_back(in_level[i]);
-      level_scales_.push_back(in_level[i] ? level_relaxation : 1);
-      level_shared_.push_back(in_level[i] ? 0 : half_shared_[i]);
+      in_level_[i] = in_level[i];
+      level_scales_[i] = in_level[i] ? level_relaxation : 1;
+      level_shared_[i] = in_level[i] ? 0 : half_shared_[i];
     }
   }
-  void clear_levels() { in_level_ = level_scales_ = level_shared_ = {}; }
+  void clear_levels() {
+    for (std::vector<float>* values : {&in_level_, &level_scales_, &level_shared_}) values->clear();
+  }
   /// Adds the forces that the sweeps leave to the levels, times h^2, of constraints [begin, end) of a color; see
   /// elastic_forces.
   void add_forces(int color, std::size_t first, std::size_t last, const ParticleView& particles,
@@ -152,7 +155,7 @@ class SetProjector final : public Projector {
       return;
     }
     Arrays arrays(set_);
-    arrays.set.scale = {in_level_.data(), in_level_.stride()};
+    arrays.set.scale = {in_level_.data(), 1};
     arrays.set.h = substep.h;
     arrays.set.inverse_h2 = inverse_h2(substep);
     arrays.set.sweep_share = sweep_share;
@@ -467,8 +470,8 @@ class SetProjector final : public Projector {
     static constexpr float zero = 0;
     arrays.set.half_shared = {&zero, 0};
     if (in_level_.size() > 0) {
-      arrays.set.scale = {level_scales_.data(), level_scales_.stride()};
-      arrays.set.half_shared = {level_shared_.data(), level_shared_.stride()};
+      arrays.set.scale = {level_scales_.data(), 1};
+      arrays.set.half_shared = {level_shared_.data(), 1};
     } else if (substep.relaxation == 1) {
       arrays.set.half_shared = {half_shared_.data(), half_shared_.stride()};
     }
@@ -571,7 +574,8 @@ class SetProjector final : public Projector {
   }
 
   // The scalar version of the packed kernel.
-  void add_forces_of(std::size_t i, const ParticleView& particles, const Substep& substep, float sweep_share) {
+  void add_forces_of(std::size_t i, const ParticleView& particles, const Substep& substep,
+                     float sweep_share) {
     const Indices indices = set_.indices(i);
     ProjectionInput<Kind, float> in;
     load(indices, i, particles, in);
@@ -598,12 +602,12 @@ class SetProjector final : public Projector {
   }
 
   Set set_;
-  std::vector<Residual> partial_;  // per chunk
-  Column half_shared_;             // phi / 2 of each constraint
-  float softness_ = 0;             // see find_softness
-  Column in_level_, level_scales_, level_shared_;  // see set_levels; empty: no levels
-  float softness_of_rest_ = 0;                     // see set_levels
-  bool dirty_sweeps_ = true;       // half_shared_ and softness_ are out of date
+  std::vector<Residual> partial_;                              // per chunk
+  Column half_shared_;                                         // phi / 2 of each constraint
+  float softness_ = 0;                                         // see find_softness
+  std::vector<float> in_level_, level_scales_, level_shared_;  // see set_levels; empty: no levels
+  float softness_of_rest_ = 0;                                 // see set_levels
+  bool dirty_sweeps_ = true;                                   // half_shared_ and softness_ are out of date
   std::uint64_t revision_ = detail::next_revision();
   Column scales_;               // k' of each constraint, for scales_for_
   int scales_for_ = -1;         // number of iterations in PBD mode, 0 with small steps

@@ -74,12 +74,12 @@ class Builder {
   Place count_{};                 // cells along each axis
   std::vector<Place> place_;      // per particle
   // A piece is a connected part of the body in a cell.
-  std::vector<std::uint32_t> piece_;        // per particle
-  std::vector<Place> piece_place_;          // per piece
-  std::vector<std::uint32_t> piece_node_;   // per piece and corner
-  std::vector<std::uint32_t> piece_cell_;   // per piece; none: no tet
-  std::vector<std::uint32_t> tet_cell_;     // per tet
-  std::vector<Place> cell_place_;           // per cell
+  std::vector<std::uint32_t> piece_;       // per particle
+  std::vector<Place> piece_place_;         // per piece
+  std::vector<std::uint32_t> piece_node_;  // per piece and corner
+  std::vector<std::uint32_t> piece_cell_;  // per piece; none: no tet
+  std::vector<std::uint32_t> tet_cell_;    // per tet
+  std::vector<Place> cell_place_;          // per cell
 };
 
 Builder::Builder(const ConstraintSet<NeoHookean>& set, std::span<const std::uint32_t> tets)
@@ -175,7 +175,8 @@ Place Builder::place_of(const Vec3d& x) const {
 Vec3d Builder::within(const Vec3d& x, const Place& place) const {
   Vec3d u;
   for (int axis = 0; axis < 3; ++axis)
-    u[axis] = std::clamp((x[axis] - low_[axis]) / size_[axis] - place[static_cast<std::size_t>(axis)], 0.0, 1.0);
+    u[axis] =
+        std::clamp((x[axis] - low_[axis]) / size_[axis] - place[static_cast<std::size_t>(axis)], 0.0, 1.0);
   return u;
 }
 
@@ -199,7 +200,8 @@ std::array<Vec3f, corners> Builder::gradients(const Vec3d& u) const {
       part[axis] = upper ? u[axis] : 1 - u[axis];
       slope[axis] = (upper ? 1 : -1) / size_[axis];
     }
-    g[c] = Vec3f(Vec3d{slope[0] * part[1] * part[2], part[0] * slope[1] * part[2], part[0] * part[1] * slope[2]});
+    g[c] = Vec3f(
+        Vec3d{slope[0] * part[1] * part[2], part[0] * slope[1] * part[2], part[0] * part[1] * slope[2]});
   }
   return g;
 }
@@ -221,7 +223,8 @@ void Builder::connect() {
   piece_.assign(n, none);
   for (std::uint32_t i = 0; i < n; ++i) {
     const std::uint32_t root = together.root(i);
-    if (root == i) piece_[i] = static_cast<std::uint32_t>(piece_place_.size()), piece_place_.push_back(place_[i]);
+    if (root == i)
+      piece_[i] = static_cast<std::uint32_t>(piece_place_.size()), piece_place_.push_back(place_[i]);
     piece_[i] = piece_[root];
   }
   Sets same(piece_place_.size() * corners);
@@ -243,7 +246,8 @@ void Builder::connect() {
         other |= static_cast<std::size_t>(at & 1) << axis;
       }
       if (shared)
-        same.merge(static_cast<std::uint32_t>(a * corners + c), static_cast<std::uint32_t>(b * corners + other));
+        same.merge(static_cast<std::uint32_t>(a * corners + c),
+                   static_cast<std::uint32_t>(b * corners + other));
     }
   }
   piece_node_.assign(piece_place_.size() * corners, none);
@@ -276,7 +280,8 @@ std::uint32_t Builder::cell_of(const Corners& tet, const Vec3d& center) {
     piece_cell_[piece] = static_cast<std::uint32_t>(lattice_.cells.size());
     cell_place_.push_back(piece_place_[piece]);
     lattice_.cells.emplace_back();
-    for (std::size_t c = 0; c < corners; ++c) lattice_.cells.back().node[c] = piece_node_[piece * corners + c];
+    for (std::size_t c = 0; c < corners; ++c)
+      lattice_.cells.back().node[c] = piece_node_[piece * corners + c];
   }
   return piece_cell_[piece];
 }
@@ -331,7 +336,8 @@ void Builder::integrate(std::size_t cell, const std::array<float, points * point
                         static_cast<double>(k / (points * points))} *
                   0.5);
     std::array<float, n> row{};
-    for (std::size_t c = 0; c < corners; ++c) row[3 * c] = g[c].x, row[3 * c + 1] = g[c].y, row[3 * c + 2] = g[c].z;
+    for (std::size_t c = 0; c < corners; ++c)
+      row[3 * c] = g[c].x, row[3 * c + 1] = g[c].y, row[3 * c + 2] = g[c].z;
     for (std::size_t p = 0; p < n; ++p)
       for (std::size_t q = 0; q < n; ++q) T[p][q] += volumes[k] * row[p] * row[q];
     total += volumes[k];
@@ -376,7 +382,8 @@ void Builder::choose_samples(std::size_t cell, std::span<const std::uint32_t> ca
         *std::min_element(candidates.begin(), candidates.end(),
                           [&](std::uint32_t i, std::uint32_t j) { return distance(i) < distance(j); });
     const auto begin = lattice_.sample.begin() + static_cast<std::ptrdiff_t>(first);
-    if (std::find(begin, lattice_.sample.end(), nearest) == lattice_.sample.end()) lattice_.sample.push_back(nearest);
+    if (std::find(begin, lattice_.sample.end(), nearest) == lattice_.sample.end())
+      lattice_.sample.push_back(nearest);
   }
   if (!fit_gradients(first)) {
     lattice_.sample.resize(first);
@@ -389,7 +396,8 @@ void Builder::choose_samples(std::size_t cell, std::span<const std::uint32_t> ca
 // The least-squares fit x = F X: F = (sum x Y^T) (sum Y Y^T)^-1 with Y relative to the mean of X. Returns whether
 // the samples span a volume.
 bool Builder::fit_gradients(std::size_t begin) {
-  const std::span<const std::uint32_t> samples(lattice_.sample.data() + begin, lattice_.sample.size() - begin);
+  const std::span<const std::uint32_t> samples(lattice_.sample.data() + begin,
+                                               lattice_.sample.size() - begin);
   Vec3d mean{};
   for (const std::uint32_t i : samples) mean += rest_[i] * (1 / static_cast<double>(samples.size()));
   Mat3d moment{};

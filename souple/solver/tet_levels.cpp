@@ -62,7 +62,8 @@ float product(std::span<const Vec4f> a, std::span<const float> by) {
 }
 
 // The scalar version of the packed kernel (compile_cells.h).
-void apply_cells(const kernels::CellArrays& cells, const float* x, float* y, std::size_t begin, std::size_t end) {
+void apply_cells(const kernels::CellArrays& cells, const float* x, float* y, std::size_t begin,
+                 std::size_t end) {
   for (std::size_t c = begin; c < end; ++c) {
     Vec3f v[corners];
     for (std::size_t a = 0; a < corners; ++a) {
@@ -125,6 +126,7 @@ void TetLevels::prepare(SetProjector<NeoHookean>* tets, const ParticleView& part
   for (Body& body : bodies_) set_masses(body, particles);
   chosen_for_ = {};
   any_ = false;
+  if (tets) tets->clear_levels();
 }
 
 void TetLevels::find_bodies(const ParticleView& particles) {
@@ -167,7 +169,7 @@ void TetLevels::find_bodies(const ParticleView& particles) {
   }
   in_level_.assign(set.size(), 0);
   force_.assign(particles.position.size(), {});
-  contact_.assign(particles.position.size(), {});
+  collider_moved_.assign(particles.position.size(), {}), others_moved_ = collider_moved_;
 }
 
 void TetLevels::find_softness(const ParticleView& particles) {
@@ -188,7 +190,8 @@ void TetLevels::find_softness(const ParticleView& particles) {
 void TetLevels::arrange(Body& body) {
   const TetLattice& lattice = body.lattice;
   std::vector<std::uint32_t> ends;
-  for (const TetLattice::Cell& cell : lattice.cells) ends.insert(ends.end(), cell.node.begin(), cell.node.end());
+  for (const TetLattice::Cell& cell : lattice.cells)
+    ends.insert(ends.end(), cell.node.begin(), cell.node.end());
   const Coloring colors = color_constraints(ends, corners, lattice.node_count);
   body.color_begin = {0};
   for (std::size_t c = 0; c + 1 < colors.color_begin.size(); ++c) {
@@ -207,7 +210,8 @@ void TetLevels::arrange(Body& body) {
           4 * (cell == none ? static_cast<std::uint32_t>(lattice.node_count) : lattice.cells[cell].node[a]));
   for (std::size_t s = 0; s < slots; ++s)
     for (std::size_t k = 0; body.cell[s] != none && k < kernels::cell_stiffnesses; ++k)
-      body.stiffness[kernels::cell_entry(s, kernels::cell_stiffnesses, k)] = lattice.cell_stiffness[body.cell[s]][k];
+      body.stiffness[kernels::cell_entry(s, kernels::cell_stiffnesses, k)] =
+          lattice.cell_stiffness[body.cell[s]][k];
   body.child_begin.assign(lattice.node_count + 1, 0);
   for (std::size_t i = 0; i < lattice.parent.size(); ++i)
     for (std::size_t c = 0; c < corners; ++c)
@@ -243,19 +247,25 @@ void TetLevels::choose(const Substep& substep) {
   if (!tets_ || key == chosen_for_) return;
   chosen_for_ = key;
   any_ = false;
-  float softness = 0;
   for (Body& body : bodies_) {
     const float needed = SetProjector<NeoHookean>::sweeps_for(body.softness, substep.h);
-    body.active = key.second == 1 && needed >= fewest_sweeps && !body.lattice.cells.empty();
-    any_ = any_ || body.active;
-    if (!body.active) softness = std::max(softness, body.softness);
+    body.wanted = body.active = key.second == 1 && needed >= fewest_sweeps && !body.lattice.cells.empty();
+    any_ = any_ || body.wanted;
   }
-  for (std::size_t t = 0; t < in_level_.size(); ++t) in_level_[t] = bodies_[body_of_[t]].active ? 1 : 0;
   if (any_) {
-    tets_->set_levels(in_level_, softness);
+    mark();
   } else {
     tets_->clear_levels();
   }
+}
+
+// Tells the tets which of them have a level.
+void TetLevels::mark() {
+  float softness = 0;
+  for (const Body& body : bodies_)
+    if (!body.active) softness = std::max(softness, body.softness);
+  for (std::size_t t = 0; t < in_level_.size(); ++t) in_level_[t] = bodies_[body_of_[t]].active ? 1 : 0;
+  tets_->set_levels(in_level_, softness);
 }
 
 void TetLevels::correct(std::span<Projector* const> projectors, const ParticleView& particles,
@@ -270,30 +280,42 @@ void TetLevels::correct(std::span<Projector* const> projectors, const ParticleVi
     measure_cells(body, particles, h2, threads);
     restrict_forces(body, force_, threads);
     solve(body, h2, threads);
+    limit_moves(body);
     prolong(body, particles, threads);
   }
 }
 
-// Contacts come first as well as last, so that the lattice feels them: what they move is in contact.
+// Contacts come first as well as last, so that it is known what touches what.
 void TetLevels::meet_contacts(std::span<Projector* const> projectors, const ParticleView& particles,
                               const Substep& substep, Threads& threads) {
-  const auto moved = [&](float sign) {
+  const auto for_each_particle = [&](const auto& f) {
     for (const Body& body : bodies_) {
-      if (!body.active) continue;
-      for (const std::uint32_t i : body.lattice.particle) contact_[i] += particles.moved(i) * sign;
+      if (!body.wanted) continue;
+      for (const std::uint32_t i : body.lattice.particle) f(i);
     }
   };
-  for (const Body& body : bodies_) {
-    if (!body.active) continue;
-    for (const std::uint32_t i : body.lattice.particle) contact_[i] = {};
+  const auto meet = [&](bool colliders, std::vector<Vec3f>& moved) {
+    for_each_particle([&](std::uint32_t i) { moved[i] = {}; });
+    const auto concerned = [&](const Projector* p) {
+      return p->is_contact() && p->size() > 0 && p->kind().starts_with("collider") == colliders;
+    };
+    if (std::none_of(projectors.begin(), projectors.end(), concerned)) return;
+    for_each_particle([&](std::uint32_t i) { moved[i] -= particles.moved(i); });
+    for (Projector* projector : projectors)
+      if (concerned(projector)) sweep(*projector, particles, substep, threads);
+    for_each_particle([&](std::uint32_t i) { moved[i] += particles.moved(i); });
+  };
+  meet(false, others_moved_);
+  meet(true, collider_moved_);
+  bool changed = false;
+  for (Body& body : bodies_) {
+    const bool active =
+        body.wanted && std::none_of(body.lattice.particle.begin(), body.lattice.particle.end(),
+                                    [&](std::uint32_t i) { return others_moved_[i] != Vec3f{}; });
+    changed = changed || active != body.active;
+    body.active = active;
   }
-  if (std::none_of(projectors.begin(), projectors.end(),
-                   [](const Projector* p) { return p->is_contact() && p->size() > 0; }))
-    return;
-  moved(-1);
-  for (Projector* projector : projectors)
-    if (projector->is_contact()) sweep(*projector, particles, substep, threads);
-  moved(1);
+  if (changed) mark();
 }
 
 // Springs hold pinned particles, and those that elastic forces press against a contact, f . n < 0. Otherwise the
@@ -303,8 +325,7 @@ void TetLevels::find_held(Body& body) const {
   body.held.assign(body.pinned.begin(), body.pinned.end());
   for (std::uint32_t i = 0; i < lattice.particle.size(); ++i) {
     const std::uint32_t particle = lattice.particle[i];
-    const Vec4f& f = force_[particle];
-    if (dot(contact_[particle], f.xyz()) < 0) body.held.push_back(i);
+    if (dot(collider_moved_[particle], force_[particle].xyz()) < 0) body.held.push_back(i);
   }
   std::fill(body.held_stiffness.begin(), body.held_stiffness.end(), 0.0f);
   for (const std::uint32_t i : body.held)
@@ -312,7 +333,8 @@ void TetLevels::find_held(Body& body) const {
       body.held_stiffness[lattice.parent[i][c]] += lattice.weight[i][c] * pin_margin * lattice.stiffness[i];
 }
 
-void TetLevels::find_forces(const ParticleView& particles, const Substep& substep, int sweeps, Threads& threads) {
+void TetLevels::find_forces(const ParticleView& particles, const Substep& substep, int sweeps,
+                            Threads& threads) {
   for (const Body& body : bodies_) {
     if (!body.active) continue;
     for (const std::uint32_t i : body.lattice.particle) force_[i] = {};
@@ -366,7 +388,8 @@ void TetLevels::apply(Body& body, float h2, Threads& threads) {
   for (std::size_t j = 0; j < body.mass.size(); ++j) store(body.Ap[j], load(body.p[j]) * body.mass[j]);
   kernels::CellArrays cells;
   for (std::size_t a = 0; a < corners; ++a) cells.node[a] = body.node[a].data();
-  cells.stiffness = body.stiffness.data(), cells.rotation = body.rotation.data(), cells.scale = body.scale.data();
+  cells.stiffness = body.stiffness.data(), cells.rotation = body.rotation.data(),
+  cells.scale = body.scale.data();
   const kernels::ApplyCells kernel = cell_kernels().apply;
   const float* const p = &body.p.data()->x;
   float* const Ap = &body.Ap.data()->x;
@@ -379,7 +402,8 @@ void TetLevels::apply(Body& body, float h2, Threads& threads) {
   const TetLattice& lattice = body.lattice;
   for (const std::uint32_t i : body.held) {
     FourFloats sum{};
-    for (std::size_t c = 0; c < corners; ++c) sum += load(body.p[lattice.parent[i][c]]) * lattice.weight[i][c];
+    for (std::size_t c = 0; c < corners; ++c)
+      sum += load(body.p[lattice.parent[i][c]]) * lattice.weight[i][c];
     sum *= h2 * pin_margin * lattice.stiffness[i];
     for (std::size_t c = 0; c < corners; ++c) {
       Vec4f& y = body.Ap[lattice.parent[i][c]];
@@ -415,23 +439,33 @@ void TetLevels::solve(Body& body, float h2, Threads& threads) {
   }
 }
 
-// x += P dX. One factor for the whole body limits the longest move, so that momentum is kept.
-void TetLevels::prolong(const Body& body, const ParticleView& particles, Threads& threads) {
+// One factor for the whole body limits the longest move, so that momentum is kept.
+void TetLevels::limit_moves(Body& body) {
   float farthest = 0;
   for (const Vec4f& x : body.x) farthest = std::fmax(farthest, dot(x.xyz(), x.xyz()));
   const float limit = max_move * body.lattice.cell_size;
-  if (!(farthest < 1e30f)) return;
-  const float factor = farthest > limit * limit ? limit / std::sqrt(farthest) : 1;
+  if (farthest <= limit * limit) return;
+  const float factor = farthest < 1e30f ? limit / std::sqrt(farthest) : 0;
+  for (Vec4f& x : body.x) x.set_xyz(factor > 0 ? x.xyz() * factor : Vec3f{});
+}
+
+// x += P dX.
+void TetLevels::prolong(const Body& body, const ParticleView& particles, Threads& threads) {
   const TetLattice& lattice = body.lattice;
   threads.for_each(lattice.particle.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t particle = lattice.particle[i];
       if (!(particles.inverse_mass(particle) > 0)) continue;
-      FourFloats sum{};
-      for (std::size_t c = 0; c < corners; ++c) sum += load(body.x[lattice.parent[i][c]]) * lattice.weight[i][c];
-      particles.correct(particle, Vec3f{sum[0], sum[1], sum[2]} * factor);
+      particles.correct(particle, node_move(body, static_cast<std::uint32_t>(i)));
     }
   });
+}
+
+Vec3f TetLevels::node_move(const Body& body, std::uint32_t i) {
+  FourFloats sum{};
+  for (std::size_t c = 0; c < corners; ++c)
+    sum += load(body.x[body.lattice.parent[i][c]]) * body.lattice.weight[i][c];
+  return {sum[0], sum[1], sum[2]};
 }
 
 }  // namespace souple

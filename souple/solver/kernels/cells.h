@@ -20,9 +20,9 @@ constexpr int cell_stiffnesses = 3 * cell_nodes * (3 * cell_nodes + 1) / 2;
 /// set with cells of scale 0 whose nodes are all the last record.
 struct CellArrays {
   const std::uint32_t* node[cell_nodes] = {};  ///< 4 times the node: the index of its record's first float
-  const float* stiffness = nullptr;            ///< entry k of cell c at cell_entry(c, cell_stiffnesses, k)  [N/m]
-  const float* rotation = nullptr;             ///< entry 3 column + row of R at cell_entry(c, 9, ...)
-  const float* scale = nullptr;                ///< s
+  const float* stiffness = nullptr;  ///< entry k of cell c at cell_entry(c, cell_stiffnesses, k)  [N/m]
+  const float* rotation = nullptr;   ///< entry 3 column + row of R at cell_entry(c, 9, ...)
+  const float* scale = nullptr;      ///< s
 };
 
 /// Lanes of the widest register.

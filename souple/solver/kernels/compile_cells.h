@@ -24,7 +24,8 @@ template <class Isa>
     const float* const rotation = cells.rotation + cell_entry(c, 9, 0);
     const float* const stiffness = cells.stiffness + cell_entry(c, cell_stiffnesses, 0);
     Mat3<T> R;
-    for (int k = 0; k < 9; ++k) R.column[k / 3][k % 3] = T::load(rotation + static_cast<std::size_t>(k) * cell_block);
+    for (int k = 0; k < 9; ++k)
+      R.column[k / 3][k % 3] = T::load(rotation + static_cast<std::size_t>(k) * cell_block);
     multiply_cell(
         R, [stiffness](int k) { return T::load(stiffness + static_cast<std::size_t>(k) * cell_block); }, v);
     const T scale = T::load(cells.scale + c);

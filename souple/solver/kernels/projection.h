@@ -181,8 +181,9 @@ inline void project_constraint(const ProjectionInput<Kind, T>& in,
 ///
 ///   f_i = -grad_i C (1/alpha~ - 1/(alpha~/omega + b D)) C
 template <class Kind, class T>
-inline void elastic_forces(const ProjectionInput<Kind, T>& in, const typename Kind::template Params<T>& params,
-                           const T& sweep_share, Vec3<T> (&f)[Kind::arity]) {
+inline void elastic_forces(const ProjectionInput<Kind, T>& in,
+                           const typename Kind::template Params<T>& params, const T& sweep_share,
+                           Vec3<T> (&f)[Kind::arity]) {
   constexpr int rows = rows_of<Kind>;
   T C[rows];
   Vec3<T> gradient[rows][Kind::arity];
