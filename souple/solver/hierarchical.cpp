@@ -28,7 +28,7 @@ constexpr int near_sweeps = 12, near_radius = 6;
 constexpr std::size_t smallest_near_level = 64;
 /// One sweep of the finest links leaves a stretch of this times h^2 (w_a + w_b) lambda (SetProjector::find_shared).
 constexpr float finest_share = 0.55f;
-/// With SolverKind::automatic, pieces of fewer particles get no levels: at 14 x 14 plain sweeps leave a cotton
+/// With Pieces::large, pieces of fewer particles get no levels: at 14 x 14 plain sweeps leave a cotton
 /// cloth of 1 m 0.18 % too long.
 constexpr std::size_t smallest_piece = 200;
 /// Smaller ones that are long get levels: so many links across, and their square so many times the particles. A strip
@@ -37,8 +37,7 @@ constexpr std::size_t shortest_strip = 16, slenderness = 5;
 /// Minimum number of coarse particles per thread.
 constexpr std::size_t grain = 256;
 
-// Without constraints of trees: they are eliminated.
-void add_links(const SetProjector<Distance>& distances, const LeftOut& trees, std::vector<Link>& links) {
+void add_links(const SetProjector<Distance>& distances, const LeftOut& left_out, std::vector<Link>& links) {
   const auto& set = distances.set();
   const auto add = [&](std::size_t i) {
     const auto [a, b] = set.indices(i);
@@ -47,7 +46,7 @@ void add_links(const SetProjector<Distance>& distances, const LeftOut& trees, st
     links.push_back(
         {std::min(a, b), std::max(a, b), length, length * length / set.compliance(i)[0], set.stiffness(i)});
   };
-  trees.for_each_kept(distances, 0, set.size(), [&](std::size_t begin, std::size_t end) {
+  left_out.for_each_kept(distances, 0, set.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) add(i);
   });
 }
@@ -252,34 +251,18 @@ bool Hierarchical::masses_changed(const ParticleView& particles) const {
   return false;
 }
 
-void Hierarchical::prepare_tets(std::span<Projector* const> projectors, const ParticleView& particles) {
-  SetProjector<NeoHookean>* tets = nullptr;
-  for (Projector* projector : projectors)
-    if (auto* found = dynamic_cast<SetProjector<NeoHookean>*>(projector)) tets = found;
-  tet_levels_.prepare(tets, particles);
-}
-
-// Trees are eliminated after the sweeps of all constraints, so that the ties of heavy objects hold, and before contacts.
-void Hierarchical::add_trees(std::span<Projector* const> projectors, std::size_t particle_count) {
-  trees_.find(projectors, particle_count);
-  with_trees_.assign(projectors.begin(), projectors.end());
-  const auto first_contact = std::find_if(with_trees_.begin(), with_trees_.end(),
-                                          [](const Projector* projector) { return projector->is_contact(); });
-  with_trees_.insert(first_contact, &trees_);
-}
-
-std::vector<Link> Hierarchical::links_of(std::span<Projector* const> projectors,
+std::vector<Link> Hierarchical::links_of(std::span<Projector* const> projectors, const LeftOut& left_out,
                                          std::size_t particles) const {
   std::vector<Link> links;
   for (const Projector* projector : projectors) {
     if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector))
-      add_links(*distances, trees_.left_out(), links);
+      add_links(*distances, left_out, links);
     if (const auto* membranes = dynamic_cast<const SetProjector<TriangleMembrane>*>(projector))
       add_links(*membranes, links);
   }
   contract(tied_, links);
   merge(links, particles);
-  if (automatic_) remove_small(links, particles);
+  if (pieces_ == Pieces::large) remove_small(links, particles);
   return links;
 }
 
@@ -287,16 +270,13 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
   prepare(projectors, particles, *make_threads(Threading::serial, 1));
 }
 
-void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles,
-                           Threads& threads) {
-  if (automatic_) prepare_tets(projectors, particles);
-  if (automatic_) stiff_bending_.prepare(projectors, particles);
-  if (automatic_) add_trees(projectors, particles.position.size());
+void Hierarchical::prepare(std::span<Projector* const> projectors, const LeftOut& left_out,
+                           const ParticleView& particles, Threads& threads) {
   TiedParticles tied(projectors, particles);
   bool links_changed = tied != tied_;
   tied_ = std::move(tied);
   if (constraints_changed(projectors) || links_changed) {
-    std::vector<Link> links = links_of(projectors, particles.position.size());
+    std::vector<Link> links = links_of(projectors, left_out, particles.position.size());
     links_changed = links_changed || links != links_;
     links_ = std::move(links);
     particle_ = linked(links_, particles.position.size());
@@ -553,52 +533,33 @@ void Hierarchical::project_levels(const ParticleView& particles, Threads& thread
 }
 
 // Levels take attached particles for fixed: they move first.
-void Hierarchical::sweep_attachments(std::span<Projector* const> projectors, const ParticleView& particles,
-                                     const Substep& substep, Threads& threads) {
+bool Hierarchical::begin_substep(std::span<Projector* const> projectors, const ParticleView& particles,
+                                 const Substep& substep, Threads& threads) {
+  if (levels_.empty() || !tied_.closed(mean_length_, particles)) return false;
   for (Projector* projector : projectors)
-    if (dynamic_cast<SetProjector<Attachment>*>(projector)) sweep(*projector, particles, substep, threads);
+    if (tied_.has_attached() && dynamic_cast<SetProjector<Attachment>*>(projector))
+      sweep(*projector, particles, substep, threads);
+  return true;
 }
 
-void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleView& particles,
-                         const Substep& substep, Threads& threads) {
-  const bool small_steps = substep.mode == Mode::small_steps;
-  const bool with_levels = !levels_.empty() && (!automatic_ || (small_steps && substep.levels)) &&
-                           tied_.closed(mean_length_, particles);
-  if (with_levels && tied_.has_attached()) sweep_attachments(projectors, particles, substep, threads);
-  if (!automatic_) {
-    for (int iteration = 0; iteration < substep.iterations; ++iteration) {
-      if (with_levels) correct_levels(particles, substep, iteration, threads);
-      for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);
-    }
-    return;
-  }
-  const bool with_trees = small_steps && trees_.has_trees();
-  Substep swept = substep;
-  if (with_trees) {
-    swept.left_out = &trees_.left_out();
-    projectors = with_trees_;
-    trees_.begin_substep(particles, substep);
-  }
-  tet_levels_.choose(substep);
-  stiff_bending_.begin_substep(substep);
-  for (int iteration = 0; iteration < substep.iterations; ++iteration) {
-    stiff_bending_.solve(particles, substep, iteration, threads);
-    if (with_levels) correct_levels(particles, substep, iteration, threads);
-    tet_levels_.correct(projectors, particles, substep, threads);
-    sweep_as_needed(projectors, particles, swept, threads, motion_);
-  }
-  if (with_trees && substep.external != nullptr) trees_.add_external(*substep.external, particles, substep);
-}
-
-void Hierarchical::correct_levels(const ParticleView& particles, const Substep& substep, int iteration,
-                                  Threads& threads) {
+void Hierarchical::correct(const ParticleView& particles, const Substep& substep, int iteration,
+                           Threads& threads) {
   restrict_particles(particles, threads);
   if (iteration == 0) measure(particles, threads), set_gains(substep);
   project_levels(particles, threads);
 }
 
+void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleView& particles,
+                         const Substep& substep, Threads& threads) {
+  const bool with_levels = begin_substep(projectors, particles, substep, threads);
+  for (int iteration = 0; iteration < substep.iterations; ++iteration) {
+    if (with_levels) correct(particles, substep, iteration, threads);
+    for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);
+  }
+}
+
 std::string Hierarchical::diagnostic() const {
-  if (automatic_ || !links_.empty()) return {};
+  if (!links_.empty()) return {};
   return "the hierarchical solver found no distances or membranes to build levels from: it is Gauss-Seidel";
 }
 

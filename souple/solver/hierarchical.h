@@ -1,12 +1,10 @@
 #pragma once
 
 #include "souple/solver/hierarchical_levels.h"
+#include "souple/solver/left_out.h"
 #include "souple/solver/level_links.h"
 #include "souple/solver/solver.h"
-#include "souple/solver/stiff_bending.h"
-#include "souple/solver/tet_levels.h"
 #include "souple/solver/tied_particles.h"
-#include "souple/solver/tree_elimination.h"
 #include "souple/solver/weighted_sums.h"
 
 #include <string>
@@ -40,23 +38,32 @@ namespace souple {
 /// With compliance, a coarse link is a spring in parallel with the finer links. Its stiffness and the
 /// stiffness that the sweeps of the finer levels reach add up to that of the material.
 ///
-/// As SolverKind::automatic it builds levels only for pieces of cloth that need them, sweeps each set as often as
-/// its material needs (Projector::sweeps_needed), and eliminates ropes and other trees of distances exactly.
-///
 /// Needs SetProjector<Distance> or SetProjector<TriangleMembrane>; other kinds get Gauss-Seidel alone. Linear
 /// momentum is kept to rounding, angular momentum as far as the cloth is smooth.
 class Hierarchical final : public Solver {
  public:
-  explicit Hierarchical(const SolverSettings& settings)
-      : automatic_(settings.kind == SolverKind::automatic) {}
+  /// Pieces of cloth that get levels: all, or large ones and long strips, which sweeps leave too soft.
+  enum class Pieces { all, large };
+  explicit Hierarchical(Pieces pieces = Pieces::all) : pieces_(pieces) {}
 
-  std::string_view name() const override { return automatic_ ? "automatic" : "hierarchical"; }
-  /// Builds the levels, unless their inputs are unchanged: links, rest lengths, masses.
+  std::string_view name() const override { return "hierarchical"; }
   void prepare(std::span<Projector* const> projectors, const ParticleView& particles,
-               Threads& threads) override;
+               Threads& threads) override {
+    prepare(projectors, {}, particles, threads);
+  }
   void prepare(std::span<Projector* const> projectors, const ParticleView& particles) override;
   void solve(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
              Threads& threads) override;
+
+  // For a solver that uses the levels among other parts:
+  /// Builds the levels, unless their inputs are unchanged: links without `left_out`, rest lengths, ties, masses.
+  void prepare(std::span<Projector* const> projectors, const LeftOut& left_out, const ParticleView& particles,
+               Threads& threads);
+  /// Whether there are levels in this substep. Moves attached particles to their targets.
+  bool begin_substep(std::span<Projector* const> projectors, const ParticleView& particles,
+                     const Substep& substep, Threads& threads);
+  /// Corrects all levels, before the sweep of `iteration`.
+  void correct(const ParticleView& particles, const Substep& substep, int iteration, Threads& threads);
   std::string diagnostic() const override;
 
   /// Links projected on coarse levels by one iteration, in all sweeps.
@@ -95,23 +102,17 @@ class Hierarchical final : public Solver {
   void set_gains_of(const Level& level, LevelLinks& links, int n) const;
   float softening_of(std::size_t l, std::size_t e) const;
   void restrict_particles(const ParticleView& particles, Threads& threads);
-  void prepare_tets(std::span<Projector* const> projectors, const ParticleView& particles);
-  void add_trees(std::span<Projector* const> projectors, std::size_t particle_count);
-  void correct_levels(const ParticleView& particles, const Substep& substep, int iteration, Threads& threads);
   void project_levels(const ParticleView& particles, Threads& threads);
   static void prolong(const Level& from, std::span<const Vec4f> inverse_mass, std::span<Vec4f> to,
                       Threads& threads);
-  static void sweep_attachments(std::span<Projector* const> projectors, const ParticleView& particles,
-                                const Substep& substep, Threads& threads);
   int sweeps_of(std::size_t l) const;
 
   bool constraints_changed(std::span<Projector* const> projectors);
   bool masses_changed(const ParticleView& particles) const;
-  std::vector<Link> links_of(std::span<Projector* const> projectors, std::size_t particles) const;
+  std::vector<Link> links_of(std::span<Projector* const> projectors, const LeftOut& left_out,
+                             std::size_t particles) const;
 
-  bool automatic_;
-  TreeElimination trees_;               ///< SolverKind::automatic only
-  std::vector<Projector*> with_trees_;  ///< all projectors and trees_, in order of solution
+  Pieces pieces_;
   std::vector<std::pair<const Projector*, std::uint64_t>> revisions_;  ///< of the sets that links_ come from
   std::vector<Link> links_;              ///< links of the finest level; ends are the world's particles
   std::vector<float> inverse_masses_;    ///< per link: sum of the inverse masses of its two ends [1/kg]
@@ -119,9 +120,6 @@ class Hierarchical final : public Solver {
   std::vector<float> masses_;            ///< per linked particle [kg]; 0: fixed
   std::vector<std::uint32_t> particle_;  ///< per linked particle: its representative in the world, ascending
   std::vector<Level> levels_;            ///< finest first
-  StiffBending stiff_bending_;           ///< only with SolverKind::automatic
-  TetLevels tet_levels_;                 ///< automatic only
-  std::vector<Vec4f> motion_;            ///< work space of sweep_as_needed
   bool compliant_ = false;
   float mean_length_ = 0;  ///< of the links of the finest level [m]
   Substep gains_for_;      ///< substep of the current gains; length 0: none

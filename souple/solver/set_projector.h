@@ -101,16 +101,7 @@ class SetProjector final : public Projector {
     return split_.phantom_of;
   }
 
-  /// Leaves constraints out of projections in Mode::small_steps, because the solver enforces them in another way:
-  /// one entry per constraint, in the current order. Ends with the next prepare_sweeps.
-  void exempt(std::vector<bool> exempted) {
-    if (exempted == exempted_) return;
-    exempted_ = std::move(exempted);
-    scales_for_ = -1;
-  }
-
   void prepare_sweeps(const ParticleView& particles, bool masses_changed) override {
-    if (!exempted_.empty()) exempt({});
     if constexpr (Kind::sense == Sense::equality && Kind::arity > 1) {
       if (!masses_changed && !dirty_sweeps_) return;
       dirty_sweeps_ = false;
@@ -179,7 +170,6 @@ class SetProjector final : public Projector {
                const Substep& substep) override {
     const std::size_t color_begin = set_.color_begin[static_cast<std::size_t>(color)];
     const std::size_t begin = color_begin + first, end = color_begin + last;
-    if (all_exempted_) return;
     if (substep.left_out == nullptr) return project_range(begin, end, particles, substep);
     substep.left_out->for_each_kept(*this, begin, end, [&](std::size_t from, std::size_t to) {
       project_range(from, to, particles, substep);
@@ -498,20 +488,14 @@ class SetProjector final : public Projector {
     return substep.mode == Mode::pbd ? 0 : 1 / (substep.h * substep.h);
   }
 
-  // k' of every constraint in PBD mode; otherwise 1, or 0 where constraints are exempt.
+  // k' of every constraint in PBD mode, 1 otherwise.
   void find_scales(const Substep& substep) {
-    const int iterations = substep.mode == Mode::pbd    ? substep.iterations
-                           : substep.mode == Mode::xpbd ? -2
-                                                        : 0;
+    const int iterations = substep.mode == Mode::pbd ? substep.iterations : 0;
     if (iterations == scales_for_ && scales_.size() == set_.size()) return;
     scales_for_ = iterations;
     scales_ = {};
-    const bool exempts = iterations == 0 && exempted_.size() == set_.size();
-    all_exempted_ = exempts && std::find(exempted_.begin(), exempted_.end(), false) == exempted_.end();
     for (std::size_t i = 0; i < set_.size(); ++i)
-      scales_.push_back(iterations > 0            ? stiffness_per_iteration(set_.stiffness(i), iterations)
-                        : exempts && exempted_[i] ? 0
-                                                  : 1);
+      scales_.push_back(iterations > 0 ? stiffness_per_iteration(set_.stiffness(i), iterations) : 1);
   }
 
   void evaluate(std::size_t i, const ParticleView& particles, float (&C)[rows_of<Kind>]) const {
@@ -609,10 +593,8 @@ class SetProjector final : public Projector {
   float softness_of_rest_ = 0;                                 // see set_levels
   bool dirty_sweeps_ = true;                                   // half_shared_ and softness_ are out of date
   std::uint64_t revision_ = detail::next_revision();
-  Column scales_;               // k' of each constraint, for scales_for_
-  int scales_for_ = -1;         // number of iterations in PBD mode, 0 with small steps
-  std::vector<bool> exempted_;  // see exempt
-  bool all_exempted_ = false;
+  Column scales_;        // k' of each constraint, for scales_for_
+  int scales_for_ = -1;  // number of iterations in PBD mode, else 0
   const kernels::KindKernels* kernels_ = nullptr;
   struct Split {
     std::vector<std::uint32_t> phantom_of;                       // empty: no particle is split

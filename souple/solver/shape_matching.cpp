@@ -16,8 +16,8 @@ constexpr double pin_weight = 1e4;
 constexpr double flat = 1e-6;
 // Sweeps of stacks: three per region, at most 30, or as many as the ratio of the masses; and what a substep may cost.
 constexpr double sweeps_per_region = 3, max_stack_sweeps = 30, max_moves = 4e4;
-// Boxes of regions touch when they are nearer than twice this part of their largest extent.
-constexpr float near_part = 0.02f;
+// Boxes of regions touch when they are nearer than this part of the sum of their smallest extents.
+constexpr float near_part = 0.1f;
 constexpr double min_det = 0.1;  // below this determinant, linear regions become rigid
 
 void require(bool valid, const char* name, float value, const char* expected) {
@@ -148,7 +148,7 @@ void ShapeMatching::find_stacks(const ParticleView& particles) {
       hi = {max(hi.x, x.x), max(hi.y, x.y), max(hi.z, x.z)};
     }
     const Vec3f size = hi - lo;
-    const float near = near_part * max(size.x, max(size.y, size.z));
+    const float near = near_part * min(size.x, min(size.y, size.z));
     const Vec3f margin{near, near, near};
     stacks_.set(i, lo - margin, hi + margin, regions_[i].free_mass);
   }
@@ -236,14 +236,25 @@ void ShapeMatching::project(int color, std::size_t begin, std::size_t end, const
 }
 
 // The rigid motion of the free particles, as for objects (world/damping.cpp).
+namespace {
+
+// x_i - x_j in the middle of the substep. There the velocities of a turning body, chords of circles, are a rotation; at
+// its end they have a part towards the center, and damping that would brake the rotation.
+Vec3d halfway(std::uint32_t i, std::uint32_t j, const ParticleView& particles,
+              std::span<const Vec4f> velocity, double h) {
+  return Vec3d(particles.difference(i, j)) - Vec3d(velocity[i].xyz() - velocity[j].xyz()) * (h / 2);
+}
+
+}  // namespace
+
 ShapeMatching::RigidMotion ShapeMatching::rigid_motion(const Region& region,
                                                        std::span<const std::uint32_t> group,
                                                        const ParticleView& particles,
-                                                       std::span<const Vec4f> velocity) {
+                                                       std::span<const Vec4f> velocity, double h) {
   RigidMotion motion;
   for (std::size_t k = 0; k < group.size(); ++k) {
     if (!(region.inverse_mass[k] > 0)) continue;
-    motion.center += Vec3d(particles.difference(group[k], group[0])) * region.mass[k];
+    motion.center += halfway(group[k], group[0], particles, velocity, h) * region.mass[k];
     motion.velocity += Vec3d(velocity[group[k]].xyz()) * region.mass[k];
   }
   motion.center = motion.center / region.free_mass;
@@ -252,7 +263,7 @@ ShapeMatching::RigidMotion ShapeMatching::rigid_motion(const Region& region,
   Vec3d momentum{};
   for (std::size_t k = 0; k < group.size(); ++k) {
     if (!(region.inverse_mass[k] > 0)) continue;
-    const Vec3d r = Vec3d(particles.difference(group[k], group[0])) - motion.center;
+    const Vec3d r = halfway(group[k], group[0], particles, velocity, h) - motion.center;
     second = second + outer(r, r) * region.mass[k];
     momentum += cross(r, Vec3d(velocity[group[k]].xyz()) - motion.velocity) * region.mass[k];
   }
@@ -274,10 +285,10 @@ void ShapeMatching::damp_one(std::size_t i, const ParticleView& particles, std::
   const double h = static_cast<double>(substep.h),
                gamma = region.settings.damping_time / h / region.free_mass;
   const double removed = gamma / (gamma + region.settings.compliance / (h * h));
-  const RigidMotion motion = rigid_motion(region, group, particles, velocity);
+  const RigidMotion motion = rigid_motion(region, group, particles, velocity, h);
   for (std::size_t k = 0; k < group.size(); ++k) {
     if (!(region.inverse_mass[k] > 0)) continue;
-    const Vec3d r = Vec3d(particles.difference(group[k], group[0])) - motion.center;
+    const Vec3d r = halfway(group[k], group[0], particles, velocity, h) - motion.center;
     const Vec3d rigid = motion.velocity + cross(motion.spin, r);
     add_velocity(velocity[group[k]], (rigid - Vec3d(velocity[group[k]].xyz())) * removed);
   }

@@ -83,7 +83,7 @@ class ShapeMatching final : public Projector {
   };
 
   struct RigidMotion {
-    Vec3d center;  // relative to the region's first particle
+    Vec3d center;  // relative to the region's first particle, in the middle of the substep
     Vec3d velocity, spin;
   };
 
@@ -99,13 +99,13 @@ class ShapeMatching final : public Projector {
   double distance(std::size_t i, const ParticleView& particles) const;
   void project_one(std::size_t i, const ParticleView& particles, const Substep& substep);
   static RigidMotion rigid_motion(const Region& region, std::span<const std::uint32_t> group,
-                                  const ParticleView& particles, std::span<const Vec4f> velocity);
+                                  const ParticleView& particles, std::span<const Vec4f> velocity, double h);
   void damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
                 const Substep& substep);
 
   ParticleGroups groups_;
-  double softness_ = 0;                  // largest D / (2 alpha) [1/s^2]
-  double stack_sweeps_ = 1;              // sweeps of regions that touch each other
+  double softness_ = 0;      // largest D / (2 alpha) [1/s^2]
+  double stack_sweeps_ = 1;  // sweeps of regions that touch each other
   double affordable_sweeps_ = 1;
   Stacks stacks_;
   mutable std::vector<Region> regions_;  // `residual` updates values that depend on the masses

@@ -1,6 +1,7 @@
 #include "souple/solver/solver.h"
 
 #include "souple/error.h"
+#include "souple/solver/automatic.h"
 #include "souple/solver/conjugate_gradient.h"
 #include "souple/solver/dense.h"
 #include "souple/solver/direct.h"
@@ -19,7 +20,7 @@ std::unique_ptr<Solver> make_solver(const SolverSettings& settings) {
       if (settings.colors > 0) return std::make_unique<PartitionedGaussSeidel>(settings);
       if (settings.sweep != Sweep::forward || settings.relaxation != 1 || settings.chebyshev > 0)
         return std::make_unique<GaussSeidel>(settings);
-      return std::make_unique<Hierarchical>(settings);
+      return std::make_unique<Automatic>();
     case SolverKind::gauss_seidel:
       if (settings.colors > 0) return std::make_unique<PartitionedGaussSeidel>(settings);
       return std::make_unique<GaussSeidel>(settings);
@@ -32,7 +33,7 @@ std::unique_ptr<Solver> make_solver(const SolverSettings& settings) {
     case SolverKind::dense:
       return std::make_unique<Dense>();
     case SolverKind::hierarchical:
-      return std::make_unique<Hierarchical>(settings);
+      return std::make_unique<Hierarchical>();
   }
   throw Error(fmt::format("no solver of kind {}", static_cast<int>(settings.kind)));
 }

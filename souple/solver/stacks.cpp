@@ -50,7 +50,8 @@ Stacks::Size Stacks::find() {
       Group& group = groups_[p];
       group = {group.bodies + groups_[q].bodies, std::min(group.lightest, groups_[q].lightest),
                std::max(group.heaviest, groups_[q].heaviest)};
-      size = {std::max(size.bodies, group.bodies), std::max(size.mass_ratio, group.heaviest / group.lightest)};
+      size = {std::max(size.bodies, group.bodies),
+              std::max(size.mass_ratio, group.heaviest / group.lightest)};
     }
   }
   return size;

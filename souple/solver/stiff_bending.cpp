@@ -247,22 +247,19 @@ void StiffBending::prepare(std::span<Projector* const> projectors, const Particl
       for_each_bending(*projector, [&](const Bending& bending) {
         softest_ = std::fmax(softest_, bending.softness(inverse_masses_));
       });
-    pieces_.clear(), exempted_.clear();
+    pieces_.clear(), solved_.clear();
     built_for_ = 0;
   }
-  exempt();
 }
 
-// What is solved here is not swept.
-void StiffBending::exempt() {
-  for (std::size_t k = 0; k < revisions_.size(); ++k)
-    if_bending(*revisions_[k].first,
-               [&](auto& set) { set.exempt(exempted_.empty() ? std::vector<bool>{} : exempted_[k]); });
+void StiffBending::leave_out(LeftOut& left_out) const {
+  for (std::size_t k = 0; k < solved_.size(); ++k)
+    left_out.add(*revisions_[k].first, solved_[k], revisions_[k].first->size());
 }
 
 void StiffBending::build(float h) {
   built_for_ = h;
-  pieces_.clear(), exempted_.clear();
+  pieces_.clear(), solved_.clear();
   if (static_cast<double>(softest_ * h * h) > limit) {
     std::vector<std::vector<Bending>> sets;
     std::vector<Tet> elements;
@@ -276,10 +273,9 @@ void StiffBending::build(float h) {
     const Components components = connected_components(elements, inverse_masses_.size());
     std::vector<std::unique_ptr<Piece>> pieces = stiff_pieces(sets, components, h);
     for (const std::vector<Bending>& set : sets) {
-      exempted_.emplace_back();
-      for (const Bending& bending : set)
-        exempted_.back().push_back(pieces[components.of_vertex[bending.particle[0]]] != nullptr &&
-                                   bending.alpha > 0);
+      solved_.emplace_back();
+      for (std::uint32_t i = 0; i < set.size(); ++i)
+        if (pieces[components.of_vertex[set[i].particle[0]]] && set[i].alpha > 0) solved_.back().push_back(i);
     }
     for (std::unique_ptr<Piece>& piece : pieces)
       if (piece) pieces_.push_back(std::move(piece));
@@ -311,17 +307,13 @@ std::vector<std::unique_ptr<StiffBending::Piece>> StiffBending::stiff_pieces(
   return pieces;
 }
 
-void StiffBending::begin_substep(const Substep& substep) {
-  if (substep.h == built_for_ || substep.mode != Mode::small_steps || revisions_.empty()) return;
+bool StiffBending::begin_substep(const Substep& substep) {
+  if (substep.h == built_for_ || revisions_.empty()) return false;
   build(substep.h);
-  exempt();
-  for (const auto& [projector, revision] : revisions_)
-    if_bending(*projector, [&](auto& set) { set.begin_substep({}, substep); });
+  return true;
 }
 
-void StiffBending::solve(const ParticleView& particles, const Substep& substep, int iteration,
-                         Threads& threads) {
-  if (substep.mode != Mode::small_steps || revisions_.empty()) return;
+void StiffBending::solve(const ParticleView& particles, int iteration, Threads& threads) {
   threads.for_each(pieces_.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) pieces_[i]->solve(particles, iteration == 0);
   });

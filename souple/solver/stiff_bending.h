@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/solver/left_out.h"
 #include "souple/solver/projector.h"
 
 #include <cstdint>
@@ -37,25 +38,25 @@ class StiffBending {
 
   /// Call when constraints or masses may have changed. Keeps pointers to the projectors.
   void prepare(std::span<Projector* const> projectors, const ParticleView& particles);
-  /// Factorizes and allocates when the length of the substep is another than before.
-  void begin_substep(const Substep& substep);
-  /// Corrects what `particles` moves, in Mode::small_steps. `iteration` of the substep, from 0.
-  void solve(const ParticleView& particles, const Substep& substep, int iteration, Threads& threads);
+  /// Factorizes and allocates when the length of the substep is another than before, and then returns true.
+  bool begin_substep(const Substep& substep);
+  /// Adds the constraints that are solved here: sweeps must omit them.
+  void leave_out(LeftOut& left_out) const;
+  /// Corrects what `particles` moves. `iteration` of the substep, from 0.
+  void solve(const ParticleView& particles, int iteration, Threads& threads);
 
  private:
   struct Piece;
   void build(float h);
   std::vector<std::unique_ptr<Piece>> stiff_pieces(std::span<const std::vector<Bending>> sets,
                                                    const Components& components, float h) const;
-  void exempt();
 
   std::vector<std::pair<Projector*, std::uint64_t>> revisions_;  // of the bending constraints
   std::vector<float> inverse_masses_;                            // of the world's particles, awake
   float softest_ = 0;  // largest sum_k w_k K_k^2 / alpha of a constraint [1/s^2]
   std::vector<std::unique_ptr<Piece>> pieces_;
-  std::vector<std::vector<bool>>
-      exempted_;         // per set, per constraint: whether a piece contains it; empty: none
-  float built_for_ = 0;  // length of the substep [s]
+  std::vector<std::vector<std::uint32_t>> solved_;  // per set: constraints of the pieces; empty: none
+  float built_for_ = 0;                             // length of the substep [s]
 };
 
 }  // namespace souple

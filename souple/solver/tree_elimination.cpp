@@ -69,15 +69,20 @@ void TreeElimination::find(std::span<Projector* const> projectors, std::size_t p
     nodes_.assign(trees_.nodes.size(), {});
     kept_.assign(trees_.nodes.size(), {});
   }
-  left_out_.clear();
-  std::vector<std::vector<std::uint32_t>> of_set(distances_.size());
+  find_attachments(particle_count);
+}
+
+void TreeElimination::leave_out(LeftOut& left_out) const {
+  std::vector<std::vector<std::uint32_t>> links(distances_.size()), anchors(attachments_.size());
   for (std::uint32_t k = 0; k < trees_.nodes.size(); ++k) {
     const TreeNode& node = trees_.nodes[k];
-    if (node.parent != k) of_set[node.set].push_back(node.constraint);
+    if (node.parent != k) links[node.set].push_back(node.constraint);
   }
-  for (std::size_t s = 0; s < of_set.size(); ++s)
-    left_out_.add(*distances_[s], std::move(of_set[s]), distances_[s]->size());
-  find_attachments(particle_count);
+  for (const Anchor& anchor : anchors_) anchors[anchor.set].push_back(anchor.constraint);
+  for (std::size_t s = 0; s < links.size(); ++s)
+    left_out.add(*distances_[s], std::move(links[s]), distances_[s]->size());
+  for (std::size_t s = 0; s < anchors.size(); ++s)
+    left_out.add(*attachments_[s], std::move(anchors[s]), attachments_[s]->size());
 }
 
 void TreeElimination::find_attachments(std::size_t particle_count) {
@@ -86,14 +91,11 @@ void TreeElimination::find_attachments(std::size_t particle_count) {
     node_of[trees_.nodes[k].particle] = k;
   anchors_.clear();
   for (std::uint32_t s = 0; !node_of.empty() && s < attachments_.size(); ++s) {
-    std::vector<std::uint32_t> of_set;
     for (std::uint32_t i = 0; i < attachments_[s]->size(); ++i) {
       const std::uint32_t node = node_of[attachments_[s]->set().indices(i)[0]];
       if (node == none) continue;
       anchors_.push_back({node, s, i});
-      of_set.push_back(i);
     }
-    left_out_.add(*attachments_[s], std::move(of_set), attachments_[s]->size());
   }
   std::sort(anchors_.begin(), anchors_.end(), [](const Anchor& a, const Anchor& b) {
     return std::tuple(a.node, a.set, a.constraint) < std::tuple(b.node, b.set, b.constraint);

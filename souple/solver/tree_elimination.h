@@ -46,8 +46,8 @@ class TreeElimination final : public Projector {
   /// again only when distances changed. Lengths, compliances, targets and masses are read in each projection.
   void find(std::span<Projector* const> projectors, std::size_t particle_count);
   bool has_trees() const { return trees_.size() > 0; }
-  /// The constraints of the trees; sweeps must leave them out.
-  const LeftOut& left_out() const { return left_out_; }
+  /// Adds the constraints of the trees: sweeps must omit them.
+  void leave_out(LeftOut& left_out) const;
   /// Adds what the constraints of other projectors than `internal` moved in this substep. Call after the last
   /// projection.
   void add_external(ExternalMoves& external, const ParticleView& particles, const Substep& substep) const;
@@ -134,7 +134,6 @@ class TreeElimination final : public Projector {
   std::size_t particle_count_ = 0;
   std::vector<Anchor> anchors_;               ///< ascending by node
   std::vector<std::uint32_t> anchors_begin_;  ///< per tree
-  LeftOut left_out_;
 };
 
 }  // namespace souple

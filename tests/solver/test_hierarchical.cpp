@@ -113,7 +113,7 @@ std::unique_ptr<Threads> serial() {
 }
 
 std::unique_ptr<Hierarchical> prepared(Sheet& sheet) {
-  auto solver = std::make_unique<Hierarchical>(SolverSettings{.kind = SolverKind::hierarchical});
+  auto solver = std::make_unique<Hierarchical>();
   Projector* const projectors[] = {&sheet.distances};
   sheet.distances.prepare_sweeps(sheet.body.view(), true);
   solver->prepare(projectors, sheet.body.view());
@@ -429,7 +429,7 @@ TEST(Hierarchical, MembranesAreStiffToo) {
 }
 
 TEST(Hierarchical, WithoutLinksItSaysThatItIsGaussSeidel) {
-  Hierarchical solver({.kind = SolverKind::hierarchical});
+  Hierarchical solver;
   test::Body body;
   body.add({0, 0, 0}, 1);
   solver.prepare({}, body.view());
