@@ -1,6 +1,7 @@
 #include "souple/collision/collider_contacts.h"
 
 #include "souple/collision/contact_law.h"
+#include "souple/collision/element_clearance.h"
 #include "souple/collision/particle_position.h"
 #include "souple/collision/sphere_cast.h"
 #include "souple/error.h"
@@ -19,12 +20,12 @@ constexpr std::size_t particle_grain = 256;  // least number of particles that p
 }  // namespace
 
 void ColliderContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                  std::span<const float> radius, std::span<const ContactObject> objects,
-                                  std::span<const Collider> colliders, const ContactMaterialTable& materials,
+                                  std::span<const float> radius, std::span<const float> element_radius,
+                                  std::span<const ContactObject> objects, std::span<const Collider> colliders, const ContactMaterialTable& materials,
                                   const ContactStep& step, Threads& threads) {
   if (!colliders.empty() && (materials.rows() < objects.size() || materials.columns() < colliders.size()))
     throw Error("ColliderContacts: the material table is smaller than objects x colliders; rebuild it");
-  colliders_ = colliders, objects_ = objects, radius_ = radius;
+  colliders_ = colliders, objects_ = objects, radius_ = radius, element_radius_ = element_radius;
   materials_ = &materials;
   step_ = step;
   contacts_.clear();
@@ -43,6 +44,7 @@ void ColliderContacts::find_bodies() {
     body.collider = c;
     body.moves = !collider.motion.is_static();
     body.ball = bounding_ball(collider.shape);
+    body.curvature_radius = curvature_radius(collider.shape);
     if (!body.moves) body.before = body.after = pose_at(collider.motion, step_.time);
     body.center = body.after.to_world(body.ball.center);
     bodies_.push_back(body);
@@ -95,7 +97,7 @@ bool ColliderContacts::is_candidate(const Body& body, std::size_t member,
   const std::uint32_t i = members_[member].particle;
   if (!materials_->collide(members_[member].object, body.collider)) return false;
   const BroadPhasePosition& last = broad_phase_[member];
-  const double max_distance = 3 * last.margin + 2 * double(radius_[i]);
+  const double max_distance = 3 * last.margin + 2 * distance_of(body, i);
   const double clear = body.ball.radius + max_distance;
   if (!(length_squared(last.at - body.center) <= clear * clear)) return false;
   if (surface_distance(shape_of(body), body.after.to_local(last.at)).distance > max_distance) return false;
@@ -172,7 +174,7 @@ bool ColliderContacts::may_touch(const Body& body, const Member& member,
   if (!(particles.inverse_mass(i) > 0) || !materials_->collide(member.object, body.collider)) return false;
   const double D = length(particle_position(particles, i) - body.center);
   const double motion = double(length(particles.moved(i))) + body.shift + body.turn * D;
-  return D <= body.ball.radius + 2 * (motion + double(radius_[i]));
+  return D <= body.ball.radius + 2 * (motion + distance_of(body, i));
 }
 
 // Distance of the particle's center from the surface at the substep's end. far_away when the particle did not
@@ -181,7 +183,7 @@ bool ColliderContacts::may_touch(const Body& body, const Member& member,
 double ColliderContacts::distance_if_near(const Body& body, const Member& member,
                                           const ParticleView& particles) const {
   const std::uint32_t i = member.particle;
-  const double r = double(radius_[i]);
+  const double r = distance_of(body, i);
   const Vec3d to = body.after.to_local(particle_position(particles, i));
   const double path = length(to - body.before.to_local(particle_start_position(particles, i)));
   const double distance = surface_distance(shape_of(body), to).distance;
@@ -193,12 +195,12 @@ ColliderContacts::Contact ColliderContacts::contact_of(const Body& body, const M
                                                        float h) const {
   const std::uint32_t i = member.particle;
   const Shape& shape = shape_of(body);
-  const double r = double(radius_[i]);
+  const double r = distance_of(body, i);
   const Vec3d from = body.before.to_local(particle_start_position(particles, i));
   const Vec3d to = body.after.to_local(particle_position(particles, i));
   Contact contact;
   contact.particle = i;
-  contact.radius = radius_[i];
+  contact.radius = float(r);
   contact.material = materials_->at(member.object, body.collider);
   contact.start = surface_distance(shape, from);
   contact.plane_offset = dot(contact.start.normal, from) - contact.start.distance;
@@ -214,6 +216,10 @@ ColliderContacts::Contact ColliderContacts::contact_of(const Body& body, const M
     }
   }
   return contact;
+}
+
+double ColliderContacts::distance_of(const Body& body, std::uint32_t particle) const {
+  return corner_distance(double(radius_[particle]), double(element_radius_[particle]), body.curvature_radius);
 }
 
 ColliderContacts::Gap ColliderContacts::gap(const Shape& shape, const Contact& contact, const Vec3d& local) {

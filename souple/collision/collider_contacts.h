@@ -42,8 +42,8 @@ class ColliderContacts final : public Projector {
   /// `colliders`, `objects`, `materials` and `radius` must live until the step ends, all other spans during
   /// the call only. Exceptions of a motion callback pass through; the contacts are then empty.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                  std::span<const float> radius, std::span<const ContactObject> objects,
-                  std::span<const Collider> colliders, const ContactMaterialTable& materials,
+                  std::span<const float> radius, std::span<const float> element_radius,
+                  std::span<const ContactObject> objects, std::span<const Collider> colliders, const ContactMaterialTable& materials,
                   const ContactStep& step, Threads& threads);
 
   /// Finds the contacts of the substep [time, time + h]. Call it after prediction and before the first
@@ -89,6 +89,7 @@ class ColliderContacts final : public Projector {
     RigidPose before, after;  // at the start and end of the substep
     BoundingBall ball;
     Vec3d center;                // of the ball, world space, at the substep's end [m]
+    double curvature_radius = 0;  // see element_clearance.h [m]
     double shift = 0, turn = 0;  // how far the center moves in the substep [m]; |R1 - R0|
     std::size_t candidate_begin = 0, candidate_end = 0;
     std::size_t contact_begin = 0, contact_end = 0;
@@ -124,6 +125,7 @@ class ColliderContacts final : public Projector {
     Vec3d surface;  // surface point in the collider's frame [m]
   };
 
+  double distance_of(const Body& body, std::uint32_t particle) const;
   static Gap gap(const Shape& shape, const Contact& contact, const Vec3d& local);
   const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
   void find_bodies();
@@ -143,7 +145,7 @@ class ColliderContacts final : public Projector {
 
   std::span<const Collider> colliders_;
   std::span<const ContactObject> objects_;
-  std::span<const float> radius_;
+  std::span<const float> radius_, element_radius_;
   const ContactMaterialTable* materials_ = nullptr;
   ContactStep step_;
   float last_h_ = 0;  // h of the last refresh [s]
