@@ -4,7 +4,6 @@
 #include "souple/collision/element_clearance.h"
 #include "souple/collision/particle_position.h"
 #include "souple/error.h"
-#include "souple/geometry/measures.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
@@ -44,8 +43,10 @@ void ColliderElementContacts::set_elements(std::vector<Element> elements) {
   elements_ = std::move(elements);
   corners_.clear();
   objects_ = 0;
+  largest_radius_ = 0;
   for (const Element& element : elements_) {
     for (const std::uint32_t i : element.particle) corners_.push_back({i, element.object});
+    largest_radius_ = max(largest_radius_, element.radius);
     objects_ = std::max(objects_, element.object + 1);
   }
   const auto before = [](const Corner& a, const Corner& b) { return a.particle < b.particle; };
@@ -87,7 +88,9 @@ void ColliderElementContacts::find_bodies() {
     body.collider = c;
     body.moves = !collider.motion.is_static();
     body.ball = bounding_ball(collider.shape);
-    body.curvature_radius = curvature_radius(collider.shape);
+    const double curvature = curvature_radius(collider.shape);
+    body.smallest_radius = curvature > 0 ? coarse_element_part * curvature : coarse_part * body.ball.radius;
+    if (double(largest_radius_) < body.smallest_radius) continue;
     if (!body.moves) body.before = body.after = pose_at(collider.motion, step_.time);
     bodies_.push_back(body);
   }
@@ -130,13 +133,11 @@ void ColliderElementContacts::find_candidates(const ParticleView& particles, std
 bool ColliderElementContacts::is_candidate(const Body& body, std::size_t element,
                                            const ParticleView& particles) const {
   const Element& f = elements_[element];
+  if (double(f.radius) < body.smallest_radius) return false;
   if (!materials_->collide(f.object, body.collider)) return false;
   const auto& [a, b, c] = f.particle;
   const Corners x{broad_phase_position_[a], broad_phase_position_[b], broad_phase_position_[c]};
   const Ball ball = ball_about(x, is_edge(f));
-  const double coarse = body.curvature_radius > 0 ? coarse_element_part * body.curvature_radius
-                                                  : coarse_part * body.ball.radius;
-  if (enclosing_radius(x[0], x[1], x[2]) < coarse) return false;
   if (!(particles.inverse_mass(a) > 0 || particles.inverse_mass(b) > 0 || particles.inverse_mass(c) > 0))
     return false;
   if (body.moves) return true;
