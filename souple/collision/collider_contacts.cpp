@@ -1,7 +1,9 @@
 #include "souple/collision/collider_contacts.h"
 
-#include "souple/collision/contact_law.h"
+#include "souple/collision/element_clearance.h"
+#include "souple/collision/kernels/find_kernels.h"
 #include "souple/collision/particle_position.h"
+#include "souple/collision/spatial_hash.h"
 #include "souple/collision/sphere_cast.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
@@ -13,22 +15,115 @@
 namespace souple {
 namespace {
 
-constexpr double far_away = std::numeric_limits<double>::infinity();
-constexpr std::size_t particle_grain = 256;  // least number of particles that pays for a thread
+constexpr std::size_t particle_grain = 1024;  // least number of particles that pays for a thread
+constexpr std::size_t gap_chunk = 64;
+
+void sample_field(const void* field, int count, const float* const (&point)[3], float* distance,
+                  float* const (&normal)[3]) {
+  for (int i = 0; i < count; ++i) {
+    const SurfaceDistance at = static_cast<const SignedDistanceField*>(field)->at(
+        {double(point[0][i]), double(point[1][i]), double(point[2][i])});
+    distance[i] = float(at.distance);
+    for (int axis = 0; axis < 3; ++axis) normal[axis][i] = float(at.normal[axis]);
+  }
+}
+
+struct PackedShape {
+  using Form = kernels::ColliderForm;
+  kernels::ColliderShape operator()(const Plane&) const { return {.form = Form::plane}; }
+  kernels::ColliderShape operator()(const Sphere& s) const {
+    return {.form = Form::sphere, .radius = s.radius};
+  }
+  kernels::ColliderShape operator()(const Box& b) const {
+    return {.form = Form::box, .half_extents = {b.half_extents.x, b.half_extents.y, b.half_extents.z}};
+  }
+  kernels::ColliderShape operator()(const Capsule& c) const {
+    return {.form = Form::capsule, .radius = c.radius, .half_extents = {0, c.half_height, 0}};
+  }
+  kernels::ColliderShape operator()(const Cylinder& c) const {
+    return {.form = Form::cylinder, .radius = c.radius, .half_extents = {0, c.half_height, 0}};
+  }
+  kernels::ColliderShape operator()(const SignedDistanceField& field) const {
+    return {.form = Form::field, .sample = sample_field, .field = &field};
+  }
+};
+
+struct Center {
+  Vec3d operator()(const Plane&) const { return {}; }
+  Vec3d operator()(const SignedDistanceField&) const { return {}; }
+  template <class Solid>
+  Vec3d operator()(const Solid& solid) const {
+    return Vec3d(solid.center);
+  }
+};
+
+/// Three perpendicular axes of which y is n.
+Mat3d axes_around(const Vec3d& n) {
+  const Vec3d other = std::abs(n.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1};
+  const Vec3d x = normalized(other - n * dot(n, other));
+  return {x, n, cross(x, n)};
+}
+
+void store(const Vec3d& v, float (&out)[3]) {
+  for (int k = 0; k < 3; ++k) out[k] = float(v[k]);
+}
+
+kernels::ColliderFrame packed_frame(const Mat3d& axes, const Vec3d& origin) {
+  kernels::ColliderFrame frame;
+  for (int k = 0; k < 3; ++k) store(axes.column[k], frame.axis[k]);
+  store(origin, frame.origin);
+  store(origin - Vec3d(Vec3f(origin)), frame.origin_rest);
+  return frame;
+}
+
+kernels::ColliderParticles packed_particles(const ParticleView& particles) {
+  const std::span<Vec4f> corrected = particles.corrected.empty() ? particles.moving : particles.corrected;
+  return {.position = &particles.position.data()->x,
+          .moving = &particles.moving.data()->x,
+          .start = &particles.start.data()->x,
+          .corrected = &corrected.data()->x};
+}
 
 }  // namespace
 
+void ColliderContacts::Contacts::resize(std::size_t size) {
+  resize_with_spare(particle_, size, 1);
+  for (auto& column : floats_) resize_with_spare(column, size, 1);
+}
+
+kernels::ColliderContactColumns ColliderContacts::Contacts::columns() {
+  kernels::ColliderContactColumns result;
+  std::size_t next = 0;
+  const auto set = [&](float*& column) { column = floats_[next++].data(); };
+  const auto set3 = [&](float*(&columns)[3]) {
+    for (float*& column : columns) set(column);
+  };
+  result.particle = particle_.data();
+  set(result.distance), set(result.static_friction), set(result.kinetic_friction), set(result.restitution);
+  set(result.end_distance), set(result.fixed_plane), set3(result.start_normal), set(result.plane_offset);
+  set(result.slop), set3(result.predicted), set(result.normal_sum), set3(result.tangent_sum);
+  set3(result.normal), set3(result.surface_motion), set(result.restitution_velocity), set(result.depth);
+  return result;
+}
+
+std::size_t ColliderContacts::Contacts::bytes() const {
+  std::size_t sum = bytes_of(particle_);
+  for (const auto& column : floats_) sum += bytes_of(column);
+  return sum;
+}
+
 void ColliderContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                  std::span<const float> radius, std::span<const ContactObject> objects,
-                                  std::span<const Collider> colliders, const ContactMaterialTable& materials,
-                                  const ContactStep& step, Threads& threads) {
+                                  std::span<const float> radius, std::span<const float> element_radius,
+                                  std::span<const ContactObject> objects, std::span<const Collider> colliders,
+                                  const ContactMaterialTable& materials, const ContactStep& step,
+                                  Threads& threads) {
   if (!colliders.empty() && (materials.rows() < objects.size() || materials.columns() < colliders.size()))
     throw Error("ColliderContacts: the material table is smaller than objects x colliders; rebuild it");
-  colliders_ = colliders, objects_ = objects, radius_ = radius;
+  kernels_ = &kernels::find_collider_contact_kernels(instruction_set());
+  colliders_ = colliders, objects_ = objects, radius_ = radius, element_radius_ = element_radius;
   materials_ = &materials;
   step_ = step;
-  contacts_.clear();
-  candidates_.clear();
+  contacts_.resize(0);
   find_bodies();
   find_members();
   find_candidates(particles, velocity, 0, threads);
@@ -41,22 +136,47 @@ void ColliderContacts::find_bodies() {
     if (!collider.enabled) continue;
     Body body;
     body.collider = c;
-    body.moves = !collider.motion.is_static();
-    body.ball = bounding_ball(collider.shape);
-    if (!body.moves) body.before = body.after = pose_at(collider.motion, step_.time);
-    body.center = body.after.to_world(body.ball.center);
+    body.curvature_radius = curvature_radius(collider.shape);
+    body.packed.shape = std::visit(PackedShape{}, collider.shape);
+    body.packed.moves = !collider.motion.is_static();
+    body.before = body.after = pose_at(collider.motion, step_.time);
     bodies_.push_back(body);
   }
 }
 
 void ColliderContacts::find_members() {
-  members_.clear();
+  members_.particle.clear(), members_.object.clear();
   if (bodies_.empty()) return;
   for (std::uint32_t object = 0; object < objects_.size(); ++object) {
     if (!objects_[object].collides_with_colliders) continue;
     for (std::uint32_t i = objects_[object].begin; i < objects_[object].end; ++i)
-      members_.push_back({i, object});
+      members_.particle.push_back(i), members_.object.push_back(object);
   }
+}
+
+// A plane's origin is its point nearest to the first particle: floats are fine there, wherever the plane's own
+// origin is.
+void ColliderContacts::find_frame(Body& body, const ParticleView& particles) const {
+  const Shape& shape = shape_of(body);
+  body.origin = std::visit(Center{}, shape);
+  body.axes = Mat3d::identity();
+  if (!std::holds_alternative<Plane>(shape)) return;
+  const Vec3d near = members_.particle.empty()
+                         ? Vec3d{}
+                         : body.after.to_local(particle_position(particles, members_.particle[0]));
+  const SurfaceDistance below = surface_distance(shape, near);
+  body.origin = near - below.normal * below.distance;
+  body.axes = axes_around(below.normal);
+}
+
+void ColliderContacts::set_pose(Body& body, const RigidPose& before, const RigidPose& after) const {
+  body.before = before, body.after = after;
+  const Mat3d axes_before = before.rotation * body.axes, axes_after = after.rotation * body.axes;
+  const Vec3d origin_before = before.to_world(body.origin), origin_after = after.to_world(body.origin);
+  body.packed.before = packed_frame(axes_before, origin_before);
+  body.packed.after = packed_frame(axes_after, origin_after);
+  for (int k = 0; k < 3; ++k) store(axes_after.column[k] - axes_before.column[k], body.packed.turn[k]);
+  store(origin_after - origin_before, body.packed.shift);
 }
 
 // The margin is the particle's radius plus twice its path in a step at its present speed and under gravity:
@@ -64,55 +184,59 @@ void ColliderContacts::find_members() {
 // middle of a step (h > 0) the speed is that of the predicted motion.
 void ColliderContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
                                        float h, Threads& threads) {
-  candidates_.clear();
-  broad_phase_.resize(members_.size());
-  distance_.resize(members_.size());
-  const double t = double(step_.dt);
-  threads.for_each(members_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+  candidates_.particle.clear(), candidates_.object.clear(), candidates_.keeps.clear();
+  const std::size_t count = members_.particle.size();
+  for (auto& axis : members_.at) axis.resize(count);
+  members_.margin.resize(count), distance_.resize(count);
+  const float t = step_.dt;
+  threads.for_each(count, particle_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t m = begin; m < end; ++m) {
-      const std::uint32_t i = members_[m].particle;
-      const double speed = h > 0 ? double(length(particles.moved(i)) / h) : double(length(velocity[i].xyz()));
-      broad_phase_[m] = {particle_position(particles, i),
-                         2 * t * (speed + double(step_.gravity) * t) + double(radius_[i])};
+      const std::uint32_t i = members_.particle[m];
+      const Vec3f x(particle_position(particles, i));
+      for (int axis = 0; axis < 3; ++axis) members_.at[static_cast<std::size_t>(axis)][m] = x[axis];
+      const float speed = h > 0 ? length(particles.moved(i)) / h : length(velocity[i].xyz());
+      members_.margin[m] = 2 * t * (speed + step_.gravity * t) + radius_[i];
     }
   });
+  const kernels::ColliderParticles packed = packed_particles(particles);
   for (Body& body : bodies_) {
-    body.candidate_begin = candidates_.size();
-    if (!body.moves) {
-      threads.for_each(members_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t m = begin; m < end; ++m)
-          distance_[m] = is_candidate(body, m, particles) ? 0 : far_away;
-      });
-      for (std::size_t m = 0; m < members_.size(); ++m)
-        if (distance_[m] < far_away) candidates_.push_back(members_[m]);
-    }
-    body.candidate_end = candidates_.size();
+    find_frame(body, particles);
+    set_pose(body, body.before, body.after);
+    find_candidates_of(body, packed, threads);
   }
 }
 
-bool ColliderContacts::is_candidate(const Body& body, std::size_t member,
-                                    const ParticleView& particles) const {
-  const std::uint32_t i = members_[member].particle;
-  if (!materials_->collide(members_[member].object, body.collider)) return false;
-  const BroadPhasePosition& last = broad_phase_[member];
-  const double max_distance = 3 * last.margin + 2 * double(radius_[i]);
-  const double clear = body.ball.radius + max_distance;
-  if (!(length_squared(last.at - body.center) <= clear * clear)) return false;
-  if (surface_distance(shape_of(body), body.after.to_local(last.at)).distance > max_distance) return false;
-  return particles.inverse_mass(i) > 0;
+// A moving body may go anywhere within the step: all particles are its candidates.
+void ColliderContacts::find_candidates_of(Body& body, const kernels::ColliderParticles& particles,
+                                          Threads& threads) {
+  body.candidate_begin = candidates_.particle.size();
+  const std::size_t count = members_.particle.size();
+  if (!body.packed.moves)
+    threads.for_each(count, particle_grain, [&](std::size_t begin, std::size_t end) {
+      kernels_->distances(particles, body.packed, members_.particle.data(), begin, end, distance_.data());
+    });
+  for (std::size_t m = 0; m < count; ++m) {
+    const std::uint32_t i = members_.particle[m];
+    if (!materials_->collide(members_.object[m], body.collider)) continue;
+    const double keeps =
+        corner_distance(double(radius_[i]), double(element_radius_[i]), body.curvature_radius);
+    const auto reach = float(3 * double(members_.margin[m]) + 2 * keeps);
+    if (!body.packed.moves && !(distance_[m] <= reach)) continue;
+    candidates_.particle.push_back(i);
+    candidates_.object.push_back(members_.object[m]);
+    candidates_.keeps.push_back(float(keeps));
+  }
+  body.candidate_end = candidates_.particle.size();
 }
 
 bool ColliderContacts::left_margins(const ParticleView& particles, Threads& threads) const {
   std::atomic<bool> left{false};
-  threads.for_each(members_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t m = begin; m < end; ++m) {
-      const double margin = broad_phase_[m].margin;
-      if (!(length_squared(particle_position(particles, members_[m].particle) - broad_phase_[m].at) >
-            margin * margin))
-        continue;
+  const kernels::ColliderParticles packed = packed_particles(particles);
+  threads.for_each(members_.particle.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    if (kernels_->left(packed, members_.particle.data(),
+                       {members_.at[0].data(), members_.at[1].data(), members_.at[2].data()},
+                       members_.margin.data(), begin, end))
       left.store(true, std::memory_order_relaxed);
-      return;
-    }
   });
   return left.load(std::memory_order_relaxed);
 }
@@ -120,231 +244,192 @@ bool ColliderContacts::left_margins(const ParticleView& particles, Threads& thre
 void ColliderContacts::refresh(const ParticleView& particles, const Substep& substep, double time,
                                Threads& threads) {
   last_h_ = substep.h;
-  contacts_.clear();
+  contacts_.resize(0);
   for (Body& body : bodies_) body.contact_begin = body.contact_end = 0;
+  if (bodies_.empty()) return;
   for (Body& body : bodies_) {
-    if (!body.moves) continue;
+    if (!body.packed.moves) continue;
     const auto [before, after] =
         poses_between(colliders_[body.collider].motion, time, time + double(substep.h));
-    body.before = before, body.after = after;
-    body.center = body.after.to_world(body.ball.center);
-    body.shift = length(body.center - body.before.to_world(body.ball.center));
-    body.turn = sqrt(frobenius_squared(body.after.rotation - body.before.rotation));
+    set_pose(body, before, after);
   }
   if (left_margins(particles, threads)) find_candidates(particles, {}, substep.h, threads);
-  for (Body& body : bodies_) find_contacts(body, particles, substep.h, threads);
+  for (Body& body : bodies_) find_contacts(body, particles, threads);
 }
 
 // All threads find the near particles; one thread then counts them in order. So contacts and their order do
 // not depend on the number of threads.
-void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, float h, Threads& threads) {
-  const std::span<const Member> all = candidates_;
-  const std::span<const Member> tested =
-      body.moves ? std::span<const Member>(members_)
-                 : all.subspan(body.candidate_begin, body.candidate_end - body.candidate_begin);
-  distance_.resize(std::max(distance_.size(), tested.size()));
-  threads.for_each(tested.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t m = begin; m < end; ++m) {
-      const bool candidate = !body.moves || may_touch(body, tested[m], particles);
-      distance_[m] = candidate ? distance_if_near(body, tested[m], particles) : far_away;
-    }
-  });
+void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, Threads& threads) {
+  const kernels::ColliderParticles packed = packed_particles(particles);
+  distance_.resize(std::max(distance_.size(), candidates_.particle.size()));
+  threads.for_each(
+      body.candidate_end - body.candidate_begin, particle_grain, [&](std::size_t begin, std::size_t end) {
+        kernels_->find(packed, body.packed, candidates_.particle.data(), candidates_.keeps.data(),
+                       body.candidate_begin + begin, body.candidate_begin + end, distance_.data());
+      });
   near_.clear();
-  for (std::uint32_t m = 0; m < tested.size(); ++m)
-    if (distance_[m] < far_away) near_.push_back(m);
+  for (std::size_t k = body.candidate_begin; k < body.candidate_end; ++k)
+    if (distance_[k] < std::numeric_limits<float>::infinity()) near_.push_back(static_cast<std::uint32_t>(k));
   body.contact_begin = contacts_.size();
   body.contact_end = contacts_.size() + near_.size();
-  if (contacts_.capacity() < body.contact_end) contacts_.reserve(2 * body.contact_end);
   contacts_.resize(body.contact_end);
+  const kernels::ColliderContactColumns columns = contacts_.columns();
   threads.for_each(near_.size(), grain(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::size_t contact = body.contact_begin + k, candidate = near_[k];
+      const ContactMaterialPair& material = materials_->at(candidates_.object[candidate], body.collider);
+      columns.particle[contact] = candidates_.particle[candidate];
+      columns.distance[contact] = candidates_.keeps[candidate];
+      columns.end_distance[contact] = distance_[candidate];
+      columns.static_friction[contact] = material.static_friction;
+      columns.kinetic_friction[contact] = material.kinetic_friction;
+      columns.restitution[contact] = material.restitution;
+    }
+    kernels_->describe(packed, body.packed, limits(), columns, body.contact_begin + begin,
+                       body.contact_begin + end);
     for (std::size_t k = begin; k < end; ++k)
-      contacts_[body.contact_begin + k] =
-          contact_of(body, tested[near_[k]], distance_[near_[k]], particles, h);
+      if (columns.fixed_plane[body.contact_begin + k] == 2)
+        find_first_touch(body, body.contact_begin + k, particles);
   });
 }
 
-// The path of a moving collider is not known in advance, so every substep tests every particle, first against
-// the bounding ball. The motion of a point at distance D from the ball's center, relative to the collider, is
-// at most |p - x| + |center's motion| + |R1 - R0| D.
-bool ColliderContacts::may_touch(const Body& body, const Member& member,
-                                 const ParticleView& particles) const {
-  const std::uint32_t i = member.particle;
-  if (!(particles.inverse_mass(i) > 0) || !materials_->collide(member.object, body.collider)) return false;
-  const double D = length(particle_position(particles, i) - body.center);
-  const double motion = double(length(particles.moved(i))) + body.shift + body.turn * D;
-  return D <= body.ball.radius + 2 * (motion + double(radius_[i]));
-}
-
-// Distance of the particle's center from the surface at the substep's end. far_away when the particle did not
-// touch the surface during the substep and other constraints are unlikely to push it in. Start and end of the
-// motion are in the collider's frame, where the collider is at rest.
-double ColliderContacts::distance_if_near(const Body& body, const Member& member,
-                                          const ParticleView& particles) const {
-  const std::uint32_t i = member.particle;
-  const double r = double(radius_[i]);
-  const Vec3d to = body.after.to_local(particle_position(particles, i));
-  const double path = length(to - body.before.to_local(particle_start_position(particles, i)));
-  const double distance = surface_distance(shape_of(body), to).distance;
-  return distance - r <= max(r, path) ? distance : far_away;
-}
-
-ColliderContacts::Contact ColliderContacts::contact_of(const Body& body, const Member& member,
-                                                       double end_distance, const ParticleView& particles,
-                                                       float h) const {
-  const std::uint32_t i = member.particle;
+// A plane is the same everywhere.
+void ColliderContacts::find_first_touch(const Body& body, std::size_t contact,
+                                        const ParticleView& particles) {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  columns.fixed_plane[contact] = 1;
+  if (body.packed.shape.form == kernels::ColliderForm::plane) return;
+  const std::uint32_t i = columns.particle[contact];
   const Shape& shape = shape_of(body);
-  const double r = double(radius_[i]);
   const Vec3d from = body.before.to_local(particle_start_position(particles, i));
   const Vec3d to = body.after.to_local(particle_position(particles, i));
-  Contact contact;
-  contact.particle = i;
-  contact.radius = radius_[i];
-  contact.material = materials_->at(member.object, body.collider);
-  contact.start = surface_distance(shape, from);
-  contact.plane_offset = dot(contact.start.normal, from) - contact.start.distance;
-  contact.predicted = Vec3f(body.after.rotation * (to - from));
-  const double overlap = contact.start.distance - r;
-  contact.slop = overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed * h))) : 0.0f;
-  contact.fixed_plane = contact.start.distance <= 0;
-  if (!contact.fixed_plane && may_tunnel(contact.start.distance, end_distance, length(to - from), r)) {
-    if (const auto hit = sphere_cast(shape, contact.start, from, to, r)) {
-      contact.fixed_plane = true;
-      contact.start = hit->surface;
-      contact.plane_offset = dot(hit->surface.normal, hit->point) - hit->surface.distance;
-    }
+  const auto hit =
+      sphere_cast(shape, surface_distance(shape, from), from, to, double(columns.distance[contact]));
+  if (!hit) {
+    columns.fixed_plane[contact] = 0;
+    return;
   }
-  return contact;
+  const Vec3d& n = hit->surface.normal;
+  for (int axis = 0; axis < 3; ++axis) columns.start_normal[axis][contact] = float(n[axis]);
+  columns.plane_offset[contact] = float(dot(n, hit->point - body.origin) - hit->surface.distance);
 }
 
-ColliderContacts::Gap ColliderContacts::gap(const Shape& shape, const Contact& contact, const Vec3d& local) {
-  SurfaceDistance surface = contact.fixed_plane ? contact.start : surface_distance(shape, local);
-  if (contact.fixed_plane || surface.distance <= 0) {
-    surface.normal = contact.start.normal;
-    surface.distance = dot(surface.normal, local) - contact.plane_offset;
-  }
-  return {surface.distance - double(contact.radius), surface.normal,
-          local - surface.normal * surface.distance};
+kernels::ColliderContactLimits ColliderContacts::limits() const {
+  return {.inverse_h = 1 / last_h_,
+          .restitution_threshold = 2 * step_.gravity * last_h_,
+          .depenetration = step_.depenetration_speed * last_h_};
 }
 
 void ColliderContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                                const Substep&) {
   const Body& body = bodies_[static_cast<std::size_t>(color)];
-  for (std::size_t c = body.contact_begin + begin; c < body.contact_begin + end; ++c)
-    project_one(body, contacts_[c], particles);
-}
-
-// dn = max(slop - C, -N)                     N, the normal sum: never negative, later iterations may reduce
-// it t  = (I - n n^T) (p - x - surface motion)  tangential displacement relative to the surface T' = T - t
-// T, the tangent sum, cancels t; beyond mu_s N it is cut to mu_k N
-void ColliderContacts::project_one(const Body& body, Contact& contact, const ParticleView& particles) const {
-  const std::uint32_t i = contact.particle;
-  const Gap g = gap(shape_of(body), contact, body.after.to_local(particle_position(particles, i)));
-  const auto C = float(g.C);
-  if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
-  const Vec3f n(body.after.rotation * g.normal);
-  if (body.moves)
-    contact.surface_motion = Vec3f(body.after.to_world(g.surface) - body.before.to_world(g.surface));
-  ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
-  particles.correct(i, solve_contact(sums, C, contact.slop, n, particles.moved(i) - contact.surface_motion,
-                                     contact.material));
-  contact.normal_sum = sums.normal_sum;
-  contact.tangent_sum = sums.tangent_sum;
-  contact.normal = n;
+  kernels_->project(packed_particles(particles), body.packed, contacts_.columns(), body.contact_begin + begin,
+                    body.contact_begin + end);
 }
 
 void ColliderContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
-                                         const Substep& substep, Threads& threads) {
+                                         const Substep&, Threads& threads) {
+  kernels::ColliderParticles packed = packed_particles(particles);
+  packed.velocity = &velocity.data()->x;
+  const kernels::ColliderContactColumns columns = contacts_.columns();
   for (const Body& body : bodies_)
     threads.for_each(body.contact_end - body.contact_begin, grain(), [&](std::size_t begin, std::size_t end) {
-      for (std::size_t c = body.contact_begin + begin; c < body.contact_begin + end; ++c)
-        apply_restitution_to(body, contacts_[c], particles, velocity, substep.h);
+      kernels_->apply_restitution(packed, body.packed, limits(), columns, body.contact_begin + begin,
+                                  body.contact_begin + end);
     });
 }
 
-void ColliderContacts::apply_restitution_to(const Body& body, Contact& contact, const ParticleView& particles,
-                                            std::span<Vec4f> velocity, float h) const {
-  if (!(contact.normal_sum > 0)) return;
-  const Vec3f n = contact.normal;
-  const Vec3f v = velocity[contact.particle].xyz();
-  const Vec3f u = v - contact.surface_motion * (1 / h);
-  const float inverse_h = 1 / h;
-  const auto [change, restitution_velocity] = solve_restitution(
-      {contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
-      2 * step_.gravity * h, contact.material, inverse_h);
-  contact.restitution_velocity = restitution_velocity;
-  velocity[contact.particle].set_xyz(v + change);
-  const Gap g =
-      gap(shape_of(body), contact, body.after.to_local(particle_position(particles, contact.particle)));
-  contact.depth = max(0.0f, float(-g.C));
-}
-
 void ColliderContacts::append_impacts(const Substep& substep, std::vector<Impact>& out) const {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
   const float inverse_h = 1 / substep.h;
-  for (const Contact& contact : contacts_) {
-    const float approach = -dot(contact.normal, contact.predicted) * inverse_h;
-    if (!(contact.normal_sum > 0) || !(contact.material.restitution > 0) ||
+  const auto vector = [](float* const(&of)[3], std::size_t c) { return Vec3f{of[0][c], of[1][c], of[2][c]}; };
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Vec3f normal = vector(columns.normal, c);
+    const float approach = -dot(normal, vector(columns.predicted, c)) * inverse_h;
+    if (!(columns.normal_sum[c] > 0) || !(columns.restitution[c] > 0) ||
         !(approach > 2 * step_.gravity * substep.h))
       continue;
-    out.push_back({contact.particle, Impact::collider, contact.normal, approach, contact.material.restitution,
-                   contact.surface_motion * inverse_h});
+    out.push_back({columns.particle[c], Impact::collider, normal, approach, columns.restitution[c],
+                   vector(columns.surface_motion, c) * inverse_h});
   }
 }
 
 ContactReport ColliderContacts::report() const {
-  return report_of(contacts_);
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  ContactReport report;
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    if (!(columns.normal_sum[c] > 0)) continue;
+    ++report.count;
+    report.deepest = max(report.deepest, columns.depth[c]);
+  }
+  return report;
+}
+
+/// Calls f(body, contact, C, surface point in the kernels' frame).
+template <class Function>
+void ColliderContacts::for_each_gap(const ParticleView& particles, const Function& f) const {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  const kernels::ColliderParticles packed = packed_particles(particles);
+  float C[gap_chunk], surface[3][gap_chunk];
+  float* const surfaces[3] = {surface[0], surface[1], surface[2]};
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Body& body = bodies_[b];
+    for (std::size_t begin = body.contact_begin; begin < body.contact_end; begin += gap_chunk) {
+      const std::size_t end = std::min(begin + gap_chunk, body.contact_end);
+      kernels_->gaps(packed, body.packed, columns, begin, end, C, surfaces);
+      for (std::size_t c = begin; c < end; ++c)
+        f(b, c, C[c - begin], Vec3f{surface[0][c - begin], surface[1][c - begin], surface[2][c - begin]});
+    }
+  }
 }
 
 void ColliderContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
   const float inverse_h = last_h_ > 0 ? 1 / last_h_ : 0.0f;
-  for (const Body& body : bodies_) {
-    for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
-      const Contact& contact = contacts_[c];
-      if (!(contact.normal_sum > 0)) continue;
-      const std::uint32_t i = contact.particle;
-      const Gap g = gap(shape_of(body), contact, body.after.to_local(particle_position(particles, i)));
-      const float impulse =
-          (contact.normal_sum * inverse_h + contact.restitution_velocity) / particles.inverse_mass(i);
-      out.push_back({i, body.collider, Vec3f(body.after.to_world(g.surface)), contact.normal, impulse});
-    }
-  }
+  for_each_gap(particles, [&](std::size_t b, std::size_t c, float, const Vec3f& surface) {
+    if (!(columns.normal_sum[c] > 0)) return;
+    const Body& body = bodies_[b];
+    const std::uint32_t i = columns.particle[c];
+    const float impulse =
+        (columns.normal_sum[c] * inverse_h + columns.restitution_velocity[c]) / particles.inverse_mass(i);
+    const Vec3d point = body.after.to_world(body.origin + body.axes * Vec3d(surface));
+    out.push_back({i,
+                   body.collider,
+                   Vec3f(point),
+                   {columns.normal[0][c], columns.normal[1][c], columns.normal[2][c]},
+                   impulse});
+  });
 }
 
 Residual ColliderContacts::residual(const ParticleView& particles) const {
   Residual result;
   result.count = contacts_.size();
-  for (const Body& body : bodies_) {
-    for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
-      const Vec3d local = body.after.to_local(particle_position(particles, contacts_[c].particle));
-      const double violation = max(0.0, -gap(shape_of(body), contacts_[c], local).C);
-      result.largest = max(result.largest, violation);
-      result.sum += violation;
-    }
-  }
+  for_each_gap(particles, [&](std::size_t, std::size_t, float C, const Vec3f&) {
+    const double violation = max(0.0, -double(C));
+    result.largest = max(result.largest, violation);
+    result.sum += violation;
+  });
   return result;
 }
 
 void ColliderContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const Body& body = bodies_[b];
-    for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
-      const std::uint32_t i = contacts_[c].particle;
-      const double C =
-          gap(shape_of(body), contacts_[c], body.after.to_local(particle_position(particles, i))).C;
-      visitor({{&i, 1}, static_cast<int>(b), 0, static_cast<float>(max(0.0, -C))});
-    }
-  }
+  for_each_gap(particles, [&](std::size_t b, std::size_t c, float C, const Vec3f&) {
+    visitor({{&contacts_.columns().particle[c], 1}, static_cast<int>(b), 0, max(0.0f, -C)});
+  });
 }
 
 void ColliderContacts::erase_particles(std::uint32_t, std::uint32_t) {
   bodies_.clear();
-  members_.clear();
-  broad_phase_.clear();
-  candidates_.clear();
-  contacts_.clear();
+  members_.particle.clear(), members_.object.clear();
+  candidates_ = {};
+  contacts_.resize(0);
 }
 
 std::size_t ColliderContacts::bytes() const {
-  return bytes_of(bodies_, members_, broad_phase_, candidates_, contacts_);
+  return bytes_of(bodies_, members_.particle, members_.object, members_.at[0], members_.at[1], members_.at[2],
+                  members_.margin, candidates_.particle, candidates_.object, candidates_.keeps, distance_,
+                  near_) +
+         contacts_.bytes();
 }
 
 }  // namespace souple

@@ -2,10 +2,12 @@
 
 #include "souple/collision/collider.h"
 #include "souple/collision/contact.h"
+#include "souple/collision/kernels/collider_contacts.h"
 #include "souple/collision/rigid_pose.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -42,9 +44,9 @@ class ColliderContacts final : public Projector {
   /// `colliders`, `objects`, `materials` and `radius` must live until the step ends, all other spans during
   /// the call only. Exceptions of a motion callback pass through; the contacts are then empty.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                  std::span<const float> radius, std::span<const ContactObject> objects,
-                  std::span<const Collider> colliders, const ContactMaterialTable& materials,
-                  const ContactStep& step, Threads& threads);
+                  std::span<const float> radius, std::span<const float> element_radius,
+                  std::span<const ContactObject> objects, std::span<const Collider> colliders,
+                  const ContactMaterialTable& materials, const ContactStep& step, Threads& threads);
 
   /// Finds the contacts of the substep [time, time + h]. Call it after prediction and before the first
   /// project.
@@ -88,75 +90,68 @@ class ColliderContacts final : public Projector {
   /// An enabled collider during the step.
   struct Body {
     std::uint32_t collider = 0;
-    bool moves = false;
+    double curvature_radius = 0;  // see element_clearance.h [m]
+    // The frame that kernels use, in the collider's own: see kernels/collider_contacts.h.
+    Vec3d origin{};
+    Mat3d axes{};
     RigidPose before, after;  // at the start and end of the substep
-    BoundingBall ball;
-    Vec3d center;                // of the ball, world space, at the substep's end [m]
-    double shift = 0, turn = 0;  // how far the center moves in the substep [m]; |R1 - R0|
+    kernels::ColliderBody packed;
     std::size_t candidate_begin = 0, candidate_end = 0;
     std::size_t contact_begin = 0, contact_end = 0;
   };
-  /// A particle and the object it belongs to.
-  struct Member {
-    std::uint32_t particle, object;
+  /// Particles that may touch something, each with the object it belongs to, and their positions in the last broad
+  /// phase with the distances that they may move before the next one [m].
+  struct Members {
+    std::vector<std::uint32_t> particle, object;
+    std::array<std::vector<float>, 3> at;
+    std::vector<float> margin;
   };
-  /// Position of a member in the last broad phase, and the distance it may move before the next one [m].
-  struct BroadPhasePosition {
-    Vec3d at;
-    double margin;
+  /// Particles that may touch a body in this step, body by body.
+  struct Candidates {
+    std::vector<std::uint32_t> particle, object;
+    std::vector<float> keeps;  // distance that the particle keeps from the surface [m]
   };
-  struct Contact {
-    std::uint32_t particle;
-    float radius;
-    ContactMaterialPair material;
-    bool fixed_plane;                // the plane below serves for the whole substep
-    SurfaceDistance start;           // surface at the substep's start, or at the first touch
-    double plane_offset;             // of the plane with normal start.normal, collider's frame [m]
-    float slop;                      // target of C, at most 0: old overlaps are removed slowly [m]
-    Vec3f predicted;                 // motion relative to the surface before any projection [m]
-    float normal_sum = 0;            // sum of normal corrections [m]
-    Vec3f tangent_sum{};             // sum of tangential corrections [m]
-    Vec3f normal{};                  // of the last projection, world space
-    Vec3f surface_motion{};          // displacement of the surface at the contact in the substep [m]
-    float restitution_velocity = 0;  // normal velocity that apply_restitution added [m/s]
-    float depth = 0;                 // remaining overlap, of contacts with a normal impulse [m]
-  };
-  struct Gap {
-    double C;       // m
-    Vec3d normal;   // in the collider's frame
-    Vec3d surface;  // surface point in the collider's frame [m]
+  /// Contacts as columns, body by body.
+  class Contacts {
+   public:
+    std::size_t size() const { return particle_.size(); }
+    void resize(std::size_t size);
+    kernels::ColliderContactColumns columns();
+    std::size_t bytes() const;
+
+   private:
+    std::vector<std::uint32_t> particle_;
+    std::array<std::vector<float>, 26> floats_;
   };
 
-  static Gap gap(const Shape& shape, const Contact& contact, const Vec3d& local);
   const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
   void find_bodies();
   void find_members();
+  void find_frame(Body& body, const ParticleView& particles) const;
+  void set_pose(Body& body, const RigidPose& before, const RigidPose& after) const;
   void find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity, float h,
                        Threads& threads);
-  bool is_candidate(const Body& body, std::size_t member, const ParticleView& particles) const;
+  void find_candidates_of(Body& body, const kernels::ColliderParticles& particles, Threads& threads);
   bool left_margins(const ParticleView& particles, Threads& threads) const;
-  void find_contacts(Body& body, const ParticleView& particles, float h, Threads& threads);
-  bool may_touch(const Body& body, const Member& member, const ParticleView& particles) const;
-  double distance_if_near(const Body& body, const Member& member, const ParticleView& particles) const;
-  Contact contact_of(const Body& body, const Member& member, double end_distance,
-                     const ParticleView& particles, float h) const;
-  void apply_restitution_to(const Body& body, Contact& contact, const ParticleView& particles,
-                            std::span<Vec4f> velocity, float h) const;
-  void project_one(const Body& body, Contact& contact, const ParticleView& particles) const;
+  void find_contacts(Body& body, const ParticleView& particles, Threads& threads);
+  void find_first_touch(const Body& body, std::size_t contact, const ParticleView& particles);
+  kernels::ColliderContactLimits limits() const;
+  template <class Function>
+  void for_each_gap(const ParticleView& particles, const Function& f) const;
 
   std::span<const Collider> colliders_;
   std::span<const ContactObject> objects_;
-  std::span<const float> radius_;
+  std::span<const float> radius_, element_radius_;
   const ContactMaterialTable* materials_ = nullptr;
   ContactStep step_;
   float last_h_ = 0;  // h of the last refresh [s]
+  const kernels::ColliderContactKernels* kernels_ = nullptr;
   std::vector<Body> bodies_;
-  std::vector<Member> members_;
-  std::vector<BroadPhasePosition> broad_phase_;  // per member
-  std::vector<Member> candidates_;               // members near static bodies, body by body
-  std::vector<double> distance_;                 // per member or candidate: to the body's surface [m]
-  std::vector<std::uint32_t> near_;              // indices of those in contact with the body
-  std::vector<Contact> contacts_;                // body by body
+  Members members_;
+  Candidates candidates_;
+  std::vector<float> distance_;      // per member or candidate: to the body's surface [m]
+  std::vector<std::uint32_t> near_;  // candidates in contact with the body
+  mutable Contacts contacts_;  // kernels take its columns, which only project and apply_restitution change
 };
 
 }  // namespace souple

@@ -1,6 +1,7 @@
 #include "souple/collision/collider_element_contacts.h"
 
 #include "souple/collision/contact_law.h"
+#include "souple/collision/element_clearance.h"
 #include "souple/collision/particle_position.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
@@ -13,8 +14,6 @@ namespace {
 
 constexpr std::size_t element_grain = 256;  // least number of elements that pays for a thread
 constexpr std::size_t search_grain = 8;     // least number of searches that pays for a thread
-// Between its corners an element keeps a distance of this part of its radius.
-constexpr double target_part = 0.25;
 // Smallest elements that get contacts, as a part of a round shape's radius, or of the radius of another
 // shape's bounding ball. Without this limit a fine cloth on a large table would pay for every triangle at the
 // table's edges, ten times the rest of its step. With it, a cloth sinks into a ball by 0.2 % of the ball's
@@ -38,42 +37,16 @@ Ball ball_about(const std::array<Vec3d, 3>& x, bool edge) {
   return {middle, sqrt(squared)};
 }
 
-/// The smallest radius of curvature of a shape's convex surface parts; 0 for shapes with edges, and where it
-/// is unknown.
-struct CurvatureRadius {
-  double operator()(const Sphere& sphere) const { return double(sphere.radius); }
-  double operator()(const Capsule& capsule) const { return double(capsule.radius); }
-  template <class Other>
-  double operator()(const Other&) const {
-    return 0;
-  }
-};
-
-/// The radius of the smallest circle that contains a triangle.
-double radius_around(const std::array<Vec3d, 3>& x) {
-  const double a = length_squared(x[1] - x[2]), b = length_squared(x[2] - x[0]),
-               c = length_squared(x[0] - x[1]);
-  const double longest = max(a, max(b, c)), area = length(cross(x[1] - x[0], x[2] - x[0]));
-  if (2 * longest >= a + b + c) return 0.5 * sqrt(longest);
-  return sqrt(a * b * c) / (2 * area);
-}
-
-// Whether an element that a circle of radius R contains may come nearer than target_part r between its
-// corners, which keep the distance r from a surface with the radius of curvature c. The distance of its
-// deepest point is sqrt((c + r)^2 - R^2) - c. R is increased by a tenth, for stretch.
-bool needs_contact(double R, double r, double curvature_radius) {
-  const double outer = curvature_radius + r, wide = 1.1 * R;
-  return wide >= outer || sqrt(outer * outer - wide * wide) - curvature_radius < target_part * r;
-}
-
 }  // namespace
 
 void ColliderElementContacts::set_elements(std::vector<Element> elements) {
   elements_ = std::move(elements);
   corners_.clear();
   objects_ = 0;
+  largest_radius_ = 0;
   for (const Element& element : elements_) {
     for (const std::uint32_t i : element.particle) corners_.push_back({i, element.object});
+    largest_radius_ = max(largest_radius_, element.radius);
     objects_ = std::max(objects_, element.object + 1);
   }
   const auto before = [](const Corner& a, const Corner& b) { return a.particle < b.particle; };
@@ -115,7 +88,9 @@ void ColliderElementContacts::find_bodies() {
     body.collider = c;
     body.moves = !collider.motion.is_static();
     body.ball = bounding_ball(collider.shape);
-    body.curvature_radius = std::visit(CurvatureRadius{}, collider.shape);
+    const double curvature = curvature_radius(collider.shape);
+    body.smallest_radius = curvature > 0 ? coarse_element_part * curvature : coarse_part * body.ball.radius;
+    if (double(largest_radius_) < body.smallest_radius) continue;
     if (!body.moves) body.before = body.after = pose_at(collider.motion, step_.time);
     bodies_.push_back(body);
   }
@@ -158,13 +133,11 @@ void ColliderElementContacts::find_candidates(const ParticleView& particles, std
 bool ColliderElementContacts::is_candidate(const Body& body, std::size_t element,
                                            const ParticleView& particles) const {
   const Element& f = elements_[element];
+  if (double(f.radius) < body.smallest_radius) return false;
   if (!materials_->collide(f.object, body.collider)) return false;
   const auto& [a, b, c] = f.particle;
   const Corners x{broad_phase_position_[a], broad_phase_position_[b], broad_phase_position_[c]};
   const Ball ball = ball_about(x, is_edge(f));
-  const double shape_size = body.curvature_radius > 0 ? body.curvature_radius : body.ball.radius;
-  if (radius_around(x) < coarse_part * shape_size) return false;
-  if (!needs_contact(radius_around(x), double(radius_of(f)), body.curvature_radius)) return false;
   if (!(particles.inverse_mass(a) > 0 || particles.inverse_mass(b) > 0 || particles.inverse_mass(c) > 0))
     return false;
   if (body.moves) return true;
@@ -302,9 +275,9 @@ bool ColliderElementContacts::may_touch(const Body& body, const Element& element
         min(lowest, min(dot(surface.normal, x[k] - ball.middle), dot(surface.normal, to[k] - ball.middle)));
     path = max(path, length_squared(to[k] - x[k]));
   }
-  if (surface.distance > range + sqrt(path) || surface.distance + lowest >= 1.2 * target_part * r)
+  if (surface.distance > range + sqrt(path) || surface.distance + lowest >= 1.2 * element_clearance_part * r)
     return false;
-  const double min_sag = 0.8 * (1 - target_part) * r;
+  const double min_sag = 0.8 * (1 - element_clearance_part) * r;
   if (sag(shape, x, ball.middle, surface) > min_sag) return true;
   if (path <= r * r) return false;
   const Vec3d middle = ball_about(to, edge).middle;
@@ -398,7 +371,7 @@ bool ColliderElementContacts::contact_of(const Body& body, const Element& elemen
   const Corners to = corners(body.after, element, particles, false);
   double path = 0;
   for (std::size_t k = 0; k < 3; ++k) path = max(path, length(to[k] - from[k]));
-  const double r = double(radius_of(element)), target = target_part * r;
+  const double r = double(radius_of(element)), target = element_clearance_part * r;
   Deepest low = deepest(shape, from, r + path, 0.1 * r);
   const double overlap = low.surface.distance - target;
   found.inside = low.surface.distance < -r;

@@ -36,6 +36,7 @@ class ColliderElementContacts final : public Projector {
   struct Element {
     std::array<std::uint32_t, 3> particle;
     std::uint32_t object;  ///< row in the material table
+    float radius;          ///< of the smallest circle around it at rest [m]
   };
   /// Sets the elements of all objects. Their order determines the order of contacts.
   void set_elements(std::vector<Element> elements);
@@ -75,7 +76,7 @@ class ColliderElementContacts final : public Projector {
     bool moves = false;
     RigidPose before, after;  // at the substep's start and end
     BoundingBall ball;
-    double curvature_radius = 0;  // smallest one of the surface; 0: unknown, or the shape has edges [m]
+    double smallest_radius = 0;  // of the elements that get contacts [m]
     std::size_t candidate_begin = 0, candidate_end = 0;
     std::size_t contact_begin = 0, contact_end = 0;
   };
@@ -146,6 +147,7 @@ class ColliderElementContacts final : public Projector {
     std::uint32_t particle, object;
   };
   std::vector<Corner> corners_;  // particles of all elements, each once
+  float largest_radius_ = 0;     // of all elements [m]
   std::uint32_t objects_ = 0;    // one more than the largest object of an element
   std::span<const Collider> colliders_;
   std::span<const float> radius_;

@@ -39,6 +39,14 @@ std::vector<double> lumped_masses(std::span<const Vec3d> positions, std::span<co
                                   double areal_density);
 std::vector<double> lumped_masses(const TetMesh& mesh, double density);
 
+/// Radius of the smallest circle that contains a triangle [m]; with b = c, of the one around an edge.
+inline double enclosing_radius(const Vec3d& x, const Vec3d& y, const Vec3d& z) {
+  const double a = length_squared(y - z), b = length_squared(z - x), c = length_squared(x - y);
+  const double longest = std::max(a, std::max(b, c)), area = length(cross(y - x, z - x));
+  if (2 * longest >= a + b + c) return 0.5 * std::sqrt(longest);
+  return std::sqrt(a * b * c) / (2 * area);
+}
+
 /// Normalizes a sum of triangle normals; zero stays zero.
 template <class T>
 Vec3<T> unit_normal(const Vec3<T>& n) {

@@ -5,7 +5,8 @@ namespace {
 
 template <class Function>
 void for_each_array(Particles& p, const Function& f) {
-  f(p.position), f(p.offset), f(p.start), f(p.velocity), f(p.mass), f(p.radius), f(p.contact_margin);
+  f(p.position), f(p.offset), f(p.start), f(p.velocity), f(p.mass), f(p.radius), f(p.element_radius),
+      f(p.contact_margin);
 }
 
 }  // namespace

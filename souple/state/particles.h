@@ -30,6 +30,9 @@ struct Particles {
   std::vector<Vec4f> velocity;  ///< [m/s]
   std::vector<float> mass;      ///< [kg], of pinned particles too
   std::vector<float> radius;    ///< half the thickness in contacts [m]
+  /// Radius at rest of the smallest circle around the largest triangle or segment that has the particle as a
+  /// corner; 0: none [m].
+  std::vector<float> element_radius;
   /// By how much its surface contacts begin earlier, after recent strong corrections by such contacts [m].
   std::vector<float> contact_margin;
 

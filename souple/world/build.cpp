@@ -294,6 +294,17 @@ void add_object(const Object&, const GrainsMaterial&, Kinds&) {}    // contacts 
 void add_object(const Object&, const FluidMaterial&, Kinds&) {}     // one solver for all, see fluids.h
 void add_object(const Object&, const ObstacleMaterial&, Kinds&) {}  // prescribed motion
 
+void find_element_radii(const Object& object, std::span<float> radius) {
+  const auto include = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    const auto R = static_cast<float>(enclosing_radius(object.rest[a], object.rest[b], object.rest[c]));
+    for (const std::uint32_t i : {a, b, c})
+      radius[object.begin + i] = std::max(radius[object.begin + i], R);
+  };
+  for (const Triangle& t : object.surface) include(t[0], t[1], t[2]);
+  for (std::uint32_t i = 0; object.kind == ObjectKind::rope && i + 1 < object.particle_count(); ++i)
+    include(i, i + 1, i + 1);
+}
+
 }  // namespace
 
 std::size_t check_constraints(const Object& object) {
@@ -333,7 +344,9 @@ void build_contact_radii(WorldState& world) {
       const float scale = object->thickness_map.empty() ? 1 : object->thickness_map[local];
       const float offset = object->embedding_offset.empty() ? 0 : object->embedding_offset[local];
       world.particles.radius[i] = radius * scale - offset;
+      world.particles.element_radius[i] = 0;
     }
+    find_element_radii(*object, world.particles.element_radius);
   }
 }
 

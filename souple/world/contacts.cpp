@@ -1,5 +1,6 @@
 #include "souple/world/contacts.h"
 
+#include "souple/geometry/measures.h"
 #include "souple/world/body_restitution.h"
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
@@ -57,8 +58,12 @@ void append_elements(const Object& object, std::uint32_t index, std::span<const 
                      std::vector<ColliderElementContacts::Element>& elements) {
   if (object.kind == ObjectKind::obstacle || is_particle_only(object)) return;
   const std::uint32_t b = object.begin;
-  for (const Triangle& t : object.surface) elements.push_back({{b + t[0], b + t[1], b + t[2]}, index});
-  for (const Edge& edge : rope_edges) elements.push_back({{b + edge[0], b + edge[1], b + edge[1]}, index});
+  const auto append = [&](std::uint32_t p, std::uint32_t q, std::uint32_t r) {
+    const double radius = enclosing_radius(object.rest[p], object.rest[q], object.rest[r]);
+    elements.push_back({{b + p, b + q, b + r}, index, static_cast<float>(radius)});
+  };
+  for (const Triangle& t : object.surface) append(t[0], t[1], t[2]);
+  for (const Edge& edge : rope_edges) append(edge[0], edge[1], edge[1]);
 }
 
 ContactMaterial contact_material_of(const Material& material) {
@@ -223,8 +228,8 @@ void find_candidates(WorldState& world, double dt) {
   world.collider_element_contacts.begin_step(view, particles.velocity, particles.radius, tables.colliders,
                                              tables.against_colliders, step, *world.threads);
   world.guarded("a collider's motion", [&] {
-    world.collider_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
-                                       tables.colliders, tables.against_colliders, step, *world.threads);
+    world.collider_contacts.begin_step(view, particles.velocity, particles.radius, particles.element_radius,
+                                       tables.objects, tables.colliders, tables.against_colliders, step, *world.threads);
   });
   find_intersections(world, step);
   world.surface_contacts.begin_step(view, particles.velocity, particles.radius, particles.contact_margin,

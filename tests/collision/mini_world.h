@@ -23,6 +23,7 @@ struct MiniWorld {
     offset.push_back({rest.x, rest.y, rest.z, 0});
     velocity.push_back({v.x, v.y, v.z, 0});
     radius.push_back(radius_);
+    element_radius.push_back(0);
   }
   /// Makes an object of the particles added since the last one.
   ContactObject& end_object(const ContactMaterial& material, const std::string& name = "object") {
@@ -44,7 +45,7 @@ struct MiniWorld {
     const ContactMaterialTable with_colliders(named, obstacles, table), with_objects(named, named, table);
     start = moving();
     const ContactStep contact_step{time, float(dt), length(gravity), 3.0f};
-    on_colliders.begin_step(view(), velocity, radius, objects, colliders, with_colliders, contact_step,
+    on_colliders.begin_step(view(), velocity, radius, element_radius, objects, colliders, with_colliders, contact_step,
                             *threads);
     on_particles.begin_step(view(), velocity, radius, objects, with_objects, contact_step, *threads);
     for (int s = 0; s < substeps; ++s) substep({float(dt / substeps), iterations, Mode::small_steps, form});
@@ -99,7 +100,7 @@ struct MiniWorld {
   Vec3f gravity{0, -9.81f, 0};
   double time = 0;
   std::vector<Vec4f> position, offset, start, velocity;
-  std::vector<float> radius;
+  std::vector<float> radius, element_radius;
   std::vector<ContactObject> objects;
   std::vector<std::pair<std::string, ContactMaterial>> materials;
   std::vector<Collider> colliders;

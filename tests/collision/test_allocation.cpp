@@ -29,7 +29,7 @@ TEST(Contacts, AWarmStepAllocatesNothing) {
   world.start = world.moving();
   const ParticleView view = world.view();
   const long before = test::allocations();
-  world.on_colliders.begin_step(view, world.velocity, world.radius, world.objects, world.colliders, matrix,
+  world.on_colliders.begin_step(view, world.velocity, world.radius, world.element_radius, world.objects, world.colliders, matrix,
                                 step, *world.threads);
   world.on_particles.begin_step(view, world.velocity, world.radius, world.objects, matrix, step,
                                 *world.threads);

@@ -2,61 +2,13 @@
 
 #include "souple/collision/contact_law.h"
 #include "souple/collision/kernels/element_pairs.h"
+#include "souple/collision/kernels/registers.h"
 #include "souple/collision/nearest.h"
-#include "souple/math/simd/pack.h"
 
 // Include this only in translation units that are compiled for one instruction set. Every template here has
 // the tag of its instruction set as an argument.
 
-#define SOUPLE_INLINE __attribute__((always_inline))
-
 namespace souple::kernels {
-
-template <class Isa>
-using Numbers = simd::Pack<Isa>;
-template <class Isa>
-using Vectors = Vec3<simd::Pack<Isa>>;
-
-/// Four floats of each lane's record: as loaded, or, after `components`, one register per component.
-template <class Isa>
-struct Records {
-  typename Isa::Vector r[4];
-
-  Records() = default;
-  SOUPLE_INLINE Records(const float* base, const std::uint32_t* first_float) {
-    for (std::uint32_t j = 0; j < 4; ++j) {
-      if constexpr (Isa::lanes == 1) {
-        r[j] = base[first_float[0] + j];
-      } else {
-        r[j] = Isa::load_records(base, first_float + j);
-      }
-    }
-  }
-  SOUPLE_INLINE void add(const Records& b) {
-    for (int j = 0; j < 4; ++j) r[j] = r[j] + b.r[j];
-  }
-  SOUPLE_INLINE void subtract(const Records& b) {
-    for (int j = 0; j < 4; ++j) r[j] = r[j] - b.r[j];
-  }
-  /// Transposes back and writes.
-  SOUPLE_INLINE void write(float* base, const std::uint32_t* first_float) {
-    transpose();
-    for (std::uint32_t j = 0; j < 4; ++j) {
-      if constexpr (Isa::lanes == 1) {
-        base[first_float[0] + j] = r[j];
-      } else {
-        Isa::store_records(base, first_float + j, r[j]);
-      }
-    }
-  }
-  SOUPLE_INLINE void transpose() {
-    if constexpr (Isa::lanes > 1) simd::transpose<Isa>(r);
-  }
-  SOUPLE_INLINE Vectors<Isa> components() {
-    transpose();
-    return {Numbers<Isa>(r[0]), Numbers<Isa>(r[1]), Numbers<Isa>(r[2])};
-  }
-};
 
 /// Per corner and lane: first float of the particle's record. Lanes beyond the end repeat the last pair.
 template <class Isa>
@@ -72,44 +24,6 @@ struct PairRecords {
       for (int lane = 0; lane < Isa::lanes; ++lane) first_float[k][lane] = first[k][lane];
   }
 };
-
-/// Indices i, i + 1, ... or the entries of a list from i on; lanes beyond the end repeat the last one.
-template <class Isa>
-struct Indices {
-  std::uint32_t at[Isa::lanes];
-  int count;  ///< lanes before the end
-
-  SOUPLE_INLINE Indices(std::size_t i, std::size_t end, const std::uint32_t* list = nullptr)
-      : count(end - i < Isa::lanes ? static_cast<int>(end - i) : Isa::lanes) {
-    for (int lane = 0; lane < Isa::lanes; ++lane) {
-      const std::size_t k = i + static_cast<std::size_t>(lane < count ? lane : count - 1);
-      at[lane] = list ? list[k] : static_cast<std::uint32_t>(k);
-    }
-  }
-};
-
-template <class Isa>
-SOUPLE_INLINE inline Numbers<Isa> gather(const float* column, const std::uint32_t (&index)[Isa::lanes]) {
-  float lanes[Isa::lanes];
-  for (int lane = 0; lane < Isa::lanes; ++lane) lanes[lane] = column[index[lane]];
-  return Numbers<Isa>::load(lanes);
-}
-
-// Consecutive values of a column. Reads and writes no value beyond `count`.
-template <class Isa>
-SOUPLE_INLINE inline Numbers<Isa> load(const float* column, int count) {
-  if (count == Isa::lanes) return Numbers<Isa>::load(column);
-  float lanes[Isa::lanes];
-  for (int lane = 0; lane < Isa::lanes; ++lane) lanes[lane] = column[lane < count ? lane : count - 1];
-  return Numbers<Isa>::load(lanes);
-}
-template <class Isa>
-SOUPLE_INLINE inline void store(Numbers<Isa> a, float* column, int count) {
-  if (count == Isa::lanes) return a.store(column);
-  float lanes[Isa::lanes];
-  a.store(lanes);
-  for (int lane = 0; lane < count; ++lane) column[lane] = lanes[lane];
-}
 
 /// Corners 1 to 3 relative to corner 0, without the rounding of positions far from the origin.
 template <class Isa, bool displacement>
@@ -571,5 +485,3 @@ const ElementPairKernels& element_pair_kernels() {
 }
 
 }  // namespace souple::kernels
-
-#undef SOUPLE_INLINE

@@ -10,4 +10,10 @@ const ElementPairKernels& find_element_pair_kernels(InstructionSet set) {
   return packed ? *packed : element_pair_kernels<Single>();
 }
 
+const ColliderContactKernels& find_collider_contact_kernels(InstructionSet set) {
+  const ColliderContactKernels* const packed = souple::detail::find_for(
+      set, []<class Isa>(std::type_identity<Isa>) { return &collider_contact_kernels<Isa>(); });
+  return packed ? *packed : collider_contact_kernels<Single>();
+}
+
 }  // namespace souple::kernels

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/collision/kernels/collider_contacts.h"
 #include "souple/collision/kernels/element_pairs.h"
 #include "souple/solver/instruction_set.h"
 
@@ -7,5 +8,6 @@ namespace souple::kernels {
 
 /// Kernels for an instruction set that this build and this processor support.
 const ElementPairKernels& find_element_pair_kernels(InstructionSet set);
+const ColliderContactKernels& find_collider_contact_kernels(InstructionSet set);
 
 }  // namespace souple::kernels

@@ -1,6 +1,9 @@
 #include "souple/collision/kernels/single.h"
 
+#include "souple/collision/kernels/compile_collider_contacts.h"
 #include "souple/collision/kernels/compile_element_pairs.h"
 
+template const souple::kernels::ColliderContactKernels&
+souple::kernels::collider_contact_kernels<souple::kernels::Single>();
 template const souple::kernels::ElementPairKernels&
 souple::kernels::element_pair_kernels<souple::kernels::Single>();
