@@ -240,16 +240,50 @@ void ColliderContacts::project_one(const Body& body, Contact& contact, const Par
   const std::uint32_t i = contact.particle;
   const Gap g = gap(shape_of(body), contact, body.after.to_local(particle_position(particles, i)));
   const auto C = float(g.C);
+  const Vec3f moved = particles.moved(i), n(body.after.rotation * g.normal);
+  contact.offset = C - dot(n, moved);
+  contact.normal = n;
   if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
-  const Vec3f n(body.after.rotation * g.normal);
   if (body.moves)
     contact.surface_motion = Vec3f(body.after.to_world(g.surface) - body.before.to_world(g.surface));
+  solve(contact, C, moved, particles);
+}
+
+void ColliderContacts::solve(Contact& contact, float C, const Vec3f& moved, const ParticleView& particles) {
   ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
-  particles.correct(i, solve_contact(sums, C, contact.slop, n, particles.moved(i) - contact.surface_motion,
-                                     contact.material));
+  particles.correct(contact.particle, solve_contact(sums, C, contact.slop, contact.normal,
+                                                    moved - contact.surface_motion, contact.material));
   contact.normal_sum = sums.normal_sum;
   contact.tangent_sum = sums.tangent_sum;
-  contact.normal = n;
+}
+
+void ColliderContacts::find_touching(std::span<const std::uint32_t> chosen,
+                                     std::vector<std::uint32_t>& found) const {
+  for (std::uint32_t c = 0; c < contacts_.size(); ++c)
+    if (chosen[contacts_[c].particle] != unchosen) found.push_back(c);
+}
+
+bool ColliderContacts::removes_overlaps() const {
+  return std::any_of(contacts_.begin(), contacts_.end(),
+                     [](const Contact& contact) { return contact.slop < 0; });
+}
+
+// A contact that touches for the first time while its plane is used again takes the surface motion of a plane that
+// has not been projected, 0: on a moving collider the exact projections that follow correct its friction.
+void ColliderContacts::project_some(std::span<const std::uint32_t> contacts, const ParticleView& particles,
+                                    bool again) {
+  auto body = bodies_.begin();
+  for (const std::uint32_t c : contacts) {
+    Contact& contact = contacts_[c];
+    if (!again) {
+      while (c >= body->contact_end) ++body;
+      project_one(*body, contact, particles);
+      continue;
+    }
+    const Vec3f moved = particles.moved(contact.particle);
+    const float C = contact.offset + dot(contact.normal, moved);
+    if (contact.slop > C || contact.normal_sum > 0) solve(contact, C, moved, particles);
+  }
 }
 
 void ColliderContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,

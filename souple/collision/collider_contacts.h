@@ -66,6 +66,12 @@ class ColliderContacts final : public Projector {
 
   std::string_view kind() const override { return "collider contact"; }
   bool is_contact() const override { return true; }
+  bool is_collider_contact() const override { return true; }
+  void find_touching(std::span<const std::uint32_t> chosen, std::vector<std::uint32_t>& found) const override;
+  bool removes_overlaps() const override;
+  /// `again`: with the normals and surface points of the last projection.
+  void project_some(std::span<const std::uint32_t> contacts, const ParticleView& particles,
+                    bool again) override;
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
   /// One color per enabled collider: a particle has at most one contact with each.
@@ -117,6 +123,7 @@ class ColliderContacts final : public Projector {
     float normal_sum = 0;            // sum of normal corrections [m]
     Vec3f tangent_sum{};             // sum of tangential corrections [m]
     Vec3f normal{};                  // of the last projection, world space
+    float offset = 0;                // C - normal . (p - x) in the last projection [m]
     Vec3f surface_motion{};          // displacement of the surface at the contact in the substep [m]
     float restitution_velocity = 0;  // normal velocity that apply_restitution added [m/s]
     float depth = 0;                 // remaining overlap, of contacts with a normal impulse [m]
@@ -143,6 +150,7 @@ class ColliderContacts final : public Projector {
   void apply_restitution_to(const Body& body, Contact& contact, const ParticleView& particles,
                             std::span<Vec4f> velocity, float h) const;
   void project_one(const Body& body, Contact& contact, const ParticleView& particles) const;
+  static void solve(Contact& contact, float C, const Vec3f& moved, const ParticleView& particles);
 
   std::span<const Collider> colliders_;
   std::span<const ContactObject> objects_;

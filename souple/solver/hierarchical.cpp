@@ -310,6 +310,7 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
   std::vector<Link> links = links_;
   for (Link& link : links) link.a = number[link.a], link.b = number[link.b];
   levels_.clear();
+  stretched_ = {};
   for (CoarseLevel& level : build_levels(links, masses_, coarsest_size, threads))
     add_level(std::move(level), particles);
   compliant_ =
@@ -568,6 +569,7 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
   if (!automatic_) {
     for (int iteration = 0; iteration < substep.iterations; ++iteration) {
       if (with_levels) correct_levels(particles, substep, iteration, threads);
+      if (with_levels) stretched_.sweep(links_, tied_, projectors, particles, substep, threads);
       for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);
     }
     return;
@@ -584,6 +586,7 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
     stiff_bending_.solve(particles, substep, iteration, threads);
     if (with_levels) correct_levels(particles, substep, iteration, threads);
+    if (with_levels) stretched_.sweep(links_, tied_, projectors, particles, substep, threads);
     tet_levels_.correct(projectors, particles, substep, threads);
     sweep_as_needed(projectors, particles, swept, threads, motion_);
   }

@@ -4,6 +4,7 @@
 #include "souple/solver/level_links.h"
 #include "souple/solver/solver.h"
 #include "souple/solver/stiff_bending.h"
+#include "souple/solver/stretched_links.h"
 #include "souple/solver/tet_levels.h"
 #include "souple/solver/tied_particles.h"
 #include "souple/solver/tree_elimination.h"
@@ -39,6 +40,9 @@ namespace souple {
 ///
 /// With compliance, a coarse link is a spring in parallel with the finer links. Its stiffness and the
 /// stiffness that the sweeps of the finer levels reach add up to that of the material.
+///
+/// Where cloth touches a collider, stress changes from link to link as well, and there the finest links are swept
+/// more often, together with their contacts (StretchedLinks).
 ///
 /// As SolverKind::automatic it builds levels only for pieces of cloth that need them, sweeps each set as often as
 /// its material needs (Projector::sweeps_needed), and eliminates ropes and other trees of distances exactly.
@@ -119,6 +123,7 @@ class Hierarchical final : public Solver {
   std::vector<float> masses_;            ///< per linked particle [kg]; 0: fixed
   std::vector<std::uint32_t> particle_;  ///< per linked particle: its representative in the world, ascending
   std::vector<Level> levels_;            ///< finest first
+  StretchedLinks stretched_;             ///< of the finest level; built at the first contact with a collider
   StiffBending stiff_bending_;           ///< only with SolverKind::automatic
   TetLevels tet_levels_;                 ///< automatic only
   std::vector<Vec4f> motion_;            ///< work space of sweep_as_needed
