@@ -1,5 +1,6 @@
 #include "souple/collision/collider_contacts.h"
 
+#include "souple/collision/contact_law.h"
 #include "souple/collision/element_clearance.h"
 #include "souple/collision/kernels/find_kernels.h"
 #include "souple/collision/particle_position.h"
@@ -103,6 +104,7 @@ kernels::ColliderContactColumns ColliderContacts::Contacts::columns() {
   set(result.end_distance), set(result.fixed_plane), set3(result.start_normal), set(result.plane_offset);
   set(result.slop), set3(result.predicted), set(result.normal_sum), set3(result.tangent_sum);
   set3(result.normal), set3(result.surface_motion), set(result.restitution_velocity), set(result.depth);
+  set(result.plane_gap);
   return result;
 }
 
@@ -325,6 +327,52 @@ void ColliderContacts::project(int color, std::size_t begin, std::size_t end, co
   const Body& body = bodies_[static_cast<std::size_t>(color)];
   kernels_->project(packed_particles(particles), body.packed, contacts_.columns(), body.contact_begin + begin,
                     body.contact_begin + end);
+}
+
+void ColliderContacts::find_touching(std::span<const std::uint32_t> chosen,
+                                     std::vector<std::uint32_t>& found) const {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  for (std::uint32_t c = 0; c < contacts_.size(); ++c)
+    if (chosen[columns.particle[c]] != unchosen) found.push_back(c);
+}
+
+bool ColliderContacts::removes_overlaps() const {
+  const float* const slop = contacts_.columns().slop;
+  return std::any_of(slop, slop + contacts_.size(), [](float s) { return s < 0; });
+}
+
+void ColliderContacts::project_some(std::span<const std::uint32_t> contacts, const ParticleView& particles,
+                                    bool again) {
+  if (again) {
+    for (const std::uint32_t c : contacts) project_again(c, particles);
+    return;
+  }
+  const kernels::ColliderParticles packed = packed_particles(particles);
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  auto body = bodies_.begin();
+  for (std::size_t k = 0, end = 0; k < contacts.size(); k = end) {
+    while (contacts[k] >= body->contact_end) ++body;
+    for (end = k + 1; end < contacts.size() && contacts[end] == contacts[end - 1] + 1 &&
+                      contacts[end] < body->contact_end;)
+      ++end;
+    kernels_->project(packed, body->packed, columns, contacts[k], contacts[end - 1] + std::size_t{1});
+  }
+}
+
+// With the plane of the last projection. A contact that touches for the first time now takes the surface motion of a
+// plane that has not been projected, 0: on a moving collider the exact projections that follow correct its friction.
+void ColliderContacts::project_again(std::size_t c, const ParticleView& particles) {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  const auto vector = [c](float* const(&of)[3]) { return Vec3f{of[0][c], of[1][c], of[2][c]}; };
+  const std::uint32_t i = columns.particle[c];
+  const Vec3f n = vector(columns.normal), moved = particles.moved(i);
+  const float C = columns.plane_gap[c] + dot(n, moved);
+  if (!(columns.slop[c] > C) && !(columns.normal_sum[c] > 0)) return;
+  ContactSums<float> sums{columns.normal_sum[c], vector(columns.tangent_sum)};
+  particles.correct(i, solve_contact(sums, C, columns.slop[c], n, moved - vector(columns.surface_motion),
+                                     columns.static_friction[c], columns.kinetic_friction[c]));
+  columns.normal_sum[c] = sums.normal_sum;
+  for (int axis = 0; axis < 3; ++axis) columns.tangent_sum[axis][c] = sums.tangent_sum[axis];
 }
 
 void ColliderContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,

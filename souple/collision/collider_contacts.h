@@ -68,6 +68,12 @@ class ColliderContacts final : public Projector {
 
   std::string_view kind() const override { return "collider contact"; }
   bool is_contact() const override { return true; }
+  bool is_collider_contact() const override { return true; }
+  void find_touching(std::span<const std::uint32_t> chosen, std::vector<std::uint32_t>& found) const override;
+  bool removes_overlaps() const override;
+  /// `again`: with the normals and surface points of the last projection.
+  void project_some(std::span<const std::uint32_t> contacts, const ParticleView& particles,
+                    bool again) override;
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
   /// One color per enabled collider: a particle has at most one contact with each.
@@ -121,7 +127,7 @@ class ColliderContacts final : public Projector {
 
    private:
     std::vector<std::uint32_t> particle_;
-    std::array<std::vector<float>, 26> floats_;
+    std::array<std::vector<float>, 27> floats_;
   };
 
   const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
@@ -135,6 +141,7 @@ class ColliderContacts final : public Projector {
   bool left_margins(const ParticleView& particles, Threads& threads) const;
   void find_contacts(Body& body, const ParticleView& particles, Threads& threads);
   void find_first_touch(const Body& body, std::size_t contact, const ParticleView& particles);
+  void project_again(std::size_t contact, const ParticleView& particles);
   kernels::ColliderContactLimits limits() const;
   template <class Function>
   void for_each_gap(const ParticleView& particles, const Function& f) const;

@@ -54,6 +54,7 @@ class ColliderElementContacts final : public Projector {
 
   std::string_view kind() const override { return "collider element contact"; }
   bool is_contact() const override { return true; }
+  bool is_collider_contact() const override { return true; }
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
   int color_count() const override { return contacts_.empty() ? 0 : 1; }

@@ -290,6 +290,7 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const LeftOut
   std::vector<Link> links = links_;
   for (Link& link : links) link.a = number[link.a], link.b = number[link.b];
   levels_.clear();
+  stretched_ = {};
   for (CoarseLevel& level : build_levels(links, masses_, coarsest_size, threads))
     add_level(std::move(level), particles);
   compliant_ =
@@ -542,18 +543,19 @@ bool Hierarchical::begin_substep(std::span<Projector* const> projectors, const P
   return true;
 }
 
-void Hierarchical::correct(const ParticleView& particles, const Substep& substep, int iteration,
-                           Threads& threads) {
+void Hierarchical::correct(std::span<Projector* const> projectors, const ParticleView& particles,
+                           const Substep& substep, int iteration, Threads& threads) {
   restrict_particles(particles, threads);
   if (iteration == 0) measure(particles, threads), set_gains(substep);
   project_levels(particles, threads);
+  stretched_.sweep(links_, tied_, projectors, particles, substep, threads);
 }
 
 void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleView& particles,
                          const Substep& substep, Threads& threads) {
   const bool with_levels = begin_substep(projectors, particles, substep, threads);
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
-    if (with_levels) correct(particles, substep, iteration, threads);
+    if (with_levels) correct(projectors, particles, substep, iteration, threads);
     for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);
   }
 }

@@ -87,6 +87,32 @@ void LevelLinks::pad(const CoarseLevel& map) {
   while (slots() % lanes != 0) link_.push_back(none), a_.push_back(last), b_.push_back(last);
 }
 
+void LevelLinks::reserve(std::size_t links, std::size_t colors) {
+  const std::size_t slots = links + colors * lanes;
+  for (auto* column : {&link_, &a_, &b_}) column->reserve(slots);
+  for (auto* column : {&x_, &y_, &z_, &min_length_, &max_length_, &gain_}) column->reserve(slots);
+  color_begin_.reserve(colors + 1);
+}
+
+void LevelLinks::clear() {
+  for (auto* column : {&link_, &a_, &b_}) column->clear();
+  for (auto* column : {&x_, &y_, &z_, &min_length_, &max_length_, &gain_}) column->clear();
+  color_begin_.assign(1, 0);
+}
+
+void LevelLinks::append(std::uint32_t a, std::uint32_t b, const Vec3f& X, float min_length, float max_length,
+                        float gain) {
+  link_.push_back(none), a_.push_back(4 * a), b_.push_back(4 * b);
+  x_.push_back(X.x), y_.push_back(X.y), z_.push_back(X.z);
+  min_length_.push_back(min_length), max_length_.push_back(max_length), gain_.push_back(gain);
+}
+
+void LevelLinks::end_color(std::uint32_t padding) {
+  if (slots() == color_begin_.back()) return;
+  while (slots() % lanes != 0) append(padding, padding, {}, 0, 0, 0);
+  color_begin_.push_back(slots());
+}
+
 std::vector<std::uint32_t> LevelLinks::slot_of_link() const {
   std::vector<std::uint32_t> slot;
   for (std::uint32_t s = 0; s < slots(); ++s) {

@@ -48,6 +48,13 @@ std::uint32_t TiedParticles::representative(std::uint32_t particle) const {
   return at != tied_.end() && at->first == particle ? at->second : particle;
 }
 
+bool TiedParticles::is_alone(std::uint32_t representative) const {
+  const auto at =
+      std::lower_bound(groups_.begin(), groups_.end(), std::pair(representative, std::uint32_t{0}));
+  return (at == groups_.end() || at->first != representative) &&
+         !std::binary_search(attached_.begin(), attached_.end(), representative);
+}
+
 bool TiedParticles::closed(float distance, const ParticleView& particles) const {
   return std::all_of(tied_.begin(), tied_.end(), [&](const auto& tie) {
     return length_squared(particles.difference(tie.first, tie.second)) <= distance * distance;

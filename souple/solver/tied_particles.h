@@ -22,6 +22,8 @@ class TiedParticles {
   std::uint32_t representative(std::uint32_t particle) const;
   /// Mass of all particles that are tied to a representative [kg]; 0: fixed.
   float mass(std::uint32_t representative, const ParticleView& particles) const;
+  /// Whether a representative is neither attached nor tied to others.
+  bool is_alone(std::uint32_t representative) const;
   /// Calls f(particle, part of the mass) for those that are tied to a representative. A fixed one moves as its
   /// representative alone.
   template <class Function>

@@ -73,6 +73,7 @@ struct ColliderContactColumns {
   float* surface_motion[3];  ///< displacement of the surface at the contact in the substep [m]
   float* restitution_velocity;  ///< normal velocity that apply_restitution added [m/s]
   float* depth;                 ///< remaining overlap, of contacts with a normal impulse [m]
+  float* plane_gap;             ///< C - normal . motion in the last projection [m]
 };
 
 struct ColliderContactLimits {

@@ -293,10 +293,12 @@ template <class Isa>
     const Gap<Isa> gap(body, columns, motion.to, i, count);
     const T slop = load<Isa>(columns.slop + i, count);
     ContactSums<T> sums{load<Isa>(columns.normal_sum + i, count), load3<Isa>(columns.tangent_sum, i, count)};
-    const auto acts = slop > gap.C || sums.normal_sum > zero;
-    if (!any_lane(acts)) continue;
     const Vectors<Isa> n = product<Isa>(body.after.axis, gap.normal);
     Vectors<Isa> moved = motion.moved;
+    store3<Isa>(n, columns.normal, i, count);
+    store<Isa>(gap.C - dot(n, moved), columns.plane_gap + i, count);
+    const auto acts = slop > gap.C || sums.normal_sum > zero;
+    if (!any_lane(acts)) continue;
     if (body.moves) {
       const Vectors<Isa> carried = product<Isa>(body.turn, gap.surface) + vector_of<Isa>(body.shift);
       moved -= carried;
@@ -309,7 +311,6 @@ template <class Isa>
                       load<Isa>(columns.kinetic_friction + i, count));
     store<Isa>(select(acts, sums.normal_sum, before.normal_sum), columns.normal_sum + i, count);
     store3<Isa>(selected<Isa>(acts, sums.tangent_sum, before.tangent_sum), columns.tangent_sum, i, count);
-    store3<Isa>(selected<Isa>(acts, n, load3<Isa>(columns.normal, i, count)), columns.normal, i, count);
     Records<Isa> records(particles.corrected, pack.first_float);
     records.transpose();
     for (int axis = 0; axis < 3; ++axis)
