@@ -297,8 +297,7 @@ void add_object(const Object&, const ObstacleMaterial&, Kinds&) {}  // prescribe
 void find_element_radii(const Object& object, std::span<float> radius) {
   const auto include = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     const auto R = static_cast<float>(enclosing_radius(object.rest[a], object.rest[b], object.rest[c]));
-    for (const std::uint32_t i : {a, b, c})
-      radius[object.begin + i] = std::max(radius[object.begin + i], R);
+    for (const std::uint32_t i : {a, b, c}) radius[object.begin + i] = std::max(radius[object.begin + i], R);
   };
   for (const Triangle& t : object.surface) include(t[0], t[1], t[2]);
   for (std::uint32_t i = 0; object.kind == ObjectKind::rope && i + 1 < object.particle_count(); ++i)

@@ -229,7 +229,8 @@ void find_candidates(WorldState& world, double dt) {
                                              tables.against_colliders, step, *world.threads);
   world.guarded("a collider's motion", [&] {
     world.collider_contacts.begin_step(view, particles.velocity, particles.radius, particles.element_radius,
-                                       tables.objects, tables.colliders, tables.against_colliders, step, *world.threads);
+                                       tables.objects, tables.colliders, tables.against_colliders, step,
+                                       *world.threads);
   });
   find_intersections(world, step);
   world.surface_contacts.begin_step(view, particles.velocity, particles.radius, particles.contact_margin,

@@ -45,8 +45,8 @@ struct MiniWorld {
     const ContactMaterialTable with_colliders(named, obstacles, table), with_objects(named, named, table);
     start = moving();
     const ContactStep contact_step{time, float(dt), length(gravity), 3.0f};
-    on_colliders.begin_step(view(), velocity, radius, element_radius, objects, colliders, with_colliders, contact_step,
-                            *threads);
+    on_colliders.begin_step(view(), velocity, radius, element_radius, objects, colliders, with_colliders,
+                            contact_step, *threads);
     on_particles.begin_step(view(), velocity, radius, objects, with_objects, contact_step, *threads);
     for (int s = 0; s < substeps; ++s) substep({float(dt / substeps), iterations, Mode::small_steps, form});
   }

@@ -29,8 +29,8 @@ TEST(Contacts, AWarmStepAllocatesNothing) {
   world.start = world.moving();
   const ParticleView view = world.view();
   const long before = test::allocations();
-  world.on_colliders.begin_step(view, world.velocity, world.radius, world.element_radius, world.objects, world.colliders, matrix,
-                                step, *world.threads);
+  world.on_colliders.begin_step(view, world.velocity, world.radius, world.element_radius, world.objects,
+                                world.colliders, matrix, step, *world.threads);
   world.on_particles.begin_step(view, world.velocity, world.radius, world.objects, matrix, step,
                                 *world.threads);
   for (int k = 0; k < 10; ++k) world.substep(substep);
