@@ -78,6 +78,7 @@ kernels::ColliderFrame packed_frame(const Mat3d& axes, const Vec3d& origin) {
 }
 
 kernels::ColliderParticles packed_particles(const ParticleView& particles) {
+  if (particles.position.empty()) return {};
   const std::span<Vec4f> corrected = particles.corrected.empty() ? particles.moving : particles.corrected;
   return {.position = &particles.position.data()->x,
           .moving = &particles.moving.data()->x,
@@ -378,7 +379,7 @@ void ColliderContacts::project_again(std::size_t c, const ParticleView& particle
 void ColliderContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
                                          const Substep&, Threads& threads) {
   kernels::ColliderParticles packed = packed_particles(particles);
-  packed.velocity = &velocity.data()->x;
+  packed.velocity = velocity.empty() ? nullptr : &velocity.data()->x;
   const kernels::ColliderContactColumns columns = contacts_.columns();
   for (const Body& body : bodies_)
     threads.for_each(body.contact_end - body.contact_begin, grain(), [&](std::size_t begin, std::size_t end) {

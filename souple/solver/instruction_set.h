@@ -11,7 +11,7 @@
 namespace souple::kernels {
 
 struct CellKernels;
-/// See cells.h.
+/// See kernels/cells.h. Compiled in one translation unit per instruction set (kernels/compile_cells.h).
 template <class Isa>
 const CellKernels& cell_kernels();
 

@@ -113,7 +113,7 @@ class SetProjector final : public Projector {
   /// projected, which costs as much again and more: measured on hanging bars of 1e6 to 1e7 Pa.
   int sweeps_needed(const Substep& substep) const override {
     if (substep.mode == Mode::pbd) return 1;
-    const float softness = in_level_.size() > 0 ? softness_of_rest_ : softness_;
+    const float softness = !in_level_.empty() ? softness_of_rest_ : softness_;
     const float needed = sweeps_for(softness, substep.h);
     return static_cast<int>(std::fmin(needed, static_cast<float>(max_sweeps(substep))));
   }
@@ -459,7 +459,7 @@ class SetProjector final : public Projector {
     arrays.set.relaxation = substep.relaxation;
     static constexpr float zero = 0;
     arrays.set.half_shared = {&zero, 0};
-    if (in_level_.size() > 0) {
+    if (!in_level_.empty()) {
       arrays.set.scale = {level_scales_.data(), 1};
       arrays.set.half_shared = {level_shared_.data(), 1};
     } else if (substep.relaxation == 1) {
@@ -545,7 +545,7 @@ class SetProjector final : public Projector {
     ProjectionInput<Kind, float> in;
     load(indices, i, particles, in);
     set_terms(i, substep, in);
-    if (in_level_.size() > 0) in.scale = level_scales_[i], in.half_shared = level_shared_[i];
+    if (!in_level_.empty()) in.scale = level_scales_[i], in.half_shared = level_shared_[i];
     const bool stored = terms == Terms::general && substep.stores_multipliers();
     if (stored)
       for (std::size_t r = 0; r < rows_of<Kind>; ++r) in.lambda[r] = set_.multipliers[r][i];

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace souple {
 namespace {
@@ -331,10 +332,9 @@ void Builder::integrate(std::size_t cell, const std::array<float, points * point
   std::array<std::array<float, n>, n> T{};
   float total = 0;
   for (std::size_t k = 0; k < volumes.size(); ++k) {
-    const std::array<Vec3f, corners> g =
-        gradients(Vec3d{static_cast<double>(k % points), static_cast<double>(k / points % points),
-                        static_cast<double>(k / (points * points))} *
-                  0.5);
+    const std::size_t x = k % points, y = k / points % points, z = k / (points * points);
+    const Vec3d point{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
+    const std::array<Vec3f, corners> g = gradients(point * 0.5);
     std::array<float, n> row{};
     for (std::size_t c = 0; c < corners; ++c)
       row[3 * c] = g[c].x, row[3 * c + 1] = g[c].y, row[3 * c + 2] = g[c].z;

@@ -107,6 +107,7 @@ void expect_stands(int count, double size, const SoftBodyMaterial& material, int
   World world;
   world.add_collider(Plane{}, {.friction = 0.5f});
   std::vector<ObjectId> bodies;
+  bodies.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i)
     bodies.push_back(world.add_soft_body(
         box(size), material, {.transform = {.translation = {0, size / 2 + 0.006 + i * (size + 0.011), 0}}}));

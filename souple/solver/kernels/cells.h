@@ -39,10 +39,6 @@ struct CellKernels {
   ApplyCells apply;
 };
 
-/// Compiled in one translation unit per instruction set (compile_cells.h).
-template <class Isa>
-const CellKernels& cell_kernels();
-
 /// x becomes R K R^T x. `stiffness(k)` is entry k of K.
 template <class T, class Stiffness>
 inline void multiply_cell(const Mat3<T>& R, const Stiffness& stiffness, Vec3<T> (&x)[cell_nodes]) {
