@@ -52,7 +52,13 @@ struct Pack {
   // Where neither operand is smaller, the operand that std::min and std::max return.
   friend Pack min(Pack a, Pack b) { return Pack(Isa::min(b.v, a.v)); }
   friend Pack max(Pack a, Pack b) { return Pack(Isa::max(b.v, a.v)); }
-  friend Pack abs(Pack a) { return Pack((Vector)((typename Isa::Mask)a.v & 0x7fffffff)); }
+  friend Pack abs(Pack a) {
+    if constexpr (lanes == 1) {
+      return Pack(abs(a.v));  // the conversion below would convert the value
+    } else {
+      return Pack((Vector)((typename Isa::Mask)a.v & 0x7fffffff));
+    }
+  }
   friend Pack sqrt(Pack a) { return Pack(Isa::sqrt(a.v)); }
   friend Pack atan2(Pack y, Pack x) { return arctangent(y, x); }
 };
