@@ -31,6 +31,11 @@ struct CrossingCounter {
     for (const std::uint32_t corner : t)
       if (corner == e[0] || corner == e[1]) return false;
     const Vec3d &p = points[e[0]], &q = points[e[1]], &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
+    // In a flat sheet all volumes below are rounding noise. Boxes that are apart cannot deceive.
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::min(p[axis], q[axis]) > std::max({a[axis], b[axis], c[axis]}) ||
+          std::max(p[axis], q[axis]) < std::min({a[axis], b[axis], c[axis]}))
+        return false;
     const auto volume = [](const Vec3d& o, const Vec3d& x, const Vec3d& y, const Vec3d& z) {
       return dot(x - o, cross(y - o, z - o));
     };
