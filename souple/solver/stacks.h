@@ -17,7 +17,7 @@ class Stacks {
     double mass_ratio = 1;  ///< heaviest to lightest body of a group
   };
 
-  /// Begins with as many bodies as `set` follows for. Allocates only when there are more than ever before.
+  /// Number of bodies; call `set` for each of them before `find`. Allocates only when there are more than ever before.
   void resize(std::size_t bodies);
   /// A body with a box [lo, hi] [m] and a mass [kg]. A mass of 0 takes part in no group.
   void set(std::size_t body, const Vec3f& lo, const Vec3f& hi, double mass);
