@@ -58,9 +58,10 @@ void Automatic::solve(std::span<Projector* const> projectors, const ParticleView
       substep.levels && cloth_levels_.begin_substep(projectors, particles, substep, threads);
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
     stiff_bending_.solve(particles, iteration, threads);
-    if (with_levels) cloth_levels_.correct(projectors, particles, substep, iteration, threads);
+    if (with_levels) cloth_levels_.correct(particles, substep, iteration, threads);
     tet_levels_.correct(projectors, particles, substep, threads);
     sweep_as_needed(trees_.has_trees() ? with_trees_ : projectors, particles, swept, threads, motion_);
+    if (with_levels) cloth_levels_.shorten_stretched(projectors, particles, substep, threads);
   }
   if (trees_.has_trees() && substep.external != nullptr)
     trees_.add_external(*substep.external, particles, substep);

@@ -3,6 +3,7 @@
 #include "souple/constraints/attachment.h"
 #include "souple/constraints/distance.h"
 #include "souple/constraints/triangle_membrane.h"
+#include "souple/solver/pieces.h"
 #include "souple/solver/set_projector.h"
 
 #include <algorithm>
@@ -115,29 +116,6 @@ std::vector<std::uint32_t> linked(std::span<const Link> links, std::size_t parti
   return result;
 }
 
-/// The pieces that links connect particles to.
-class Components {
- public:
-  Components(std::span<const Link> links, std::size_t particles) : root_(particles), size_(particles) {
-    std::iota(root_.begin(), root_.end(), 0u);
-    for (const Link& link : links) {
-      const std::uint32_t a = root(link.a), b = root(link.b);
-      root_[std::max(a, b)] = std::min(a, b);
-    }
-    for (std::uint32_t i = 0; i < particles; ++i) ++size_[root(i)];
-  }
-  /// The lowest particle of the piece of particle i.
-  std::uint32_t root(std::uint32_t i) {
-    while (root_[i] != i) i = root_[i] = root_[root_[i]];
-    return i;
-  }
-  /// Number of particles in the piece of particle i.
-  std::size_t size(std::uint32_t i) { return size_[root(i)]; }
-
- private:
-  std::vector<std::uint32_t> root_, size_;
-};
-
 /// Finds how many links lie between the ends of pieces.
 class Extents {
  public:
@@ -185,25 +163,6 @@ void remove_small(std::vector<Link>& links, std::size_t particles) {
     removed[i] = across < shortest_strip || across * across < slenderness * size;
   }
   std::erase_if(links, [&](const Link& link) { return removed[components.root(link.a)]; });
-}
-
-/// Per particle of a level: whether it is at most `near_radius` links away from an isolated pinned particle, one
-/// of a few that do not form an edge of their piece.
-std::vector<bool> near_pins(const CoarseLevel& level) {
-  Components components(level.links, level.mass.size());
-  std::vector<std::size_t> pinned(level.mass.size());  // per piece, at its root
-  for (std::uint32_t i = 0; i < pinned.size(); ++i) pinned[components.root(i)] += level.mass[i] == 0;
-  std::vector<bool> near(level.mass.size());
-  for (std::uint32_t i = 0; i < near.size(); ++i) {
-    const std::size_t pins = pinned[components.root(i)];
-    near[i] = level.mass[i] == 0 && 2 * pins * pins < components.size(i) - pins;
-  }
-  for (int step = 0; step < near_radius; ++step) {
-    const std::vector<bool> before = near;
-    for (const Link& link : level.links)
-      if (before[link.a] || before[link.b]) near[link.a] = near[link.b] = true;
-  }
-  return near;
 }
 
 float inverse(float mass) {
@@ -377,7 +336,7 @@ void Hierarchical::find_slots(Level& level) const {
 void Hierarchical::add_links_near_pins(Level& level) {
   const CoarseLevel& map = level.map;
   if (map.mass.size() < smallest_near_level) return;
-  const std::vector<bool> near = near_pins(map);
+  const std::vector<bool> near = near_isolated_pins(map.links, map.mass, near_radius);
   std::vector<std::uint32_t> links;
   for (std::uint32_t e = 0; e < map.links.size(); ++e) {
     const Link& link = map.links[e];
@@ -543,11 +502,15 @@ bool Hierarchical::begin_substep(std::span<Projector* const> projectors, const P
   return true;
 }
 
-void Hierarchical::correct(std::span<Projector* const> projectors, const ParticleView& particles,
-                           const Substep& substep, int iteration, Threads& threads) {
+void Hierarchical::correct(const ParticleView& particles, const Substep& substep, int iteration,
+                           Threads& threads) {
   restrict_particles(particles, threads);
   if (iteration == 0) measure(particles, threads), set_gains(substep);
   project_levels(particles, threads);
+}
+
+void Hierarchical::shorten_stretched(std::span<Projector* const> projectors, const ParticleView& particles,
+                                     const Substep& substep, Threads& threads) {
   stretched_.sweep(links_, tied_, projectors, particles, substep, threads);
 }
 
@@ -555,8 +518,9 @@ void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleV
                          const Substep& substep, Threads& threads) {
   const bool with_levels = begin_substep(projectors, particles, substep, threads);
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
-    if (with_levels) correct(projectors, particles, substep, iteration, threads);
+    if (with_levels) correct(particles, substep, iteration, threads);
     for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);
+    if (with_levels) shorten_stretched(projectors, particles, substep, threads);
   }
 }
 

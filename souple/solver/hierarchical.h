@@ -39,8 +39,8 @@ namespace souple {
 /// With compliance, a coarse link is a spring in parallel with the finer links. Its stiffness and the
 /// stiffness that the sweeps of the finer levels reach add up to that of the material.
 ///
-/// Where cloth touches a collider, stress changes from link to link as well, and there the finest links are swept
-/// more often, together with their contacts (StretchedLinks).
+/// Where stress changes from link to link, as where cloth touches a collider, stretched links of the finest level are
+/// swept more often, together with their contacts (StretchedLinks).
 ///
 /// Needs SetProjector<Distance> or SetProjector<TriangleMembrane>; other kinds get Gauss-Seidel alone. Linear
 /// momentum is kept to rounding, angular momentum as far as the cloth is smooth.
@@ -66,9 +66,11 @@ class Hierarchical final : public Solver {
   /// Whether there are levels in this substep. Moves attached particles to their targets.
   bool begin_substep(std::span<Projector* const> projectors, const ParticleView& particles,
                      const Substep& substep, Threads& threads);
-  /// Corrects all levels, and stretched links at contacts, before the sweep of `iteration`.
-  void correct(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
-               int iteration, Threads& threads);
+  /// Corrects all levels, before the sweep of `iteration`.
+  void correct(const ParticleView& particles, const Substep& substep, int iteration, Threads& threads);
+  /// Sweeps links that are stretched after the sweep of all constraints.
+  void shorten_stretched(std::span<Projector* const> projectors, const ParticleView& particles,
+                         const Substep& substep, Threads& threads);
   std::string diagnostic() const override;
 
   /// Links projected on coarse levels by one iteration, in all sweeps.
@@ -125,7 +127,7 @@ class Hierarchical final : public Solver {
   std::vector<float> masses_;            ///< per linked particle [kg]; 0: fixed
   std::vector<std::uint32_t> particle_;  ///< per linked particle: its representative in the world, ascending
   std::vector<Level> levels_;            ///< finest first
-  StretchedLinks stretched_;             ///< of the finest level; built at the first contact with a collider
+  StretchedLinks stretched_;             ///< of the finest level; built when a link is stretched
   bool compliant_ = false;
   float mean_length_ = 0;  ///< of the links of the finest level [m]
   Substep gains_for_;      ///< substep of the current gains; length 0: none

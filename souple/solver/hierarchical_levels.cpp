@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -327,6 +328,7 @@ class LevelBuilder {
  private:
   void collapse(const Near& near, const CoarseLengths& lengths);
   void add_path(const Near& near, std::uint32_t i, std::uint32_t j, float& length);
+  void add_shortest_path(std::uint32_t i, std::uint32_t end, float& length);
   void find_parents(const Near& near, const CoarseLengths& lengths, std::span<const std::uint32_t> number);
   void add_children();
 
@@ -336,6 +338,14 @@ class LevelBuilder {
   LinkEnds ends_;
   LinkTriangles triangles_;
   CoarseLevel level_;
+  /// Of a particle in a search for a path.
+  struct Visit {
+    std::uint32_t search = 0;  // number of the last search that came here
+    float length = 0;
+    std::uint32_t from = none, link = none;
+  };
+  std::vector<Visit> visits_;
+  std::uint32_t searches_ = 0;
 };
 
 // Müller 2008, section 4.2: a removed particle collapses into its nearest parent together with its links. If
@@ -412,7 +422,8 @@ void LevelBuilder::collapse(const Near& near, const CoarseLengths& lengths) {
   }
 }
 
-// The links from particle i to coarse particle j, each towards the neighbor that is nearest to j along it.
+// The links from particle i to coarse particle j, each towards the neighbor that is nearest to j along it. Across an
+// obtuse corner a particle may be nearer to j than all its neighbors: the length goes through the edge opposite of it.
 void LevelBuilder::add_path(const Near& near, std::uint32_t i, std::uint32_t j, float& length) {
   float left = near.length(i, j);
   while (left > 0) {
@@ -423,10 +434,34 @@ void LevelBuilder::add_path(const Near& near, std::uint32_t i, std::uint32_t j, 
       if (from_there < left && n.length + from_there < shortest)
         shortest = n.length + from_there, next_left = from_there, next = &n;
     }
-    if (next == nullptr) break;
+    if (next == nullptr) return add_shortest_path(i, level_.finer[j], length);
     level_.path.push_back(next->link);
     length += next->length, left = next_left, i = next->to;
   }
+}
+
+// The shortest path along links (Dijkstra).
+void LevelBuilder::add_shortest_path(std::uint32_t i, std::uint32_t end, float& length) {
+  visits_.resize(masses_.size());
+  ++searches_;
+  using Entry = std::pair<float, std::uint32_t>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
+  visits_[i] = {searches_, 0, none, none};
+  front.emplace(0.0f, i);
+  while (!front.empty() && front.top().second != end) {
+    const auto [reached, u] = front.top();
+    front.pop();
+    if (reached > visits_[u].length) continue;
+    for (const LinkTriangles::Neighbor& n : triangles_.of(u)) {
+      Visit& visit = visits_[n.to];
+      if (visit.search == searches_ && visit.length <= reached + n.length) continue;
+      visit = {searches_, reached + n.length, u, n.link};
+      front.emplace(visit.length, n.to);
+    }
+  }
+  assert(visits_[end].search == searches_);  // its march reached i
+  length += visits_[end].length;
+  for (std::uint32_t k = end; k != i; k = visits_[k].from) level_.path.push_back(visits_[k].link);
 }
 
 void LevelBuilder::find_parents(const Near& near, const CoarseLengths& lengths,

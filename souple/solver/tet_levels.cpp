@@ -1,9 +1,9 @@
 #include "souple/solver/tet_levels.h"
 
 #include "souple/math/polar_decomposition.h"
-#include "souple/math/reductions.h"
 #include "souple/solver/coloring.h"
 #include "souple/solver/instruction_set.h"
+#include "souple/solver/weighted_sums.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,15 +37,8 @@ constexpr float max_move = 0.25f;
 constexpr std::size_t grain = 256;
 
 using detail::FourFloats;
-
-FourFloats load(const Vec4f& record) {
-  FourFloats result;
-  std::memcpy(&result, &record.x, sizeof result);
-  return result;
-}
-void store(Vec4f& record, const FourFloats& value) {
-  std::memcpy(&record.x, &value, sizeof value);
-}
+using detail::load;
+using detail::store;
 
 /// sum of a . b times `by`, in a fixed order.
 float product(std::span<const Vec4f> a, std::span<const Vec4f> b) {

@@ -1,24 +1,10 @@
 #include "souple/solver/weighted_sums.h"
 
-#include "souple/math/reductions.h"
-
 namespace souple {
-namespace {
 
 using detail::FourFloats;
-
-// A whole record: compilers load the four floats of a Vec4f one by one.
-FourFloats load(const Vec4f& record) {
-  FourFloats result;
-  std::memcpy(&result, &record.x, sizeof result);
-  return result;
-}
-
-void store(Vec4f& record, const FourFloats& value) {
-  std::memcpy(&record.x, &value, sizeof value);
-}
-
-}  // namespace
+using detail::load;
+using detail::store;
 
 void WeightedSums::assign(std::size_t first, std::size_t last, std::span<const Vec4f> x,
                           std::span<const Vec4f> y, std::span<Vec4f> to_x, std::span<Vec4f> to_y) const {

@@ -1,13 +1,30 @@
 #pragma once
 
+#include "souple/math/reductions.h"
 #include "souple/state/particles.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
 namespace souple {
+
+namespace detail {
+
+// A whole record: compilers load the four floats of a Vec4f one by one.
+inline FourFloats load(const Vec4f& record) {
+  FourFloats result;
+  std::memcpy(&result, &record.x, sizeof result);
+  return result;
+}
+
+inline void store(Vec4f& record, const FourFloats& value) {
+  std::memcpy(&record.x, &value, sizeof value);
+}
+
+}  // namespace detail
 
 /// A sparse matrix that takes particles to weighted sums of particles: row j sums weight[k] times particle[k], k in
 /// [begin[j], begin[j + 1]), in order.

@@ -114,5 +114,50 @@ TEST(Marching, ALineThatMissesTheEdgeIsNotUnfolded) {
   EXPECT_TRUE(std::isinf(unfolded_length(5, 5.8f, 1, 1, 1)));
 }
 
+/// A flat sheet of n x n unit cells whose inner vertices are moved by up to 0.25.
+struct IrregularSheet {
+  std::vector<Vec3d> x;
+  std::vector<Link> links;
+
+  explicit IrregularSheet(int n) {
+    std::uint32_t state = 1;
+    const auto random = [&state] {
+      state = state * 1664525u + 1013904223u;
+      return 0.25 * (static_cast<double>(state >> 8) / (1u << 23) - 1);
+    };
+    for (int row = 0; row < n; ++row)
+      for (int column = 0; column < n; ++column) {
+        const bool inner = row > 0 && row + 1 < n && column > 0 && column + 1 < n;
+        x.push_back({column + (inner ? random() : 0), row + (inner ? random() : 0), 0});
+      }
+    for (const Link& link : Sheet::links_of(n, false))
+      links.push_back({link.a, link.b, static_cast<float>(length(x[link.a] - x[link.b]))});
+  }
+};
+
+// Some particles of obtuse corners are nearer to a coarse particle than all their neighbors. A path that ended there
+// made links of half their length.
+TEST(Levels, CoarseLinksOfAnIrregularSheetAreNoShorterThanStraight) {
+  const IrregularSheet sheet(60);
+  const std::vector<float> masses(sheet.x.size(), 1.0f);
+  const auto threads = make_threads(Threading::serial, 1);
+  const std::vector<CoarseLevel> levels = build_levels(sheet.links, masses, 24, *threads);
+  ASSERT_FALSE(levels.empty());
+  const CoarseLevel& level = levels.front();
+  double mean = 0;
+  for (std::size_t e = 0; e < level.links.size(); ++e) {
+    const Link& link = level.links[e];
+    const double straight = length(sheet.x[level.finer[link.a]] - sheet.x[level.finer[link.b]]);
+    // Unfolded from lengths that are themselves found to a few percent.
+    EXPECT_GE(static_cast<double>(link.length), straight * 0.97) << e;
+    mean += static_cast<double>(link.length) / straight / static_cast<double>(level.links.size());
+    double path = 0;
+    for (std::uint32_t k = level.path_begin[e]; k < level.path_begin[e + 1]; ++k)
+      path += static_cast<double>(sheet.links[level.path[k]].length);
+    EXPECT_GE(path, straight * (1 - 1e-5)) << e << ": its path ends on the way";
+  }
+  EXPECT_LT(mean, 1.02);
+}
+
 }  // namespace
 }  // namespace souple
