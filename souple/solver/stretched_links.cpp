@@ -1,8 +1,10 @@
 #include "souple/solver/stretched_links.h"
 
+#include "souple/constraints/attachment.h"
 #include "souple/solver/coloring.h"
 #include "souple/solver/external_moves.h"
 #include "souple/solver/pieces.h"
+#include "souple/solver/set_projector.h"
 #include "souple/solver/weighted_sums.h"
 
 #include <algorithm>
@@ -37,6 +39,10 @@ constexpr std::size_t grain = 2048;
 
 float compliance_of(const Link& link) {
   return std::isfinite(link.energy) ? link.length * link.length / link.energy : 0;
+}
+
+bool is_attachment(const Projector& projector) {
+  return dynamic_cast<const SetProjector<Attachment>*>(&projector) != nullptr;
 }
 
 bool removes_overlaps(std::span<Projector* const> projectors) {
@@ -130,7 +136,7 @@ bool StretchedLinks::find_stretched(std::span<const Link> links, const ParticleV
 void StretchedLinks::bar(std::span<Projector* const> projectors, const ParticleView& particles) {
   barred_.assign(barred_.size(), 0);
   for (const Projector* projector : projectors)
-    if (projector->is_contact() && !projector->is_collider_contact())
+    if (projector->is_contact() ? !projector->is_collider_contact() : is_attachment(*projector))
       projector->visit(particles, [this](const ConstraintState& contact) {
         for (const std::uint32_t i : contact.particles) barred_[i] = 1;
       });
