@@ -198,6 +198,31 @@ class Pictures(RenderCase):
         self.assertEqual((self.folder / "far.png").read_bytes(), (self.folder / "default.png").read_bytes())
         self.assertGreater(difference(self.folder / "far.png", self.folder / "empty.png"), 0.05)
 
+    def test_several_pictures_without_a_camera_show_what_the_run_covers(self):
+        falling = {"souple": 1, "frames": 60, "substeps": 2, "objects": [
+            {"name": "ball", "kind": "grains", "grid": {"counts": [2, 2, 2]}}]}
+        scene = self.scene(falling)
+        self.souple("run", scene, "--out", "run")
+        for source in scene, "run":
+            shutil.rmtree(self.folder / "all", ignore_errors=True)
+            self.render(source, "--out", "all", "--frames", "1-60/59", "--camera", "auto")
+            name = "small" if source == scene else "run"
+            nothing = dict(falling, objects=[])
+            first, last = (self.folder / f"all/{name}_{frame:04}.png" for frame in (1, 60))
+            self.assertGreater(difference(first, last), 0.0005, "the grains are in neither picture, or do not move")
+            # Fallen by 4.9 m they are still in the picture: it differs from one without them.
+            colors = [{pixel for row in png_pixels(path) for pixel in row} for path in (first, last)]
+            self.assertGreater(min(map(len, colors)), 4)
+
+    def test_a_long_film_says_how_long_it_takes(self):
+        scene = self.scene(dict(SCENE, frames=20000))
+        running = subprocess.Popen([PROGRAM, "render", scene, "--out", "all", "--frames", "1-20000"], cwd=self.folder,
+                                   env=self.environment, stdout=subprocess.PIPE, text=True)
+        said = running.stdout.readline()
+        running.send_signal(signal.SIGINT)
+        running.communicate(timeout=60)
+        self.assertRegex(said, r"small: 20000 pictures of 1280x720 at 4 samples, about \d+ (min|h) \d\d (s|min)")
+
     def test_sheet(self):
         done = self.souple("render", self.scene(SCENE), "--sheet", "4x3", "--size", "120x80", "--samples", "1")
         self.assertIn("12 pictures of 120x80", done.stdout)

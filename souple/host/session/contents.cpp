@@ -48,6 +48,18 @@ ObjectId add_to(World& world, const Item& item) {
   return world.add_obstacle(mesh, std::get<ObstacleMaterial>(item.material), {}, options);
 }
 
+ColliderId add_to(World& world, const HostCollider& collider) {
+  ColliderOptions options;
+  options.friction = collider.surface.friction;
+  options.restitution = collider.surface.restitution;
+  options.motion = ColliderMotion::fixed(collider.pose);
+  return world.add_collider(collider.shape, options);
+}
+
+Transform rigid(const float* matrix) {
+  return rigid_motion({}, Placement::of(matrix, "collider: transform"), "collider");
+}
+
 void pin_in(World& world, ObjectId id, const Pin& pin) {
   if (pin.pinned)
     world.pin(id, vertices({pin.vertex}));
@@ -148,6 +160,8 @@ void Contents::replace(SceneDescription scene, bool has_scene) {
   for (const ObjectId id : world.objects())
     items.push_back(std::make_unique<Item>(item_of_scene(++last, world, id, scene)));
   for (const auto& item : items_) gone_[item->handle] = item->name;
+  colliders_.clear();
+  connections_.clear();
   items_ = std::move(items);
   last_ = last;
   scene_ = std::move(scene);
@@ -180,6 +194,9 @@ Handle Contents::add(Kind kind, const TriangleSoup& soup, const MeshOptions& opt
 
 void Contents::remove(Handle handle) {
   const Item& gone = item(handle);
+  for (std::size_t k = connections_.size(); k-- > 0;)
+    if (connections_[k].object[0] == handle || connections_[k].object[1] == handle)
+      disconnect(connections_[k].handle);
   world_.remove(gone.id);
   gone_[handle] = gone.name;
   if (!gone.mesh) removed_.push_back(gone.name);
@@ -194,8 +211,20 @@ void Contents::rebuild() {
   for (const auto& item : items_) {
     const ObjectId id = item->mesh ? add_to(world, *item) : world.find_object(item->name);
     for (const Pin& pin : item->pins) pin_in(world, id, pin);
+    world.set_wind_exposure(id, item->wind_exposure);
     ids.push_back(id);
   }
+  std::vector<ColliderId> colliders;
+  for (const HostCollider& collider : colliders_) colliders.push_back(add_to(world, collider));
+  std::vector<ProjectorId> connections;
+  for (const Connection& connection : connections_)
+    connections.push_back(connect_in(world, connection, [&](Handle handle) {
+      for (std::size_t i = 0; i < ids.size(); ++i)
+        if (items_[i]->handle == handle) return ids[i];
+      throw Error("a connection's object is gone");
+    }));
+  for (std::size_t i = 0; i < colliders.size(); ++i) colliders_[i].id = colliders[i];
+  for (std::size_t i = 0; i < connections.size(); ++i) connections_[i].id = connections[i];
   for (std::size_t i = 0; i < ids.size(); ++i) {
     items_[i]->id = ids[i];
     if (!items_[i]->mesh) continue;
@@ -249,6 +278,74 @@ void Contents::set_transform(Handle handle, const float* transform) {
   }
   mesh.placement = placement;
 }
+
+void Contents::move_pin(Handle handle, std::uint32_t vertex, const Vec3f& position) {
+  const std::uint32_t vertices[] = {vertex};
+  const Vec3f positions[] = {position};
+  world_.move_pins(item(handle).id, vertices, positions);
+}
+
+void Contents::set_wind_exposure(Handle handle, float exposure) {
+  Item& object = item(handle);
+  world_.set_wind_exposure(object.id, exposure);
+  object.wind_exposure = exposure;
+}
+
+// --- colliders and connections -------------------------------------------------------------------
+
+std::vector<HostCollider>::iterator Contents::find_collider(Handle handle) {
+  const auto found = std::find_if(colliders_.begin(), colliders_.end(),
+                                  [&](const HostCollider& collider) { return collider.handle == handle; });
+  if (found == colliders_.end())
+    throw Error(fmt::format("there is no collider {} of the host: it was removed, or is of a scene", handle));
+  return found;
+}
+
+Handle Contents::add_collider(const Shape& shape, const float* transform, const ColliderSurface& surface) {
+  HostCollider collider{0, shape, surface, rigid(transform), {}};
+  collider.id = add_to(world_, collider);
+  collider.handle = ++last_;
+  colliders_.push_back(std::move(collider));
+  return last_;
+}
+
+void Contents::move_collider(Handle handle, const float* transform) {
+  HostCollider& collider = *find_collider(handle);
+  const Transform pose = rigid(transform);
+  world_.move_collider(collider.id, pose);
+  collider.pose = pose;
+}
+
+void Contents::remove_collider(Handle handle) {
+  const auto found = find_collider(handle);
+  world_.remove(found->id);
+  colliders_.erase(found);
+}
+
+ProjectorId Contents::connect_in(World& world, const Connection& connection,
+                                 const std::function<ObjectId(Handle)>& object) const {
+  const std::pair<VertexRef, VertexRef> pairs[] = {{{object(connection.object[0]), connection.vertex[0]},
+                                                    {object(connection.object[1]), connection.vertex[1]}}};
+  return world.connect(pairs, connection.distance, connection.compliance);
+}
+
+Handle Contents::connect(Connection connection) {
+  connection.id = connect_in(world_, connection, [this](Handle handle) { return item(handle).id; });
+  connection.handle = ++last_;
+  connections_.push_back(connection);
+  return last_;
+}
+
+void Contents::disconnect(Handle handle) {
+  const auto found = std::find_if(connections_.begin(), connections_.end(),
+                                  [&](const Connection& connection) { return connection.handle == handle; });
+  if (found == connections_.end())
+    throw Error(fmt::format("there is no connection {}: it was removed, or one of its objects was", handle));
+  world_.remove(found->id);
+  connections_.erase(found);
+}
+
+// --- steps ---------------------------------------------------------------------------------------
 
 void Contents::begin_step(double dt) {
   for (const auto& item : items_)
