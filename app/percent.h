@@ -1,8 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cstdio>
 #include <string>
-
-#include <fmt/core.h>
 
 namespace souple::app {
 
@@ -10,7 +10,9 @@ namespace souple::app {
 inline std::string percent(double part) {
   const double p = 100 * part;
   if (p > 0 && p < 0.01) return "less than 0.01 %";
-  return p < 10 ? fmt::format("{:.2g} %", p) : fmt::format("{:.0f} %", p);
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), p < 10 ? "%.2g %%" : "%.0f %%", p);
+  return text.data();
 }
 
 }  // namespace souple::app

@@ -18,39 +18,40 @@ set(SOUPLE_PUBLIC_HEADERS
     souple/host/grab.h
     souple/host/material_tunables.h souple/host/placement.h souple/host/session.h souple/host/vertex_welder.h)
 
-function(souple_public_headers source out)
+# souple_included(source out file...): these files, those that they include of the library, and so on, without what is made
+# when configuring.
+function(souple_included source out)
   set(found "")
-  set(next ${SOUPLE_PUBLIC_HEADERS})
+  set(next ${ARGN})
   while(next)
-    list(POP_FRONT next header)
-    # version.h is made when configuring.
-    if(header IN_LIST found OR NOT EXISTS ${source}/${header})
+    list(POP_FRONT next file)
+    if(file IN_LIST found OR NOT EXISTS ${source}/${file})
       continue()
     endif()
-    list(APPEND found ${header})
-    file(STRINGS ${source}/${header} includes REGEX "^#include [\"<]souple/")
-    foreach(include IN LISTS includes)
-      string(REGEX REPLACE "^#include [\"<]([^\">]+).*" "\\1" include "${include}")
-      list(APPEND next ${include})
-    endforeach()
+    list(APPEND found ${file})
+    get_property(known GLOBAL PROPERTY souple_includes_${file} SET)
+    if(NOT known)
+      file(STRINGS ${source}/${file} lines REGEX "^#include [\"<]souple/")
+      list(TRANSFORM lines REPLACE "^#include [\"<]([^\">]+).*" "\\1")
+      set_property(GLOBAL PROPERTY souple_includes_${file} "${lines}")
+    endif()
+    get_property(includes GLOBAL PROPERTY souple_includes_${file})
+    list(APPEND next ${includes})
   endwhile()
+  set(${out} ${found} PARENT_SCOPE)
+endfunction()
+
+function(souple_public_headers source out)
+  souple_included(${source} found ${SOUPLE_PUBLIC_HEADERS})
   list(SORT found)
   set(${out} ${found} PARENT_SCOPE)
 endfunction()
 
-# souple_hide_internals(): the shared library exports what the public headers declare, and nothing else. Each source begins
-# with these headers, declared visible; all else is hidden. Kernels are left out, so that nothing that they include is compiled
-# for another instruction set. Our own programs link the same objects as a static library.
+# souple_hide_internals(): the shared library exports what the public headers declare, and nothing else. A source first gets
+# those of the public headers that it includes, declared visible; all else is hidden. Kernels are left out, so that nothing
+# that they include is compiled for another instruction set. Our own programs link the same objects as a static library.
 function(souple_hide_internals)
   souple_public_headers(${PROJECT_SOURCE_DIR} headers)
-  list(TRANSFORM headers REPLACE "(.+)" "#include \"\\1\"" OUTPUT_VARIABLE includes)
-  list(JOIN includes "\n" includes)
-  set(visible ${PROJECT_BINARY_DIR}/souple_visible.h)
-  file(CONFIGURE OUTPUT ${visible} @ONLY CONTENT
-"#pragma GCC visibility push(default)
-@includes@
-#pragma GCC visibility pop
-")
   # The members of a hidden implementation have the visibility of the class that declares it.
   set(script ${PROJECT_BINARY_DIR}/souple.map)
   file(CONFIGURE OUTPUT ${script} CONTENT "{ local: *4Impl*; };\n")
@@ -59,9 +60,22 @@ function(souple_hide_internals)
   get_target_property(sources souple SOURCES)
   foreach(source IN LISTS sources)
     cmake_path(GET source STEM name)
-    if(NOT name MATCHES "^(sse|avx2|avx512|neon)(_|$)")
-      set_property(SOURCE ${source} TARGET_DIRECTORY souple APPEND PROPERTY COMPILE_OPTIONS "SHELL:-include ${visible}")
+    if(name MATCHES "^(sse|avx2|avx512|neon)(_|$)")
+      continue()
     endif()
+    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR} OUTPUT_VARIABLE path)
+    cmake_path(RELATIVE_PATH path BASE_DIRECTORY ${PROJECT_SOURCE_DIR})
+    souple_included(${PROJECT_SOURCE_DIR} included ${path})
+    set(lines "#pragma GCC visibility push(default)\n")
+    foreach(header IN LISTS headers)
+      if(header IN_LIST included)
+        string(APPEND lines "#include \"${header}\"\n")
+      endif()
+    endforeach()
+    string(APPEND lines "#pragma GCC visibility pop\n")
+    set(visible ${PROJECT_BINARY_DIR}/visible/${path}.h)
+    file(CONFIGURE OUTPUT ${visible} @ONLY CONTENT "${lines}")
+    set_property(SOURCE ${source} TARGET_DIRECTORY souple APPEND PROPERTY COMPILE_OPTIONS -include ${visible})
   endforeach()
   target_link_options(souple PRIVATE "LINKER:--version-script=${script}")
 

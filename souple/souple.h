@@ -6,6 +6,5 @@
 #include "souple/error.h"
 #include "souple/geometry/builders.h"
 #include "souple/geometry/fill.h"
-#include "souple/host/fixed_step.h"
 #include "souple/io/recorder.h"
 #include "souple/world/world.h"

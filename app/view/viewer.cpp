@@ -154,7 +154,7 @@ void Viewer::show(std::unique_ptr<Session> session) {
   subject_ = {};
   session_ = std::move(session);
   ++session_number_;
-  chosen_object_ = 0;
+  chosen_object_ = first_with_material();
   failure_reported_ = false;
   // What a mode shows of one scene, such as links, another may not have: only a legend would be left.
   display_.constraints = render::ConstraintDisplay::none;
@@ -163,6 +163,16 @@ void Viewer::show(std::unique_ptr<Session> session) {
   } else {
     frame_all();
   }
+}
+
+/// An obstacle comes first in many scenes; what moves is what a user changes.
+std::size_t Viewer::first_with_material() {
+  const Simulation* shown = simulation();
+  if (shown == nullptr) return 0;
+  const std::vector<AnyObjectDescription>& objects = shown->scene().objects;
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    if (kind_of(objects[i]) != ObjectKind::obstacle) return i;
+  return 0;
 }
 
 void Viewer::open(const fs::path& path) {

@@ -68,6 +68,7 @@ class Viewer {
   void guarded(const std::function<void()>& what);
   void advance(double seconds);
   void show(std::unique_ptr<Session> session);
+  std::size_t first_with_material();
   void open_entry(std::size_t entry);
   void report_failure();
 

@@ -48,6 +48,8 @@ struct HostCollider {
   ColliderId id{};   ///< in the current world
 };
 
+ColliderId add_collider_to(World& world, const HostCollider& collider);
+
 /// Two vertices of the world's objects that the host connected.
 struct Connection {
   Handle handle = 0;
