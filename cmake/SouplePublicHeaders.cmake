@@ -1,5 +1,6 @@
 # souple_public_headers(source out): the headers that users include, and all that these include, relative to the source
 # folder. They are installed, and a shared library exports what they declare. Needs no project: installing runs it too.
+cmake_policy(VERSION 3.25)
 set(SOUPLE_PUBLIC_HEADERS
     souple/souple.h
     # objects and meshes

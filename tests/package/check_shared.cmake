@@ -40,8 +40,8 @@ foreach(public "souple::World::step\\(double\\)" "souple::grid\\(" "souple::host
   endif()
 endforeach()
 message(STATUS "${count} symbols")
-if(count GREATER 6000)
-  message(FATAL_ERROR "the library exports ${count} symbols; expected at most 6000")
+if(count GREATER 3000)
+  message(FATAL_ERROR "the library exports ${count} symbols; expected at most 3000")
 endif()
 
 # examples/hello, and a constraint of a user and one of ours in a program's own instantiation.
