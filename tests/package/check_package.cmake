@@ -1,3 +1,5 @@
+cmake_policy(VERSION 3.25)
+
 # Installs BUILD into a fresh prefix below WORK, moves that prefix, builds examples/hello and examples/embed against it
 # and runs them.
 function(run)

@@ -1,3 +1,5 @@
+cmake_policy(VERSION 3.25)
+
 # A shared library exports what the public headers declare and nothing else, has a SONAME with its version, and serves
 # programs and user constraints. Compiled without optimization and for one instruction set: the symbols are the same.
 function(run)

@@ -1,3 +1,5 @@
+cmake_policy(VERSION 3.25)
+
 # As a subproject, and with SOUPLE_BUILD_APP=OFF, nothing but the library is built. Configures, and builds nothing.
 function(commands_of folder out)
   execute_process(COMMAND ${CMAKE_COMMAND} --build ${folder} -- -n -v OUTPUT_VARIABLE said RESULT_VARIABLE result)
