@@ -1,5 +1,6 @@
 #include "app/bench_report.h"
 
+#include "app/percent.h"
 #include "souple/error.h"
 #include "souple/io/file.h"
 #include "souple/version.h"
@@ -201,7 +202,7 @@ void print_bench(const Json& now, const Json* before) {
   std::printf("  projection alone\n");
   print_members(now, "projections_per_second", faster.find("projections_per_second"), 1e6, "million/s");
   if (const Json* residual = now.find("residual")) print_residual(*residual);
-  std::printf("  largest strain %.3g %%, hash %s\n", 100 * number_at(now, "max_strain"),
+  std::printf("  largest strain %s, hash %s\n", percent(number_at(now, "max_strain")).c_str(),
               text_at(now, "hash").c_str());
   if (before != nullptr) print_differences(now, *before);
 }

@@ -3,6 +3,7 @@
 #include "app/bench_report.h"
 #include "app/bench_scenes.h"
 #include "app/option_names.h"
+#include "app/percent.h"
 
 #include <array>
 #include <cmath>
@@ -92,8 +93,9 @@ Json strain_json(const StrainSearch& search, const BenchOptions& options) {
 void print_trial(const StrainTrial& trial) {
   std::printf("%-20s %4d substeps  ", trial.solver.c_str(), trial.substeps);
   if (std::isfinite(trial.largest_strain)) {
-    std::printf("%10.3f ms a step  %8.3g %% in %d steps%s\n", trial.ms_per_step, 100 * trial.largest_strain,
-                trial.steps, trial.within_bound ? ": within the bound" : "");
+    std::printf("%10.3f ms a step  %10s in %d steps%s\n", trial.ms_per_step,
+                percent(trial.largest_strain).c_str(), trial.steps,
+                trial.within_bound ? ": within the bound" : "");
   } else {
     std::printf("diverges\n");
   }
@@ -103,9 +105,9 @@ void print_trial(const StrainTrial& trial) {
 void print_cheapest(const StrainSearch& search) {
   if (search.cheapest) {
     const BenchResult& best = *search.cheapest;
-    std::printf("cheapest with a strain of at most %g %%: %s, %d substeps, %.3g ms a step, strain %.3g %%\n",
+    std::printf("cheapest with a strain of at most %g %%: %s, %d substeps, %.3g ms a step, strain %s\n",
                 100 * search.bound, best.solver.c_str(), best.substeps, best.ms_per_step,
-                100 * best.peak_strain);
+                percent(best.peak_strain).c_str());
     return;
   }
   std::printf(

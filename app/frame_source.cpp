@@ -3,6 +3,7 @@
 #include "app/cache_subject.h"
 #include "app/find_scene.h"
 #include "app/non_finite.h"
+#include "app/pictures.h"
 #include "app/scene_colors.h"
 #include "souple/error.h"
 
@@ -37,6 +38,20 @@ class SceneFrames : public FrameSource {
       ++frame_;
     }
     return AdvanceResult::reached;
+  }
+  render::Bounds covered(const std::vector<std::uint64_t>& frames,
+                         const ShouldContinue& should_continue) override {
+    render::Bounds bounds;
+    World world = build_world(scene_);
+    std::uint64_t done = 0;
+    for (const std::uint64_t frame : frames) {
+      for (; done < frame; ++done) {
+        if (done > 0 && !should_continue(done)) return bounds;
+        if (!world.step(1 / scene_.frame_rate).ok()) return bounds;
+      }
+      bounds.add(bounds_with_colliders(render::subject_of(world)));
+    }
+    return bounds;
   }
   std::uint64_t frame() const override { return frame_; }
   double time() const override { return static_cast<double>(frame_) / scene_.frame_rate; }
@@ -77,6 +92,15 @@ class CacheFrames : public FrameSource {
     subject_ = &cache_.read(frame, velocities_);
     frame_ = frame;
     return AdvanceResult::reached;
+  }
+  render::Bounds covered(const std::vector<std::uint64_t>& frames,
+                         const ShouldContinue& should_continue) override {
+    constexpr std::size_t most = 100;  // of a long run, evenly chosen
+    render::Bounds bounds;
+    const std::size_t step = 1 + frames.size() / most;
+    for (std::size_t i = 0; i < frames.size() && should_continue(frames[i]); i += step)
+      bounds.add(bounds_with_colliders(cache_.read(frames[i], false)));
+    return bounds;
   }
   std::uint64_t frame() const override { return frame_; }
   double time() const override { return frame_ > 0 ? cache_.playback().time(frame_) : 0; }

@@ -16,6 +16,19 @@ bool is_given(const CameraDescription& camera) {
 
 }  // namespace
 
+namespace {
+
+/// Corners of the box around a collider of finite size, in the world.
+void add_collider(const render::ColliderBody& collider, render::Bounds& bounds) {
+  const ShapeBounds box = shape_bounds(*collider.shape);
+  if (!is_finite(box.lo) || !is_finite(box.hi)) return;
+  for (const double x : {box.lo.x, box.hi.x})
+    for (const double y : {box.lo.y, box.hi.y})
+      for (const double z : {box.lo.z, box.hi.z}) bounds.add(Vec3f(collider.pose.point({x, y, z})));
+}
+
+}  // namespace
+
 render::Bounds bounds_of(const render::Subject& subject) {
   render::Bounds bounds;
   for (const render::Body& body : subject.bodies) {
@@ -24,8 +37,25 @@ render::Bounds bounds_of(const render::Subject& subject) {
   return bounds;
 }
 
+render::Bounds bounds_with_colliders(const render::Subject& subject) {
+  constexpr float much = 2;
+  const render::Bounds objects = bounds_of(subject);
+  render::Bounds bounds = objects;
+  for (const render::ColliderBody& collider : subject.colliders) {
+    render::Bounds box;
+    add_collider(collider, box);
+    if (box.radius() <= much * objects.radius()) bounds.add(box);
+  }
+  return bounds;
+}
+
+bool is_automatic(const CameraRequest& request, const CameraDescription* scene) {
+  const bool given = scene != nullptr && is_given(*scene);
+  return request.automatic || !(given || request.from || request.to);
+}
+
 render::Camera camera_for(const CameraRequest& request, const CameraDescription* scene,
-                          const render::Subject& subject, float aspect) {
+                          const render::Bounds& bounds, float aspect) {
   render::Camera camera;
   const bool given = scene != nullptr && is_given(*scene);
   if (given) {
@@ -38,9 +68,7 @@ render::Camera camera_for(const CameraRequest& request, const CameraDescription*
   camera.fov = request.fov.value_or(camera.fov);
   if (camera.from == camera.to)
     throw Error("--camera: \"from\" and \"to\" are the same point; expected two different points");
-  const bool placed = given || request.from || request.to;
-  const render::Bounds bounds = bounds_of(subject);
-  if ((request.automatic || !placed) && !bounds.empty()) camera.frame(bounds, aspect);
+  if (is_automatic(request, scene) && !bounds.empty()) camera.frame(bounds, aspect);
   return camera;
 }
 

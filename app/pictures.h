@@ -26,11 +26,17 @@ struct PictureStyle {
 /// Bounding box of all objects, without colliders.
 render::Bounds bounds_of(const render::Subject& subject);
 
+/// The same, and colliders that are not much larger than the objects.
+render::Bounds bounds_with_colliders(const render::Subject& subject);
+
+/// Whether `camera_for` frames the bounds: neither the request nor the scene places the camera.
+bool is_automatic(const CameraRequest& request, const CameraDescription* scene);
+
 /// The requested camera. Values that `request` leaves open come from `scene`. Where the scene has no camera
-/// either (or a run embeds no scene, nullptr), the objects in `subject` are framed. Throws Error when the
+/// either (or a run embeds no scene, nullptr), `bounds` are framed. Throws Error when the
 /// camera's position equals its target.
 render::Camera camera_for(const CameraRequest& request, const CameraDescription* scene,
-                          const render::Subject& subject, float aspect);
+                          const render::Bounds& bounds, float aspect);
 
 /// Renders pictures without window or screen.
 class PictureMaker {

@@ -34,6 +34,18 @@ void Progress::frame_done(std::uint64_t frame) {
   std::fflush(stderr);
 }
 
+std::string bytes_text(double bytes) {
+  char text[64];
+  if (bytes < 1e3) {
+    std::snprintf(text, sizeof(text), "%.0f bytes", bytes);
+    return text;
+  }
+  const char* unit = bytes < 1e6 ? "kB" : bytes < 1e9 ? "MB" : "GB";
+  const double value = bytes / (bytes < 1e6 ? 1e3 : bytes < 1e9 ? 1e6 : 1e9);
+  std::snprintf(text, sizeof(text), value < 10 ? "%.1f %s" : "%.0f %s", value, unit);
+  return text;
+}
+
 std::string duration_text(double seconds) {
   char text[64];
   const long long whole = std::llround(seconds);

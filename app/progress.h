@@ -28,6 +28,9 @@ class Progress {
   Clock::time_point start_ = Clock::now(), last_ = start_;
 };
 
+/// "850 bytes", "12 MB", "4.0 GB"
+std::string bytes_text(double bytes);
+
 /// "4 s", "2 min 05 s", "1 h 12 min"
 std::string duration_text(double seconds);
 

@@ -11,6 +11,7 @@
 #include "souple/scene/nearest.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -205,6 +206,7 @@ class Rendering {
       : job_(job), source_(source), maker_(maker), sink_(sink) {}
 
   AdvanceResult run() {
+    choose_camera();
     const std::uint64_t first = source_.has_world() ? 0 : job_.frames.front() - 1;
     Progress progress(source_.name(), job_.frames.back(), first, job_.quiet);
     const FrameSource::ShouldContinue should_continue = [&](std::uint64_t frame) {
@@ -229,12 +231,40 @@ class Rendering {
   double seconds() const { return seconds_; }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  /// Several pictures without a camera show what the run covers: a first picture that fits would lose what
+  /// moves.
+  void choose_camera() {
+    if (job_.frames.size() < 2 || !is_automatic(job_.camera, source_.camera())) return;
+    Progress progress(source_.name() + ", framing", job_.frames.back(), 0, job_.quiet);
+    const render::Bounds bounds = source_.covered(job_.frames, [&](std::uint64_t frame) {
+      progress.frame_done(frame);
+      return !interrupt_requested();
+    });
+    if (!bounds.empty()) camera_ = camera_for(job_.camera, source_.camera(), bounds, job_.style.aspect());
+  }
+
+  /// After the first picture: how long all will take.
+  void announce(double first_picture) const {
+    constexpr double long_wait = 20;  // s
+    const std::size_t left = job_.frames.size() - 1;
+    const double seconds = first_picture * static_cast<double>(left);
+    if (job_.quiet || left == 0 || seconds < long_wait) return;
+    std::printf("%s: %s of %dx%d at %d samples, about %s; --size 640x360 --samples 1 makes a draft\n",
+                source_.name().c_str(), counted(job_.frames.size(), "picture").c_str(), job_.style.size.width,
+                job_.style.size.height, job_.style.samples, duration_text(seconds).c_str());
+    std::fflush(stdout);
+  }
+
   void render_one() {
     const render::Subject& subject = source_.subject();
-    if (!camera_) camera_ = camera_for(job_.camera, source_.camera(), subject, job_.style.aspect());
+    if (!camera_)
+      camera_ = camera_for(job_.camera, source_.camera(), bounds_of(subject), job_.style.aspect());
+    const Clock::time_point start = Clock::now();
     const std::string label = job_.kind == OutputKind::sheet ? label_of(source_) : "";
     sink_.add(maker_.picture(subject, *camera_, job_.style, label), source_.frame());
-    ++pictures_;
+    if (++pictures_ == 1) announce(std::chrono::duration<double>(Clock::now() - start).count());
   }
 
   const RenderJob& job_;

@@ -4,6 +4,7 @@
 #include "app/interrupt.h"
 #include "app/last_picture.h"
 #include "app/non_finite.h"
+#include "app/percent.h"
 #include "app/progress.h"
 #include "app/run_surfaces.h"
 #include "souple/io/checkpoint_file.h"
@@ -151,8 +152,8 @@ std::string frames_text(std::uint64_t frames) {
 void print_summary(const Job& job, const RunStatistics& statistics, double seconds) {
   const std::uint64_t frames = job.scene.frames - job.done;
   const double each = frames > 0 ? 1e3 * seconds / static_cast<double>(frames) : 0;
-  std::printf("%s: %s in %.2f s (%.2f ms/frame), largest strain %.2g %%, in %s\n", job.record.name.c_str(),
-              frames_text(frames).c_str(), seconds, each, 100 * statistics.largest_strain,
+  std::printf("%s: %s in %.2f s (%.2f ms/frame), largest strain %s, in %s\n", job.record.name.c_str(),
+              frames_text(frames).c_str(), seconds, each, percent(statistics.largest_strain).c_str(),
               job.out.string().c_str());
 }
 

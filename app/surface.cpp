@@ -115,6 +115,7 @@ class MeshingJob {
 
   /// Returns whether all frames are complete.
   bool run(const SurfaceRequest& request) {
+    bool announced = false;
     Progress progress(request.cache.string(), playback_.frames(), 0, request.quiet);
     for (std::uint64_t frame = 1; frame <= playback_.frames() && !interrupt_requested(); ++frame) {
       playback_.read(frame);
@@ -125,6 +126,7 @@ class MeshingJob {
         objects_[i]->write(frame, object.positions, object.velocities, rate);
       }
       frames_ = frame;
+      if (!announced && !request.quiet) announced = announce(frame, progress.seconds());
       progress.frame_done(frame);
     }
     for (const auto& object : objects_) object->finish();
@@ -136,6 +138,20 @@ class MeshingJob {
   std::string summary() const { return surface_summary(frames_, objects_); }
 
  private:
+  /// After the first frame with a mesh: what all will take, in time and on the disk.
+  bool announce(std::uint64_t frame, double seconds) const {
+    std::uint64_t bytes = 0;
+    for (const auto& object : objects_) bytes += object->bytes_of(frame);
+    if (bytes == 0) return false;
+    const auto left = static_cast<double>(playback_.frames() - frame + 1);
+    std::printf("%s: about %s in %llu frames, about %s\n", file_options_.out.string().c_str(),
+                bytes_text(static_cast<double>(bytes) * left).c_str(),
+                static_cast<unsigned long long>(playback_.frames()),
+                duration_text(seconds / static_cast<double>(frame) * left).c_str());
+    std::fflush(stdout);
+    return true;
+  }
+
   const SurfaceFileOptions& file_options_;
   Playback& playback_;
   std::unique_ptr<Threads> threads_;

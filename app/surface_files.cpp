@@ -5,6 +5,7 @@
 #include "souple/version.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <system_error>
 
@@ -66,6 +67,7 @@ SurfaceFiles::SurfaceFiles(const SurfaceFileOptions& file_options, float spacing
       meshes_(file_options.out, file_name, extension_, [this](auto, auto) { return bytes(); }) {
   if (file_options.particles) {
     const ParticleFormat format = *file_options.particles;
+    particles_extension_ = std::string(particle_format_name(format));
     particles_.emplace(
         file_options.out, file_name + "_particles", std::string(particle_format_name(format)),
         [format](auto positions, auto velocities) { return particle_bytes(format, positions, velocities); });
@@ -96,10 +98,10 @@ void SurfaceFiles::resume(const RunManifest& before, std::uint64_t done) {
 
 void SurfaceFiles::write(std::uint64_t frame, std::span<const Vec3f> positions,
                          std::span<const Vec3f> velocities, double rate) {
+  const auto start = std::chrono::steady_clock::now();
   const SurfaceMesh& mesh = surface_.build(positions, threads_);
   vertices_ += mesh.positions.size();
   triangles_ += mesh.triangles.size();
-  milliseconds_ += surface_.times().all();
   if (!mesh.triangles.empty()) {
     meshes_.skip_to(frame);
     meshes_.append(mesh.positions, {});
@@ -112,6 +114,20 @@ void SurfaceFiles::write(std::uint64_t frame, std::span<const Vec3f> positions,
                        velocities.empty() ? differences(positions, static_cast<float>(rate)) : velocities);
   }
   previous_.assign(positions.begin(), positions.end());
+  const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
+  milliseconds_ += spent.count();
+}
+
+std::uint64_t SurfaceFiles::bytes_of(std::uint64_t frame) const {
+  std::uint64_t sum = 0;
+  std::vector<std::string> names{frame_file_name(file_name_, frame, extension_)};
+  if (particles_) names.push_back(frame_file_name(file_name_ + "_particles", frame, particles_extension_));
+  for (const std::string& name : names) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(folder_ / name, error);
+    if (!error) sum += size;
+  }
+  return sum;
 }
 
 void SurfaceFiles::finish() {

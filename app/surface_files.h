@@ -76,9 +76,11 @@ class SurfaceFiles {
   void write(std::uint64_t frame, std::span<const Vec3f> positions, std::span<const Vec3f> velocities,
              double rate);
   void finish();
+  /// Size of the files of a frame; 0 without them.
+  std::uint64_t bytes_of(std::uint64_t frame) const;
   const ManifestObject& manifest_object() const { return manifest_object_; }
   std::uint64_t triangles() const { return triangles_; }
-  double milliseconds() const { return milliseconds_; }
+  double milliseconds() const { return milliseconds_; }  ///< of meshing and writing
 
  private:
   std::string bytes();
@@ -88,7 +90,7 @@ class SurfaceFiles {
   std::filesystem::path folder_;
   std::string object_, file_name_;
   SurfaceFormat format_;
-  std::string extension_;
+  std::string extension_, particles_extension_;
   Threads& threads_;
   FluidSurface surface_;
   SequenceWriter meshes_;

@@ -1,8 +1,9 @@
-# What Souple needs and what it can use. Three functions:
+# What Souple needs and what it can use. Four functions:
 #
 #   souple_require(package debian purpose)                  found, or configuring ends with the line that installs it
 #   souple_part(OPTION default description package debian)  an option that is AUTO, ON or OFF; debian may be -
 #   souple_report_parts()                                   the table, and the error when something is missing
+#   souple_link_part(package target)                        the library uses the target; see there
 #
 # A part's option is kept in the cache as AUTO, ON or OFF; below this file the variable of the same name is plainly
 # ON or OFF. AUTO means: on when its package is found. ON without the package is an error.
@@ -91,5 +92,26 @@ function(souple_report_parts)
                            "or script/bootstrap, which installs all that is missing.")
     endif()
     message(FATAL_ERROR "Souple needs packages that CMake does not find:\n${lines}${advice}")
+  endif()
+endfunction()
+
+# A static library hands its links on to whoever links it: they need the shared library, not the headers of its -dev package.
+# So the installed package names it by its SONAME where linkers find it, and asks for the -dev package otherwise.
+set_property(GLOBAL PROPERTY SOUPLE_DEPENDENCIES "")
+function(souple_link_part package target)
+  get_target_property(configurations ${target} IMPORTED_CONFIGURATIONS)
+  set(soname "")
+  if(configurations AND CMAKE_SYSTEM_NAME STREQUAL Linux)
+    list(GET configurations 0 configuration)
+    get_target_property(soname ${target} IMPORTED_SONAME_${configuration})
+    get_target_property(location ${target} IMPORTED_LOCATION_${configuration})
+    cmake_path(GET location PARENT_PATH folder)
+    file(REAL_PATH "${folder}" folder)
+  endif()
+  if(soname AND folder IN_LIST CMAKE_CXX_IMPLICIT_LINK_DIRECTORIES)
+    target_link_libraries(souple PRIVATE $<BUILD_INTERFACE:${target}> $<INSTALL_INTERFACE:-l:${soname}>)
+  else()
+    target_link_libraries(souple PRIVATE ${target})
+    set_property(GLOBAL APPEND PROPERTY SOUPLE_DEPENDENCIES ${package})
   endif()
 endfunction()

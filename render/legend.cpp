@@ -56,7 +56,12 @@ std::string short_number(double value) {
   char text[32];
   const double size = std::abs(value);
   const bool plain = size == 0 || (size >= 1e-3 && size < 1e6);
-  std::snprintf(text, sizeof text, plain ? "%.3g" : "%.1e", value);
+  // %g would write 123000 as 1.23e+05.
+  const double rounding = std::pow(10, std::floor(std::log10(size)) - 2);
+  if (plain && size >= 1000)
+    std::snprintf(text, sizeof text, "%.0f", std::round(value / rounding) * rounding);
+  else
+    std::snprintf(text, sizeof text, plain ? "%.3g" : "%.1e", value);
   return text;
 }
 

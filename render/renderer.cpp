@@ -321,10 +321,16 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
     if (samples > 1) m.finish.add(m.targets->color, sample == 0, m.empty_array);
   }
   m.finish.draw(m.targets->color, samples, framebuffer, m.empty_array);
-  m.labels.draw(list.labels, width, height);
+  if (options.labels) m.labels.draw(list.labels, width, height);
   m.clock.done("finish");
   default_state();
   glBindVertexArray(0);
+  glUseProgram(0);
+}
+
+void Renderer::draw_labels(const DrawList& list, int width, int height) {
+  impl_->labels.draw(list.labels, width, height);
+  default_state();
   glUseProgram(0);
 }
 

@@ -26,6 +26,7 @@ LiquidFilter liquid_filter_of(std::string_view name);
 inline constexpr int max_liquid_steps = 500;
 
 struct RenderOptions {
+  bool labels = true;  ///< text of the list, such as legends
   bool shadows = true;
   bool ambient_occlusion = true;
   /// Number of averaged pictures, each with slight offsets of the pixel grid, the sun and the occlusion rays:
@@ -80,6 +81,9 @@ class Renderer {
   /// Draws into a framebuffer of this size (0 is the window's). Draws nothing when a side is 0.
   void draw(const DrawList& list, const Camera& camera, const RenderOptions& options, int width, int height,
             std::uint32_t framebuffer = 0);
+  /// Draws the list's text into the current framebuffer and viewport of this size: sharp, over a scene that
+  /// was drawn with fewer pixels and without labels.
+  void draw_labels(const DrawList& list, int width, int height);
   /// Draws into memory. Throws Error when the size is not in [1, 8192].
   Image picture(const DrawList& list, const Camera& camera, const RenderOptions& options, int width,
                 int height);

@@ -1,6 +1,7 @@
 #pragma once
 
-// The headers that a simulating program needs.
+// The headers that a simulating program needs. User constraints need solver/set_projector.h or
+// solver/custom_constraint.h, scene files scene/scene.h, mesh files io/mesh_file.h.
 
 #include "souple/error.h"
 #include "souple/geometry/builders.h"

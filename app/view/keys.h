@@ -54,7 +54,7 @@ inline constexpr std::array<Key, 14> keys{{
     {"S", "screenshot", "screenshot", Action::screenshot, 's'},
     {"V", "film", "film on and off", Action::film, 'v'},
     {"H", "hide", "hide or show the panels", Action::hide_panel, 'h'},
-    {"Esc", "quit", "quit", Action::quit, escape},
+    {"Esc", "quit", "twice: quit", Action::quit, escape},
 }};
 
 struct Gesture {

@@ -1,3 +1,4 @@
+#include "app/percent.h"
 #include "app/view/panels.h"
 #include "app/view/ui.h"
 #include "app/view/widgets.h"
@@ -126,8 +127,8 @@ void balance_row(const StepReport& report) {
   const auto worst = std::max_element(report.objects.begin(), report.objects.end(),
                                       [](const auto& a, const auto& b) { return a.stretch < b.stretch; });
   if (worst == report.objects.end()) return;
-  value_row("Out of balance", fmt::format("{:.2g} % (stretch {:.2g} %, {})", 100 * worst->unbalanced,
-                                          100 * worst->stretch, worst->name));
+  value_row("Out of balance", fmt::format("{} (stretch {}, {})", app::percent(worst->unbalanced),
+                                          app::percent(worst->stretch), worst->name));
 }
 
 void residual_table(const StepReport& report) {

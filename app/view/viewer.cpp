@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr float panel_width = 350;  // maximum, in units of an ordinary screen
+constexpr double quit_seconds = 3;  // within which a second Esc quits
 constexpr int still_samples = 8;    // of screenshots and films
 constexpr int max_picture_size = 8192;
 
@@ -62,6 +63,7 @@ void Viewer::frame(double seconds, std::uint32_t framebuffer) {
   Ui::begin();
   update_layout();
   notices_.advance(seconds);
+  quit_asked_ = std::max(quit_asked_ - seconds, 0.0);
   guarded([&] { handle_keys(); });
   update_layout();  // a key may have hidden the panels
   guarded([&] { handle_mouse(); });
@@ -130,9 +132,15 @@ void Viewer::draw_scene(std::uint32_t framebuffer) {
   if (!area_.empty()) {
     const int part = options_.half_resolution ? 2 : 1;
     target_.resize(area_.width / part, area_.height / part);
-    renderer_.draw(drawing_.list(), camera_, rendering_, target_.width(), target_.height(),
+    const int bottom = height_ - area_.y - area_.height;
+    render::RenderOptions rendering = rendering_;
+    rendering.labels = false;  // at the full resolution below
+    renderer_.draw(drawing_.list(), camera_, rendering, target_.width(), target_.height(),
                    target_.framebuffer());
-    target_.copy_to(framebuffer, area_.x, height_ - area_.y - area_.height, area_.width, area_.height);
+    target_.copy_to(framebuffer, area_.x, bottom, area_.width, area_.height);
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    glViewport(area_.x, bottom, area_.width, area_.height);
+    renderer_.draw_labels(drawing_.list(), area_.width, area_.height);
   }
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glViewport(0, 0, width_, height_);
@@ -146,13 +154,25 @@ void Viewer::show(std::unique_ptr<Session> session) {
   subject_ = {};
   session_ = std::move(session);
   ++session_number_;
-  chosen_object_ = 0;
+  chosen_object_ = first_with_material();
   failure_reported_ = false;
+  // What a mode shows of one scene, such as links, another may not have: only a legend would be left.
+  display_.constraints = render::ConstraintDisplay::none;
   if (const std::optional<render::Camera> camera = session_->camera()) {
     camera_ = *camera;
   } else {
     frame_all();
   }
+}
+
+/// An obstacle comes first in many scenes; what moves is what a user changes.
+std::size_t Viewer::first_with_material() {
+  const Simulation* shown = simulation();
+  if (shown == nullptr) return 0;
+  const std::vector<AnyObjectDescription>& objects = shown->scene().objects;
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    if (kind_of(objects[i]) != ObjectKind::obstacle) return i;
+  return 0;
 }
 
 void Viewer::open(const fs::path& path) {
@@ -239,7 +259,9 @@ void Viewer::act(Action action) {
     case Action::quit:
       // Closes an open popup first.
       if (ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) return ImGui::ClosePopupToLevel(0, true);
-      done_ = true;
+      done_ = quit_asked_ > 0;
+      if (!done_) notices_.info("Esc again quits");
+      quit_asked_ = quit_seconds;
       return;
   }
 }

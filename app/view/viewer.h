@@ -44,7 +44,7 @@ class Viewer {
   /// One frame, of the size in ImGui's IO: handles the input, advances by `seconds` of real time, and draws.
   /// For a window without area it does all but draw. Throws Error when OpenGL fails.
   void frame(double seconds, std::uint32_t framebuffer = 0);
-  /// Whether Esc was pressed.
+  /// Whether Esc was pressed twice within three seconds.
   bool done() const { return done_; }
 
   /// Shows another scene or run; if it cannot be opened, shows an error and keeps the current one.
@@ -68,6 +68,7 @@ class Viewer {
   void guarded(const std::function<void()>& what);
   void advance(double seconds);
   void show(std::unique_ptr<Session> session);
+  std::size_t first_with_material();
   void open_entry(std::size_t entry);
   void report_failure();
 
@@ -118,6 +119,7 @@ class Viewer {
   ViewArea area_;
   int width_ = 0, height_ = 0;  // of the window [pixels]
   bool panels_shown_ = true, done_ = false, failure_reported_ = false;
+  double quit_asked_ = 0;  // time left for a second Esc [s]
   unsigned key_down_ = 0;  // character of the pressed key; 0: none
   std::size_t chosen_object_ = 0;
 

@@ -5,6 +5,7 @@
 #include "render/context.h"
 #include "souple/error.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <string>
@@ -44,6 +45,20 @@ class Glfw {
   Glfw(const Glfw&) = delete;
   Glfw& operator=(const Glfw&) = delete;
 };
+
+/// The part of the main screen that panels of the desktop leave, in screen units before scaling.
+WindowArea screen_area() {
+  GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+  if (monitor == nullptr) return {};
+  int x = 0, y = 0;
+  WindowArea area;
+  glfwGetMonitorWorkarea(monitor, &x, &y, &area.width, &area.height);
+  float scale_x = 1, scale_y = 1;  // GLFW_SCALE_TO_MONITOR multiplies the size that is asked for
+  glfwGetMonitorContentScale(monitor, &scale_x, &scale_y);
+  if (scale_x > 1) area.width = static_cast<int>(static_cast<float>(area.width) / scale_x);
+  if (scale_y > 1) area.height = static_cast<int>(static_cast<float>(area.height) / scale_y);
+  return area;
+}
 
 /// Target of a window's callbacks.
 struct Inbox {
@@ -149,9 +164,17 @@ void loop(Window& window, Viewer& viewer, const WindowOptions& options) {
 
 }  // namespace
 
+WindowArea fitted(WindowArea wanted, WindowArea screen) {
+  constexpr int title = 40;  // and a border
+  if (screen.width <= 0 || screen.height <= 0) return wanted;
+  return {std::min(wanted.width, screen.width),
+          std::min(wanted.height, std::max(screen.height - title, screen.height / 2))};
+}
+
 void run_window(SceneList scenes, std::unique_ptr<Session> session, const WindowOptions& options) {
   const Glfw glfw;
-  Window window(options.width, options.height, options.debug);
+  const WindowArea size = fitted({options.width, options.height}, screen_area());
+  Window window(size.width, size.height, options.debug);
   if (options.debug) render::watch_gl_errors();
   const Ui ui(window.scale());
   const WindowInput input(window.get());

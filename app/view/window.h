@@ -11,6 +11,13 @@
 
 namespace souple::viewer {
 
+/// The size of a window [screen units] that fits on a screen's work area: shrunk where it is larger, with room
+/// for its title. A work area of 0 x 0 is unknown.
+struct WindowArea {
+  int width = 0, height = 0;
+};
+WindowArea fitted(WindowArea wanted, WindowArea screen);
+
 struct WindowOptions {
   int width = 1440, height = 900;
   std::optional<std::uint64_t> frames;  ///< number of frames to draw before it closes; empty: no limit

@@ -34,6 +34,13 @@ Quatd slerp(const Quatd& a, Quatd b, double s) {
 
 }  // namespace
 
+Transform interpolate(const Transform& from, const Transform& to, double s) {
+  if (s <= 0) return {from.translation, from.rotation, 1};
+  if (s >= 1) return {to.translation, to.rotation, 1};
+  return {from.translation + (to.translation - from.translation) * s, slerp(from.rotation, to.rotation, s),
+          1};
+}
+
 ColliderMotion ColliderMotion::fixed(const Transform& pose) {
   ColliderMotion motion;
   motion.keys_.push_back({0, pose.translation, normalized(pose.rotation)});

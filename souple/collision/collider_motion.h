@@ -15,6 +15,10 @@ struct PoseKey {
   Quatd rotation{};
 };
 
+/// The pose between two: translations linearly, rotations along the shorter arc at constant speed (slerp).
+/// s = 0 and 1 give `from` and `to` exactly; scales are ignored.
+Transform interpolate(const Transform& from, const Transform& to, double s);
+
 /// The pose of a collider as a function of time: fixed, by keyframes, or by a callback. Poses are rigid: the
 /// `scale` of a Transform is ignored in input and 1 in output.
 class ColliderMotion {

@@ -101,6 +101,56 @@ void Session::set_pinned(Handle object, std::uint32_t vertex, bool pinned) {
   impl_->contents.set_pinned(object, Impl::world_vertex(item, impl_->contents.world(), vertex), pinned);
 }
 
+void Session::move_pin(Handle object, std::uint32_t vertex, float x, float y, float z) {
+  const Item& item = impl_->contents.item(object);
+  impl_->contents.move_pin(object, Impl::world_vertex(item, impl_->contents.world(), vertex), {x, y, z});
+}
+
+// --- colliders, connections ----------------------------------------------------------------------
+
+Handle Session::add_plane(const float* transform, const ColliderSurface& surface) {
+  return impl_->contents.add_collider(Plane{}, transform, surface);
+}
+
+Handle Session::add_sphere(float radius, const float* transform, const ColliderSurface& surface) {
+  return impl_->contents.add_collider(Sphere{.radius = radius}, transform, surface);
+}
+
+Handle Session::add_box(float half_x, float half_y, float half_z, const float* transform,
+                        const ColliderSurface& surface) {
+  return impl_->contents.add_collider(Box{.half_extents = {half_x, half_y, half_z}}, transform, surface);
+}
+
+Handle Session::add_capsule(float radius, float half_height, const float* transform,
+                            const ColliderSurface& surface) {
+  return impl_->contents.add_collider(Capsule{.radius = radius, .half_height = half_height}, transform,
+                                      surface);
+}
+
+void Session::move_collider(Handle collider, const float* transform) {
+  impl_->contents.move_collider(collider, transform);
+}
+
+void Session::remove_collider(Handle collider) {
+  impl_->contents.remove_collider(collider);
+}
+
+Handle Session::connect(Handle object, std::uint32_t vertex, Handle other, std::uint32_t other_vertex,
+                        float distance, float compliance) {
+  Contents& contents = impl_->contents;
+  const std::uint32_t a = Impl::world_vertex(contents.item(object), contents.world(), vertex);
+  const std::uint32_t b = Impl::world_vertex(contents.item(other), contents.world(), other_vertex);
+  return contents.connect({0, {object, other}, {a, b}, distance, compliance, {}});
+}
+
+void Session::disconnect(Handle connection) {
+  impl_->contents.disconnect(connection);
+}
+
+void Session::set_wind_exposure(Handle object, float exposure) {
+  impl_->contents.set_wind_exposure(object, exposure);
+}
+
 // --- from any thread -----------------------------------------------------------------------------
 
 void Session::post(std::string name, std::function<void(Session&)> action) {

@@ -54,6 +54,12 @@ struct MeshOptions {
   std::size_t lattice_tets = 2000;   ///< soft bodies only: approximate number of lattice tets
 };
 
+/// Surface of a collider that the host adds.
+struct ColliderSurface {
+  float friction = 0.5f;
+  float restitution = 0;
+};
+
 /// A number of a material, for a slider.
 struct Parameter {
   std::string name;   ///< as in scene files
@@ -115,6 +121,34 @@ class Session {
   void set_transform(Handle object, const float* transform);
   /// Pins a vertex at its current position, or releases it; the pin survives a reset.
   void set_pinned(Handle object, std::uint32_t vertex, bool pinned);
+
+  /// Moves a pinned vertex: it arrives at the position [m, world] at the end of the next step, and stays.
+  /// A reset returns it to the object's mesh.
+  void move_pin(Handle object, std::uint32_t vertex, float x, float y, float z);
+
+  // --- colliders, connections, wind; all survive a reset
+  /// Adds an analytic collider: much cheaper than an obstacle of triangles. `transform` is rigid, 4 x 4,
+  /// column-major, collider to world; nullptr: none. A plane is solid below the XZ plane of its frame. The axis
+  /// of a capsule is along Y; half_height is that of its segment, without the caps. [m]
+  Handle add_plane(const float* transform = nullptr, const ColliderSurface& surface = {});
+  Handle add_sphere(float radius, const float* transform = nullptr, const ColliderSurface& surface = {});
+  Handle add_box(float half_x, float half_y, float half_z, const float* transform = nullptr,
+                 const ColliderSurface& surface = {});
+  Handle add_capsule(float radius, float half_height, const float* transform = nullptr,
+                     const ColliderSurface& surface = {});
+  /// A collider of the host arrives at the transform at the end of the next step, and sweeps its path.
+  void move_collider(Handle collider, const float* transform);
+  void remove_collider(Handle collider);
+  /// Keeps two vertices at a distance [m], negative: their current distance; compliance in m/N, 0: rigid. An
+  /// obstacle's vertex carries the other. Removing one of the objects removes the connection.
+  Handle connect(Handle object, std::uint32_t vertex, Handle other, std::uint32_t other_vertex,
+                 float distance = 0, float compliance = 0);
+  void disconnect(Handle connection);
+  /// Wind [m/s]; `gust`: 0 steady, 0.5: 50 % stronger and weaker.
+  void set_wind(float x, float y, float z, float gust = 0);
+  std::array<float, 3> wind() const;
+  /// Share of the wind that reaches an object, as World::set_wind_exposure.
+  void set_wind_exposure(Handle object, float exposure);
 
   // --- time
   /// Processes a frame of the host: its animation time and the frame's length [s]. Applies the posted

@@ -1,5 +1,6 @@
 #include "souple/solver/instruction_set.h"
 
+#include "souple/compiled_sets.h"
 #include "souple/error.h"
 
 #include <array>
@@ -12,17 +13,24 @@ namespace {
 constexpr std::array all{InstructionSet::scalar, InstructionSet::sse, InstructionSet::avx2,
                          InstructionSet::avx512, InstructionSet::neon};
 
+/// Compiled, and known to this processor.
 bool is_supported(InstructionSet set) {
+  switch (set) {
 #if defined(__x86_64__)
-  if (set == InstructionSet::avx2) return __builtin_cpu_supports("avx2") != 0;
-  if (set == InstructionSet::avx512)
-    return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0;
-  return set == InstructionSet::scalar || set == InstructionSet::sse;  // SSE2 is part of x86-64
+    case InstructionSet::sse:
+      return SOUPLE_HAS_SSE != 0;  // SSE2 is part of x86-64
+    case InstructionSet::avx2:
+      return SOUPLE_HAS_AVX2 != 0 && __builtin_cpu_supports("avx2") != 0;
+    case InstructionSet::avx512:
+      return SOUPLE_HAS_AVX512 != 0 && __builtin_cpu_supports("avx512f") != 0 &&
+             __builtin_cpu_supports("avx512dq") != 0;
 #elif defined(__aarch64__)
-  return set == InstructionSet::scalar || set == InstructionSet::neon;
-#else
-  return set == InstructionSet::scalar;
+    case InstructionSet::neon:
+      return SOUPLE_HAS_NEON != 0;
 #endif
+    default:
+      return set == InstructionSet::scalar;
+  }
 }
 
 InstructionSet widest() {

@@ -6,7 +6,6 @@
 #include "souple/solver/kernels/triangles.h"
 
 #include <string_view>
-#include <type_traits>
 
 namespace souple::kernels {
 
@@ -19,7 +18,8 @@ const CellKernels& cell_kernels();
 
 namespace souple {
 
-/// The instruction sets for which kernels are compiled. All give the same bits.
+/// The instruction sets for which kernels can be compiled (CMake: SOUPLE_INSTRUCTION_SETS). All give the same
+/// bits.
 enum class InstructionSet { scalar, sse, avx2, avx512, neon };
 
 /// The widest instruction set that this build and this processor support, or the set that the environment
@@ -32,63 +32,28 @@ inline std::string_view simd_name() {
   return simd_name(instruction_set());
 }
 
+// Each returns null if there are no kernels for the set: use the scalar code.
+
 namespace detail {
-
-/// find(tag of the set), or null if no kernels are compiled for it.
-template <class Find>
-auto find_for(InstructionSet set, const Find& find) {
-  switch (set) {
-#if defined(__x86_64__)
-    case InstructionSet::sse:
-      return find(std::type_identity<simd::Sse>{});
-    case InstructionSet::avx2:
-      return find(std::type_identity<simd::Avx2>{});
-    case InstructionSet::avx512:
-      return find(std::type_identity<simd::Avx512>{});
-#elif defined(__aarch64__)
-    case InstructionSet::neon:
-      return find(std::type_identity<simd::Neon>{});
-#endif
-    default:
-      return decltype(find(std::type_identity<simd::Sse>{})){};
-  }
-}
-
+/// Instantiated for every kind that is compiled, in find_kernels.cpp.
+template <class Kind>
+const kernels::KindKernels* find_compiled(InstructionSet set);
 }  // namespace detail
-
-// Each returns null if there are no kernels: use the scalar code.
 
 /// Kernels of a constraint kind for an instruction set.
 template <class Kind>
 const kernels::KindKernels* find_kernels(InstructionSet set) {
-  if constexpr (kernels::is_compiled<Kind>)
-    return detail::find_for(
-        set, []<class Isa>(std::type_identity<Isa>) { return &kernels::kind_kernels<Isa, Kind>(); });
+  if constexpr (kernels::is_compiled<Kind>) return detail::find_compiled<Kind>(set);
   return nullptr;
 }
 
 /// Kernels of the links of a coarse level.
-inline const kernels::LinkKernels* find_link_kernels(InstructionSet set) {
-  return detail::find_for(set,
-                          []<class Isa>(std::type_identity<Isa>) { return &kernels::link_kernels<Isa>(); });
-}
-
+const kernels::LinkKernels* find_link_kernels(InstructionSet set);
 /// Kernels of the cells of a coarse lattice.
-inline const kernels::CellKernels* find_cell_kernels(InstructionSet set) {
-  return detail::find_for(set,
-                          []<class Isa>(std::type_identity<Isa>) { return &kernels::cell_kernels<Isa>(); });
-}
-
+const kernels::CellKernels* find_cell_kernels(InstructionSet set);
 /// Kernels that move particles.
-inline const kernels::MotionKernels* find_motion_kernels(InstructionSet set) {
-  return detail::find_for(set,
-                          []<class Isa>(std::type_identity<Isa>) { return &kernels::motion_kernels<Isa>(); });
-}
-
+const kernels::MotionKernels* find_motion_kernels(InstructionSet set);
 /// Kernels of triangles: wind and normals.
-inline const kernels::TriangleKernels* find_triangle_kernels(InstructionSet set) {
-  return detail::find_for(
-      set, []<class Isa>(std::type_identity<Isa>) { return &kernels::triangle_kernels<Isa>(); });
-}
+const kernels::TriangleKernels* find_triangle_kernels(InstructionSet set);
 
 }  // namespace souple

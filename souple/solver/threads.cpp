@@ -2,6 +2,7 @@
 
 #include "souple/error.h"
 #include "souple/solver/thread_pool.h"
+#include "souple/solver/work_partition.h"
 #ifdef SOUPLE_WITH_TBB
 #include "souple/solver/tbb_threads.h"
 #endif
@@ -20,6 +21,27 @@ class SerialThreads final : public Threads {
   void for_each(std::size_t n, std::size_t, RangeFunction f) override {
     if (n > 0) f(0, n);
   }
+};
+
+/// One job per part of the same partition as all Threads.
+class JobThreads final : public Threads {
+ public:
+  explicit JobThreads(JobSystem& jobs) : jobs_(jobs), count_(jobs.workers()) {}
+
+  int count() const override { return count_; }
+  void for_each(std::size_t n, std::size_t grain, RangeFunction f) override {
+    if (n == 0) return;
+    const WorkPartition partition(n, grain, count_);
+    if (partition.parts() < 2) return f(0, n);
+    const auto job = [&](std::size_t part, std::size_t) {
+      f(partition.begin(part), partition.begin(part + 1));
+    };
+    jobs_.run(partition.parts(), job);
+  }
+
+ private:
+  JobSystem& jobs_;
+  int count_;
 };
 
 std::unique_ptr<Threads> make_tbb_or_pool(int count) {
@@ -57,6 +79,10 @@ std::unique_ptr<Threads> make_threads(Threading kind, int count) {
   count = thread_count(count);
   if (kind == Threading::serial || count == 1) return std::make_unique<SerialThreads>();
   return kind == Threading::tbb ? make_tbb_or_pool(count) : std::make_unique<ThreadPool>(count);
+}
+
+std::unique_ptr<Threads> make_threads(JobSystem& jobs) {
+  return std::make_unique<JobThreads>(jobs);
 }
 
 }  // namespace souple

@@ -61,6 +61,19 @@ enum class Threading {
   tbb         ///< oneTBB's threads; the pool if the library was built without oneTBB
 };
 
+/// A host's job system in place of Souple's threads: World::set_job_system.
+class JobSystem {
+ public:
+  virtual ~JobSystem() = default;
+  /// Number of threads that work at once, with the calling one; constant.
+  virtual int workers() const = 0;
+  /// Calls job(i, i + 1) for every i in [0, count), in any order on any threads, the calling one included, and
+  /// returns when all have returned. Jobs do not throw, wait for nothing and start no jobs.
+  virtual void run(std::size_t count, RangeFunction job) = 0;
+};
+/// Threads that are jobs of the host.
+std::unique_ptr<Threads> make_threads(JobSystem& jobs);
+
 /// Whether the library was built with oneTBB.
 bool has_tbb();
 

@@ -180,7 +180,8 @@ bool may_intersect(const WorldState& world) {
   bool driven = false, pinned = false;
   for (const auto& object : world.objects) {
     driven = driven || (object->kind == ObjectKind::obstacle && !is_static(object->motion));
-    for (const PinnedParticle& pin : object->pins) driven = driven || pin.target, pinned = true;
+    for (const PinnedParticle& pin : object->pins)
+      driven = driven || pin.target || pin.arrival, pinned = true;
   }
   return driven && pinned;
 }

@@ -73,13 +73,25 @@ void flag_not_converged(WorldState& world) {
   world.warn(Flag::not_converged, {line.data(), line.size()});
 }
 
+/// Where the solver has converged, the material itself is as soft as that.
+std::string_view strain_advice(const WorldState& world) {
+  constexpr double converged = 0.01;  // of the stretch that would restore the balance
+  const std::vector<ObjectReport>& objects = world.report.objects;
+  if (objects.empty() || std::any_of(objects.begin(), objects.end(),
+                                     [](const ObjectReport& o) { return o.stretch > converged; }))
+    return advice(Flag::large_strain);
+  return "an edge or a membrane is stretched by more than 10 %, as its stiffness allows: raise the "
+         "stiffness, or "
+         "lower the load";
+}
+
 void raise_flags(WorldState& world) {
   const StepReport& report = world.report;
   flag_not_converged(world);
   if (std::any_of(report.kinds.begin(), report.kinds.end(), [](const KindReport& kind) {
         return kind.kind != NeoHookean::name && kind.largest_strain > large_strain;
       }))
-    world.warn(Flag::large_strain, advice(Flag::large_strain));
+    world.warn(Flag::large_strain, strain_advice(world));
   if (report.fluid.largest_step > max_fluid_step)
     world.warn(Flag::coarse_substeps, advice(Flag::coarse_substeps));
   if (!(report.deepest_contact > 0)) return;
@@ -135,7 +147,9 @@ void bring_constraints_up_to_date(WorldState& world) {
   world.for_each_constraint_projector(
       [&](Projector& projector) { projector.prepare(world.particles.size()); });
   if (rebuilt) world.balance.choose(world), world.report.objects.clear();
-  if (!world.threads) world.threads = make_threads(world.settings.threading, world.settings.threads);
+  if (!world.threads)
+    world.threads = world.jobs ? make_threads(*world.jobs)
+                               : make_threads(world.settings.threading, world.settings.threads);
   if (!world.dirty_solver && !world.dirty_masses) return;
   world.order.clear();
   world.for_each_projector([&](Projector& projector) { world.order.push_back(&projector); });
@@ -182,6 +196,8 @@ bool begin_step(WorldState& world, double dt) {
     world.warn(Flag::callback_failed, "step: a callback called step during a step; nothing was done");
     return false;
   }
+  std::swap(world.warned_before, world.warned);
+  world.warned.clear();
   std::vector<KindReport> kinds = std::move(report.kinds);
   std::vector<ObjectReport> objects = std::move(report.objects);
   kinds.clear();
@@ -202,6 +218,7 @@ bool begin_step(WorldState& world, double dt) {
     return false;
   }
   world.invalidate_contacts();
+  begin_arrivals(world, dt);
   update_flow(world, dt);
   update_fluid_counts(world);
   world.fluids.begin_step(world, dt);
@@ -228,6 +245,7 @@ void save_last_valid(WorldState& world) {
 
 void end_step(WorldState& world, bool valid) {
   if (!valid) restore_last_valid(world);
+  end_arrivals(world, valid);
   ++world.version;
   world.contacts_valid = true;
   world.report.time = world.time;

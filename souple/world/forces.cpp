@@ -104,7 +104,7 @@ bool accumulate_wind(WorldState& world, float h) {
     if (const auto* material = std::get_if<ClothMaterial>(&object->material)) {
       find_triangles_of_particles(*object);
       world.triangle_force.resize(std::max(world.triangle_force.size(), object->surface.size()));
-      push_triangles(*object, air_of(world, *material, wind, h), world);
+      push_triangles(*object, air_of(world, *material, wind * object->wind_exposure, h), world);
       gather_forces(*object, world);
     } else {
       std::fill(world.force.begin() + object->begin, world.force.begin() + object->end, Vec4f{});
@@ -118,10 +118,13 @@ Vec3f acceleration(WorldState& world, std::size_t i, const Vec3f& x, const Vec3f
   const Settings& settings = world.settings;
   const float w = world.particles.position[i].w;
   Vec3f a = settings.gravity;
-  if (settings.drag > 0) a -= (v - wind) * settings.drag;
+  if (settings.drag > 0) a -= (v - wind * world.objects[world.object_of[i]]->wind_exposure) * settings.drag;
   if (windy) a += world.force[i].xyz() * w;
-  for (const ForceField& field : world.force_fields)
-    world.guarded("a force field", [&] { a += field(x, v, world.particles.mass[i], t) * w; });
+  if (world.force_fields.empty()) return a;
+  const Object& object = *world.objects[world.object_of[i]];
+  const ForcePoint point{object.id, object.vertex_of[i - object.begin], x, v, world.particles.mass[i], t};
+  for (const VertexForceField& field : world.force_fields)
+    world.guarded("a force field", [&] { a += field(point) * w; });
   return a;
 }
 

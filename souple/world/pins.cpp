@@ -123,7 +123,7 @@ void World::pin(ObjectId id, const Selector& selector, Target target) {
   wake_island(world, object);
   const auto shared = target ? std::make_shared<const Target>(std::move(target)) : nullptr;
   for (const auto& [particle, vertex] : particles_with_vertices(object, chosen)) {
-    PinnedParticle pin{particle, vertex, {}, shared};
+    PinnedParticle pin{particle, vertex, {}, shared, world.exact_position(object.begin + particle), {}, {}};
     if (object.embedding)
       pin.offset = world.exact_position(object.begin + particle) - Vec3d(positions(id)[vertex]);
     const auto position =

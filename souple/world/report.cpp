@@ -30,7 +30,9 @@ std::string_view advice(Flag flag) {
       return "a position or velocity is not finite; the last valid state was restored: raise substeps, "
              "lower the stiffness, or check for extreme masses and forces";
     case Flag::large_strain:
-      return "an edge or a membrane is stretched by more than 10 %: raise substeps or the stiffness";
+      return "an edge or a membrane is stretched by more than 10 %: raise substeps; a higher stiffness helps "
+             "only "
+             "where the solver reaches that of the material";
     case Flag::deep_contact:
       return "a contact is deeper than the largest thickness after the step: raise substeps or the thickness";
     case Flag::callback_failed:

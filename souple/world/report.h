@@ -17,7 +17,8 @@ std::string_view stage_name(Stage stage);
 enum class Flag : std::uint32_t {
   /// A position or velocity became NaN or infinite; the last valid state was restored.
   non_finite = 1u << 0,
-  /// An edge or a membrane is stretched by more than 10 %: raise substeps or the stiffness, unless the stretch
+  /// An edge or a membrane is stretched by more than 10 %. Not converged: raise substeps, a higher
+  /// stiffness changes little. Converged: raise the stiffness, or lower the load. Unless the stretch
   /// is intended. Tets are left out: soft bodies are meant to deform.
   large_strain = 1u << 1,
   /// A contact is deeper than the largest thickness after the step: raise substeps or the thickness.

@@ -7,8 +7,8 @@
 // Layout of a snapshot: magic number, shape (a hash of the objects), time, steps, number of frictional
 // contacts, foam count and origin; then per particle position (with inverse mass), offset, velocity and
 // contact margin (how far contacts recently pushed it); then the friction cache of particle contacts; per
-// object rest time, island, particle count and imbalance; state of emitters and drains; foam; a checksum of all
-// preceding bytes.
+// object rest time, island, particle count and imbalance; state of emitters and drains; foam; the poses of the
+// colliders that move_collider moved; a checksum of all preceding bytes.
 
 namespace souple {
 namespace {
@@ -59,6 +59,38 @@ struct Rest {
   Imbalance imbalance;
 };
 
+/// Where move_collider left a collider.
+struct ReachedPose {
+  std::uint64_t collider;
+  double translation[3], rotation[4];
+};
+
+void put_poses(std::vector<std::byte>& out, const WorldState& world) {
+  for (const ColliderRecord& record : world.colliders) {
+    if (!record.arrival) continue;
+    const Vec3d& x = record.arrival->from.translation;
+    const Quatd& q = record.arrival->from.rotation;
+    const ReachedPose pose{record.id.value, {x.x, x.y, x.z}, {q.x, q.y, q.z, q.w}};
+    put(out, &pose, 1);
+  }
+}
+
+/// A collider without a pose in the snapshot had its own motion then.
+void get_poses(WorldState& world, std::span<const std::byte> in) {
+  for (ColliderRecord& record : world.colliders)
+    if (record.arrival) place_collider(world, record, record.given.at(world.time));
+  while (in.size() >= sizeof(ReachedPose)) {
+    ReachedPose pose{};
+    get(in, &pose, 1);
+    for (ColliderRecord& record : world.colliders) {
+      if (record.id.value != pose.collider) continue;
+      const auto& [x, y, z] = pose.translation;
+      const auto& q = pose.rotation;
+      place_collider(world, record, {{x, y, z}, {q[0], q[1], q[2], q[3]}, 1});
+    }
+  }
+}
+
 void put(std::vector<std::byte>& out, const FoamState& foam) {
   put(out, foam.position.data(), foam.size());
   put(out, foam.velocity.data(), foam.size());
@@ -99,7 +131,8 @@ Header checked_header(const WorldState& world, std::span<const std::byte> bytes)
   Header header{};
   std::memcpy(&header, bytes.data(), sizeof header);
   if (header.magic != magic || header.shape != shape_of(world) || header.contacts > bytes.size() ||
-      header.foam > bytes.size() || bytes.size() != size_for(world, header.contacts, header.foam))
+      header.foam > bytes.size() || bytes.size() < size_for(world, header.contacts, header.foam) ||
+      (bytes.size() - size_for(world, header.contacts, header.foam)) % sizeof(ReachedPose) != 0)
     throw Error(
         "restore: the snapshot belongs to a world with other objects; build the world in the same way first");
   return header;
@@ -150,6 +183,7 @@ Snapshot World::snapshot() const {
   for (const EmitterRecord& record : world.emitters) put(out, &record.layers, 1);
   for (const DrainRecord& record : world.drains) put(out, &record.credit, 1);
   put(out, foam.state());
+  put_poses(out, world);
   const std::uint64_t checksum = fnv1a64(out);
   put(out, &checksum, 1);
   return result;
@@ -168,6 +202,7 @@ void World::restore(const Snapshot& snapshot) {
   resume_objects(world, later);
   const auto& origin = header.foam_origin;
   world.fluids.foam().set_state(get_foam(later, header.foam), {origin[0], origin[1], origin[2]});
+  get_poses(world, later.first(later.size() - sizeof(std::uint64_t)));
   get(in, particles.position.data(), particles.size());
   get(in, particles.offset.data(), particles.size());
   get(in, particles.velocity.data(), particles.size());

@@ -149,16 +149,21 @@ void predict(WorldState& world, const Substep& substep) {
   first_non_finite.report_to(world);
 }
 
-// Moves pinned particles to target(vertex, t + h) + offset; without a target they stay.
+// Moves pinned particles to target(vertex, t + h) + offset, or on their way to where they arrive at the end of
+// the step; others stay.
 void drive_pins(WorldState& world, const Substep& substep) {
   const double t = world.time + static_cast<double>(substep.h);
+  const double s = (t - world.step_start) / world.step_length;
   std::vector<Vec4f>& p = moving(world);
   for (const auto& object : world.objects) {
     for (const PinnedParticle& pin : object->pins) {
-      if (!pin.target) continue;
+      if (!pin.target && !pin.arrival) continue;
       const std::uint32_t i = object->begin + pin.particle;
       Vec3d goal = world.exact_position(i);
-      world.guarded("a pin's target", [&] { goal = (*pin.target)(pin.vertex, t) + pin.offset; });
+      if (pin.arrival)
+        goal = world.last_substep ? *pin.arrival : pin.from + (*pin.arrival - pin.from) * s;
+      else
+        world.guarded("a pin's target", [&] { goal = (*pin.target)(pin.vertex, t) + pin.offset; });
       if (world.settings.form == Form::plain) {
         p[i].set_xyz(Vec3f(goal));
       } else {

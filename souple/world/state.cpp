@@ -94,7 +94,16 @@ void WorldState::warn(Flag flag, std::string_view words) {
   if (report.message.find(words) != std::string::npos) return;
   if (!report.message.empty()) report.message += '\n';
   report.message += words;
-  if (log) log(flag == Flag::non_finite ? LogLevel::error : LogLevel::warning, words);
+  if (!log) return;
+  std::string name(words);  // its numbers differ from step to step
+  name.erase(std::remove_if(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; }),
+             name.end());
+  const auto holds = [&](const std::vector<std::string>& list) {
+    return std::find(list.begin(), list.end(), name) != list.end();
+  };
+  const bool is_new = !holds(warned_before) && !holds(warned);
+  warned.push_back(std::move(name));
+  if (is_new) log(flag == Flag::non_finite ? LogLevel::error : LogLevel::warning, words);
 }
 
 void WorldState::log_info(const std::string& name, const std::vector<std::string>& sentences) const {

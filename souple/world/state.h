@@ -15,6 +15,7 @@
 #include "souple/solver/projector.h"
 #include "souple/solver/set_projector.h"
 #include "souple/state/particles.h"
+#include "souple/world/arrivals.h"
 #include "souple/world/balance.h"
 #include "souple/world/flow.h"
 #include "souple/world/fluids.h"
@@ -42,6 +43,10 @@ struct PinnedParticle {
   std::uint32_t vertex = 0;    ///< user order
   Vec3d offset{};              ///< from the vertex to the particle at the time of pinning [m]
   std::shared_ptr<const Target> target;
+  // See World::move_pins.
+  Vec3d pinned_at{};             ///< position of the particle when it was pinned [m]
+  Vec3d from{};                  ///< start of the step [m]
+  std::optional<Vec3d> arrival;  ///< end of the next step [m]
 };
 
 /// The definition of an object. Its constraints are a pure function of this struct (see build.h).
@@ -81,6 +86,7 @@ struct Object {
   Imbalance imbalance;       ///< of cloths, soft bodies and ropes
   ObstacleMotion motion;     ///< of obstacles
   Transform placement;       ///< of obstacles: transform of the mesh sequence
+  float wind_exposure = 1;   ///< share of the wind's velocity
 
   std::uint32_t reserved_end() const { return begin + capacity; }
   std::uint32_t particle_count() const { return static_cast<std::uint32_t>(rest.size()); }
@@ -134,6 +140,8 @@ struct ColliderRecord {
   ColliderId id;
   ColliderOptions options;
   Shape shape;
+  std::shared_ptr<Arrival> arrival{};  ///< `options.motion`, once move_collider has set it
+  ColliderMotion given{};              ///< the motion before
 };
 
 /// Input of the contact projectors during a step, built from objects and colliders.
@@ -186,13 +194,15 @@ struct WorldState {
   std::unique_ptr<Solver> solver;
   SolverSettings solver_settings;    ///< those that `solver` was made with
   std::unique_ptr<Threads> threads;  ///< null: create before the next step
+  JobSystem* jobs = nullptr;         ///< the host's, in place of our threads
   ColliderContacts collider_contacts;
   ColliderElementContacts collider_element_contacts;
   ParticleContacts particle_contacts;
   SurfaceContacts surface_contacts;
   IntersectionResolver intersection_resolver;
   Balance balance;
-  bool last_substep = false;  ///< of a step
+  bool last_substep = false;               ///< of a step
+  double step_start = 0, step_length = 1;  ///< of the current step [s]
   Fluids fluids;
   bool check_intersections = true;             ///< an object was placed without continuous motion
   std::vector<Impact> impacts;                 ///< of the substep, see body_restitution.h
@@ -206,9 +216,11 @@ struct WorldState {
   bool dirty_masses = true;  ///< particles were pinned or freed, or masses changed: prepare the solver
   void dirty_all() { dirty_constraints = dirty_tables = true; }
 
-  std::vector<ForceField> force_fields;
+  std::vector<VertexForceField> force_fields;
   std::array<std::vector<std::function<void(World&)>>, stage_count> before, after;
   std::function<void(LogLevel, std::string_view)> log;
+  /// Warnings of the last and of the current step without their numbers: the log has each once until it clears.
+  std::vector<std::string> warned_before, warned;
 
   StepReport report;
   std::vector<ContactEvent> events;

@@ -444,6 +444,7 @@ void World::set_collider(ColliderId id, const Shape& shape, const ColliderOption
   if (!options.name.empty() && options.name != name) world.require_free_name(options.name);
   record.shape = shape;
   record.options = options;
+  record.arrival.reset();
   if (options.name.empty()) record.options.name = name;
   world.dirty_tables = true;
   wake_all(world);
@@ -501,6 +502,13 @@ void World::set_collide(std::string_view a, std::string_view b, bool collide) {
 
 void World::add_force_field(ForceField field) {
   if (!field) throw Error("add_force_field: the function is empty");
+  add_force_field(VertexForceField([field = std::move(field)](const ForcePoint& point) {
+    return field(point.position, point.velocity, point.mass, point.time);
+  }));
+}
+
+void World::add_force_field(VertexForceField field) {
+  if (!field) throw Error("add_force_field: the function is empty");
   impl_->state.force_fields.push_back(std::move(field));
   wake_all(impl_->state);
 }
@@ -508,6 +516,35 @@ void World::add_force_field(ForceField field) {
 void World::clear_force_fields() {
   impl_->state.force_fields.clear();
   wake_all(impl_->state);
+}
+
+void World::set_wind(const Wind& wind) {
+  Settings changed = settings();
+  changed.wind = wind;
+  set_settings(changed);
+}
+
+void World::set_wind_exposure(ObjectId id, float exposure) {
+  WorldState& world = impl_->state;
+  Object& object = world.object(id);
+  if (!(exposure >= 0) || !std::isfinite(exposure))
+    throw Error(fmt::format("set_wind_exposure: the exposure of {} is {}, expected a finite number >= 0",
+                            object.name, exposure));
+  object.wind_exposure = exposure;
+  wake_island(world, object);
+}
+
+float World::wind_exposure(ObjectId id) const {
+  return impl_->state.object(id).wind_exposure;
+}
+
+void World::set_job_system(JobSystem* jobs) {
+  WorldState& world = impl_->state;
+  world.require_between_steps("set_job_system");
+  if (jobs && jobs->workers() < 1)
+    throw Error(fmt::format("set_job_system: {} workers, expected at least one", jobs->workers()));
+  world.jobs = jobs;
+  world.threads.reset();
 }
 
 void World::set_log(std::function<void(LogLevel, std::string_view)> log) {

@@ -9,6 +9,7 @@
 #include "souple/geometry/triangle_mesh.h"
 #include "souple/math/transform.h"
 #include "souple/solver/projector.h"
+#include "souple/solver/threads.h"
 #include "souple/world/debug_draw.h"
 #include "souple/world/emitter.h"
 #include "souple/world/materials.h"
@@ -89,6 +90,18 @@ using Target = std::function<Vec3d(std::uint32_t vertex, double time)>;
 /// Force field: (position [m], velocity [m/s], mass [kg], time [s]) -> force [N].
 using ForceField = std::function<Vec3f(const Vec3f&, const Vec3f&, float, double)>;
 
+/// A particle on which a force field acts.
+struct ForcePoint {
+  ObjectId object;
+  std::uint32_t vertex = 0;  ///< user order; of a soft body made of a surface: a vertex near the particle
+  Vec3f position{};          ///< m
+  Vec3f velocity{};          ///< m/s
+  float mass = 0;            ///< kg
+  double time = 0;           ///< s
+};
+/// Force field that knows object and vertex: point -> force [N].
+using VertexForceField = std::function<Vec3f(const ForcePoint&)>;
+
 /// One vertex of one object.
 struct VertexRef {
   ObjectId object;
@@ -157,6 +170,9 @@ class World {
   double time() const;  ///< s
   const Settings& settings() const;
   void set_settings(const Settings& settings);
+  /// The world computes on the threads of the host's job system, which must outlive the world or the next
+  /// call; null: on its own (Settings::threads). The results are the same bits.
+  void set_job_system(JobSystem* jobs);
   /// Adds a callback that runs before or after each execution of a stage. The step catches and reports its
   /// exceptions.
   void before(Stage stage, std::function<void(World&)> callback);
@@ -253,6 +269,13 @@ class World {
   void pin(ObjectId object, const Selector& selector, Target target = {});
   void unpin(ObjectId object, const Selector& selector);
   std::vector<std::uint32_t> pinned(ObjectId object) const;
+  /// Moves pinned vertices so that they arrive at the end of the next step, straight and at constant speed;
+  /// without another call they then stay. Replaces their targets. `motion` is applied to the positions at
+  /// which the vertices were pinned, about the world's origin: that of a bone since then. Its scale is ignored.
+  /// Throws if a vertex is not pinned.
+  void move_pins(ObjectId object, const Selector& selector, const Transform& motion);
+  /// Moves the pinned vertex vertices[k] to positions[k] [m].
+  void move_pins(ObjectId object, std::span<const std::uint32_t> vertices, std::span<const Vec3f> positions);
   /// Attaches vertices to a target (default: their current positions) by springs of compliance [m/N]; 0 is
   /// rigid.
   ProjectorId attach(ObjectId object, const Selector& selector, Target target = {}, float compliance = 0);
@@ -286,6 +309,10 @@ class World {
   ColliderId add_collider(const Shape& shape, const ColliderOptions& options = {});
   void remove(ColliderId collider);
   void set_collider(ColliderId collider, const Shape& shape, const ColliderOptions& options);
+  /// Moves a collider so that it arrives at the pose at the end of the next step: translation and rotation at
+  /// constant speed, so that it sweeps its path and pushes what is there. Without another call it then stays.
+  /// Replaces its motion.
+  void move_collider(ColliderId collider, const Transform& pose);
   std::vector<ColliderId> colliders() const;
   const Shape& shape(ColliderId collider) const;
   const ColliderOptions& collider_options(ColliderId collider) const;
@@ -309,10 +336,19 @@ class World {
   /// queries ignore this setting.
   void set_collide(std::string_view a, std::string_view b, bool collide);
   void add_force_field(ForceField field);
+  void add_force_field(VertexForceField field);
   void clear_force_fields();
   /// Contacts of the last step. The span is valid until the next step. It becomes empty when an object or
   /// collider is added, changed or removed.
   std::span<const ContactEvent> contacts() const;
+  /// Wind of Settings::wind.
+  void set_wind(const Wind& wind);
+  /// Share of the wind's velocity that reaches an object, 0 (sheltered: still air) to 1, the default; more than
+  /// 1 in a draft. Throws unless it is finite and at least 0.
+  void set_wind_exposure(ObjectId object, float exposure);
+  float wind_exposure(ObjectId object) const;
+  /// Receives notes and warnings. A warning is logged once until a step passes without it; the report of each
+  /// step has it.
   void set_log(std::function<void(LogLevel, std::string_view)> log);
 
   // --- sleeping, see Settings::sleeping ----------------------------------------------------------
@@ -335,7 +371,8 @@ class World {
   void debug_draw(const DebugDraw& draw) const;
 
   // --- state -------------------------------------------------------------------------------------
-  /// All state that a step changes. A world built the same way that restores it continues bitwise equal.
+  /// All state that a step changes. A world built the same way that restores it continues bitwise equal. Moves
+  /// requested of pins and colliders for the next step are not part of it.
   Snapshot snapshot() const;
   /// Throws if the snapshot belongs to a world with other objects or is damaged; the world is then unchanged.
   void restore(const Snapshot& snapshot);

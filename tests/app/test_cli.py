@@ -259,6 +259,7 @@ class Running(Case):
         self.assert_one_line(done.stdout)
         self.assertIn("small: 20 frames in ", done.stdout)
         self.assertIn("ms/frame", done.stdout)
+        self.assertRegex(done.stdout, r"largest strain (\d+(\.\d+)?|less than 0\.01) %, in")
         self.assertNotIn("\r", done.stdout + done.stderr)
         self.assertNotIn("left", done.stderr)
 
@@ -347,6 +348,7 @@ class Surface(Case):
 
     def test_writes_a_mesh_a_frame(self):
         said = self.souple("surface", "out").stdout
+        self.assertRegex(said, r"out_surface: about [\d.]+ [kM]B in 4 frames, about \d+ s\n")
         self.assertRegex(said, r"out_surface: 4 frames, \d+ triangles and [\d.]+ ms each\n")
         self.assertEqual(sorted(p.name for p in (self.folder / "out_surface").iterdir()),
                          ["run.json", *(f"sand_000{i}.obj" for i in range(1, 5))])

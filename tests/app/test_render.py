@@ -198,6 +198,32 @@ class Pictures(RenderCase):
         self.assertEqual((self.folder / "far.png").read_bytes(), (self.folder / "default.png").read_bytes())
         self.assertGreater(difference(self.folder / "far.png", self.folder / "empty.png"), 0.05)
 
+    def test_several_pictures_without_a_camera_show_what_the_run_covers(self):
+        falling = {"souple": 1, "frames": 60, "substeps": 2, "objects": [
+            {"name": "sheet", "kind": "cloth", "mesh": {"grid": {"columns": 5, "rows": 5, "size": 0.8}}}]}
+        scene = self.scene(falling)
+        self.souple("run", scene, "--out", "run")
+        self.render(self.scene(dict(falling, objects=[]), "empty.json"), "--out", "empty", "--frames", "1-60/59")
+        background = {pixel for path in (self.folder / "empty").iterdir() for row in png_pixels(path) for pixel in row}
+        for source in scene, "run":
+            shutil.rmtree(self.folder / "all", ignore_errors=True)
+            self.render(source, "--out", "all", "--frames", "1-60/59", "--camera", "auto")
+            name = "small" if source == scene else "run"
+            first, last = (self.folder / f"all/{name}_{frame:04}.png" for frame in (1, 60))
+            self.assertGreater(difference(first, last), 0.0005, "the sheet is in neither picture, or does not move")
+            # Fallen by 4.9 m it is still in the picture: the colors are not those of a background alone.
+            for path in first, last:
+                self.assertGreater(len({pixel for row in png_pixels(path) for pixel in row} - background), 3, path)
+
+    def test_a_long_film_says_how_long_it_takes(self):
+        scene = self.scene(dict(SCENE, frames=20000))
+        running = subprocess.Popen([PROGRAM, "render", scene, "--out", "all", "--frames", "1-20000"], cwd=self.folder,
+                                   env=self.environment, stdout=subprocess.PIPE, text=True)
+        said = running.stdout.readline()
+        running.send_signal(signal.SIGINT)
+        running.communicate(timeout=60)
+        self.assertRegex(said, r"small: 20000 pictures of 1280x720 at 4 samples, about \d+ (min|h) \d\d (s|min)")
+
     def test_sheet(self):
         done = self.souple("render", self.scene(SCENE), "--sheet", "4x3", "--size", "120x80", "--samples", "1")
         self.assertIn("12 pictures of 120x80", done.stdout)

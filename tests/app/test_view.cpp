@@ -1,3 +1,4 @@
+#include "app/view/window.h"
 #include "souple/io/recorder.h"
 #include "tests/app/offscreen_viewer.h"
 #include "tests/expect_error.h"
@@ -173,11 +174,32 @@ TEST_F(View, FramesAll) {
   }
 }
 
-TEST_F(View, EscapeQuits) {
+TEST_F(View, EscapeQuitsWhenItIsPressedTwice) {
   view.picture();
+  view.type("\x1b");
+  EXPECT_FALSE(view.viewer().done());
+  EXPECT_TRUE(said("Esc again quits"));
+  view.picture(5);  // later it is a first press again
+  view.type("\x1b");
   EXPECT_FALSE(view.viewer().done());
   view.type("\x1b");
   EXPECT_TRUE(view.viewer().done());
+}
+
+TEST_F(View, TheNextSceneShowsNoConstraintsThatWereChosenForThisOne) {
+  view.type("c");
+  EXPECT_NE(view.viewer().display().constraints, render::ConstraintDisplay::none);
+  view.type("n");
+  EXPECT_EQ(view.viewer().display().constraints, render::ConstraintDisplay::none);
+}
+
+TEST(ViewWindow, FitsOnTheScreen) {
+  const WindowArea small = fitted({1440, 900}, {1280, 720});
+  EXPECT_EQ(small.width, 1280);
+  EXPECT_LT(small.height, 720);
+  EXPECT_GT(small.height, 600);
+  EXPECT_EQ(fitted({1440, 900}, {2560, 1440}).height, 900);
+  EXPECT_EQ(fitted({1440, 900}, {}).width, 1440);
 }
 
 TEST_F(View, GoesThroughTheScenes) {
@@ -542,6 +564,24 @@ TEST(ViewResolution, OfHalfFillsTheSameWindow) {
   difference /= static_cast<double>(full.pixels.size());
   EXPECT_GT(difference, 0);
   EXPECT_LT(difference, 4);  // of 255
+}
+
+/// Text is as large and as sharp as at full resolution: the same pixels, where the legend lies over nothing else.
+TEST(ViewResolution, OfHalfHasTheSameLegends) {
+  const Scenes scenes;
+  const auto legend = [&](bool half) {
+    OffscreenViewer view(scenes.list[0].file, {641, 403, 1}, {}, half);
+    view.type("hr 4");  // strain
+    view.picture();
+    render::Image image = view.image();
+    std::vector<std::uint8_t> title;  // the first line of the legend, on its own background
+    for (int y = 16; y < 28; ++y) title.insert(title.end(), image.at(18, y), image.at(18, y) + 4 * 50);
+    return title;
+  };
+  const std::vector<std::uint8_t> full = legend(false), half = legend(true);
+  int different = 0;
+  for (std::size_t i = 0; i < full.size(); ++i) different += std::abs(full[i] - half[i]) > 24 ? 1 : 0;
+  EXPECT_LT(different, static_cast<int>(full.size()) / 50);
 }
 
 TEST(ViewFont, OfImGuiServesWhereNoneIsInstalled) {

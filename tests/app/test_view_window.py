@@ -149,6 +149,8 @@ class Window(unittest.TestCase):
         window = self.window_called("Souple: crown_splash")
         self.assertIsNone(viewer.poll())
         self.hand("key", "Escape")
+        time.sleep(0.3)
+        self.hand("key", "Escape")
         output, errors = viewer.communicate(timeout=TIMEOUT)
         self.assertEqual(viewer.returncode, 0, errors)
         self.assertEqual(errors, "")

@@ -1,3 +1,5 @@
+cmake_policy(VERSION 3.25)
+
 # Installs BUILD into a fresh prefix below WORK, moves that prefix, builds examples/hello and examples/embed against it
 # and runs them.
 function(run)
@@ -28,7 +30,26 @@ foreach(file IN LISTS package_files)
   endforeach()
 endforeach()
 
-run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE}/examples/hello -B ${WORK}/build -D CMAKE_CXX_COMPILER=${COMPILER}
+# Public headers, with all that they include, and no others.
+file(GLOB_RECURSE headers RELATIVE ${WORK}/prefix/include ${WORK}/prefix/include/*.h)
+foreach(internal impl state stages step diagnose)
+  if(souple/world/${internal}.h IN_LIST headers)
+    message(FATAL_ERROR "souple/world/${internal}.h is installed, and no user includes it")
+  endif()
+endforeach()
+foreach(header IN LISTS headers)
+  file(STRINGS ${WORK}/prefix/include/${header} includes REGEX "^#include [\"<](souple/|fmt|Eigen|nlohmann|tbb|oneapi|assimp)")
+  foreach(include IN LISTS includes)
+    string(REGEX REPLACE "^#include [\"<]([^\">]+).*" "\\1" include "${include}")
+    if(NOT include IN_LIST headers)
+      message(FATAL_ERROR "${header} includes ${include}, which is not installed")
+    endif()
+  endforeach()
+endforeach()
+
+# A consumer has neither oneTBB's nor assimp's headers and CMake files.
+run(${CMAKE_COMMAND} -D CMAKE_DISABLE_FIND_PACKAGE_TBB=ON -D CMAKE_DISABLE_FIND_PACKAGE_assimp=ON
+    -G ${GENERATOR} -S ${SOURCE}/examples/hello -B ${WORK}/build -D CMAKE_CXX_COMPILER=${COMPILER}
     -D CMAKE_BUILD_TYPE=Release -D CMAKE_PREFIX_PATH=${WORK}/prefix -D WANTED_VERSION=${VERSION})
 run(${CMAKE_COMMAND} --build ${WORK}/build)
 run(${CMAKE_COMMAND} -E chdir ${WORK}/run ${WORK}/build/hello)

@@ -1,6 +1,7 @@
 #include "../expect_error.h"
 #include "render/constraint_lines.h"
 #include "render/display.h"
+#include "render/legend.h"
 #include "render/vertex_colors.h"
 #include "souple/geometry/builders.h"
 
@@ -104,6 +105,15 @@ const Spheres* spheres_of(const DrawList& list, std::uint32_t pick) {
   for (const Spheres& s : list.spheres)
     if (s.pick == pick) return &s;
   return nullptr;
+}
+
+TEST(Legend, WritesNumbersAsUsersReadThem) {
+  EXPECT_EQ(short_number(0), "0");
+  EXPECT_EQ(short_number(0.01234), "0.0123");
+  EXPECT_EQ(short_number(120), "120");
+  EXPECT_EQ(short_number(123'456), "123000");
+  EXPECT_EQ(short_number(-1234), "-1230");
+  EXPECT_EQ(short_number(1.2e9), "1.2e+09");
 }
 
 TEST(Display, NamesAreFoundAgain) {

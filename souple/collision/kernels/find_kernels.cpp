@@ -1,6 +1,7 @@
 #include "souple/collision/kernels/find_kernels.h"
 
 #include "souple/collision/kernels/single.h"
+#include "souple/solver/find_for.h"
 
 namespace souple::kernels {
 

@@ -1,18 +1,23 @@
 #include "souple/collision/patch_kernels/find_kernels.h"
 
+#include "souple/compiled_sets.h"
+
 namespace souple::kernels {
 
 // Groups are small, and the latency of AVX-512's mask registers exceeds their benefit: AVX-512 took 12 % more
 // time than AVX2 (Zen 5, 100 k triangles).
 const PatchKernels& find_patch_kernels(InstructionSet set) {
   switch (set) {
-#if defined(__x86_64__)
+#if SOUPLE_HAS_SSE
     case InstructionSet::sse:
       return patch_kernels<simd::Sse>();
+#endif
+#if SOUPLE_HAS_AVX2
     case InstructionSet::avx2:
     case InstructionSet::avx512:
       return patch_kernels<simd::Avx2>();
-#elif defined(__aarch64__)
+#endif
+#if SOUPLE_HAS_NEON
     case InstructionSet::neon:
       return patch_kernels<simd::Neon>();
 #endif

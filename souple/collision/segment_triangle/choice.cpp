@@ -3,6 +3,7 @@
 #include "souple/collision/kernels/segments.h"
 #include "souple/collision/segment_triangle/all.h"
 #include "souple/error.h"
+#include "souple/solver/find_for.h"
 #include "souple/solver/instruction_set.h"
 
 namespace souple {

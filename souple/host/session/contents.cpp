@@ -148,6 +148,8 @@ void Contents::replace(SceneDescription scene, bool has_scene) {
   for (const ObjectId id : world.objects())
     items.push_back(std::make_unique<Item>(item_of_scene(++last, world, id, scene)));
   for (const auto& item : items_) gone_[item->handle] = item->name;
+  colliders_.clear();
+  connections_.clear();
   items_ = std::move(items);
   last_ = last;
   scene_ = std::move(scene);
@@ -180,6 +182,9 @@ Handle Contents::add(Kind kind, const TriangleSoup& soup, const MeshOptions& opt
 
 void Contents::remove(Handle handle) {
   const Item& gone = item(handle);
+  for (std::size_t k = connections_.size(); k-- > 0;)
+    if (connections_[k].object[0] == handle || connections_[k].object[1] == handle)
+      disconnect(connections_[k].handle);
   world_.remove(gone.id);
   gone_[handle] = gone.name;
   if (!gone.mesh) removed_.push_back(gone.name);
@@ -194,8 +199,20 @@ void Contents::rebuild() {
   for (const auto& item : items_) {
     const ObjectId id = item->mesh ? add_to(world, *item) : world.find_object(item->name);
     for (const Pin& pin : item->pins) pin_in(world, id, pin);
+    world.set_wind_exposure(id, item->wind_exposure);
     ids.push_back(id);
   }
+  std::vector<ColliderId> colliders;
+  for (const HostCollider& collider : colliders_) colliders.push_back(add_collider_to(world, collider));
+  std::vector<ProjectorId> connections;
+  for (const Connection& connection : connections_)
+    connections.push_back(connect_in(world, connection, [&](Handle handle) {
+      for (std::size_t i = 0; i < ids.size(); ++i)
+        if (items_[i]->handle == handle) return ids[i];
+      throw Error("a connection's object is gone");
+    }));
+  for (std::size_t i = 0; i < colliders.size(); ++i) colliders_[i].id = colliders[i];
+  for (std::size_t i = 0; i < connections.size(); ++i) connections_[i].id = connections[i];
   for (std::size_t i = 0; i < ids.size(); ++i) {
     items_[i]->id = ids[i];
     if (!items_[i]->mesh) continue;

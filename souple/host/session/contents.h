@@ -35,7 +35,28 @@ struct Item {
   std::vector<Pin> pins{};               ///< in request order, each vertex once; vertices may share particles
   std::optional<HostMesh> mesh{};        ///< empty: the object belongs to the scene
   std::optional<std::uint32_t> color{};  ///< 0xRRGGBB (sRGB), from the scene
-  ObjectId id{};                         ///< in the current world
+  float wind_exposure = 1;
+  ObjectId id{};  ///< in the current world
+};
+
+/// A collider that the host added.
+struct HostCollider {
+  Handle handle = 0;
+  Shape shape;
+  ColliderSurface surface;
+  Transform pose{};  ///< the last that the host set
+  ColliderId id{};   ///< in the current world
+};
+
+ColliderId add_collider_to(World& world, const HostCollider& collider);
+
+/// Two vertices of the world's objects that the host connected.
+struct Connection {
+  Handle handle = 0;
+  Handle object[2]{};
+  std::uint32_t vertex[2]{};
+  float distance = 0, compliance = 0;
+  ProjectorId id{};  ///< in the current world
 };
 
 /// R, G, B of 0xRRGGBB as numbers in [0, 1], sRGB; zeros without a color.
@@ -69,6 +90,13 @@ class Contents {
   void set_material(Handle handle, const AnyMaterial& material);
   void set_pinned(Handle handle, std::uint32_t vertex, bool pinned);
   void set_transform(Handle handle, const float* transform);
+  void move_pin(Handle handle, std::uint32_t vertex, const Vec3f& position);
+  Handle add_collider(const Shape& shape, const float* transform, const ColliderSurface& surface);
+  void move_collider(Handle handle, const float* transform);
+  void remove_collider(Handle handle);
+  Handle connect(Connection connection);
+  void disconnect(Handle handle);
+  void set_wind_exposure(Handle handle, float exposure);
   /// Between these two calls, the step moves obstacles to the transforms that the host set.
   void begin_step(double dt);
   void end_step(bool made);
@@ -76,6 +104,9 @@ class Contents {
  private:
   Item* find(Handle handle) const;
   void replace(SceneDescription scene, bool has_scene);
+  std::vector<HostCollider>::iterator find_collider(Handle handle);
+  ProjectorId connect_in(World& world, const Connection& connection,
+                         const std::function<ObjectId(Handle)>& object) const;
   void listen();
 
   Report report_;
@@ -83,6 +114,8 @@ class Contents {
   bool has_scene_ = false;
   std::vector<std::string> removed_;  // names of removed scene objects
   std::vector<std::unique_ptr<Item>> items_;
+  std::vector<HostCollider> colliders_;
+  std::vector<Connection> connections_;
   std::map<Handle, std::string> gone_;
   Handle last_ = 0;
   World world_;

@@ -58,6 +58,18 @@ void Session::set_gravity(float x, float y, float z) {
   impl_->contents.set_settings(settings);
 }
 
+std::array<float, 3> Session::wind() const {
+  const Vec3f& v = impl_->contents.world().settings().wind.velocity;
+  return {v.x, v.y, v.z};
+}
+
+void Session::set_wind(float x, float y, float z, float gust) {
+  Settings settings = impl_->contents.world().settings();
+  settings.wind.velocity = {x, y, z};
+  settings.wind.gust = gust;
+  impl_->contents.set_settings(settings);
+}
+
 std::vector<Parameter> Session::parameters(Handle object) const {
   return parameters_of(impl_->contents.item(object).material, impl_->contents.world().settings().mode);
 }

@@ -1,3 +1,4 @@
+#include "souple/solver/find_for.h"
 #include "souple/surface/kernels/surface_kernels.h"
 
 namespace souple::kernels {

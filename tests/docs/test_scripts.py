@@ -1,0 +1,94 @@
+#!/usr/bin/env python3
+"""What scripts and presets promise: test_scripts.py SOURCE_FOLDER. Standard library only."""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SOURCE = pathlib.Path(sys.argv[1])
+
+
+class Bootstrap(unittest.TestCase):
+    def installed(self, *arguments):
+        """What script/bootstrap asks a machine without any package to install."""
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in {"dpkg-query": "exit 1", "apt-get": f'echo "$@" >> {folder}/asked',
+                               "sudo": 'exec "$@"'}.items():
+                program = pathlib.Path(folder, name)
+                program.write_text(f"#!/bin/sh\n{text}\n")
+                program.chmod(0o755)
+            subprocess.run([SOURCE / "script/bootstrap", *arguments], check=True, capture_output=True,
+                           env=dict(os.environ, PATH=f"{folder}:{os.environ['PATH']}"))
+            return pathlib.Path(folder, "asked").read_text().split()
+
+    def test_a_build_can_make_films(self):
+        self.assertIn("ffmpeg", self.installed("--build"))
+        self.assertNotIn("libgtest-dev", self.installed("--build"))
+        self.assertIn("ffmpeg", self.installed("--test"))
+
+
+class Presets(unittest.TestCase):
+    def setUp(self):
+        presets = json.loads((SOURCE / "CMakePresets.json").read_text())["configurePresets"]
+        self.presets = {preset["name"]: preset for preset in presets}
+
+    def variables(self, name):
+        preset = self.presets[name]
+        inherited = self.variables(preset["inherits"]) if "inherits" in preset else {}
+        return {**inherited, **preset.get("cacheVariables", {})}
+
+    def test_a_warning_fails_no_build_of_a_user(self):
+        self.assertNotEqual(self.variables("release").get("SOUPLE_WARNINGS_AS_ERRORS", "OFF"), "ON")
+        self.assertNotIn("AS_ERRORS", (SOURCE / "script/demo").read_text())
+
+    def test_a_warning_fails_ours(self):
+        for name in "debug", "asan", "tsan", "clang":
+            self.assertEqual(self.variables(name)["SOUPLE_WARNINGS_AS_ERRORS"], "ON", name)
+        self.assertIn("SOUPLE_WARNINGS_AS_ERRORS=ON", (SOURCE / ".ci/run").read_text())
+        self.assertIn("cmake --preset clang", (SOURCE / "script/lint").read_text())
+
+    def test_script_test_makes_warnings_errors_in_ci(self):
+        for ci, wanted in {"true": "ON", "": "OFF"}.items():
+            with tempfile.TemporaryDirectory() as folder:
+                for name, text in {"cmake": f'echo "$@" >> {folder}/asked', "ctest": "exit 0", "dpkg-query": "echo installed"}.items():
+                    program = pathlib.Path(folder, name)
+                    program.write_text(f"#!/bin/sh\n{text}\n")
+                    program.chmod(0o755)
+                subprocess.run([SOURCE / "script/test"], check=True, capture_output=True,
+                               env=dict(os.environ, CI=ci, PATH=f"{folder}:{os.environ['PATH']}"))
+                self.assertIn(f"SOUPLE_WARNINGS_AS_ERRORS={wanted}", pathlib.Path(folder, "asked").read_text())
+
+
+class Demo(unittest.TestCase):
+    def test_the_picture_comes_before_the_rest_is_built(self):
+        """With programs that only write down what they are asked for."""
+        with tempfile.TemporaryDirectory() as folder:
+            tree = pathlib.Path(folder, "tree")
+            (tree / "script").mkdir(parents=True)
+            (tree / "script/demo").write_text((SOURCE / "script/demo").read_text())
+            log = f'echo "$(basename "$0") $@" >> {folder}/asked'
+            programs = {tree / "script/bootstrap": log, pathlib.Path(folder, "cmake"): log,
+                        tree / "build/release/bin/souple":
+                            f'{log}; [ "$1" != info ] || printf "pictures: yes\\nfilms: yes\\n"; mkdir -p out/demo; '
+                            "touch out/demo/run.json out/demo/demo.png"}
+            for path, text in programs.items():
+                path.parent.mkdir(parents=True, exist_ok=True)
+                path.write_text(f"#!/bin/sh\n{text}\n")
+                path.chmod(0o755)
+            (tree / "script/demo").chmod(0o755)
+            subprocess.run([tree / "script/demo"], check=True, capture_output=True,
+                           env=dict(os.environ, PATH=f"{folder}:{os.environ['PATH']}"))
+            asked = pathlib.Path(folder, "asked").read_text().split("\n")
+            at = {word: next(i for i, line in enumerate(asked) if word in line)
+                  for word in ("SETS=scalar", "demo.png", "SETS=all", "demo.mp4")}
+            self.assertEqual(sorted(at, key=at.get), ["SETS=scalar", "demo.png", "SETS=all", "demo.mp4"], asked)
+            self.assertIn("SOUPLE_WITH_VIEWER=OFF", asked[at["SETS=scalar"]])
+            self.assertIn("SOUPLE_WITH_VIEWER=AUTO", asked[at["SETS=all"]])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

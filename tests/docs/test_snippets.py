@@ -1,0 +1,146 @@
+#!/usr/bin/env python3
+"""The manual's C++ compiles, and its commands exist: test_snippets.py SOURCE_FOLDER INCLUDES COMPILER [PROGRAM].
+
+Each ```cpp block of README and docs/ with a main function is compiled as it stands; one without is compiled inside what
+CONTEXT gives for it. Each line of a ```sh block is run with small numbers in place of large ones, or its script is checked
+to exist. Standard library only.
+"""
+
+import os
+import pathlib
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SOURCE = pathlib.Path(sys.argv[1])
+INCLUDES = re.split(r"\\?;", sys.argv[2])
+COMPILER = sys.argv[3]
+PROGRAM = sys.argv[4] if len(sys.argv) > 4 and sys.argv[4].startswith("/") else None
+PAGES = ["README.md", *sorted(str(path.relative_to(SOURCE)) for path in SOURCE.glob("docs/*.md"))]
+
+# (page, a word of the block): what stands before it, and whether the block is inside a function.
+CONTEXT = {
+    ("docs/collisions.md", "set_collide"):
+        "#include <souple/souple.h>\nusing namespace souple;\n"
+        "void snippet(World& world, const TriangleMesh& mesh, ObjectId veil) {\n",
+    ("docs/embedding.md", "session.post"):
+        "#include <souple/host/session.h>\nvoid snippet(souple::host::Session& session, souple::host::Handle cloth) {\n",
+    ("docs/fluids.md", "FluidSurface"):
+        "#include <souple/souple.h>\n#include <souple/solver/threads.h>\n#include <souple/surface/fluid_surface.h>\n"
+        "void snippet(souple::World& world, souple::ObjectId water) {\n",
+}
+# Beginnings of lines that are not run: why.
+NOT_RUN = {
+    "script/": "builds or measures for minutes; the script must exist",
+    "cmake": "builds; tests/package configures, builds and installs",
+    "souple view": "needs a screen; tests/app/test_view_window.py opens it",
+    "build/release/bin/souple view": "the same",
+    "souple bench cloth --strain": "searches for minutes; tests/app/test_bench.py runs it small",
+}
+# Numbers of the manual's commands that take long, and what the test runs instead.
+SMALLER = [(r"--frames \d+-\d+/\d+", "--frames 1-3/2"), (r"--frames \d+-\d+", "--frames 1-2"), (r"--frames \d+", "--frames 2"),
+           (r"--size \d+x\d+", "--size 64x36"), (r"--samples \d+", "--samples 1"), (r"--sheet \d+x\d+", "--sheet 2x1")]
+
+
+def blocks(language):
+    for page in PAGES:
+        for found in re.finditer(rf"^```{language}\n(.*?)^```$", (SOURCE / page).read_text(), re.M | re.S):
+            yield page, found[1]
+
+
+class Snippets(unittest.TestCase):
+    def test_each_compiles(self):
+        used = set()
+        for page, text in blocks("cpp"):
+            with self.subTest(page=page, begins=text.split("\n")[0]), tempfile.TemporaryDirectory() as folder:
+                if not re.search(r"^int main\(", text, re.M):
+                    key = next((k for k in CONTEXT if k[0] == page and k[1] in text), None)
+                    self.assertIsNotNone(key, f"{page} shows a part of a program: give its context in CONTEXT")
+                    used.add(key)
+                    text = CONTEXT[key] + text + "}\n"
+                file = pathlib.Path(folder, "snippet.cpp")
+                file.write_text(text)
+                standard = "c++17" if "session.h" in text else "c++20"
+                done = subprocess.run([COMPILER, f"-std={standard}", "-fsyntax-only", "-Wall", "-Wno-unused-variable",
+                                       *(f"-I{path}" for path in INCLUDES), str(file)], capture_output=True, text=True)
+                self.assertEqual(done.returncode, 0, f"{page}:\n{text}\n{done.stderr}")
+        self.assertEqual(used, set(CONTEXT), "a context whose block is gone")
+
+
+class Commands(unittest.TestCase):
+    def lines(self):
+        for page, text in blocks("sh"):
+            for line in text.replace("\\\n", " ").split("\n"):
+                line = re.sub(r"\s+#.*", "", line).strip()
+                if line:
+                    yield page, line
+
+    def test_each_script_exists(self):
+        for page, line in self.lines():
+            word = line.split()[0]
+            if word.startswith("script/"):
+                with self.subTest(page=page, line=line):
+                    self.assertTrue(os.access(SOURCE / word, os.X_OK), f"{page}: {word} is no program")
+
+    def test_each_command_runs(self):
+        if PROGRAM is None:
+            self.skipTest("built without the program")
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        work = pathlib.Path(folder.name)
+        (work / "bin").mkdir()
+        (work / "bin/souple").symlink_to(PROGRAM)
+        (work / "build/release/bin").mkdir(parents=True)
+        (work / "build/release/bin/souple").symlink_to(PROGRAM)
+        (work / "my").mkdir()
+        scene = (SOURCE / "scenes/flag.json").read_text()
+        for name in "my_scene.json", "my/scene.json":
+            (work / name).write_text(scene)
+        pool = next(text for page, text in json_blocks() if page == "docs/fluids.md" and '"raft"' in text)
+        (work / "pool.json").write_text(pool)
+        environment = dict(os.environ, PATH=f"{work}/bin:{os.environ['PATH']}")
+        self.run_in(work, environment, "souple run dam_break --frames 2 --quiet --out out/dam", "setup")
+        self.run_in(work, environment, "souple run flag --frames 3 --quiet --out out/flag", "setup")
+        for page, line in self.lines():
+            if not any(line.startswith(words) for words in NOT_RUN):
+                with self.subTest(page=page, line=line):
+                    self.run_in(work, environment, line, page)
+
+    def run_in(self, work, environment, line, page):
+        for part in line.split("&&"):
+            part = part.strip()
+            for pattern, small in SMALLER:
+                changed = re.sub(pattern, small, part)
+                if changed != part:
+                    part = changed
+                    break
+            part = " ".join(re.sub(pattern, small, part) for part in [part] for pattern, small in SMALLER[3:4])
+            part = re.sub(SMALLER[4][0], SMALLER[4][1], part)
+            words = shlex.split(part.split(">")[0])
+            command = words[1] if len(words) > 1 else ""
+            if command == "run" and "--frames" not in words:
+                words += ["--frames", "3"]
+            if command == "render" and "--size" not in words:
+                words += ["--size", "64x36"]
+            if command == "render" and "--samples" not in words:
+                words += ["--samples", "1"]
+            if command == "render" and "out/" not in words[2] and "--frames" not in words and "--sheet" not in words:
+                words += ["--frames", "2"]
+            if command == "bench":
+                words += ["--size", "10", "--runs", "2"]
+            done = subprocess.run(words, cwd=work, env=environment, capture_output=True, text=True, timeout=60,
+                                  stdin=subprocess.DEVNULL)
+            self.assertEqual(done.returncode, 0, f"{page}: {' '.join(words)}\n{done.stdout}{done.stderr}")
+            if ">" in part:
+                (work / part.split(">")[1].strip()).write_text(done.stdout)
+
+
+def json_blocks():
+    yield from blocks("json")
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
