@@ -253,7 +253,11 @@ int run(const RunOptions& options) {
   }
   Job job = options.resume.empty() ? new_job(options) : stopped_job(options);
   job.scene.settings.threads = options.threads.value_or(0);
-  World world = build_world(job.scene);
+  const bool resumes = !job.state.empty();
+  World world = build_world(job.scene, [&](LogLevel level, std::string_view warning) {
+    if (level != LogLevel::info && !resumes && !options.quiet)
+      std::fprintf(stderr, "souple: %s\n", std::string(warning).c_str());
+  });
   if (!job.state.empty()) {
     try {
       world.restore(Snapshot{job.state});

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace souple {
 
@@ -27,6 +28,7 @@ struct Lattice {
   /// Volume of the tets [m^3]; larger: scale a density by surface_volume / lattice_volume.
   double lattice_volume{};
   std::size_t pieces{};  ///< connected components of the lattice; bodies closer than a cell merge
+  std::vector<std::string> sentences;  ///< holes of the surface that were closed
 };
 
 /// Covers the solid inside `mesh`, which is repaired first (mesh_report.h); cavities stay hollow if their

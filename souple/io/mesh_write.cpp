@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 #include <fmt/core.h>
 
@@ -107,11 +108,17 @@ class TopologyWriter {
   explicit TopologyWriter(const TriangleMesh& mesh) : mesh_(mesh), groups_(groups_by_vertex(mesh)) {}
 
   std::string write() {
+    for (const std::string& file : mesh_.appearance.material_files) out_ += "mtllib " + file + '\n';
     for (const auto& uv : mesh_.uvs) {
       out_ += "vt ";
       append_number(out_, uv[0]);
       out_ += ' ';
       append_number(out_, uv[1]);
+      out_ += '\n';
+    }
+    for (const Vec3f& normal : mesh_.appearance.normals) {
+      out_ += "vn";
+      append_vector(out_, normal);
       out_ += '\n';
     }
     // Per entry of groups_.groups: whether a face has written it.
@@ -126,15 +133,41 @@ class TopologyWriter {
     const auto corners = face_corners(mesh_, face);
     if (!groups_.names.empty()) write_groups(groups_of_face(groups_, corners));
     for (std::uint32_t corner : corners) mark_written(corner);
-    const bool has_uvs = !mesh_.face_uvs.empty() && !mesh_.face_uvs[face].empty();
+    write_appearance(face);
+    const auto uvs = of_face(mesh_.face_uvs, face), normals = of_face(mesh_.appearance.face_normals, face);
     out_ += 'f';
     for (std::size_t i = 0; i < corners.size(); ++i) {
       out_ += ' ';
-      append_number(out_, std::uint64_t(corners[i]) + 1);
-      if (!has_uvs) continue;
+      append_index(corners[i]);
+      if (!uvs.empty() || !normals.empty()) out_ += '/';
+      if (!uvs.empty()) append_index(uvs[i]);
+      if (normals.empty()) continue;
       out_ += '/';
-      append_number(out_, std::uint64_t(mesh_.face_uvs[face][i]) + 1);
+      append_index(normals[i]);
     }
+    out_ += '\n';
+  }
+
+  void append_index(std::uint32_t index) { append_number(out_, std::uint64_t(index) + 1); }
+
+  static std::span<const std::uint32_t> of_face(const std::vector<std::vector<std::uint32_t>>& lists,
+                                                std::size_t face) {
+    return lists.empty() ? std::span<const std::uint32_t>() : std::span<const std::uint32_t>(lists[face]);
+  }
+
+  void write_appearance(std::size_t face) {
+    const FaceAppearance& appearance = mesh_.appearance;
+    if (!appearance.face_materials.empty() && appearance.face_materials[face] != material_) {
+      material_ = appearance.face_materials[face];
+      // Without a name: no material.
+      out_ += "usemtl";
+      if (material_ != FaceAppearance::no_material) out_ += ' ' + appearance.materials[material_];
+      out_ += '\n';
+    }
+    if (appearance.smoothing.empty() || appearance.smoothing[face] == smoothing_) return;
+    smoothing_ = appearance.smoothing[face];
+    out_ += "s ";
+    append_number(out_, *smoothing_);
     out_ += '\n';
   }
 
@@ -173,6 +206,8 @@ class TopologyWriter {
   VertexGroups groups_;
   std::vector<bool> written_;
   std::vector<std::uint32_t> current_;
+  std::uint32_t material_ = FaceAppearance::no_material;
+  std::optional<std::uint32_t> smoothing_;
   std::string out_;
 };
 

@@ -1,6 +1,7 @@
 #include "souple/io/recorder.h"
 
 #include "souple/error.h"
+#include "souple/io/earlier_run.h"
 #include "souple/io/file.h"
 #include "souple/io/manifest.h"
 #include "souple/io/recorded_foam.h"
@@ -42,9 +43,12 @@ struct Recorder::Impl {
       resume(options.resume_from);
     } else {
       create_folder(plan.folder);
+      EarlierRun earlier_run(plan.folder);
+      earlier_run.remove();
       for (const ObjectId object : world.objects())
         objects.push_back(
             std::make_unique<RecordedObject>(plan, world, object, names.add(world.name(object))));
+      earlier_run.remove_caches();
       look_for_foam();
     }
     save_manifest();

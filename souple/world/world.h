@@ -228,6 +228,12 @@ class World {
   /// The mesh as added (faces, UVs, groups), at its initial transform; empty for ropes, grains and fluids.
   const TriangleMesh& mesh(ObjectId object) const;
   double total_mass(ObjectId object) const;  ///< kg; 0 for obstacles
+  /// Size of the tet mesh of a soft body; zeros for other kinds.
+  struct TetStatistics {
+    std::size_t tets = 0, particles = 0;
+    double cell_size = 0;  ///< of the lattice that covers a surface [m]; 0 for a tet mesh
+  };
+  TetStatistics tet_statistics(ObjectId object) const;
   /// Pressure of each particle of a fluid, in user order: mean over the last step [Pa].
   std::vector<float> pressures(ObjectId fluid) const;
   /// Diffuse particles of all fluids whose material has `foam` > 0. They do not act on anything else.
