@@ -33,8 +33,10 @@ struct Lattice {
 
 /// Covers the solid inside `mesh`, which is repaired first (mesh_report.h); cavities stay hollow if their
 /// surface is wound inward. Keeps tets inside the surface and tets that it crosses, so that thin parts are
-/// covered; every vertex of the surface is in a kept tet. Throws Error, starting with `name`, if the surface
-/// is open, encloses no volume or is not finite, or if the lattice would need more than 4 million cubes.
+/// covered; every vertex of the surface is in a kept tet. Closes holes whose area is less than a fifth of the
+/// surface's with fans of triangles (close_holes.h), as the eyes of a head. Throws Error, starting with `name`, if
+/// the surface has larger holes, encloses no volume or is not finite, or if the lattice would need more than 4
+/// million cubes.
 Lattice build_lattice(const TriangleMesh& mesh, const LatticeOptions& options,
                       const std::string& name = "mesh");
 

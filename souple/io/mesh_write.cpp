@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include <fmt/core.h>
@@ -58,9 +59,24 @@ std::string word_from(const std::string& name) {
   return word;
 }
 
+/// The groups of materials that the `usemtl` lines of the faces give when they are read back.
+std::map<std::string, std::vector<std::uint32_t>> groups_of_materials(const TriangleMesh& mesh) {
+  const FaceAppearance& appearance = mesh.appearance;
+  mesh_detail::GroupBuilder groups;
+  for (std::size_t face = 0; face < appearance.face_materials.size(); ++face) {
+    if (appearance.face_materials[face] == FaceAppearance::no_material) continue;
+    std::vector<std::uint32_t>& group =
+        groups["material:" + appearance.materials[appearance.face_materials[face]]];
+    const auto corners = face_corners(mesh, face);
+    group.insert(group.end(), corners.begin(), corners.end());
+  }
+  return groups.finish();
+}
+
 /// The groups of each vertex as a sorted list of their numbers, in two flat arrays.
 struct VertexGroups {
   std::vector<std::string> names;
+  std::vector<const std::vector<std::uint32_t>*> members;  ///< of each group
   std::vector<std::size_t> begins;
   std::vector<std::uint32_t> groups;
 
@@ -72,18 +88,19 @@ struct VertexGroups {
 VertexGroups groups_by_vertex(const TriangleMesh& mesh) {
   VertexGroups result;
   result.begins.assign(mesh.positions.size() + 1, 0);
+  const auto of_materials = groups_of_materials(mesh);
   for (const auto& [name, vertices] : mesh.groups) {
+    const auto by_usemtl = of_materials.find(name);
+    if (by_usemtl != of_materials.end() && by_usemtl->second == vertices) continue;
     result.names.push_back(word_from(name));
+    result.members.push_back(&vertices);
     for (std::uint32_t vertex : vertices) ++result.begins[vertex + 1];
   }
   for (std::size_t i = 1; i < result.begins.size(); ++i) result.begins[i] += result.begins[i - 1];
   result.groups.resize(result.begins.back());
   std::vector<std::size_t> next(result.begins.begin(), result.begins.end() - 1);
-  std::uint32_t group = 0;
-  for (const auto& entry : mesh.groups) {
-    for (std::uint32_t vertex : entry.second) result.groups[next[vertex]++] = group;
-    ++group;
-  }
+  for (std::uint32_t group = 0; group < result.members.size(); ++group)
+    for (std::uint32_t vertex : *result.members[group]) result.groups[next[vertex]++] = group;
   return result;
 }
 
@@ -189,8 +206,7 @@ class TopologyWriter {
   /// Writes vertices whose groups no face has written, as points.
   void write_loose() {
     for (std::uint32_t group = 0; group < groups_.names.size(); ++group) {
-      const auto& vertices = std::next(mesh_.groups.begin(), std::ptrdiff_t(group))->second;
-      for (std::uint32_t vertex : vertices) {
+      for (std::uint32_t vertex : *groups_.members[group]) {
         const auto of_vertex = groups_.of(vertex);
         const auto place = std::lower_bound(of_vertex.begin(), of_vertex.end(), group) - of_vertex.begin();
         if (written_[groups_.begins[vertex] + std::size_t(place)]) continue;

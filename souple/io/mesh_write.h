@@ -21,7 +21,7 @@ std::string obj_vertices_text(const TriangleMesh& mesh, std::span<const Vec3f> p
 
 /// The `mtllib`, `vt`, `vn`, `g`, `usemtl`, `s` and `f` lines: the constant part of a sequence. Faces keep
 /// their order and corners. A face is listed in each group that holds all its corners, so that groups read
-/// back unchanged.
+/// back unchanged; `usemtl` alone gives the groups of materials.
 std::string obj_topology_text(const TriangleMesh& mesh);
 
 /// A binary little-endian PLY: float positions, uchar colors (if any), per-vertex UVs (if each vertex has

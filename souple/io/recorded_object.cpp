@@ -252,6 +252,14 @@ void RecordedObject::finish() {
   for (Sequence& sequence : sequences_) sequence.writer.finish();
 }
 
+std::size_t RecordedObject::loose_vertices() const {
+  if (shape_->mesh.triangles.empty()) return 0;
+  std::vector<char> in_face(shape_->mesh.positions.size(), 0);
+  for (const Triangle& t : shape_->mesh.triangles)
+    for (const std::uint32_t v : t) in_face[v] = 1;
+  return static_cast<std::size_t>(std::count(in_face.begin(), in_face.end(), char(0)));
+}
+
 std::string RecordedObject::next_file() const {
   if (sequences_.empty()) return {};
   return frame_file_name(file_name_, sequences_.back().writer.frames() + 1, sequences_.back().extension);

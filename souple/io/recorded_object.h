@@ -76,6 +76,8 @@ class RecordedObject {
   /// Renames .part files; removes files without frames.
   void finish();
 
+  /// Number of vertices in the files that belong to no face, of an object that has faces.
+  std::size_t loose_vertices() const;
   /// Name of the next file of its sequences.
   std::string next_file() const;
   ManifestObject manifest() const;

@@ -334,9 +334,11 @@ class Builder {
   void remark_on_size(ObjectId object, const AnyObjectDescription& description) const {
     constexpr double largest = 50, smallest = 1e-3;  // m
     if (!log_) return;
+    // Of the mesh rather than of an animation's first frame.
+    std::vector<Vec3d> points = world_.mesh(object).positions;
     const std::span<const Vec3f> positions = world_.positions(object);
-    if (positions.size() < 2) return;
-    const std::vector<Vec3d> points(positions.begin(), positions.end());
+    if (points.empty()) points = std::vector<Vec3d>(positions.begin(), positions.end());
+    if (points.size() < 2) return;
     const Vec3d sides = bounding_box(points).size();
     const double size = std::max({sides.x, sides.y, sides.z});
     if (size <= largest && size >= smallest) return;

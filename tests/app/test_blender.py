@@ -6,6 +6,7 @@ Blender runs without a window. Where it is not installed, the exit code is 77 an
 import array
 import base64
 import json
+import os
 import re
 import shutil
 import struct
@@ -68,7 +69,9 @@ class Case(unittest.TestCase):
         done = subprocess.run([BLENDER, "--background", "--factory-startup", "--python-exit-code", "1", "--python",
                                str(SOURCE / "tests/app/blender_import.py"), "--", str(self.folder / "jobs.json"),
                                str(self.folder / "results.json")],
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=600)
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=600,
+                              # Blender finds its Python's packages by the first python3 of the path.
+                              env=dict(os.environ, PATH="/usr/bin:/bin"))
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         results = json.loads((self.folder / "results.json").read_text())
         for job, result in zip(jobs, results):
@@ -131,6 +134,150 @@ class EveryScene(Case):
                 self.assert_close(unpacked(frame["local"]), expected, what)
                 if job["importer"] != "ply":
                     self.assert_close(unpacked(frame["world"]), z_up(expected), what)
+
+
+class Appearance(Case):
+    """Materials, smooth and sharp edges and normals of a file are those of the object that comes back."""
+
+    MODEL = """
+import bpy
+bpy.ops.mesh.primitive_monkey_add(size=1)
+head = bpy.context.object
+head.data.materials.append(bpy.data.materials.new("Red"))
+head.data.materials.append(bpy.data.materials.new("Blue cloth"))
+for number, polygon in enumerate(head.data.polygons):
+    polygon.material_index = number % 2
+    polygon.use_smooth = number % 3 != 0
+bpy.ops.wm.obj_export(filepath={file!r}, export_smooth_groups=True)
+"""
+
+    def test_survives(self):
+        model = str(self.folder / "head.obj")
+        self.blender([{"kind": "export", "script": self.MODEL.format(file=model)}])
+        scene = self.write_scene({"souple": 1, "frames": 3, "objects": [
+            {"name": "head", "kind": "obstacle", "mesh": {"file": "head.obj"}}]})
+        self.souple("run", scene, "--out", "out", "--write", "pc2,obj")
+        files = [model, self.folder / "out/head.obj", self.folder / "out/head_0002.obj"]
+        before, after, frame = self.blender(
+            [{"kind": "import", "importer": "obj", "file": str(f), "normals": True} for f in files])
+        for key in "materials", "material_of", "smooth", "custom_normals", "polygons", "sharp":
+            if key == "materials":
+                self.assertEqual([re.sub(r"\.\d+$", "", m) for m in before[key]],
+                                 [re.sub(r"\.\d+$", "", m) for m in after[key]])
+                continue
+            self.assertEqual(before[key], after[key], key)
+        self.assertEqual(len(set(before["material_of"])), 2)
+        self.assertIn(True, before["smooth"])
+        worst = max(abs(a - b) for x, y in zip(before["normals"], after["normals"]) for a, b in zip(x, y))
+        self.assertLess(worst, 1e-3)
+        # The frames have no normals of their own; Blender finds them from the smoothing groups.
+        self.assertEqual((frame["smooth"], frame["material_of"]), (before["smooth"], before["material_of"]))
+
+
+class OriginalObject(Case):
+    """The cache on the object that was exported: Forward Z, Up -Y, Frame Start 1, location and rotation cleared."""
+
+    def test_cache_fits(self):
+        model = str(self.folder / "head.obj")
+        self.blender([{"kind": "original", "file": model}])
+        scene = self.write_scene({"souple": 1, "frames": 3, "objects": [
+            {"name": "head", "kind": "cloth", "mesh": {"file": "head.obj"}, "velocity": [1, 2, 3]}]})
+        self.souple("run", scene, "--out", "out", "--write", "pc2,mdd")
+        points, frames = pc2_frames(self.folder / "out/head.pc2")
+        results = self.blender([{"kind": "original", "file": str(self.folder / "again.obj"), "format": cache.upper(),
+                                 "cache": str(self.folder / "out" / f"head.{cache}"), "frames": [1, 2, 3],
+                                 "settings": {"forward_axis": "POS_Z", "up_axis": "NEG_Y"}}
+                                for cache in ("pc2", "mdd")])
+        for result in results:
+            self.assertEqual(result["vertices"], points)
+            for frame, expected in zip(result["frames"], frames):
+                self.assert_close(unpacked(frame["world"]), z_up(expected), "on the original")
+
+
+class UnitsAndNames(Case):
+    """FBX in centimeters, STL and PLY with Z up, and one object of a file of two."""
+
+    MODEL = """
+import bpy
+bpy.ops.mesh.primitive_cube_add(size=1)
+body = bpy.context.object
+body.name = "Body"
+body.scale = (0.5, 0.3, 1.8)
+bpy.ops.object.transform_apply(scale=True)
+bpy.ops.mesh.primitive_cube_add(size=1, location=(3, 0, 0))
+bpy.context.object.name = "Shirt"
+bpy.ops.wm.obj_export(filepath={folder!r} + "/two.obj")
+bpy.ops.export_scene.fbx(filepath={folder!r} + "/two.fbx")
+try:
+    bpy.ops.export_scene.gltf(filepath={folder!r} + "/two.glb")
+except RuntimeError:
+    pass  # needs numpy, which Debian's Blender only recommends
+bpy.data.objects.remove(bpy.data.objects["Shirt"])
+bpy.ops.export_mesh.stl(filepath={folder!r} + "/one.stl")
+bpy.ops.export_mesh.ply(filepath={folder!r} + "/one.ply")
+"""
+
+    def test_sizes(self):
+        self.blender([{"kind": "export", "script": self.MODEL.format(folder=str(self.folder))}])
+        has_assimp = "through assimp: yes" in self.souple("info").stdout
+        meshes = [{"file": "two.obj", "node": "Body"}, {"file": "one.stl", "up": "z"}, {"file": "one.ply", "up": "z"}]
+        if has_assimp:
+            meshes += [{"file": name, "node": "Body"} for name in ("two.fbx", "two.glb")
+                       if (self.folder / name).exists()]
+        for mesh in meshes:
+            out = self.souple("check", self.write_scene({"souple": 1, "objects": [
+                {"name": "body", "kind": "obstacle", "mesh": mesh}]})).stdout
+            self.assertIn(", 12 triangles, 0.5 x 1.8 x 0.3 m", out, mesh)
+        out = self.souple("check", self.write_scene({"souple": 1, "objects": [
+            {"name": "both", "kind": "obstacle", "mesh": {"file": "two.obj"}}]})).stdout
+        self.assertIn(", 24 triangles, 3.75 x 1.8 x 1 m", out)
+
+
+class Character(Case):
+    """docs/blender.md, "Dress a character": a body that walks, as MDD (Z up) and as OBJ files, and a skirt on it."""
+
+    MODEL = """
+import addon_utils
+import bpy
+bpy.ops.mesh.primitive_cylinder_add(radius=0.15, depth=1.0, vertices=24, location=(0, 0, 0.5))
+body = bpy.context.object
+body.name = "Body"
+scene = bpy.context.scene
+scene.frame_start, scene.frame_end = 1, 13
+bpy.ops.object.transform_apply(location=True)
+body.keyframe_insert("location", frame=1)
+body.location = (0.2, 0, 0)
+body.keyframe_insert("location", frame=13)
+scene.frame_set(1)
+bpy.ops.wm.obj_export(filepath={folder!r} + "/body.obj")
+bpy.ops.wm.obj_export(filepath={folder!r} + "/walk.obj", export_animation=True, start_frame=1, end_frame=13)
+addon_utils.enable("io_shape_mdd")
+bpy.ops.export_shape.mdd(filepath={folder!r} + "/body.mdd", fps=24, frame_start=1, frame_end=13, use_rest_frame=False)
+"""
+
+    def scene_of(self, sequence):
+        return self.write_scene({"souple": 1, "frame_rate": 24, "frames": 12, "substeps": 40, "objects": [
+            {"name": "body", "kind": "obstacle", "mesh": {"file": "body.obj"}, "sequence": sequence},
+            {"name": "skirt", "kind": "cloth", "mesh": {"disk": {"rings": 12, "segments": 24, "radius": 0.4}},
+             "transform": {"translate": [0, 1.01, 0]}}]})
+
+    def test_walks(self):
+        self.blender([{"kind": "export", "script": self.MODEL.format(folder=str(self.folder))}])
+        lying = self.souple("check", self.scene_of({"file": "body.mdd"})).stdout
+        self.assertIn('the first frame of body.mdd is the mesh rotated by 90 degrees; add "up": "z" to the sequence',
+                      lying)
+        ends = []
+        for sequence in {"file": "body.mdd", "up": "z"}, {"file": "walk1.obj", "frame_rate": 24}:
+            scene = self.scene_of(sequence)
+            self.assertNotIn("first frame", self.souple("check", scene).stdout)
+            done = self.souple("run", scene, "--out", "out", "--write", "pc2,obj")
+            self.assertLess(float(re.search(r"largest strain ([\d.e+]+) %", done.stdout)[1]), 25)
+            ends.append(obj_points(self.folder / "out/body_0012.obj"))
+            # After 12 frames the body has walked 0.2 m, and the skirt lies on it.
+            self.assert_close(ends[-1][0::3], [x + 0.2 for x in obj_points(self.folder / "body.obj")[0::3]], "body")
+            skirt = obj_points(self.folder / "out/skirt_0012.obj")
+            self.assertGreater(skirt[1], 0.99)
+        self.assert_close(ends[0], ends[1], "MDD and OBJ files")
 
 
 if __name__ == "__main__":
