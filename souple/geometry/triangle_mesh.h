@@ -25,7 +25,11 @@ struct FaceAppearance {
   /// Per face corner: index into normals; empty, or shaped like faces (an empty list: a face without).
   std::vector<std::vector<std::uint32_t>> face_normals;
 
-  bool operator==(const FaceAppearance&) const = default;
+  friend bool operator==(const FaceAppearance& a, const FaceAppearance& b) {
+    return a.material_files == b.material_files && a.materials == b.materials &&
+           a.face_materials == b.face_materials && a.smoothing == b.smoothing && a.normals == b.normals &&
+           a.face_normals == b.face_normals;
+  }
 };
 
 /// A surface as given by its file or builder: vertices, order, faces, UVs and groups are kept for caches.

@@ -19,6 +19,15 @@ bool is_points(ObjectKind kind) {
   return kind == ObjectKind::rope || kind == ObjectKind::grains || kind == ObjectKind::fluid;
 }
 
+/// OBJ names material files relative to its own folder.
+void make_relative(std::vector<std::string>& files, const std::filesystem::path& folder) {
+  for (std::string& file : files) {
+    std::error_code error;
+    const std::filesystem::path relative = std::filesystem::relative(file, folder, error);
+    if (!error && !relative.empty()) file = relative.generic_string();
+  }
+}
+
 /// A line element per segment: importers such as Blender's read only the first segment of a longer one. OBJ
 /// counts vertices from 1.
 std::string segments_text(std::uint64_t points) {
@@ -45,7 +54,7 @@ TriangleMesh written_mesh(const TriangleMesh& whole, const std::vector<std::uint
   return vertices.empty() ? whole : submesh(whole, vertices);
 }
 
-RecordedShape shape_of(const World& world, ObjectId object) {
+RecordedShape shape_of(const World& world, ObjectId object, const std::filesystem::path& folder) {
   RecordedShape shape;
   shape.kind = world.kind(object);
   shape.points = world.positions(object).size();
@@ -60,17 +69,9 @@ RecordedShape shape_of(const World& world, ObjectId object) {
   // Normals of the rest shape would be wrong in the frames.
   shape.mesh.appearance.normals.clear();
   shape.mesh.appearance.face_normals.clear();
+  make_relative(shape.mesh.appearance.material_files, folder);
   shape.topology = obj_topology_text(shape.mesh);
   return shape;
-}
-
-/// OBJ names material files relative to its own folder.
-void make_relative(std::vector<std::string>& files, const std::filesystem::path& folder) {
-  for (std::string& file : files) {
-    std::error_code error;
-    const std::filesystem::path relative = std::filesystem::relative(file, folder, error);
-    if (!error && !relative.empty()) file = relative.generic_string();
-  }
 }
 
 bool same(const RecordedShape& a, const RecordedShape& b) {
@@ -112,7 +113,7 @@ RecordedObject::RecordedObject(const RecordingPlan& plan, std::string name, Obje
 RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, ObjectId object,
                                std::string file_name)
     : RecordedObject(plan, world.name(object), object, std::move(file_name),
-                     std::make_shared<RecordedShape>(shape_of(world, object))) {
+                     std::make_shared<RecordedShape>(shape_of(world, object, plan.folder))) {
   has_rest_mesh_ = wants(CacheFormat::pc2) || wants(CacheFormat::mdd);
   if (has_rest_mesh_) write_rest_mesh(world);
   if (wants(CacheFormat::pc2)) pc2_.emplace(path("pc2"), shape_->points);
@@ -124,7 +125,7 @@ RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, Ob
 RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, ObjectId object,
                                std::string file_name, const Resume& resume)
     : RecordedObject(plan, world.name(object), object, std::move(file_name),
-                     std::make_shared<RecordedShape>(shape_of(world, object))) {
+                     std::make_shared<RecordedShape>(shape_of(world, object, plan.folder))) {
   first_shape_.points = resume.points;
   // The rest mesh exists already; for a rope or grains that have moved it could not be rewritten.
   has_rest_mesh_ = wants(CacheFormat::pc2) || wants(CacheFormat::mdd);
@@ -138,7 +139,7 @@ RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, Ob
 RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, ObjectId object,
                                std::string file_name, const Late& late)
     : RecordedObject(plan, world.name(object), object, std::move(file_name),
-                     std::make_shared<RecordedShape>(shape_of(world, object))) {
+                     std::make_shared<RecordedShape>(shape_of(world, object, plan.folder))) {
   begin_late(late.frames);
 }
 
@@ -188,7 +189,7 @@ void RecordedObject::begin_late(std::uint64_t frames) {
 }
 
 bool RecordedObject::take_over(const World& world, ObjectId object, std::uint64_t frames) {
-  RecordedShape shape = shape_of(world, object);
+  RecordedShape shape = shape_of(world, object, plan_.folder);
   const bool goes_on = present_ && same(shape, *shape_);
   if (!goes_on) {
     close_caches();

@@ -167,8 +167,8 @@ class World {
                      const ObjectOptions& options = {});
   ObjectId add_soft_body(const TetMesh& mesh, const SoftBodyMaterial& material = {},
                          const ObjectOptions& options = {});
-  /// Makes a soft body of a closed surface: a lattice of tets covers it (about 2000 tets by default). The
-  /// surface is embedded in the lattice; positions and triangles of the object are those of the surface.
+  /// Makes a soft body of a surface, closed but for small holes: a lattice of tets covers it (about 2000 tets by
+  /// default). The surface is embedded in it; positions and triangles of the object are the surface's.
   ObjectId add_soft_body(const TriangleMesh& surface, const SoftBodyMaterial& material = {},
                          const LatticeOptions& lattice = {}, const ObjectOptions& options = {});
   /// Makes a rope along the polyline `points` [m], in `segments` pieces of equal length.

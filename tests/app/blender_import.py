@@ -63,16 +63,24 @@ def add_cache(obj, job):
     modifier = obj.modifiers.new("cache", "MESH_CACHE")
     modifier.cache_format = job["format"]
     modifier.filepath = job["cache"]
-    modifier.frame_start = 1
+    modifier.frame_start = job.get("frame_start", 1)
     for key, value in job.get("settings", {}).items():
         setattr(modifier, key, value)
 
 
 def perform(job):
-    if job["kind"] == "export":
+    if job["kind"] == "script":
         clear()
         exec(job["script"], {"bpy": bpy})
         return {}
+    if job["kind"] == "scripted":  # its last object, with a cache
+        clear()
+        exec(job["script"], {"bpy": bpy})
+        obj = bpy.context.object
+        obj.animation_data_clear()
+        obj.location = obj.rotation_euler = (0, 0, 0)
+        add_cache(obj, job)
+        return {"frames": [shown(obj, frame) for frame in job["frames"]]}
     if job["kind"] == "original":
         obj = original(job)
         if not job.get("cache"):

@@ -340,17 +340,16 @@ class Running(Case):
         self.assertEqual(self.contents("out"), {**self.contents("fresh"), "picture.png": b"mine"})
 
     def test_frames_per_second(self):
-        scene = self.scene(SMALL)
+        scene = self.scene(dict(SMALL, substeps=2))
         self.souple("run", scene, "--out", "a", "--fps", "24")
         manifest = json.loads((self.folder / "a/run.json").read_text())
-        scene_of_run = manifest["scene"]
-        # 20 frames of 1/60 s are 8 of 1/24; 4 substeps of 1/240 s are 10.
-        self.assertEqual((manifest["frame_rate"], manifest["frames"], scene_of_run["substeps"]), (24, 8, 10))
-        self.souple("run", scene, "--out", "b", "--set", "frame_rate=24", "--frames", "8", "--substeps", "10")
+        # 20 frames of 1/60 s are 8 of 1/24; 2 substeps of 1/120 s are 5.
+        self.assertEqual((manifest["frame_rate"], manifest["frames"], manifest["scene"]["substeps"]), (24, 8, 5))
+        self.souple("run", scene, "--out", "b", "--set", "frame_rate=24", "--frames", "8", "--substeps", "5")
         self.assertEqual(self.contents("a"), self.contents("b"))
-        self.souple("run", scene, "--out", "c", "--fps", "30", "--frames", "3", "--substeps", "2")
+        self.souple("run", scene, "--out", "c", "--fps", "30", "--frames", "3", "--substeps", "7")
         manifest = json.loads((self.folder / "c/run.json").read_text())
-        self.assertEqual((manifest["frames"], manifest["scene"]["substeps"]), (3, 2))
+        self.assertEqual((manifest["frames"], manifest["scene"]["substeps"]), (3, 7))
         for wrong in "0", "-24", "nan":
             self.assertIn("--fps", self.souple("run", scene, "--fps", wrong, code=2).stderr)
 

@@ -440,6 +440,77 @@ TEST_F(RecorderTest, TetMeshIsWrittenAsItsSurface) {
   EXPECT_EQ(object_of(read_manifest(folder / "out"), "block").points, 56u);
 }
 
+/// A resumed run of a tet mesh has the bytes of an uninterrupted one.
+TEST_F(RecorderTest, TetMeshGoesOn) {
+  const auto block = [] {
+    World world({.substeps = 4});
+    world.add_soft_body(tet_bar(3, 3, 3, {0.3, 0.3, 0.3}), {}, {.name = "block", .velocity = {1, 0, 0}});
+    return world;
+  };
+  World whole = block();
+  {
+    Recorder recorder(whole, folder / "whole", {.formats = all_formats, .frames = 6});
+    run(whole, recorder, 6);
+  }
+  World first = block();
+  {
+    Recorder recorder(first, folder / "out", {.formats = all_formats, .frames = 6});
+    run(first, recorder, 4);
+  }
+  World second = block();
+  for (int i = 0; i < 3; ++i) second.step(dt);
+  {
+    Recorder recorder(second, folder / "out", {.formats = all_formats, .frames = 6, .resume_from = 3});
+    run(second, recorder, 3);
+  }
+  expect_same_files(folder / "out", folder / "whole");
+}
+
+/// Blender drops vertices without a face, and then refuses the cache: the run says so.
+TEST_F(RecorderTest, NotesVerticesWithoutAFace) {
+  World world({.substeps = 4});
+  TriangleMesh sheet = grid(4, 4, 1);
+  sheet.positions.push_back({0, 3, 0});
+  world.add_cloth(sheet, {}, {.name = "sheet"});
+  world.add_cloth(grid(4, 4, 1), {}, {.name = "whole", .transform = {.translation = {3, 0, 0}}});
+  const Recorder recorder(world, folder / "out");
+  ASSERT_EQ(recorder.notes().size(), 1u);
+  expect_says(recorder.notes()[0], "sheet: 1 of its vertices belong to no face; Blender drops them");
+}
+
+/// Normals of a mesh turn with its transform; frames have none.
+TEST_F(RecorderTest, KeepsTheAppearanceOfAMesh) {
+  TriangleMesh sheet = grid(2, 2, 1);
+  sheet.appearance.materials = {"red"};
+  sheet.appearance.face_materials = {0, FaceAppearance::no_material};
+  sheet.appearance.smoothing = {1, 1};
+  sheet.appearance.normals = {{0, 1, 0}};
+  sheet.appearance.face_normals = {{0, 0, 0}, {}};
+  sheet.appearance.material_files = {(folder / "sheet.mtl").string()};
+  World world({.substeps = 4});
+  constexpr double quarter = 1.5707963267948966;
+  world.add_cloth(sheet, {},
+                  {.name = "sheet", .transform = {.rotation = Quatd::from_euler_xyz({quarter, 0, 0})}});
+  {
+    Recorder recorder(world, folder / "out", {.formats = {CacheFormat::pc2, CacheFormat::obj}});
+    recorder.capture();
+  }
+  expect_says(get("out/sheet.obj"), "mtllib ../sheet.mtl\n");
+  FaceAppearance rest = read_triangle_mesh(folder / "out" / "sheet.obj").appearance;
+  ASSERT_EQ(rest.normals.size(), 1u);
+  EXPECT_LT(length(rest.normals[0] - Vec3f{0, 0, 1}), 1e-6f);
+  EXPECT_EQ(rest.face_normals, sheet.appearance.face_normals);
+  FaceAppearance frame = read_triangle_mesh(folder / "out" / "sheet_0001.obj").appearance;
+  EXPECT_TRUE(frame.normals.empty());
+  EXPECT_EQ(rest.material_files, sheet.appearance.material_files);
+  EXPECT_EQ(frame.material_files, sheet.appearance.material_files);
+  for (const FaceAppearance& found : {rest, frame}) {
+    EXPECT_EQ(found.materials, sheet.appearance.materials);
+    EXPECT_EQ(found.face_materials, sheet.appearance.face_materials);
+    EXPECT_EQ(found.smoothing, sheet.appearance.smoothing);
+  }
+}
+
 /// A run without a frame leaves no empty cache, which Blender would refuse.
 TEST_F(RecorderTest, NoFrameNoCache) {
   const World world = everything();

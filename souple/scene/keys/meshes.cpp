@@ -136,11 +136,11 @@ CodecPtr<MeshDescription> mesh_codec(MeshUse use) {
   using M = MeshDescription;
   const char* heading =
       use == MeshUse::surface ? "surface" : (use == MeshUse::solid ? "solid" : "point_file");
-  const char* doc =
-      use == MeshUse::surface ? "A surface mesh, generated or read from a file."
-      : use == MeshUse::solid
-          ? "The shape of a soft body: a closed surface, filled with a lattice of tets, or a tet mesh."
-          : "Points from a file: the vertices of a mesh.";
+  const char* doc = use == MeshUse::surface ? "A surface mesh, generated or read from a file."
+                    : use == MeshUse::solid ? "The shape of a soft body: a surface, closed but for small "
+                                              "holes, filled with a lattice of tets, or "
+                                              "a tet mesh."
+                                            : "Points from a file: the vertices of a mesh.";
   using V = decltype(M::source);
   std::vector<Alternative> sources;
   if (use == MeshUse::surface) {
