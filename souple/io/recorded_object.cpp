@@ -36,20 +36,6 @@ std::string segments_text(std::uint64_t points) {
   return text;
 }
 
-/// Of a soft body that was made of tets, the vertices on its surface; of others all.
-std::vector<std::uint32_t> written_vertices(const World& world, ObjectId object) {
-  const World::TetStatistics tets = world.tet_statistics(object);
-  const std::size_t count = world.positions(object).size();
-  std::vector<std::uint32_t> result(count);
-  std::iota(result.begin(), result.end(), 0u);
-  if (tets.tets == 0 || tets.cell_size > 0) return result;
-  std::vector<char> on_surface(count, 0);
-  for (const Triangle& t : world.triangles(object))
-    for (const std::uint32_t v : t) on_surface[v] = 1;
-  std::erase_if(result, [&](std::uint32_t v) { return !on_surface[v]; });
-  return result;
-}
-
 TriangleMesh written_mesh(const TriangleMesh& whole, const std::vector<std::uint32_t>& vertices) {
   return vertices.empty() ? whole : submesh(whole, vertices);
 }
@@ -62,7 +48,7 @@ RecordedShape shape_of(const World& world, ObjectId object, const std::filesyste
     if (shape.kind == ObjectKind::rope) shape.topology = segments_text(shape.points);
     return shape;
   }
-  shape.vertices = written_vertices(world, object);
+  shape.vertices = recorded_vertices(world, object);
   if (shape.vertices.size() == shape.points) shape.vertices.clear();
   shape.mesh = written_mesh(world.mesh(object), shape.vertices);
   shape.points = shape.mesh.positions.size();
@@ -92,9 +78,22 @@ std::string ply_bytes_of(const RecordedShape& shape, std::span<const Vec3f> posi
 
 }  // namespace
 
+std::vector<std::uint32_t> recorded_vertices(const World& world, ObjectId object) {
+  const World::TetStatistics tets = world.tet_statistics(object);
+  const std::size_t count = world.positions(object).size();
+  std::vector<std::uint32_t> result(count);
+  std::iota(result.begin(), result.end(), 0u);
+  if (tets.tets == 0 || tets.cell_size > 0) return result;
+  std::vector<char> on_surface(count, 0);
+  for (const Triangle& t : world.triangles(object))
+    for (const std::uint32_t v : t) on_surface[v] = 1;
+  std::erase_if(result, [&](std::uint32_t v) { return !on_surface[v]; });
+  return result;
+}
+
 bool same_topology(const World& world, ObjectId object, const ManifestObject& known) {
   const bool as_many =
-      world.kind(object) == ObjectKind::fluid || known.points == written_vertices(world, object).size();
+      world.kind(object) == ObjectKind::fluid || known.points == recorded_vertices(world, object).size();
   return known.kind == kind_name(world.kind(object)) && as_many &&
          known.triangles == world.triangles(object).size();
 }

@@ -20,6 +20,10 @@ struct RecorderOptions {
   std::uint64_t resume_from = 0;
 };
 
+/// The vertices of an object that its files hold, ascending: of a soft body made of tets those on its surface,
+/// because importers drop vertices without a face and then refuse a cache that has them; of others all.
+std::vector<std::uint32_t> recorded_vertices(const World& world, ObjectId object);
+
 /// Records a world into a folder for other programs: run.json, and per object a rest mesh NAME.obj with
 /// NAME.pc2 or NAME.mdd, or a sequence NAME_0001.obj / .ply. Files grow as NAME.part and are renamed when
 /// complete. Vertices are in user order; of a soft body made of tets, those on its surface. In OBJ a rope is a

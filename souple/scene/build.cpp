@@ -1,6 +1,7 @@
 #include "souple/geometry/fill.h"
 #include "souple/geometry/measures.h"
 #include "souple/io/animated_points.h"
+#include "souple/io/recorder.h"
 #include "souple/scene/first_frame.h"
 #include "souple/scene/scene.h"
 
@@ -230,18 +231,26 @@ Target keyframed(const World& world, ObjectId object, const std::vector<std::uin
 /// Positions of all vertices from files, evaluated once per time.
 class SequenceSampler {
  public:
-  SequenceSampler(AnimatedPoints points, const MeshImport& import, const Transform& transform)
-      : points_(std::move(points)), import_(import), transform_(transform), now_(points_.points()) {}
+  /// `point_of`: index of each vertex in the files; empty: the same.
+  SequenceSampler(AnimatedPoints points, std::vector<std::uint32_t> point_of, MeshImport import,
+                  const Transform& transform)
+      : points_(std::move(points)),
+        point_of_(std::move(point_of)),
+        import_(std::move(import)),
+        transform_(transform),
+        now_(points_.points()) {}
 
   std::uint64_t points() const { return points_.points(); }
   Vec3d at(std::uint32_t vertex, double time) {
     if (time != time_) points_.evaluate(time, now_);
     time_ = time;
-    return transform_.point(imported(Vec3d(now_[vertex]), import_));
+    const std::uint32_t point = point_of_.empty() ? vertex : point_of_[vertex];
+    return transform_.point(imported(Vec3d(now_[point]), import_));
   }
 
  private:
   AnimatedPoints points_;
+  std::vector<std::uint32_t> point_of_;
   MeshImport import_;
   Transform transform_;
   std::vector<Vec3f> now_;
@@ -515,23 +524,42 @@ class Builder {
 
   /// Empty: the vertices stay at their start positions.
   Target target(ObjectId object, const PinDescription& pin, const AnyObjectDescription& description) const {
-    if (pin.sequence) return sequence_target(object, *pin.sequence, description);
+    if (pin.sequence) return sequence_target(object, pin, description);
     if (pin.keyframes.empty()) return {};
     return keyframed(world_, object, world_.select(object, pin.where), pin);
   }
 
-  Target sequence_target(ObjectId object, const SequenceDescription& sequence,
+  /// Index of each vertex among those that a run's files hold; empty if these are all. A pinned vertex must be
+  /// one of them.
+  std::vector<std::uint32_t> point_of_vertices(ObjectId object, const PinDescription& pin,
+                                               std::size_t points) const {
+    const std::size_t vertices = world_.positions(object).size();
+    if (points == vertices) return {};
+    const std::vector<std::uint32_t> recorded = recorded_vertices(world_, object);
+    if (points != recorded.size()) {
+      throw Error(fmt::format("sequence: {} has {} vertices, but the object has {}", pin.sequence->file,
+                              points, vertices));
+    }
+    constexpr std::uint32_t none = ~std::uint32_t(0);
+    std::vector<std::uint32_t> point_of(vertices, none);
+    for (std::uint32_t i = 0; i < recorded.size(); ++i) point_of[recorded[i]] = i;
+    for (const std::uint32_t vertex : world_.select(object, pin.where)) {
+      if (point_of[vertex] != none) continue;
+      throw Error(fmt::format("sequence: {} has the {} vertices on the surface, and vertex {} is inside",
+                              pin.sequence->file, points, vertex));
+    }
+    return point_of;
+  }
+
+  Target sequence_target(ObjectId object, const PinDescription& pin,
                          const AnyObjectDescription& description) const {
+    const SequenceDescription& sequence = *pin.sequence;
     const AnimatedPoints::Options options{sequence.frame_rate, sequence.start_time};
     const MeshImport import = sequence_import(sequence, import_of(description));
     AnimatedPoints points(scene_.folder / sequence.file, options, read_points(import.node));
-    const std::size_t vertices = world_.positions(object).size();
-    if (points.points() != vertices) {
-      throw Error(fmt::format("sequence: {} has {} vertices, but the object has {}", sequence.file,
-                              points.points(), vertices));
-    }
+    std::vector<std::uint32_t> point_of = point_of_vertices(object, pin, points.points());
     compare_first_frame(points, sequence.file, import);
-    auto sampler = std::make_shared<SequenceSampler>(std::move(points), import,
+    auto sampler = std::make_shared<SequenceSampler>(std::move(points), std::move(point_of), import,
                                                      transform_of(common(description).transform));
     return [sampler](std::uint32_t vertex, double time) { return sampler->at(vertex, time); };
   }

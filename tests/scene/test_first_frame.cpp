@@ -2,6 +2,7 @@
 #include "souple/geometry/builders.h"
 #include "souple/io/mdd.h"
 #include "souple/io/pc2.h"
+#include "souple/io/recorder.h"
 #include "souple/scene/first_frame.h"
 
 #include <filesystem>
@@ -120,6 +121,38 @@ TEST_F(SequenceScene, TakesItsOwnUpAndScale) {
     world.step(1.0 / 60);
     for (std::size_t v = 0; v < before.size(); ++v)
       EXPECT_LT(length(world.positions(id)[v] - before[v]), 1e-5f) << v;
+  }
+}
+
+// The cache of a tet mesh holds its surface; it can move what it holds.
+TEST_F(SequenceScene, OfATetMeshMayHoldItsSurface) {
+  const std::string bar = R"({"souple": 1, "objects": [{"name": "bar", "kind": "soft_body",
+      "mesh": {"tet_bar": {"cells": [3, 3, 3], "size": [0.3, 0.3, 0.3]}}, "pins": [)";
+  World world = build_world(parse_scene(bar + "]}]}", folder, "test.json"));
+  const ObjectId object = world.find_object("bar");
+  const std::vector<std::uint32_t> surface = recorded_vertices(world, object);
+  ASSERT_EQ(surface.size(), 56u);
+  Pc2Writer cache(folder / "bar.pc2", surface.size());
+  std::vector<Vec3f> frame;
+  for (const std::uint32_t v : surface) frame.push_back(world.positions(object)[v] + Vec3f{0, 1, 0});
+  cache.append(frame);
+  cache.finish();
+  const auto pinned = [&](std::uint32_t vertex) {
+    return bar + R"({"vertices": [)" + std::to_string(vertex) + R"(], "sequence": {"file": "bar.pc2"}}]}]})";
+  };
+  World moved = build_world(parse_scene(pinned(surface.back()), folder, "test.json"));
+  const Vec3f before = world.positions(object)[surface.back()];
+  moved.step(1.0 / 60);
+  EXPECT_NEAR(moved.positions(object)[surface.back()].y, before.y + 1, 1e-5f);
+  std::uint32_t inside = 0;
+  while (std::find(surface.begin(), surface.end(), inside) != surface.end()) ++inside;
+  try {
+    build_world(parse_scene(pinned(inside), folder, "test.json"));
+    FAIL() << "no position for a vertex inside";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("pins[0]: sequence: bar.pc2 has the 56 vertices on the surface"),
+              std::string::npos)
+        << error.what();
   }
 }
 
