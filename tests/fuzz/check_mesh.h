@@ -27,7 +27,8 @@ inline void check(const TriangleMesh& mesh) {
   const FaceAppearance& a = mesh.appearance;
   const auto faces = mesh.faces.empty() ? mesh.triangles.size() : mesh.faces.size();
   require(a.face_materials.empty() || a.face_materials.size() == faces);
-  for (std::uint32_t i : a.face_materials) require(i < a.materials.size() || i == FaceAppearance::no_material);
+  for (std::uint32_t i : a.face_materials)
+    require(i < a.materials.size() || i == FaceAppearance::no_material);
   require(a.smoothing.empty() || a.smoothing.size() == faces);
   require(a.face_normals.empty() || a.face_normals.size() == faces);
   for (const auto& face : a.face_normals) {
