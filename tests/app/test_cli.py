@@ -103,7 +103,7 @@ class Talking(Case):
             self.assertIn("Example", out)
         self.assertIn("Exit codes", self.souple("--help").stdout)
         for flag in ["--frames", "--out", "--write", "--threads", "--substeps", "--iterations", "--set", "--resume",
-                     "--checkpoint-every", "--surface", "--picture", "--quiet"]:
+                     "--checkpoint-every", "--surface", "--picture", "--quiet", "--fps"]:
             self.assertIn(flag, self.souple("run", "--help").stdout)
 
     def test_version(self):

@@ -1,3 +1,4 @@
+#include "souple/error.h"
 #include "souple/geometry/builders.h"
 #include "souple/geometry/close_holes.h"
 #include "souple/geometry/lattice.h"

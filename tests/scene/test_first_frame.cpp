@@ -134,6 +134,7 @@ TEST_F(SequenceScene, OfATetMeshMayHoldItsSurface) {
   ASSERT_EQ(surface.size(), 56u);
   Pc2Writer cache(folder / "bar.pc2", surface.size());
   std::vector<Vec3f> frame;
+  frame.reserve(surface.size());
   for (const std::uint32_t v : surface) frame.push_back(world.positions(object)[v] + Vec3f{0, 1, 0});
   cache.append(frame);
   cache.finish();
