@@ -13,6 +13,9 @@ namespace souple::app {
 struct RunOptions {
   std::string scene;  ///< a file or the name of a shipped scene; empty with `resume`
   std::optional<std::uint32_t> frames, substeps, iterations;
+  /// Frames per second instead of the scene's; frames and substeps change along, so that the duration and the
+  /// length of a substep stay.
+  std::optional<double> fps;
   std::optional<int> threads;         ///< empty: Settings::threads = 0
   std::filesystem::path out;          ///< empty: out/NAME
   std::vector<std::string> formats;   ///< empty: pc2

@@ -134,6 +134,11 @@ void add_run(CLI::App& app, std::function<int()>& action) {
   command.add_option("SCENE", options->scene, scene_help);
   command.add_option("--frames", options->frames, "number of frames to simulate, instead of the scene's")
       ->type_name("N");
+  command
+      .add_option("--fps", options->fps,
+                  "frames per second, instead of the scene's, over its duration and with its length of a "
+                  "substep; Blender plays 24")
+      ->type_name("RATE");
   command.add_option("--out", options->out, "the folder to write to [out/NAME]")->type_name("DIR");
   command.add_option("--write", options->formats, "caches to write: pc2, mdd, obj, ply [pc2]")
       ->delimiter(',')

@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 #include <utility>
@@ -51,19 +52,39 @@ std::vector<CacheFormat> formats_of(const std::vector<std::string>& names) {
   return formats;
 }
 
-/// Settings from the command line's options, checked like those of --set.
+/// Settings from the options --frames, --substeps and --iterations, checked like those of --set.
 std::vector<std::string> settings_of(const RunOptions& options) {
-  std::vector<std::string> settings = options.settings;
+  std::vector<std::string> settings;
   if (options.frames) settings.push_back(fmt::format("frames={}", *options.frames));
   if (options.substeps) settings.push_back(fmt::format("substeps={}", *options.substeps));
   if (options.iterations) settings.push_back(fmt::format("iterations={}", *options.iterations));
   return settings;
 }
 
+/// The settings for `--fps`; explicit `--frames` and `--substeps` come after them and win.
+std::vector<std::string> settings_for_rate(const SceneDescription& scene, double fps) {
+  const double ratio = scene.frame_rate / fps;
+  const auto scaled = [](double number, double factor) { return std::max(1.0, std::round(number * factor)); };
+  return {fmt::format("frame_rate={}", fps), fmt::format("frames={}", scaled(scene.frames, 1 / ratio)),
+          fmt::format("substeps={}", scaled(scene.settings.substeps, ratio))};
+}
+
+SceneDescription loaded_scene(const fs::path& file, const RunOptions& options) {
+  std::vector<std::string> settings = options.settings;
+  if (options.fps) {
+    if (!(*options.fps > 0 && std::isfinite(*options.fps)))
+      throw Error(fmt::format("--fps {}: expected a number of frames per second, above 0", *options.fps));
+    for (std::string& setting : settings_for_rate(load_scene(file, settings), *options.fps))
+      settings.push_back(std::move(setting));
+  }
+  for (std::string& setting : settings_of(options)) settings.push_back(std::move(setting));
+  return load_scene(file, settings);
+}
+
 Job new_job(const RunOptions& options) {
   const fs::path file = find_scene(options.scene);
   Job job;
-  job.scene = load_scene(file, settings_of(options));
+  job.scene = loaded_scene(file, options);
   job.record.name = file.stem().string();
   job.record.source = job.scene.source;
   job.record.folder = fs::absolute(job.scene.folder / ".").lexically_normal().string();
@@ -76,13 +97,13 @@ Job new_job(const RunOptions& options) {
 }
 
 void refuse_changes(const RunOptions& options) {
-  const bool changes = !options.settings.empty() || options.substeps || options.iterations ||
+  const bool changes = !options.settings.empty() || options.fps || options.substeps || options.iterations ||
                        !options.formats.empty() || !options.out.empty() || !options.scene.empty() ||
                        !options.surface.empty();
   if (changes) {
     throw Error(
         "--resume uses the scene, the settings and the folder of the stopped run; omit SCENE, "
-        "--set, --substeps, --iterations, --write, --surface and --out (--frames may be larger)");
+        "--set, --fps, --substeps, --iterations, --write, --surface and --out (--frames may be larger)");
   }
 }
 
@@ -254,7 +275,11 @@ int run(const RunOptions& options) {
   }
   Job job = options.resume.empty() ? new_job(options) : stopped_job(options);
   job.scene.settings.threads = options.threads.value_or(0);
-  World world = build_world(job.scene);
+  const bool resumes = !job.state.empty();
+  World world = build_world(job.scene, [&](LogLevel level, std::string_view warning) {
+    if (level != LogLevel::info && !resumes && !options.quiet)
+      std::fprintf(stderr, "souple: %s\n", std::string(warning).c_str());
+  });
   if (!job.state.empty()) {
     try {
       world.restore(Snapshot{job.state});

@@ -1,9 +1,8 @@
 #include "app/run_surfaces.h"
 
+#include "souple/io/earlier_run.h"
 #include "souple/io/file.h"
 #include "souple/io/recorder_names.h"
-
-#include <system_error>
 
 namespace souple::app {
 
@@ -52,8 +51,7 @@ RunSurfaces::RunSurfaces(const std::string& method, const SceneDescription& scen
 
 void RunSurfaces::start() {
   create_folder(file_options_.out);
-  std::error_code ignored;
-  fs::remove(file_options_.out / "run.json", ignored);  // of an earlier run
+  EarlierRun(file_options_.out).remove();
 }
 
 void RunSurfaces::write(const World& world, std::uint64_t frame) {

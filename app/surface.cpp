@@ -5,6 +5,7 @@
 #include "app/surface_files.h"
 #include "app/vdb.h"
 #include "souple/error.h"
+#include "souple/io/earlier_run.h"
 #include "souple/io/file.h"
 #include "souple/io/playback.h"
 #include "souple/io/recorder_names.h"
@@ -174,6 +175,7 @@ int surface(const SurfaceRequest& request) {
   if (fs::equivalent(source.empty() ? "." : source, file_options.out, ignored))
     throw Error("--out " + file_options.out.string() + ": is the input folder; choose another");
   create_folder(file_options.out);
+  EarlierRun(file_options.out).remove();
   // From here on files are written; an interrupt ends the work with complete files.
   watch_interrupts();
   try {

@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace souple {
 
@@ -27,12 +28,15 @@ struct Lattice {
   /// Volume of the tets [m^3]; larger: scale a density by surface_volume / lattice_volume.
   double lattice_volume{};
   std::size_t pieces{};  ///< connected components of the lattice; bodies closer than a cell merge
+  std::vector<std::string> sentences;  ///< holes of the surface that were closed
 };
 
 /// Covers the solid inside `mesh`, which is repaired first (mesh_report.h); cavities stay hollow if their
 /// surface is wound inward. Keeps tets inside the surface and tets that it crosses, so that thin parts are
-/// covered; every vertex of the surface is in a kept tet. Throws Error, starting with `name`, if the surface
-/// is open, encloses no volume or is not finite, or if the lattice would need more than 4 million cubes.
+/// covered; every vertex of the surface is in a kept tet. Closes holes whose area is less than a fifth of the
+/// surface's with fans of triangles (close_holes.h), as the eyes of a head. Throws Error, starting with `name`, if
+/// the surface has larger holes, encloses no volume or is not finite, or if the lattice would need more than 4
+/// million cubes.
 Lattice build_lattice(const TriangleMesh& mesh, const LatticeOptions& options,
                       const std::string& name = "mesh");
 

@@ -160,7 +160,7 @@ std::vector<std::string> describe(const MeshReport& r) {
   return lines;
 }
 
-void require_closed(const MeshReport& r, const std::string& name) {
+void require_closed(const MeshReport& r, const std::string& name, const std::string& holes) {
   if (r.is_closed) return;
   std::string why;
   const auto add = [&](const std::string& reason) { why += (why.empty() ? "" : ", ") + reason; };
@@ -174,8 +174,9 @@ void require_closed(const MeshReport& r, const std::string& name) {
     add(plural(r.non_manifold_edges.size(), "edge is", "edges are") +
         " shared by more than two triangles, some by an odd number (" + at_edge(r.non_manifold_edges) + ")");
   if (why.empty()) add("all its triangles are collapsed");
+  if (!holes.empty()) why += ", it has " + holes;
   throw Error(name + ": a closed surface is needed here, but " + why +
-              "; close it in a modeling program, or simulate it as a cloth");
+              "; close it in a modeling program (in Blender: a Remesh modifier), or simulate it as a cloth");
 }
 
 namespace {

@@ -40,8 +40,9 @@ MeshReport inspect(const TriangleMesh& mesh);
 /// The report as sentences, one per kind of defect with its count and first location; none for a clean mesh.
 std::vector<std::string> describe(const MeshReport& report);
 
-/// Throws Error, with counts and locations, unless the surface is closed. `name`: of the object or file.
-void require_closed(const MeshReport& report, const std::string& name);
+/// Throws Error, with counts and locations, unless the surface is closed. `name`: of the object or file;
+/// `holes`: describe(holes) of close_holes.h, may be empty.
+void require_closed(const MeshReport& report, const std::string& name, const std::string& holes = {});
 
 /// The simulated surface: welded, without degenerate triangles. The user's mesh is unchanged.
 struct RepairedSurface {

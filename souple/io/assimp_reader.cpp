@@ -48,6 +48,8 @@ class SceneReader {
     }
     if (mesh_.positions.empty()) throw Error(name_ + ": found no vertex, expected a mesh");
     if (!mesh_.colors.empty()) mesh_.colors.resize(mesh_.positions.size(), white_);
+    if (appearance_.materials.empty()) appearance_.face_materials.clear();
+    mesh_.appearance = std::move(appearance_);
     faces_.store(mesh_);
     mesh_.groups = groups_.finish();
     return std::move(mesh_);
@@ -65,12 +67,39 @@ class SceneReader {
         mesh_.uvs.push_back({part.mTextureCoords[0][i].x, part.mTextureCoords[0][i].y});
       }
     }
+    const std::size_t first_normal = appearance_.normals.size();
+    if (part.HasNormals()) append_normals(part, transform);
+    const std::uint32_t material = material_of(part);
     for (unsigned face = 0; face < part.mNumFaces; ++face)
-      append_face(part, part.mFaces[face], first, first_uv);
+      append_face(part, part.mFaces[face], {first, first_uv, first_normal, material});
     append_group(node.mName.C_Str(), "", first);
     if (part.mMaterialIndex < scene_.mNumMaterials) {
       append_group(scene_.mMaterials[part.mMaterialIndex]->GetName().C_Str(), "material:", first);
     }
+  }
+
+  void append_normals(const aiMesh& part, const aiMatrix4x4& transform) {
+    aiMatrix3x3 of_normals(transform);
+    of_normals.Inverse().Transpose();
+    for (unsigned i = 0; i < part.mNumVertices; ++i) {
+      const aiVector3D n = of_normals * part.mNormals[i];
+      const Vec3d normal{double(n.x), double(n.y), double(n.z)};
+      const double l = length(normal);
+      appearance_.normals.push_back(std::isfinite(l) && l > 0 ? Vec3f(normal / l) : Vec3f{0, 1, 0});
+    }
+  }
+
+  std::uint32_t material_of(const aiMesh& part) {
+    if (part.mMaterialIndex >= scene_.mNumMaterials) return FaceAppearance::no_material;
+    std::string name = scene_.mMaterials[part.mMaterialIndex]->GetName().C_Str();
+    std::replace_if(
+        name.begin(), name.end(), [](char c) { return c >= 0 && c < ' '; }, '_');
+    if (name.empty() || name == AI_DEFAULT_MATERIAL_NAME) return FaceAppearance::no_material;
+    std::vector<std::string>& names = appearance_.materials;
+    const auto known = std::find(names.begin(), names.end(), name);
+    if (known != names.end()) return std::uint32_t(known - names.begin());
+    names.push_back(name);
+    return std::uint32_t(names.size() - 1);
   }
 
   void append_vertices(const aiMesh& part, const aiMatrix4x4& transform) {
@@ -96,7 +125,12 @@ class SceneReader {
 
   static float in_range(float channel) { return channel >= 0.0f ? std::min(channel, 1.0f) : 0.0f; }
 
-  void append_face(const aiMesh& part, const aiFace& face, std::size_t first, std::size_t first_uv) {
+  /// Numbers of a mesh's first vertex, UV and normal, and its material.
+  struct Place {
+    std::size_t vertex, uv, normal;
+    std::uint32_t material;
+  };
+  void append_face(const aiMesh& part, const aiFace& face, const Place& first) {
     if (face.mNumIndices < 3) return;  // points and lines
     for (unsigned i = 0; i < face.mNumIndices; ++i) {
       const unsigned corner = face.mIndices[i];
@@ -104,11 +138,14 @@ class SceneReader {
         throw Error(fmt::format("{}: found vertex index {} in a mesh of {} vertices, expected a smaller one",
                                 name_, corner, part.mNumVertices));
       }
-      faces_.corners.push_back(std::uint32_t(first + corner));
-      faces_.corner_uvs.push_back(part.HasTextureCoords(0) ? std::uint32_t(first_uv + corner)
+      faces_.corners.push_back(std::uint32_t(first.vertex + corner));
+      faces_.corner_uvs.push_back(part.HasTextureCoords(0) ? std::uint32_t(first.uv + corner)
                                                            : FaceList::no_uv);
+      faces_.corner_normals.push_back(part.HasNormals() ? std::uint32_t(first.normal + corner)
+                                                        : FaceList::no_normal);
     }
     faces_.end_face();
+    appearance_.face_materials.push_back(first.material);
   }
 
   void append_group(const std::string& group_name, const char* prefix, std::size_t first) {
@@ -122,8 +159,18 @@ class SceneReader {
   Vec3f white_{1.0f, 1.0f, 1.0f};
   TriangleMesh mesh_;
   FaceList faces_;
+  FaceAppearance appearance_;
   GroupBuilder groups_;
 };
+
+/// Meters per unit of the scene's numbers. An FBX states the centimeters of its unit, which assimp leaves to
+/// its caller.
+double unit_of(const aiScene& scene, const std::filesystem::path& path) {
+  float centimeters = 0;
+  const bool states_unit = lower_case(path.extension().string()) == ".fbx" && scene.mMetaData != nullptr &&
+                           scene.mMetaData->Get("UnitScaleFactor", centimeters);
+  return states_unit && std::isfinite(centimeters) && centimeters > 0 ? 0.01 * double(centimeters) : 1;
+}
 
 }  // namespace
 
@@ -140,7 +187,9 @@ TriangleMesh read_with_assimp(const std::filesystem::path& path) {
       throw Error(name + ": assimp cannot read it (" + importer.GetErrorString() + "), expected a " +
                   path.extension().string() + " file");
     }
-    return SceneReader(*scene, name).read();
+    TriangleMesh mesh = SceneReader(*scene, name).read();
+    for (Vec3d& x : mesh.positions) x *= unit_of(*scene, path);
+    return mesh;
   } catch (const Error&) {
     throw;
   } catch (const std::exception& failure) {

@@ -1,6 +1,7 @@
 #include "souple/io/mesh_file.h"
 
 #include "souple/error.h"
+#include "souple/geometry/submesh.h"
 #include "souple/io/assimp_reader.h"
 #include "souple/io/mesh_parse.h"
 #include "souple/io/mesh_text.h"
@@ -43,12 +44,37 @@ std::string read_bytes(const std::filesystem::path& path) {
   return bytes;
 }
 
+template <class T>
+Vec3<T> with_y_up(const Vec3<T>& x, UpAxis up) {
+  if (up == UpAxis::z) return {x.x, x.z, -x.y};
+  if (up == UpAxis::x) return {-x.y, x.x, x.z};
+  return x;
+}
+
 void import_positions(std::vector<Vec3d>& positions, const MeshImport& options) {
-  for (Vec3d& p : positions) {
-    p *= options.scale;
-    if (options.up == UpAxis::z) p = {p.x, p.z, -p.y};
-    if (options.up == UpAxis::x) p = {-p.y, p.x, p.z};
+  for (Vec3d& p : positions) p = imported(p, options);
+}
+
+/// Material files in a mesh file are relative to its folder.
+void find_material_files(std::vector<std::string>& files, const std::filesystem::path& mesh_file) {
+  for (std::string& file : files)
+    file = std::filesystem::absolute(mesh_file.parent_path() / file).lexically_normal().string();
+}
+
+/// The part of a mesh in the group `node`.
+TriangleMesh part_of(const TriangleMesh& mesh, const std::string& node, const std::string& file) {
+  const auto group = mesh.groups.find(node);
+  if (group != mesh.groups.end()) return submesh(mesh, group->second);
+  std::string names;
+  constexpr std::size_t most = 20;
+  std::size_t count = 0;
+  for (const auto& [name, vertices] : mesh.groups) {
+    if (name.starts_with("material:") || ++count > most) continue;
+    names += (names.empty() ? "\"" : ", \"") + name + "\"";
   }
+  if (count > most) names += fmt::format(" and {} more", count - most);
+  throw Error(fmt::format("{}: holds no object \"{}\"; expected {}", file, node,
+                          names.empty() ? "no \"node\": the file names no objects" : "one of " + names));
 }
 
 void check_scale(const std::filesystem::path& path, const MeshImport& options) {
@@ -116,10 +142,17 @@ auto within_memory(const std::filesystem::path& path, Read read) {
 
 }  // namespace
 
+Vec3d imported(const Vec3d& x, const MeshImport& options) {
+  return with_y_up(x, options.up) * options.scale;
+}
+
 TriangleMesh read_triangle_mesh(const std::filesystem::path& path, const MeshImport& options) {
   check_scale(path, options);
   TriangleMesh mesh = within_memory(path, read_surface);
+  if (!options.node.empty()) mesh = part_of(mesh, options.node, path.string());
   import_positions(mesh.positions, options);
+  for (Vec3f& normal : mesh.appearance.normals) normal = with_y_up(normal, options.up);
+  find_material_files(mesh.appearance.material_files, path);
   return mesh;
 }
 

@@ -4,6 +4,7 @@
 #include "souple/geometry/triangle_mesh.h"
 
 #include <filesystem>
+#include <string>
 
 namespace souple {
 
@@ -15,11 +16,18 @@ enum class UpAxis { x, y, z };
 struct MeshImport {
   double scale = 1.0;     ///< meters per unit of the file; finite and > 0
   UpAxis up = UpAxis::y;  ///< the file's up axis
+  /// Reads only this object (or group) of the file: an `o` or `g` of OBJ, a node of glTF, FBX, ...; empty:
+  /// the whole file.
+  std::string node{};
 };
+
+/// A point of a file in Souple's axes and meters.
+Vec3d imported(const Vec3d& x, const MeshImport& options);
 
 /// Reads a triangle mesh. The extension, in any letter case, determines the format: Souple reads .obj, .ply
 /// and .stl itself, and all others (.gltf, .glb, .fbx, .dae, ...) with assimp if built with it. Vertices,
-/// their order, polygons, UVs, colors and groups are those of the file. Vertices are not welded (an STL has
+/// their order, polygons, UVs, colors, groups and appearance are those of the file. FBX states its unit:
+/// `scale` is then a further factor. Vertices are not welded (an STL has
 /// three per triangle). A file may hold only vertices; a file without vertices is an error. Throws Error:
 /// "FILE:LINE: ..." (text) or "FILE: byte N: ..." (binary), with the text found and the text expected.
 TriangleMesh read_triangle_mesh(const std::filesystem::path& path, const MeshImport& options = {});

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
+#include <optional>
 
 #include <fmt/core.h>
 
@@ -57,9 +59,24 @@ std::string word_from(const std::string& name) {
   return word;
 }
 
+/// The groups of materials that the `usemtl` lines of the faces give when they are read back.
+std::map<std::string, std::vector<std::uint32_t>> groups_of_materials(const TriangleMesh& mesh) {
+  const FaceAppearance& appearance = mesh.appearance;
+  mesh_detail::GroupBuilder groups;
+  for (std::size_t face = 0; face < appearance.face_materials.size(); ++face) {
+    if (appearance.face_materials[face] == FaceAppearance::no_material) continue;
+    std::vector<std::uint32_t>& group =
+        groups["material:" + appearance.materials[appearance.face_materials[face]]];
+    const auto corners = face_corners(mesh, face);
+    group.insert(group.end(), corners.begin(), corners.end());
+  }
+  return groups.finish();
+}
+
 /// The groups of each vertex as a sorted list of their numbers, in two flat arrays.
 struct VertexGroups {
   std::vector<std::string> names;
+  std::vector<const std::vector<std::uint32_t>*> members;  ///< of each group
   std::vector<std::size_t> begins;
   std::vector<std::uint32_t> groups;
 
@@ -71,18 +88,19 @@ struct VertexGroups {
 VertexGroups groups_by_vertex(const TriangleMesh& mesh) {
   VertexGroups result;
   result.begins.assign(mesh.positions.size() + 1, 0);
+  const auto of_materials = groups_of_materials(mesh);
   for (const auto& [name, vertices] : mesh.groups) {
+    const auto by_usemtl = of_materials.find(name);
+    if (by_usemtl != of_materials.end() && by_usemtl->second == vertices) continue;
     result.names.push_back(word_from(name));
+    result.members.push_back(&vertices);
     for (std::uint32_t vertex : vertices) ++result.begins[vertex + 1];
   }
   for (std::size_t i = 1; i < result.begins.size(); ++i) result.begins[i] += result.begins[i - 1];
   result.groups.resize(result.begins.back());
   std::vector<std::size_t> next(result.begins.begin(), result.begins.end() - 1);
-  std::uint32_t group = 0;
-  for (const auto& entry : mesh.groups) {
-    for (std::uint32_t vertex : entry.second) result.groups[next[vertex]++] = group;
-    ++group;
-  }
+  for (std::uint32_t group = 0; group < result.members.size(); ++group)
+    for (std::uint32_t vertex : *result.members[group]) result.groups[next[vertex]++] = group;
   return result;
 }
 
@@ -107,11 +125,17 @@ class TopologyWriter {
   explicit TopologyWriter(const TriangleMesh& mesh) : mesh_(mesh), groups_(groups_by_vertex(mesh)) {}
 
   std::string write() {
+    for (const std::string& file : mesh_.appearance.material_files) out_ += "mtllib " + file + '\n';
     for (const auto& uv : mesh_.uvs) {
       out_ += "vt ";
       append_number(out_, uv[0]);
       out_ += ' ';
       append_number(out_, uv[1]);
+      out_ += '\n';
+    }
+    for (const Vec3f& normal : mesh_.appearance.normals) {
+      out_ += "vn";
+      append_vector(out_, normal);
       out_ += '\n';
     }
     // Per entry of groups_.groups: whether a face has written it.
@@ -126,15 +150,41 @@ class TopologyWriter {
     const auto corners = face_corners(mesh_, face);
     if (!groups_.names.empty()) write_groups(groups_of_face(groups_, corners));
     for (std::uint32_t corner : corners) mark_written(corner);
-    const bool has_uvs = !mesh_.face_uvs.empty() && !mesh_.face_uvs[face].empty();
+    write_appearance(face);
+    const auto uvs = of_face(mesh_.face_uvs, face), normals = of_face(mesh_.appearance.face_normals, face);
     out_ += 'f';
     for (std::size_t i = 0; i < corners.size(); ++i) {
       out_ += ' ';
-      append_number(out_, std::uint64_t(corners[i]) + 1);
-      if (!has_uvs) continue;
+      append_index(corners[i]);
+      if (!uvs.empty() || !normals.empty()) out_ += '/';
+      if (!uvs.empty()) append_index(uvs[i]);
+      if (normals.empty()) continue;
       out_ += '/';
-      append_number(out_, std::uint64_t(mesh_.face_uvs[face][i]) + 1);
+      append_index(normals[i]);
     }
+    out_ += '\n';
+  }
+
+  void append_index(std::uint32_t index) { append_number(out_, std::uint64_t(index) + 1); }
+
+  static std::span<const std::uint32_t> of_face(const std::vector<std::vector<std::uint32_t>>& lists,
+                                                std::size_t face) {
+    return lists.empty() ? std::span<const std::uint32_t>() : std::span<const std::uint32_t>(lists[face]);
+  }
+
+  void write_appearance(std::size_t face) {
+    const FaceAppearance& appearance = mesh_.appearance;
+    if (!appearance.face_materials.empty() && appearance.face_materials[face] != material_) {
+      material_ = appearance.face_materials[face];
+      // Without a name: no material.
+      out_ += "usemtl";
+      if (material_ != FaceAppearance::no_material) out_ += ' ' + appearance.materials[material_];
+      out_ += '\n';
+    }
+    if (appearance.smoothing.empty() || appearance.smoothing[face] == smoothing_) return;
+    smoothing_ = appearance.smoothing[face];
+    out_ += "s ";
+    append_number(out_, *smoothing_);
     out_ += '\n';
   }
 
@@ -156,8 +206,7 @@ class TopologyWriter {
   /// Writes vertices whose groups no face has written, as points.
   void write_loose() {
     for (std::uint32_t group = 0; group < groups_.names.size(); ++group) {
-      const auto& vertices = std::next(mesh_.groups.begin(), std::ptrdiff_t(group))->second;
-      for (std::uint32_t vertex : vertices) {
+      for (std::uint32_t vertex : *groups_.members[group]) {
         const auto of_vertex = groups_.of(vertex);
         const auto place = std::lower_bound(of_vertex.begin(), of_vertex.end(), group) - of_vertex.begin();
         if (written_[groups_.begins[vertex] + std::size_t(place)]) continue;
@@ -173,6 +222,8 @@ class TopologyWriter {
   VertexGroups groups_;
   std::vector<bool> written_;
   std::vector<std::uint32_t> current_;
+  std::uint32_t material_ = FaceAppearance::no_material;
+  std::optional<std::uint32_t> smoothing_;
   std::string out_;
 };
 

@@ -19,8 +19,9 @@ std::string obj_text(std::span<const Vec3f> points);
 /// The `v` lines with the colors of `mesh`: the part that changes from frame to frame.
 std::string obj_vertices_text(const TriangleMesh& mesh, std::span<const Vec3f> positions);
 
-/// The `vt`, `g` and `f` lines: the constant part of a sequence. Faces keep their order and corners. A face
-/// is listed in each group that holds all its corners, so that groups read back unchanged.
+/// The `mtllib`, `vt`, `vn`, `g`, `usemtl`, `s` and `f` lines: the constant part of a sequence. Faces keep
+/// their order and corners. A face is listed in each group that holds all its corners, so that groups read
+/// back unchanged; `usemtl` alone gives the groups of materials.
 std::string obj_topology_text(const TriangleMesh& mesh);
 
 /// A binary little-endian PLY: float positions, uchar colors (if any), per-vertex UVs (if each vertex has

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include <fmt/core.h>
 
@@ -19,11 +20,11 @@ using mesh_detail::quoted;
 using mesh_detail::TextScanner;
 
 /// Words of the OBJ specification that a surface does not need.
-constexpr std::array<std::string_view, 36> skipped_words = {
-    "vn",     "vp",    "mtllib", "usemap",   "maplib",   "s",          "mg",        "lod",  "bevel",
-    "cstype", "deg",   "bmat",   "step",     "curv",     "curv2",      "surf",      "parm", "trim",
-    "hole",   "scrv",  "sp",     "end",      "con",      "shadow_obj", "trace_obj", "call", "csh",
-    "ctech",  "stech", "res",    "c_interp", "d_interp", "bsp",        "bzp",       "cdc",  "cdp"};
+constexpr std::array<std::string_view, 33> skipped_words = {
+    "vp",       "usemap",   "maplib",     "mg",        "lod",  "bevel", "cstype", "deg",   "bmat",
+    "step",     "curv",     "curv2",      "surf",      "parm", "trim",  "hole",   "scrv",  "sp",
+    "end",      "con",      "shadow_obj", "trace_obj", "call", "csh",   "ctech",  "stech", "res",
+    "c_interp", "d_interp", "bsp",        "bzp",       "cdc",  "cdp"};
 
 /// An index beyond what the file has listed so far. It is legal as long as the file lists it later.
 struct LargestIndex {
@@ -52,7 +53,10 @@ class ObjReader {
     if (keyword == "vt") return read_uv();
     if (keyword == "g") return read_group();
     if (keyword == "o") return read_name(object_, "");
-    if (keyword == "usemtl") return read_name(material_, "material:");
+    if (keyword == "usemtl") return read_material();
+    if (keyword == "vn") return read_normal();
+    if (keyword == "s") return read_smoothing();
+    if (keyword == "mtllib") return read_material_file();
     if (keyword == "p" || keyword == "l") return read_loose();
     if (std::find(skipped_words.begin(), skipped_words.end(), keyword) == skipped_words.end()) {
       scanner_.fail(quoted(keyword), "a keyword of OBJ, such as v, vt, vn, f, g or o");
@@ -97,6 +101,40 @@ class ObjReader {
     uvs_.push_back({float(u), float(v)});
   }
 
+  // Normals, smoothing groups and material files are only repeated in caches, so a mistake in them is no error.
+  void read_normal() {
+    Vec3d normal{};
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!mesh_detail::parse_real(scanner_.word(), normal[axis])) normal[axis] = 0;
+    }
+    const double l = length(normal);
+    normals_.push_back(std::isfinite(l) && l > 0 ? Vec3f(normal / l) : Vec3f{});
+  }
+
+  void read_smoothing() {
+    std::int64_t group = 0;
+    const std::string_view word = scanner_.word();
+    const bool is_group = mesh_detail::parse_integer(word, group) && group >= 0 && group <= 0x7fffffff;
+    smoothing_ = is_group ? std::uint32_t(group) : (word == "on" ? 1u : 0u);
+    states_smoothing_ = true;
+  }
+
+  void read_material_file() {
+    const std::string file(scanner_.rest_of_line());
+    std::vector<std::string>& files = appearance_.material_files;
+    if (!file.empty() && std::find(files.begin(), files.end(), file) == files.end()) files.push_back(file);
+  }
+
+  void read_material() {
+    read_name(material_, "material:");
+    material_index_ = FaceAppearance::no_material;
+    if (material_.empty()) return;
+    const auto next = std::uint32_t(appearance_.materials.size());
+    const auto [known, is_new] = material_indices_.try_emplace(material_, next);
+    material_index_ = known->second;
+    if (is_new) appearance_.materials.push_back(material_.substr(std::string_view("material:").size()));
+  }
+
   void read_face() {
     const std::size_t begin = faces_.corners.size();
     for (std::string_view word = scanner_.word(); !word.empty(); word = scanner_.word()) read_corner(word);
@@ -109,27 +147,34 @@ class ObjReader {
       scanner_.fail("a face with UVs at some corners only", "a UV at each corner of a face or at none");
     }
     faces_.end_face();
+    appearance_.face_materials.push_back(material_index_);
+    appearance_.smoothing.push_back(smoothing_);
   }
 
   // v, v/vt, v//vn or v/vt/vn
   void read_corner(std::string_view word) {
     const std::size_t first = word.find('/');
     faces_.corners.push_back(index(word, word.substr(0, first), positions_.size(), largest_vertex_));
-    std::uint32_t uv = FaceList::no_uv;
+    std::uint32_t uv = FaceList::no_uv, normal = FaceList::no_normal;
     if (first != std::string_view::npos) {
       const std::string_view rest = word.substr(first + 1);
       const std::size_t second = rest.find('/');
       const std::string_view uv_text = rest.substr(0, second);
       if (!uv_text.empty()) uv = index(word, uv_text, uvs_.size(), largest_uv_);
-      if (second == std::string_view::npos ? uv_text.empty() : !is_normal(rest.substr(second + 1)))
+      if (second == std::string_view::npos ? uv_text.empty() : !is_normal(rest.substr(second + 1), normal))
         fail_corner(word);
     }
     faces_.corner_uvs.push_back(uv);
+    faces_.corner_normals.push_back(normal);
   }
 
-  static bool is_normal(std::string_view text) {
+  /// Whether the text is an index; `normal` stays no_normal if that is out of range.
+  bool is_normal(std::string_view text, std::uint32_t& normal) const {
     std::int64_t value = 0;
-    return mesh_detail::parse_integer(text, value) && value != 0;
+    if (!mesh_detail::parse_integer(text, value) || value == 0) return false;
+    if (value < 0) value += std::int64_t(normals_.size()) + 1;
+    if (value > 0 && value < std::int64_t(FaceList::no_normal)) normal = std::uint32_t(value - 1);
+    return true;
   }
 
   [[noreturn]] void fail_corner(std::string_view word) const {
@@ -205,13 +250,25 @@ class ObjReader {
     if (positions_.empty()) scanner_.fail("no vertex in the whole file", "at least one line \"v x y z\"");
     check(largest_vertex_, positions_.size());
     check(largest_uv_, uvs_.size());
+    for (std::uint32_t& normal : faces_.corner_normals)
+      if (normal >= normals_.size() || normals_[normal] == Vec3f{}) normal = FaceList::no_normal;
     TriangleMesh mesh;
+    mesh.appearance = appearance();
     faces_.store(mesh);
     mesh.positions = std::move(positions_);
     mesh.colors = std::move(colors_);
     mesh.uvs = std::move(uvs_);
     mesh.groups = built_groups_.finish();
     return mesh;
+  }
+
+  FaceAppearance appearance() {
+    if (appearance_.materials.empty()) appearance_.face_materials.clear();
+    if (!states_smoothing_) appearance_.smoothing.clear();
+    const auto& used = faces_.corner_normals;
+    const auto is_used = [](std::uint32_t normal) { return normal != FaceList::no_normal; };
+    if (std::any_of(used.begin(), used.end(), is_used)) appearance_.normals = std::move(normals_);
+    return std::move(appearance_);
   }
 
   void check(const LargestIndex& largest, std::size_t listed) const {
@@ -225,6 +282,12 @@ class ObjReader {
   std::vector<std::array<float, 2>> uvs_;
   FaceList faces_;
   LargestIndex largest_vertex_, largest_uv_;
+
+  std::vector<Vec3f> normals_;
+  FaceAppearance appearance_;  ///< its lists per face grow with the faces
+  std::map<std::string, std::uint32_t> material_indices_;
+  std::uint32_t material_index_ = FaceAppearance::no_material, smoothing_ = 0;
+  bool states_smoothing_ = false;
 
   std::string object_, material_;
   std::vector<std::string> groups_;

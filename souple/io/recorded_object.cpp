@@ -1,9 +1,11 @@
 #include "souple/io/recorded_object.h"
 
+#include "souple/geometry/submesh.h"
 #include "souple/io/atomic_file.h"
 #include "souple/io/mesh_write.h"
 
 #include <algorithm>
+#include <numeric>
 #include <system_error>
 #include <utility>
 
@@ -17,23 +19,44 @@ bool is_points(ObjectKind kind) {
   return kind == ObjectKind::rope || kind == ObjectKind::grains || kind == ObjectKind::fluid;
 }
 
-/// OBJ counts vertices from 1.
-std::string line_text(std::uint64_t points) {
-  std::string text = "l";
-  for (std::uint64_t i = 1; i <= points; ++i) text += fmt::format(" {}", i);
-  return text + "\n";
+/// OBJ names material files relative to its own folder.
+void make_relative(std::vector<std::string>& files, const std::filesystem::path& folder) {
+  for (std::string& file : files) {
+    std::error_code error;
+    const std::filesystem::path relative = std::filesystem::relative(file, folder, error);
+    if (!error && !relative.empty()) file = relative.generic_string();
+  }
 }
 
-RecordedShape shape_of(const World& world, ObjectId object) {
+/// A line element per segment: importers such as Blender's read only the first segment of a longer one. OBJ
+/// counts vertices from 1.
+std::string segments_text(std::uint64_t points) {
+  std::string text;
+  for (std::uint64_t i = 1; i < points; ++i) text += fmt::format("l {} {}\n", i, i + 1);
+  return text;
+}
+
+TriangleMesh written_mesh(const TriangleMesh& whole, const std::vector<std::uint32_t>& vertices) {
+  return vertices.empty() ? whole : submesh(whole, vertices);
+}
+
+RecordedShape shape_of(const World& world, ObjectId object, const std::filesystem::path& folder) {
   RecordedShape shape;
   shape.kind = world.kind(object);
   shape.points = world.positions(object).size();
   if (is_points(shape.kind)) {
-    if (shape.kind == ObjectKind::rope) shape.topology = line_text(shape.points);
-  } else {
-    shape.mesh = world.mesh(object);
-    shape.topology = obj_topology_text(shape.mesh);
+    if (shape.kind == ObjectKind::rope) shape.topology = segments_text(shape.points);
+    return shape;
   }
+  shape.vertices = recorded_vertices(world, object);
+  if (shape.vertices.size() == shape.points) shape.vertices.clear();
+  shape.mesh = written_mesh(world.mesh(object), shape.vertices);
+  shape.points = shape.mesh.positions.size();
+  // Normals of the rest shape would be wrong in the frames.
+  shape.mesh.appearance.normals.clear();
+  shape.mesh.appearance.face_normals.clear();
+  make_relative(shape.mesh.appearance.material_files, folder);
+  shape.topology = obj_topology_text(shape.mesh);
   return shape;
 }
 
@@ -55,9 +78,22 @@ std::string ply_bytes_of(const RecordedShape& shape, std::span<const Vec3f> posi
 
 }  // namespace
 
+std::vector<std::uint32_t> recorded_vertices(const World& world, ObjectId object) {
+  const World::TetStatistics tets = world.tet_statistics(object);
+  const std::size_t count = world.positions(object).size();
+  std::vector<std::uint32_t> result(count);
+  std::iota(result.begin(), result.end(), 0u);
+  if (tets.tets == 0 || tets.cell_size > 0) return result;
+  std::vector<char> on_surface(count, 0);
+  for (const Triangle& t : world.triangles(object))
+    for (const std::uint32_t v : t) on_surface[v] = 1;
+  std::erase_if(result, [&](std::uint32_t v) { return !on_surface[v]; });
+  return result;
+}
+
 bool same_topology(const World& world, ObjectId object, const ManifestObject& known) {
   const bool as_many =
-      world.kind(object) == ObjectKind::fluid || known.points == world.positions(object).size();
+      world.kind(object) == ObjectKind::fluid || known.points == recorded_vertices(world, object).size();
   return known.kind == kind_name(world.kind(object)) && as_many &&
          known.triangles == world.triangles(object).size();
 }
@@ -76,7 +112,7 @@ RecordedObject::RecordedObject(const RecordingPlan& plan, std::string name, Obje
 RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, ObjectId object,
                                std::string file_name)
     : RecordedObject(plan, world.name(object), object, std::move(file_name),
-                     std::make_shared<RecordedShape>(shape_of(world, object))) {
+                     std::make_shared<RecordedShape>(shape_of(world, object, plan.folder))) {
   has_rest_mesh_ = wants(CacheFormat::pc2) || wants(CacheFormat::mdd);
   if (has_rest_mesh_) write_rest_mesh(world);
   if (wants(CacheFormat::pc2)) pc2_.emplace(path("pc2"), shape_->points);
@@ -88,7 +124,7 @@ RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, Ob
 RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, ObjectId object,
                                std::string file_name, const Resume& resume)
     : RecordedObject(plan, world.name(object), object, std::move(file_name),
-                     std::make_shared<RecordedShape>(shape_of(world, object))) {
+                     std::make_shared<RecordedShape>(shape_of(world, object, plan.folder))) {
   first_shape_.points = resume.points;
   // The rest mesh exists already; for a rope or grains that have moved it could not be rewritten.
   has_rest_mesh_ = wants(CacheFormat::pc2) || wants(CacheFormat::mdd);
@@ -102,7 +138,7 @@ RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, Ob
 RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, ObjectId object,
                                std::string file_name, const Late& late)
     : RecordedObject(plan, world.name(object), object, std::move(file_name),
-                     std::make_shared<RecordedShape>(shape_of(world, object))) {
+                     std::make_shared<RecordedShape>(shape_of(world, object, plan.folder))) {
   begin_late(late.frames);
 }
 
@@ -117,14 +153,14 @@ std::filesystem::path RecordedObject::path(const char* extension) const {
 }
 
 void RecordedObject::write_rest_mesh(const World& world) const {
-  std::vector<Vec3f> rest;
   if (is_points(shape_->kind)) {
-    const auto now = world.positions(object_);
-    rest.assign(now.begin(), now.end());
-  } else {
-    for (const Vec3d& x : shape_->mesh.positions) rest.push_back(Vec3f(x));
+    write_file_atomically(path("obj"), obj_bytes(*shape_, world.positions(object_)));
+    return;
   }
-  write_file_atomically(path("obj"), obj_bytes(*shape_, rest));
+  TriangleMesh mesh = written_mesh(world.mesh(object_), shape_->vertices);
+  make_relative(mesh.appearance.material_files, plan_.folder);
+  const std::vector<Vec3f> rest(mesh.positions.begin(), mesh.positions.end());
+  write_file_atomically(path("obj"), obj_text(mesh, rest));
 }
 
 void RecordedObject::add_sequence(const char* extension, std::uint64_t kept) {
@@ -152,7 +188,7 @@ void RecordedObject::begin_late(std::uint64_t frames) {
 }
 
 bool RecordedObject::take_over(const World& world, ObjectId object, std::uint64_t frames) {
-  RecordedShape shape = shape_of(world, object);
+  RecordedShape shape = shape_of(world, object, plan_.folder);
   const bool goes_on = present_ && same(shape, *shape_);
   if (!goes_on) {
     close_caches();
@@ -164,12 +200,20 @@ bool RecordedObject::take_over(const World& world, ObjectId object, std::uint64_
   return goes_on;
 }
 
+std::span<const Vec3f> RecordedObject::written(std::span<const Vec3f> values,
+                                               std::vector<Vec3f>& buffer) const {
+  if (shape_->vertices.empty()) return values;
+  buffer.clear();
+  for (const std::uint32_t v : shape_->vertices) buffer.push_back(values[v]);
+  return buffer;
+}
+
 void RecordedObject::append(const World& world, std::uint64_t frame) {
-  const auto positions = world.positions(object_);
+  const auto positions = written(world.positions(object_), positions_);
   if (pc2_ && caches_open_) pc2_->append(positions);
   if (mdd_ && caches_open_) mdd_->append(static_cast<double>(frame - 1) / plan_.frame_rate, positions);
   for (Sequence& sequence : sequences_) {
-    sequence.writer.append(positions, world.velocities(object_));
+    sequence.writer.append(positions, written(world.velocities(object_), velocities_));
     if (sequence.first == 0) sequence.first = frame;
   }
 }
@@ -206,6 +250,14 @@ void RecordedObject::leave() {
 void RecordedObject::finish() {
   close_caches();
   for (Sequence& sequence : sequences_) sequence.writer.finish();
+}
+
+std::size_t RecordedObject::loose_vertices() const {
+  if (shape_->mesh.triangles.empty()) return 0;
+  std::vector<char> in_face(shape_->mesh.positions.size(), 0);
+  for (const Triangle& t : shape_->mesh.triangles)
+    for (const std::uint32_t v : t) in_face[v] = 1;
+  return static_cast<std::size_t>(std::count(in_face.begin(), in_face.end(), char(0)));
 }
 
 std::string RecordedObject::next_file() const {

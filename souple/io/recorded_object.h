@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,9 +28,12 @@ struct RecordingPlan {
 /// The properties of an object that determine its files, apart from positions.
 struct RecordedShape {
   ObjectKind kind = ObjectKind::cloth;
-  std::uint64_t points = 0;
-  TriangleMesh mesh;     ///< without faces for ropes and grains
-  std::string topology;  ///< the end of its OBJ files: faces, or the line of a rope
+  std::uint64_t points = 0;  ///< in the files
+  /// The object's vertices in the files, ascending; empty: all. A tet mesh is written as its surface: importers
+  /// drop vertices without a face, and then a cache has too many points.
+  std::vector<std::uint32_t> vertices;
+  TriangleMesh mesh;     ///< of these vertices, without normals; without faces for ropes and grains
+  std::string topology;  ///< the end of its OBJ files: faces, or the segments of a rope
 };
 
 /// The files of one object, identified by its name, in a run.
@@ -72,6 +76,8 @@ class RecordedObject {
   /// Renames .part files; removes files without frames.
   void finish();
 
+  /// Number of vertices in the files that belong to no face, of an object that has faces.
+  std::size_t loose_vertices() const;
   /// Name of the next file of its sequences.
   std::string next_file() const;
   ManifestObject manifest() const;
@@ -90,6 +96,8 @@ class RecordedObject {
   bool wants(CacheFormat format) const;
   std::filesystem::path path(const char* extension) const;
   void write_rest_mesh(const World& world) const;
+  /// The values of the vertices in the files; `buffer` holds them if these are not all.
+  std::span<const Vec3f> written(std::span<const Vec3f> values, std::vector<Vec3f>& buffer) const;
   void add_sequence(const char* extension, std::uint64_t kept);
   void begin_late(std::uint64_t frames);
   void close_caches();
@@ -104,7 +112,8 @@ class RecordedObject {
   std::optional<Pc2Writer> pc2_;
   std::optional<MddWriter> mdd_;
   std::vector<Sequence> sequences_;
-  ManifestObject first_shape_;  ///< points and triangles of the object in the caches
+  std::vector<Vec3f> positions_, velocities_;  ///< of `written`
+  ManifestObject first_shape_;                 ///< points and triangles of the object in the caches
 };
 
 /// Whether the object has the topology described by `known`.

@@ -1,6 +1,7 @@
 #include "souple/io/recorder.h"
 
 #include "souple/error.h"
+#include "souple/io/earlier_run.h"
 #include "souple/io/file.h"
 #include "souple/io/manifest.h"
 #include "souple/io/recorded_foam.h"
@@ -42,9 +43,13 @@ struct Recorder::Impl {
       resume(options.resume_from);
     } else {
       create_folder(plan.folder);
+      EarlierRun earlier_run(plan.folder);
+      earlier_run.remove();
       for (const ObjectId object : world.objects())
         objects.push_back(
             std::make_unique<RecordedObject>(plan, world, object, names.add(world.name(object))));
+      earlier_run.remove_caches();
+      note_loose_vertices();
       look_for_foam();
     }
     save_manifest();
@@ -52,6 +57,7 @@ struct Recorder::Impl {
 
   void resume(std::uint64_t from);
   RecordedObject* find(const std::string& name);
+  void note_loose_vertices();
   void look_for_changes();
   void look_for_foam();
   void join(ObjectId object);
@@ -110,6 +116,18 @@ void Recorder::Impl::resume(std::uint64_t from) {
   notes = std::move(before.notes);
   frames = from;
   next_save = frames + frames / 2 + 16;
+}
+
+void Recorder::Impl::note_loose_vertices() {
+  for (const auto& object : objects) {
+    const std::size_t loose = object->loose_vertices();
+    if (loose == 0) continue;
+    notes.push_back(fmt::format(
+        "{}: {} of its vertices belong to no face; Blender drops them from the OBJ and then refuses the "
+        "cache: "
+        "delete them from the mesh, or put the cache on the object that the mesh was exported from",
+        object->name(), loose));
+  }
 }
 
 RecordedObject* Recorder::Impl::find(const std::string& name) {

@@ -20,16 +20,20 @@ struct RecorderOptions {
   std::uint64_t resume_from = 0;
 };
 
+/// The vertices of an object that its files hold, ascending: of a soft body made of tets those on its surface,
+/// because importers drop vertices without a face and then refuse a cache that has them; of others all.
+std::vector<std::uint32_t> recorded_vertices(const World& world, ObjectId object);
+
 /// Records a world into a folder for other programs: run.json, and per object a rest mesh NAME.obj with
 /// NAME.pc2 or NAME.mdd, or a sequence NAME_0001.obj / .ply. Files grow as NAME.part and are renamed when
-/// complete. Vertices are in user order. In OBJ a rope is a polyline and grains are bare vertices; in PLY
-/// both are points with velocities. Fluids have a varying number of particles and are always PLY; so is their
+/// complete. Vertices are in user order; of a soft body made of tets, those on its surface. In OBJ a rope is a
+/// line element per segment and grains are bare vertices; in PLY both are points with velocities. Fluids have a varying number of particles and are always PLY; so is their
 /// common foam: foam_0001.ply. Objects whose names cannot be file names (`a/b`) get similar names; run.json
 /// lists the files of each object. The world must outlive the recorder, at its address.
 class Recorder {
  public:
   /// Creates the folder (a std::filesystem::path converts too) and starts files for the world's current
-  /// objects. Throws Error if the folder cannot be written or resume_from does not match its content.
+  /// objects. Removes the files that the manifest of the folder's last run lists, and no others. Throws Error if the folder cannot be written or resume_from does not match its content.
   Recorder(const World& world, const std::string& folder, const RecorderOptions& options = {});
   /// Finishes and ignores failures; call finish() to get them.
   ~Recorder();

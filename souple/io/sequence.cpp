@@ -114,6 +114,21 @@ std::vector<SequenceFrame> find_sequence(const std::filesystem::path& any_frame)
   return frames;
 }
 
+void remove_sequence(const std::filesystem::path& first, std::uint64_t count, std::uint64_t last_number) {
+  const NumberedName model = cut(first);
+  const std::optional<std::uint64_t> number = number_like(model, first);
+  if (!number || !model.prefix.ends_with('_') || model.extension.size() < 2) return;
+  const std::string name = model.prefix.substr(0, model.prefix.size() - 1);
+  const auto file = [&](std::uint64_t frame) {
+    return first.parent_path() / frame_file_name(name, frame, model.extension.substr(1));
+  };
+  if (file(*number) != first) return;
+  for (std::uint64_t frame = *number, removed = 0; frame <= last_number && removed < count; ++frame) {
+    std::error_code ignored;
+    if (std::filesystem::remove(file(frame), ignored)) ++removed;
+  }
+}
+
 SequenceWriter::SequenceWriter(std::filesystem::path folder, std::string name, std::string extension,
                                Bytes bytes, std::uint64_t keep_frames)
     : folder_(std::move(folder)),

@@ -28,6 +28,10 @@ struct SequenceFrame {
 /// several.
 std::vector<SequenceFrame> find_sequence(const std::filesystem::path& any_frame);
 
+/// Removes files of a sequence that SequenceWriter wrote: `count` of them from the file `first` on, with numbers
+/// up to `last_number`. Ignores failures, and a name that the writer does not generate.
+void remove_sequence(const std::filesystem::path& first, std::uint64_t count, std::uint64_t last_number);
+
 /// Writes a sequence; each file appears completely or not at all. `bytes` computes the content of a file,
 /// e.g. obj_text or ply_bytes bound to a mesh.
 class SequenceWriter {

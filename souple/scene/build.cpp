@@ -1,5 +1,8 @@
 #include "souple/geometry/fill.h"
+#include "souple/geometry/measures.h"
 #include "souple/io/animated_points.h"
+#include "souple/io/recorder.h"
+#include "souple/scene/first_frame.h"
 #include "souple/scene/scene.h"
 
 #include <algorithm>
@@ -35,13 +38,6 @@ ColliderMotion motion_of(const std::vector<KeyframeDescription>& keyframes, bool
     keys.push_back({keyframe.time, keyframe.translate, rotation_of(keyframe.rotate)});
   }
   return ColliderMotion::keyframes(std::move(keys), loop);
-}
-
-/// Applies a mesh file's import options to a point; for files that contain points only.
-Vec3d imported(const Vec3d& x, const MeshImport& import) {
-  const Vec3d up =
-      import.up == UpAxis::z ? Vec3d{x.x, x.z, -x.y} : (import.up == UpAxis::x ? Vec3d{-x.y, x.x, x.z} : x);
-  return up * import.scale;
 }
 
 bool holds_tets(const std::string& file) {
@@ -235,28 +231,43 @@ Target keyframed(const World& world, ObjectId object, const std::vector<std::uin
 /// Positions of all vertices from files, evaluated once per time.
 class SequenceSampler {
  public:
-  SequenceSampler(AnimatedPoints points, const MeshImport& import, const Transform& transform)
-      : points_(std::move(points)), import_(import), transform_(transform), now_(points_.points()) {}
+  /// `point_of`: index of each vertex in the files; empty: the same.
+  SequenceSampler(AnimatedPoints points, std::vector<std::uint32_t> point_of, MeshImport import,
+                  const Transform& transform)
+      : points_(std::move(points)),
+        point_of_(std::move(point_of)),
+        import_(std::move(import)),
+        transform_(transform),
+        now_(points_.points()) {}
 
   std::uint64_t points() const { return points_.points(); }
   Vec3d at(std::uint32_t vertex, double time) {
     if (time != time_) points_.evaluate(time, now_);
     time_ = time;
-    return transform_.point(imported(Vec3d(now_[vertex]), import_));
+    const std::uint32_t point = point_of_.empty() ? vertex : point_of_[vertex];
+    return transform_.point(imported(Vec3d(now_[point]), import_));
   }
 
  private:
   AnimatedPoints points_;
+  std::vector<std::uint32_t> point_of_;
   MeshImport import_;
   Transform transform_;
   std::vector<Vec3f> now_;
   double time_ = std::numeric_limits<double>::quiet_NaN();
 };
 
-std::vector<Vec3f> read_points(const std::filesystem::path& path) {
-  std::vector<Vec3f> points;
-  for (const Vec3d& x : read_triangle_mesh(path).positions) points.push_back(Vec3f(x));
-  return points;
+/// Reads the vertices of a mesh's file, or of one object in it.
+AnimatedPoints::ReadMesh read_points(const std::string& node) {
+  return [node](const std::filesystem::path& path) {
+    const TriangleMesh mesh = read_triangle_mesh(path, {.node = node});
+    return std::vector<Vec3f>(mesh.positions.begin(), mesh.positions.end());
+  };
+}
+
+/// The import options of a sequence: its own, else those of the mesh.
+MeshImport sequence_import(const SequenceDescription& sequence, const MeshImport& mesh) {
+  return {sequence.scale.value_or(mesh.scale), sequence.up.value_or(mesh.up), mesh.node};
 }
 
 // --- the builder -------------------------------------------------------------------------------------------
@@ -304,6 +315,8 @@ class Builder {
     const std::string path = fmt::format("objects[{}]", index);
     const ObjectDescription& shared = common(scene_.objects[index]);
     ObjectId object{};
+    name_ = shared.name;
+    mesh_.clear();
     inside(path, [&] {
       seed_ = scene_.settings.seed * 1000003u + index;
       object = std::visit([&](const auto& kind) { return add(kind); }, scene_.objects[index]);
@@ -323,6 +336,32 @@ class Builder {
     }
     // After the pins: tethers start at pins.
     inside(path, [&] { std::visit([&](const auto& kind) { finish(object, kind); }, scene_.objects[index]); });
+    remark_on_size(object, scene_.objects[index]);
+  }
+
+  /// Most often, a file in centimeters or millimeters.
+  void remark_on_size(ObjectId object, const AnyObjectDescription& description) const {
+    constexpr double largest = 50, smallest = 1e-3;  // m
+    if (!log_) return;
+    // Of the mesh rather than of an animation's first frame.
+    std::vector<Vec3d> points = world_.mesh(object).positions;
+    const std::span<const Vec3f> positions = world_.positions(object);
+    if (points.empty()) points = std::vector<Vec3d>(positions.begin(), positions.end());
+    if (points.size() < 2) return;
+    const Vec3d sides = bounding_box(points).size();
+    const double size = std::max({sides.x, sides.y, sides.z});
+    if (size <= largest && size >= smallest) return;
+    const bool is_file = std::visit([](const auto& kind) { return has_mesh_file(kind); }, description);
+    log_(LogLevel::warning, fmt::format("{}: is {:.3g} m large; if it should not be, {}", name_, size,
+                                        is_file ? "set \"scale\" of its mesh: meters per unit of the file"
+                                                : "note that lengths are in meters"));
+  }
+
+  static bool is_file(const MeshDescription& mesh) { return std::holds_alternative<FileMesh>(mesh.source); }
+  template <class Description>
+  static bool has_mesh_file(const Description& description) {
+    if constexpr (requires { description.mesh; }) return is_file(description.mesh);
+    return false;
   }
 
   // --- objects
@@ -349,6 +388,7 @@ class Builder {
 
   ObjectId add(const ClothDescription& cloth) {
     const TriangleMesh mesh = surface_of(cloth.mesh, scene_.folder);
+    mesh_ = mesh.positions;
     ObjectOptions options = options_of(cloth);
     read_maps(cloth.maps, mesh, options);
     return world_.add_cloth(mesh, cloth.material, options);
@@ -359,10 +399,12 @@ class Builder {
     if (is_tet_mesh(body.mesh)) {
       if (body.lattice) throw Error("lattice: is valid only for a surface mesh; this is a tet mesh");
       const TetMesh mesh = tets_of(body.mesh, scene_.folder);
+      mesh_ = mesh.positions;
       read_maps(body.maps, only_groups(mesh), options);
       return world_.add_soft_body(mesh, body.material, options);
     }
     const TriangleMesh mesh = surface_of(body.mesh, scene_.folder);
+    mesh_ = mesh.positions;
     read_maps(body.maps, mesh, options);
     return world_.add_soft_body(mesh, body.material, body.lattice.value_or(LatticeOptions{}), options);
   }
@@ -392,18 +434,32 @@ class Builder {
     ObstacleMotion motion;
     if (!obstacle.keyframes.empty()) motion.pose = motion_of(obstacle.keyframes, obstacle.loop);
     const TriangleMesh mesh = surface_of(obstacle.mesh, scene_.folder);
+    mesh_ = mesh.positions;
     if (obstacle.sequence)
-      motion.sequence = read_sequence(*obstacle.sequence, obstacle.mesh.import, mesh.positions.size());
+      motion.sequence =
+          read_sequence(*obstacle.sequence, sequence_import(*obstacle.sequence, obstacle.mesh.import));
     return world_.add_obstacle(mesh, obstacle.material, std::move(motion), options_of(obstacle));
   }
 
-  MeshSequence read_sequence(const ObstacleSequenceDescription& description, const MeshImport& import,
-                             std::size_t vertices) const {
+  /// Warns if the first frame of an animation is the object's mesh in other axes or units.
+  void compare_first_frame(AnimatedPoints& points, const std::string& file, const MeshImport& import) const {
+    if (!log_ || points.points() != mesh_.size()) return;
+    std::vector<Vec3f> frame(mesh_.size());
+    points.evaluate(points.start_time(), frame);
+    const std::string remark = first_frame_remark(mesh_, frame, import);
+    if (!remark.empty())
+      log_(LogLevel::warning, fmt::format("{}: the first frame of {} {}", name_, file, remark));
+  }
+
+  MeshSequence read_sequence(const ObstacleSequenceDescription& description, const MeshImport& import) const {
+    const std::size_t vertices = mesh_.size();
     try {
-      AnimatedPoints points(scene_.folder / description.file, {description.frame_rate}, read_points);
+      AnimatedPoints points(scene_.folder / description.file, {description.frame_rate},
+                            read_points(import.node));
       if (points.points() != vertices)
         throw Error(fmt::format("{} has {} vertices, but the mesh has {}", description.file, points.points(),
                                 vertices));
+      compare_first_frame(points, description.file, import);
       MeshSequence sequence{.start_time = description.start_time, .loop = description.loop};
       for (const double time : points.times()) {
         std::vector<Vec3f>& frame = sequence.frames.emplace_back(vertices);
@@ -468,22 +524,43 @@ class Builder {
 
   /// Empty: the vertices stay at their start positions.
   Target target(ObjectId object, const PinDescription& pin, const AnyObjectDescription& description) const {
-    if (pin.sequence) return sequence_target(object, *pin.sequence, description);
+    if (pin.sequence) return sequence_target(object, pin, description);
     if (pin.keyframes.empty()) return {};
     return keyframed(world_, object, world_.select(object, pin.where), pin);
   }
 
-  Target sequence_target(ObjectId object, const SequenceDescription& sequence,
-                         const AnyObjectDescription& description) const {
-    const AnimatedPoints::Options options{sequence.frame_rate, sequence.start_time};
-    auto sampler = std::make_shared<SequenceSampler>(
-        AnimatedPoints(scene_.folder / sequence.file, options, read_points), import_of(description),
-        transform_of(common(description).transform));
+  /// Index of each vertex among those that a run's files hold; empty if these are all. A pinned vertex must be
+  /// one of them.
+  std::vector<std::uint32_t> point_of_vertices(ObjectId object, const PinDescription& pin,
+                                               std::size_t points) const {
     const std::size_t vertices = world_.positions(object).size();
-    if (sampler->points() != vertices) {
-      throw Error(fmt::format("sequence: {} has {} vertices, but the object has {}", sequence.file,
-                              sampler->points(), vertices));
+    if (points == vertices) return {};
+    const std::vector<std::uint32_t> recorded = recorded_vertices(world_, object);
+    if (points != recorded.size()) {
+      throw Error(fmt::format("sequence: {} has {} vertices, but the object has {}", pin.sequence->file,
+                              points, vertices));
     }
+    constexpr std::uint32_t none = ~std::uint32_t(0);
+    std::vector<std::uint32_t> point_of(vertices, none);
+    for (std::uint32_t i = 0; i < recorded.size(); ++i) point_of[recorded[i]] = i;
+    for (const std::uint32_t vertex : world_.select(object, pin.where)) {
+      if (point_of[vertex] != none) continue;
+      throw Error(fmt::format("sequence: {} has the {} vertices on the surface, and vertex {} is inside",
+                              pin.sequence->file, points, vertex));
+    }
+    return point_of;
+  }
+
+  Target sequence_target(ObjectId object, const PinDescription& pin,
+                         const AnyObjectDescription& description) const {
+    const SequenceDescription& sequence = *pin.sequence;
+    const AnimatedPoints::Options options{sequence.frame_rate, sequence.start_time};
+    const MeshImport import = sequence_import(sequence, import_of(description));
+    AnimatedPoints points(scene_.folder / sequence.file, options, read_points(import.node));
+    std::vector<std::uint32_t> point_of = point_of_vertices(object, pin, points.points());
+    compare_first_frame(points, sequence.file, import);
+    auto sampler = std::make_shared<SequenceSampler>(std::move(points), std::move(point_of), import,
+                                                     transform_of(common(description).transform));
     return [sampler](std::uint32_t vertex, double time) { return sampler->at(vertex, time); };
   }
 
@@ -562,7 +639,10 @@ class Builder {
   const SceneLog& log_;
   World world_;
   std::uint64_t seed_ = 0;
-  std::vector<float> pin_weights_;  ///< of the current object
+  // Of the current object:
+  std::string name_;
+  std::vector<Vec3d> mesh_;  ///< vertices in meters before the transform; empty without a mesh
+  std::vector<float> pin_weights_;
 };
 
 }  // namespace

@@ -90,7 +90,9 @@ struct MeshDescription {
 struct SequenceDescription {
   std::string file;
   double frame_rate = 60;
-  double start_time = 0;  ///< s
+  double start_time = 0;        ///< s
+  std::optional<double> scale;  ///< meters per unit of the file; if not given, that of the mesh
+  std::optional<UpAxis> up;     ///< the file's up axis; if not given, that of the mesh
 };
 
 struct PinDescription {

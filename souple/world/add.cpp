@@ -62,6 +62,12 @@ void transform_points(std::vector<Vec3d>& points, const Transform& transform, co
   }
 }
 
+/// Moves a mesh to its place: positions and the normals of its file.
+void place(TriangleMesh& mesh, const Transform& transform, const std::string& name) {
+  transform_points(mesh.positions, transform, name);
+  for (Vec3f& normal : mesh.appearance.normals) normal = Vec3f(rotate(transform.rotation, Vec3d(normal)));
+}
+
 std::vector<float> gather_map(const std::vector<float>& map, const Object& object, std::size_t vertices,
                               const char* what) {
   if (map.empty()) return {};
@@ -261,7 +267,7 @@ void import_surface(const WorldState& world, Object& object, const TriangleMesh&
                     const Transform& transform) {
   check_indices(mesh, object.name.c_str());
   object.mesh = mesh;
-  transform_points(object.mesh.positions, transform, object.name);
+  place(object.mesh, transform, object.name);
   const RepairedSurface repaired = repair(object.mesh);
   world.log_info(object.name, repaired.sentences);
   const Weld& weld = repaired.weld;
@@ -359,10 +365,11 @@ ObjectId World::add_soft_body(const TriangleMesh& surface, const SoftBodyMateria
   Object& object = *body.object;
   check_indices(surface, object.name.c_str());
   object.mesh = surface;
-  transform_points(object.mesh.positions, options.transform, object.name);
+  place(object.mesh, options.transform, object.name);
   LatticeOptions fineness = options_of_lattice;
   if (fineness.cells == 0 && fineness.cell_size == 0) fineness.cells = 2000;
   const Lattice lattice = build_lattice(object.mesh, fineness, object.name);
+  world.log_info(object.name, lattice.sentences);
 
   import_tets(object, lattice.mesh);
   object.embedding = embed(object.mesh.positions, object.tets);

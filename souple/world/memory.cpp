@@ -15,8 +15,11 @@ std::size_t nested_bytes(const std::vector<std::vector<Item>>& lists) {
 }
 
 std::size_t bytes_of_mesh(const TriangleMesh& mesh) {
-  std::size_t sum = bytes_of(mesh.positions, mesh.triangles, mesh.uvs, mesh.colors) +
-                    nested_bytes(mesh.faces) + nested_bytes(mesh.face_uvs);
+  std::size_t sum =
+      bytes_of(mesh.positions, mesh.triangles, mesh.uvs, mesh.colors) + nested_bytes(mesh.faces) +
+      nested_bytes(mesh.face_uvs) +
+      bytes_of(mesh.appearance.face_materials, mesh.appearance.smoothing, mesh.appearance.normals) +
+      nested_bytes(mesh.appearance.face_normals);
   for (const auto& [name, indices] : mesh.groups) sum += name.capacity() + bytes_of(indices);
   return sum;
 }

@@ -1,5 +1,6 @@
 #include "souple/world/world.h"
 
+#include "souple/geometry/measures.h"
 #include "souple/solver/instruction_set.h"
 #include "souple/world/add.h"
 #include "souple/world/build.h"
@@ -252,6 +253,16 @@ const ObstacleMotion& World::motion(ObjectId id) const {
 std::span<const Triangle> World::triangles(ObjectId id) const {
   return impl_->state.object(id).mesh.triangles;
 }
+
+World::TetStatistics World::tet_statistics(ObjectId id) const {
+  const Object& object = impl_->state.object(id);
+  TetStatistics statistics{object.tets.tets.size(), object.tets.positions.size(), 0};
+  // A cube of the lattice has the volume of twelve of its tets.
+  if (object.embedding && !object.tets.tets.empty())
+    statistics.cell_size = std::cbrt(12 * tet_volume(object.tets) / static_cast<double>(statistics.tets));
+  return statistics;
+}
+
 const TriangleMesh& World::mesh(ObjectId id) const {
   return impl_->state.object(id).mesh;
 }

@@ -183,8 +183,8 @@ class World {
                      const ObjectOptions& options = {});
   ObjectId add_soft_body(const TetMesh& mesh, const SoftBodyMaterial& material = {},
                          const ObjectOptions& options = {});
-  /// Makes a soft body of a closed surface: a lattice of tets covers it (about 2000 tets by default). The
-  /// surface is embedded in the lattice; positions and triangles of the object are those of the surface.
+  /// Makes a soft body of a surface, closed but for small holes: a lattice of tets covers it (about 2000 tets by
+  /// default). The surface is embedded in it; positions and triangles of the object are the surface's.
   ObjectId add_soft_body(const TriangleMesh& surface, const SoftBodyMaterial& material = {},
                          const LatticeOptions& lattice = {}, const ObjectOptions& options = {});
   /// Makes a rope along the polyline `points` [m], in `segments` pieces of equal length.
@@ -244,6 +244,12 @@ class World {
   /// The mesh as added (faces, UVs, groups), at its initial transform; empty for ropes, grains and fluids.
   const TriangleMesh& mesh(ObjectId object) const;
   double total_mass(ObjectId object) const;  ///< kg; 0 for obstacles
+  /// Size of the tet mesh of a soft body; zeros for other kinds.
+  struct TetStatistics {
+    std::size_t tets = 0, particles = 0;
+    double cell_size = 0;  ///< of the lattice that covers a surface [m]; 0 for a tet mesh
+  };
+  TetStatistics tet_statistics(ObjectId object) const;
   /// Pressure of each particle of a fluid, in user order: mean over the last step [Pa].
   std::vector<float> pressures(ObjectId fluid) const;
   /// Diffuse particles of all fluids whose material has `foam` > 0. They do not act on anything else.

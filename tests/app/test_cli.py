@@ -5,6 +5,7 @@ import contextlib
 import json
 import os
 import pty
+import re
 import shutil
 import signal
 import subprocess
@@ -102,7 +103,7 @@ class Talking(Case):
             self.assertIn("Example", out)
         self.assertIn("Exit codes", self.souple("--help").stdout)
         for flag in ["--frames", "--out", "--write", "--threads", "--substeps", "--iterations", "--set", "--resume",
-                     "--checkpoint-every", "--surface", "--picture", "--quiet"]:
+                     "--checkpoint-every", "--surface", "--picture", "--quiet", "--fps"]:
             self.assertIn(flag, self.souple("run", "--help").stdout)
 
     def test_version(self):
@@ -131,6 +132,33 @@ class Talking(Case):
         self.assertIn("sand: grains, 27 vertices", out)
         self.assertIn("floor: plane", out)
         self.assertEqual(self.names(), ["small.json"])
+
+    def test_check_prints_sizes(self):
+        scene = dict(SMALL, objects=SMALL["objects"] + [
+            {"name": "ball", "kind": "soft_body", "mesh": {"sphere": {"radius": 0.5}},
+             "material": {"density": 1000}, "lattice": {"cell_size": 0.2}},
+            {"name": "bar", "kind": "soft_body",
+             "mesh": {"tet_bar": {"cells": [2, 2, 2], "size": [0.2, 0.3, 0.4]}}}])
+        out = self.souple("check", self.scene(scene)).stdout
+        self.assertRegex(out, r"flag: cloth, .*, 1 x 0 x 0\.714 m, [\d.]+ kg")
+        # A ball of 20 * 4^3 triangles encloses a little less than 4/3 pi 0.5^3 = 0.5236 m^3.
+        found = re.search(r"ball: soft_body, .*lattice of (\d+) tets and (\d+) particles with cells of 0\.2 m, "
+                          r"1 x 1 x 1 m, (5\d\d\.?\d*) kg", out)
+        self.assertTrue(found, out)
+        # Twelve tets a cube, and a layer around the ball.
+        self.assertGreater(int(found[1]), 12 * 0.5236 / 0.2**3)
+        self.assertGreater(float(found[3]), 515)
+        self.assertRegex(out, r"bar: soft_body, .*, 40 tets, 0\.2 x 0\.3 x 0\.4 m")
+        self.assertRegex(out, r"total: \d+ particles, [\d.]+ kg")
+
+    def test_check_and_run_remark_on_a_huge_mesh(self):
+        self.scene("v 0 0 0\nv 180 0 0\nv 0 60 0\nf 1 2 3\n", "big.obj")
+        scene = self.scene({"souple": 1, "frames": 1,
+                            "objects": [{"name": "man", "kind": "obstacle", "mesh": {"file": "big.obj"}}]})
+        remark = 'man: is 180 m large; if it should not be, set "scale" of its mesh'
+        self.assertIn(remark, self.souple("check", scene).stdout)
+        self.assertIn("souple: " + remark, self.souple("run", scene).stderr)
+        self.assertEqual(self.souple("run", scene, "--quiet").stderr, "")
 
     def test_check_every_shipped_scene(self):
         for scene in json.loads(self.souple("list", "--json").stdout):
@@ -303,6 +331,28 @@ class Running(Case):
         for name in ["flag.obj", "flag.pc2", "flag.mdd", "flag_0001.obj", "flag_0003.obj", "sand_0003.ply"]:
             self.assertIn("out/" + name, names)
         self.assertNotIn("out/flag_0004.obj", names)
+
+    def test_second_run_removes_the_files_of_the_first(self):
+        scene = self.scene(SMALL)
+        self.souple("run", scene, "--frames", "5", "--out", "out", "--write", "pc2,obj")
+        (self.folder / "out/picture.png").write_text("mine")
+        self.souple("run", scene, "--frames", "3", "--out", "out")
+        self.souple("run", scene, "--frames", "3", "--out", "fresh")
+        self.assertEqual(self.contents("out"), {**self.contents("fresh"), "picture.png": b"mine"})
+
+    def test_frames_per_second(self):
+        scene = self.scene(dict(SMALL, substeps=2))
+        self.souple("run", scene, "--out", "a", "--fps", "24")
+        manifest = json.loads((self.folder / "a/run.json").read_text())
+        # 20 frames of 1/60 s are 8 of 1/24; 2 substeps of 1/120 s are 5.
+        self.assertEqual((manifest["frame_rate"], manifest["frames"], manifest["scene"]["substeps"]), (24, 8, 5))
+        self.souple("run", scene, "--out", "b", "--set", "frame_rate=24", "--frames", "8", "--substeps", "5")
+        self.assertEqual(self.contents("a"), self.contents("b"))
+        self.souple("run", scene, "--out", "c", "--fps", "30", "--frames", "3", "--substeps", "7")
+        manifest = json.loads((self.folder / "c/run.json").read_text())
+        self.assertEqual((manifest["frames"], manifest["scene"]["substeps"]), (3, 7))
+        for wrong in "0", "-24", "nan":
+            self.assertIn("--fps", self.souple("run", scene, "--fps", wrong, code=2).stderr)
 
     def test_settings_reach_the_manifest(self):
         self.souple("run", self.scene(SMALL), "--out", "out", "--frames", "5", "--substeps", "3", "--threads", "4",

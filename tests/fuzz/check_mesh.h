@@ -24,6 +24,16 @@ inline void check(const TriangleMesh& mesh) {
   for (const auto& group : mesh.groups) {
     for (std::uint32_t i : group.second) require(i < count);
   }
+  const FaceAppearance& a = mesh.appearance;
+  const auto faces = mesh.faces.empty() ? mesh.triangles.size() : mesh.faces.size();
+  require(a.face_materials.empty() || a.face_materials.size() == faces);
+  for (std::uint32_t i : a.face_materials)
+    require(i < a.materials.size() || i == FaceAppearance::no_material);
+  require(a.smoothing.empty() || a.smoothing.size() == faces);
+  require(a.face_normals.empty() || a.face_normals.size() == faces);
+  for (const auto& face : a.face_normals) {
+    for (std::uint32_t i : face) require(i < a.normals.size());
+  }
   require(mesh.colors.empty() || mesh.colors.size() == count);
 }
 

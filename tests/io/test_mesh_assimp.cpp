@@ -38,6 +38,39 @@ TEST(AssimpReader, KeepsVerticesAndTheirOrder) {
   EXPECT_EQ(read_triangle_mesh(write("souple_square.off", square_off)).faces.size(), 1u);
 }
 
+// A triangle whose unit is `centimeters`, as ASCII FBX.
+std::string triangle_fbx(const std::string& centimeters) {
+  return "; FBX 7.3.0 project file\nFBXHeaderExtension:  {\n\tFBXHeaderVersion: 1003\n\tFBXVersion: 7300\n}\n"
+         "GlobalSettings:  {\n\tVersion: 1000\n\tProperties70:  {\n"
+         "\t\tP: \"UpAxis\", \"int\", \"Integer\", \"\",1\n"
+         "\t\tP: \"UnitScaleFactor\", \"double\", \"Number\", \"\"," +
+         centimeters +
+         "\n\t}\n}\n"
+         "Objects:  {\n\tGeometry: 1000, \"Geometry::\", \"Mesh\" {\n"
+         "\t\tVertices: *9 {\n\t\t\ta: 0,0,0,100,0,0,0,100,0\n\t\t}\n"
+         "\t\tPolygonVertexIndex: *3 {\n\t\t\ta: 0,1,-3\n\t\t}\n\t\tGeometryVersion: 124\n\t}\n"
+         "\tModel: 2000, \"Model::sheet\", \"Mesh\" {\n\t\tVersion: 232\n\t}\n}\n"
+         "Connections:  {\n\tC: \"OO\",2000,0\n\tC: \"OO\",1000,2000\n}\n";
+}
+
+// Blender, Maya and 3ds Max write centimeters: 100 units are a meter.
+TEST(AssimpReader, HeedsTheUnitOfFbx) {
+  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+  const TriangleMesh mesh = read_triangle_mesh(write("souple_cm.fbx", triangle_fbx("1")));
+  ASSERT_EQ(mesh.positions.size(), 3u);
+  EXPECT_NEAR(mesh.positions[1].x, 1, 1e-6);
+  EXPECT_NEAR(read_triangle_mesh(write("souple_m.fbx", triangle_fbx("100"))).positions[1].x, 100, 1e-4);
+  EXPECT_NEAR(read_triangle_mesh(write("souple_in.fbx", triangle_fbx("2.54")), {.scale = 2}).positions[2].y,
+              5.08, 1e-5);
+}
+
+TEST(AssimpReader, ReadsOneNodeOfSeveral) {
+  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+  const auto path = write("souple_node.gltf", square_gltf);
+  EXPECT_EQ(read_triangle_mesh(path, {.node = "sheet"}).triangles.size(), 2u);
+  expect_error([&] { read_triangle_mesh(path, {.node = "shirt"}); }, {"souple_node.gltf", "\"sheet\""});
+}
+
 TEST(AssimpReader, TurnsFailuresIntoErrors) {
   if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
   expect_error([] { read_triangle_mesh(write("souple_bad.gltf", "{\"asset\":")); },

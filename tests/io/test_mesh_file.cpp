@@ -51,6 +51,46 @@ TEST_F(MeshFile, ScalesAndTurnsUpright) {
   }
 }
 
+TEST_F(MeshFile, TurnsEveryFormatAndItsNormalsUpright) {
+  const auto ply =
+      write("a.ply",
+            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+            "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+            "1 2 3\n0 0 0\n0 1 0\n3 0 1 2\n");
+  const auto stl = write("a.stl",
+                         "solid s\nfacet normal 0 0 1\nouter loop\nvertex 1 2 3\nvertex 0 0 0\nvertex 0 1 0\n"
+                         "endloop\nendfacet\nendsolid s\n");
+  for (const auto& path : {ply, stl})
+    EXPECT_EQ(read_triangle_mesh(path, {.scale = 2, .up = UpAxis::z}).positions[0], Vec3d(2, 6, -4)) << path;
+  const auto obj = write("n.obj", triangle + "vn 0 0 1\nf 1//1 2//1 3//1\n");
+  const std::vector<Vec3f> up{{0, 1, 0}};
+  EXPECT_EQ(read_triangle_mesh(obj, {.scale = 2, .up = UpAxis::z}).appearance.normals, up);
+}
+
+TEST_F(MeshFile, ReadsOneObjectOfSeveral) {
+  const auto path = write("two.obj",
+                          "o Body\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n"
+                          "o Shirt\nv 5 0 0\nv 6 0 0\nv 5 1 0\nv 6 1 0\nvt 1 1\n"
+                          "g hem\nf 4/2 5/2 7/2 6/2\n");
+  EXPECT_EQ(read_triangle_mesh(path).positions.size(), 7u);
+  const TriangleMesh shirt = read_triangle_mesh(path, {.scale = 2, .node = "Shirt"});
+  EXPECT_EQ(shirt.positions, (std::vector<Vec3d>{{10, 0, 0}, {12, 0, 0}, {10, 2, 0}, {12, 2, 0}}));
+  EXPECT_EQ(shirt.triangles, (std::vector<Triangle>{{0, 1, 3}, {0, 3, 2}}));
+  EXPECT_EQ(shirt.uvs, (std::vector<std::array<float, 2>>{{1, 1}}));
+  EXPECT_EQ(shirt.groups.at("hem").size(), 4u);
+  EXPECT_EQ(shirt.groups.count("Body"), 0u);
+  expect_error([&] { read_triangle_mesh(path, {.node = "Shrit"}); },
+               {"two.obj", "\"Shrit\"", "\"Body\", \"Shirt\""});
+  expect_error([&] { read_triangle_mesh(write("a.obj", triangle), {.node = "Shirt"}); },
+               {"a.obj", "names no objects"});
+}
+
+TEST_F(MeshFile, FindsMaterialFilesBesideIt) {
+  const auto path = write("m.obj", "mtllib sub/m.mtl\n" + triangle);
+  EXPECT_EQ(read_triangle_mesh(path).appearance.material_files,
+            std::vector<std::string>{(folder_ / "sub/m.mtl").string()});
+}
+
 TEST_F(MeshFile, NamesAFileThatIsNotThere) {
   expect_error([&] { read_triangle_mesh(folder_ / "none.obj"); }, {"none.obj", "no such file"});
   std::filesystem::create_directory(folder_ / "b.obj");

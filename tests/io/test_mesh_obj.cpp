@@ -157,6 +157,45 @@ TEST(ObjWriter, ReadsBackAsItWas) {
 }
 
 // A vertex may be in more groups than a `g` line may name.
+const char* const looks = R"(mtllib a b.mtl
+mtllib more.mtl
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+vn 0 0 2
+vn 0 3 4
+f 1//1 2//1 3//-1
+s 3
+usemtl Red cloth
+f 1 3 4
+s off
+usemtl blue
+f 1//2 2//2 4//2
+usemtl Red cloth
+f 2//9 3//1 4//1
+)";
+
+TEST(ObjReader, KeepsMaterialsSmoothingAndNormals) {
+  const FaceAppearance a = parse_obj(looks, "looks.obj").appearance;
+  EXPECT_EQ(a.material_files, (std::vector<std::string>{"a b.mtl", "more.mtl"}));
+  EXPECT_EQ(a.materials, (std::vector<std::string>{"Red cloth", "blue"}));
+  EXPECT_EQ(a.face_materials, (std::vector<std::uint32_t>{FaceAppearance::no_material, 0, 1, 0}));
+  EXPECT_EQ(a.smoothing, (std::vector<std::uint32_t>{0, 3, 0, 0}));
+  EXPECT_EQ(a.normals, (std::vector<Vec3f>{{0, 0, 1}, {0, 0.6f, 0.8f}}));
+  // -1 is the last normal so far; there is no ninth, and a face with a missing normal has none.
+  EXPECT_EQ(a.face_normals, (std::vector<std::vector<std::uint32_t>>{{0, 0, 1}, {}, {1, 1, 1}, {}}));
+  EXPECT_EQ(parse_obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "plain.obj").appearance, FaceAppearance{});
+}
+
+TEST(ObjWriter, KeepsMaterialsSmoothingAndNormals) {
+  const TriangleMesh mesh = parse_obj(looks, "looks.obj");
+  const std::vector<Vec3f> positions(mesh.positions.begin(), mesh.positions.end());
+  const TriangleMesh back = parse_obj(obj_text(mesh, positions), "back.obj");
+  EXPECT_EQ(back.appearance, mesh.appearance);
+  EXPECT_EQ(back.groups, mesh.groups);
+}
+
 TEST(ObjWriter, KeepsEveryGroupOfAFaceInMany) {
   std::string text = square + "o body\nusemtl silk\n";
   for (int i = 0; i < 20; ++i) text += "g a" + std::to_string(i) + "\nf 1 2 3\n";

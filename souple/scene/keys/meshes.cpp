@@ -121,6 +121,10 @@ CodecPtr<TetBallMesh> tet_ball_codec() {
 
 }  // namespace
 
+CodecPtr<UpAxis> up_codec() {
+  return enumeration<UpAxis>({{"x", UpAxis::x}, {"y", UpAxis::y}, {"z", UpAxis::z}});
+}
+
 void check_count(double vertices, const JsonPath& path) {
   if (vertices > max_vertices) {
     path.fail("would have " + number_text(vertices) + " vertices; at most " + number_text(max_vertices) +
@@ -132,11 +136,11 @@ CodecPtr<MeshDescription> mesh_codec(MeshUse use) {
   using M = MeshDescription;
   const char* heading =
       use == MeshUse::surface ? "surface" : (use == MeshUse::solid ? "solid" : "point_file");
-  const char* doc =
-      use == MeshUse::surface ? "A surface mesh, generated or read from a file."
-      : use == MeshUse::solid
-          ? "The shape of a soft body: a closed surface, filled with a lattice of tets, or a tet mesh."
-          : "Points from a file: the vertices of a mesh.";
+  const char* doc = use == MeshUse::surface ? "A surface mesh, generated or read from a file."
+                    : use == MeshUse::solid ? "The shape of a soft body: a surface, closed but for small "
+                                              "holes, filled with a lattice of tets, or "
+                                              "a tet mesh."
+                                            : "Points from a file: the vertices of a mesh.";
   using V = decltype(M::source);
   std::vector<Alternative> sources;
   if (use == MeshUse::surface) {
@@ -163,10 +167,14 @@ CodecPtr<MeshDescription> mesh_codec(MeshUse use) {
       .key<&M::import, &MeshImport::scale>("scale", number<double>(positive(1e6)),
                                            "meters per unit of the file")
       .key<&M::import, &MeshImport::up>(
-          "up", enumeration<UpAxis>({{"x", UpAxis::x}, {"y", UpAxis::y}, {"z", UpAxis::z}}),
-          "the axis that points up in the file")
+          "up", up_codec(), "the axis that points up in the file; Blender writes STL and PLY with \"z\"")
+      .key<&M::import, &MeshImport::node>(
+          "node", text(),
+          "reads only this object of the file: an object or group of OBJ, a node of glTF or FBX; if not "
+          "given, all objects together")
       .needs("scale", "file")
-      .needs("up", "file");
+      .needs("up", "file")
+      .needs("node", "file");
   return keys;
 }
 

@@ -8,15 +8,19 @@ template <class S>
 std::shared_ptr<Table<S>> sequence_table(const char* heading) {
   auto keys = table<S>(
       heading,
-      "Positions of all vertices of the object over time, in the coordinates of its mesh (its `scale`, `up` "
-      "and `transform` apply). Linear between frames; constant before the first and after the last.");
+      "Positions of all vertices of the object over time, in the coordinates of its mesh: the `transform` of "
+      "the object applies. Linear between frames; constant before the first and after the last.");
   keys->template required<&S::file>("file", file_or_folder(),
                                     "a .pc2 file, a .mdd file, or a sequence of OBJ files: one of its files "
                                     "(NAME_0001.obj), or the folder if it contains no other sequence")
       .template key<&S::frame_rate>("frame_rate", number<double>(positive(1e4)),
                                     "frames per second; ignored for .mdd files, which store their own times")
       .template key<&S::start_time>("start_time", number<double>(signed_range(1e6)),
-                                    "time of the first frame [s]");
+                                    "time of the first frame [s]")
+      .template key<&S::scale>("scale", maybe(number<double>(positive(1e6))),
+                               "meters per unit of the file; if not given, the `scale` of the mesh")
+      .template key<&S::up>("up", maybe(up_codec()),
+                            "the axis that points up in the file; if not given, the `up` of the mesh");
   return keys;
 }
 

@@ -79,6 +79,8 @@ CodecPtr<ObstacleSequenceDescription> obstacle_sequence_codec();
 /// The kinds of mesh that an object may have.
 enum class MeshUse { surface, solid, points };
 CodecPtr<MeshDescription> mesh_codec(MeshUse use);
+/// The axis that points up in a file.
+CodecPtr<UpAxis> up_codec();
 /// Fails if a generated mesh has more than `max_vertices`.
 void check_count(double vertices, const JsonPath& path);
 

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "souple/geometry/triangle_mesh.h"
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace souple {
+
+/// A hole of a surface: a closed loop of its boundary.
+struct Hole {
+  std::vector<std::uint32_t> loop;  ///< vertices, in the direction of the triangles beside them
+  Vec3d center{};                   ///< mean of the vertices [m]
+  double width{};                   ///< largest distance of two opposite vertices along the loop [m]
+  double area{};                    ///< of the fan of triangles about the center [m^2]
+};
+
+/// The holes of a consistently wound surface, in order of their lowest vertices. Where a surface is closed, the
+/// directions of each edge cancel; the other edges form closed loops.
+std::vector<Hole> find_holes(std::span<const Vec3d> positions, std::span<const Triangle> triangles);
+
+/// Closes holes with fans of triangles about their centers. Its winding number at a point is then 1 inside and 0
+/// outside, where that of the open surface is a fraction (Jacobson et al. 2013, "Robust inside-outside
+/// segmentation using generalized winding numbers", section 3).
+void close_holes(std::span<const Hole> holes, std::vector<Vec3d>& positions,
+                 std::vector<Triangle>& triangles);
+
+/// "2 holes (0.1 m wide at (0, 1, 2), ...)"; names at most three.
+std::string describe(std::span<const Hole> holes);
+
+}  // namespace souple

@@ -1,0 +1,351 @@
+#!/usr/bin/env python3
+"""What Blender makes of Souple's files: test_blender.py PROGRAM SOURCE_FOLDER [unittest's arguments].
+
+Blender runs without a window. Where it is not installed, the exit code is 77 and CTest skips the test."""
+
+import array
+import base64
+import json
+import os
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROGRAM = str(Path(sys.argv[1]).resolve()) if len(sys.argv) > 2 else ""
+SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
+BLENDER = shutil.which("blender")
+SKIPPED = 77
+TOLERANCE = 1e-6  # m
+
+
+def pc2_frames(path):
+    data = path.read_bytes()
+    points, samples = struct.unpack_from("<i", data, 16)[0], struct.unpack_from("<i", data, 28)[0]
+    frames = [array.array("f", data[32 + 12 * points * k:32 + 12 * points * (k + 1)]) for k in range(samples)]
+    return points, frames
+
+
+def ply_points(path):
+    """x, y, z of a binary PLY whose other properties are floats too."""
+    data = path.read_bytes()
+    head, body = data.split(b"end_header\n", 1)
+    count = int(re.search(rb"element vertex (\d+)", head).group(1))
+    width = head.count(b"property float")
+    values = array.array("f", body[:4 * width * count])
+    return [c for i in range(count) for c in values[width * i:width * i + 3]]
+
+
+def obj_points(path):
+    return [float(c) for line in path.read_text().splitlines() if line.startswith("v ") for c in line.split()[1:4]]
+
+
+def unpacked(text):
+    return array.array("f", base64.b64decode(text))
+
+
+def z_up(y_up):
+    """Souple's axes in Blender's: (x, y, z) becomes (x, -z, y)."""
+    return [c for i in range(0, len(y_up), 3) for c in (y_up[i], -y_up[i + 2], y_up[i + 1])]
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="souple-blender-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def souple(self, *arguments, code=0):
+        done = subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, stdin=subprocess.DEVNULL,
+                              capture_output=True, text=True, timeout=300)
+        self.assertEqual(done.returncode, code, f"{arguments}\n{done.stdout}\n{done.stderr}")
+        return done
+
+    def blender(self, jobs):
+        (self.folder / "jobs.json").write_text(json.dumps(jobs))
+        done = subprocess.run([BLENDER, "--background", "--factory-startup", "--python-exit-code", "1", "--python",
+                               str(SOURCE / "tests/app/blender_import.py"), "--", str(self.folder / "jobs.json"),
+                               str(self.folder / "results.json")],
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=600,
+                              # Blender finds its Python's packages by the first python3 of the path.
+                              env=dict(os.environ, PATH="/usr/bin:/bin"))
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        results = json.loads((self.folder / "results.json").read_text())
+        for job, result in zip(jobs, results):
+            self.assertNotIn("error", result, f"{job}\n{done.stdout[-3000:]}")
+        return results
+
+    def assert_close(self, found, expected, what):
+        self.assertEqual(len(found), len(expected), what)
+        worst = max((abs(a - b) for a, b in zip(found, expected)), default=0)
+        self.assertLessEqual(worst, TOLERANCE, what)
+
+    def write_scene(self, scene):
+        (self.folder / "scene.json").write_text(json.dumps(scene))
+        return "scene.json"
+
+
+class EveryScene(Case):
+    """Three frames of every object of every shipped scene: imported as OBJ by both importers, moved by PC2 and MDD."""
+
+    FRAMES = 3
+
+    def jobs_of(self, out):
+        """Jobs, and what each should show: per frame the coordinates in Souple's axes."""
+        jobs, truths = [], []
+        for item in json.loads((out / "run.json").read_text())["objects"]:
+            files = {(f["format"], f["frames"] > 0): f for f in item["files"]}
+            rest = files.get(("obj", False))
+            if rest is None:
+                ply = files[("ply", True)]
+                if item["topology"]["points"] == 0:
+                    continue  # emitters fill it later
+                jobs.append({"kind": "import", "importer": "ply", "file": str(out / ply["path"])})
+                truths.append([ply_points(out / ply["path"])])
+                continue
+            points, frames = pc2_frames(out / files[("pc2", True)]["path"])
+            self.assertEqual(points, item["topology"]["points"], item["name"])
+            for importer in "obj", "legacy obj":
+                for cache in "pc2", "mdd":
+                    jobs.append({"kind": "import", "importer": importer, "file": str(out / rest["path"]),
+                                 "cache": str(out / files[(cache, True)]["path"]), "format": cache.upper(),
+                                 "frames": list(range(1, self.FRAMES + 1))})
+                    truths.append(frames)
+        return jobs, truths
+
+    def test_scenes(self):
+        scenes = json.loads(self.souple("list", "--json").stdout)
+        self.assertGreaterEqual(len(scenes), 28)
+        jobs, truths, kinds = [], [], set()
+        for scene in scenes:
+            out = self.folder / scene["name"]
+            self.souple("run", scene["name"], "--frames", self.FRAMES, "--write", "pc2,mdd", "--out", out, "--quiet")
+            kinds |= {item["kind"] for item in json.loads((out / "run.json").read_text())["objects"]}
+            more_jobs, more_truths = self.jobs_of(out)
+            jobs += more_jobs
+            truths += more_truths
+        self.assertLessEqual({"cloth", "soft_body", "rope", "grains", "obstacle", "fluid"}, kinds)
+        for job, truth, result in zip(jobs, truths, self.blender(jobs)):
+            what = f"{job['importer']} of {job['file']}, {job.get('cache')}"
+            for frame, expected in zip(result["frames"], truth):
+                self.assert_close(unpacked(frame["local"]), expected, what)
+                if job["importer"] != "ply":
+                    self.assert_close(unpacked(frame["world"]), z_up(expected), what)
+
+
+class Appearance(Case):
+    """Materials, smooth and sharp edges and normals of a file are those of the object that comes back."""
+
+    MODEL = """
+import bpy
+bpy.ops.mesh.primitive_monkey_add(size=1)
+head = bpy.context.object
+head.data.materials.append(bpy.data.materials.new("Red"))
+head.data.materials.append(bpy.data.materials.new("Blue cloth"))
+for number, polygon in enumerate(head.data.polygons):
+    polygon.material_index = number % 2
+    polygon.use_smooth = number % 3 != 0
+bpy.ops.wm.obj_export(filepath={file!r}, export_smooth_groups=True)
+"""
+
+    def test_survives(self):
+        model = str(self.folder / "head.obj")
+        self.blender([{"kind": "script", "script": self.MODEL.format(file=model)}])
+        scene = self.write_scene({"souple": 1, "frames": 3, "objects": [
+            {"name": "head", "kind": "obstacle", "mesh": {"file": "head.obj"}}]})
+        self.souple("run", scene, "--out", "out", "--write", "pc2,obj")
+        files = [model, self.folder / "out/head.obj", self.folder / "out/head_0002.obj"]
+        before, after, frame = self.blender(
+            [{"kind": "import", "importer": "obj", "file": str(f), "normals": True} for f in files])
+        for key in "materials", "material_of", "smooth", "custom_normals", "polygons", "sharp":
+            if key == "materials":
+                self.assertEqual([re.sub(r"\.\d+$", "", m) for m in before[key]],
+                                 [re.sub(r"\.\d+$", "", m) for m in after[key]])
+                continue
+            self.assertEqual(before[key], after[key], key)
+        self.assertEqual(len(set(before["material_of"])), 2)
+        self.assertIn(True, before["smooth"])
+        worst = max(abs(a - b) for x, y in zip(before["normals"], after["normals"]) for a, b in zip(x, y))
+        self.assertLess(worst, 1e-3)
+        # The frames have no normals of their own; Blender finds them from the smoothing groups.
+        self.assertEqual((frame["smooth"], frame["material_of"]), (before["smooth"], before["material_of"]))
+
+
+class OriginalObject(Case):
+    """The cache on the object that was exported: Forward Z, Up -Y, Frame Start 1, location and rotation cleared."""
+
+    def test_cache_fits(self):
+        # As a soft body, the head is filled in spite of its open eyes.
+        for kind in "cloth", "soft_body":
+            self.compare(kind)
+
+    def compare(self, kind):
+        model = str(self.folder / "head.obj")
+        self.blender([{"kind": "original", "file": model}])
+        scene = self.write_scene({"souple": 1, "frames": 3, "objects": [
+            {"name": "head", "kind": kind, "mesh": {"file": "head.obj"}, "velocity": [1, 2, 3]}]})
+        if kind == "soft_body":
+            self.assertIn("Closed 4 holes (", self.souple("check", scene).stdout)
+        self.souple("run", scene, "--out", "out", "--write", "pc2,mdd")
+        points, frames = pc2_frames(self.folder / "out/head.pc2")
+        results = self.blender([{"kind": "original", "file": str(self.folder / "again.obj"), "format": cache.upper(),
+                                 "cache": str(self.folder / "out" / f"head.{cache}"), "frames": [1, 2, 3],
+                                 "settings": {"forward_axis": "POS_Z", "up_axis": "NEG_Y"}}
+                                for cache in ("pc2", "mdd")])
+        for result in results:
+            self.assertEqual(result["vertices"], points)
+            for frame, expected in zip(result["frames"], frames):
+                self.assert_close(unpacked(frame["world"]), z_up(expected), "on the original")
+
+
+class UnitsAndNames(Case):
+    """FBX in centimeters, STL and PLY with Z up, and one object of a file of two."""
+
+    MODEL = """
+import bpy
+bpy.ops.mesh.primitive_cube_add(size=1)
+body = bpy.context.object
+body.name = "Body"
+body.scale = (0.5, 0.3, 1.8)
+bpy.ops.object.transform_apply(scale=True)
+bpy.ops.mesh.primitive_cube_add(size=1, location=(3, 0, 0))
+bpy.context.object.name = "Shirt"
+bpy.ops.wm.obj_export(filepath={folder!r} + "/two.obj")
+bpy.ops.export_scene.fbx(filepath={folder!r} + "/two.fbx")
+try:
+    bpy.ops.export_scene.gltf(filepath={folder!r} + "/two.glb")
+except RuntimeError:
+    pass  # needs numpy, which Debian's Blender only recommends
+bpy.data.objects.remove(bpy.data.objects["Shirt"])
+bpy.ops.export_mesh.stl(filepath={folder!r} + "/one.stl")
+bpy.ops.export_mesh.ply(filepath={folder!r} + "/one.ply")
+"""
+
+    def test_sizes(self):
+        self.blender([{"kind": "script", "script": self.MODEL.format(folder=str(self.folder))}])
+        has_assimp = "through assimp: yes" in self.souple("info").stdout
+        meshes = [{"file": "two.obj", "node": "Body"}, {"file": "one.stl", "up": "z"}, {"file": "one.ply", "up": "z"}]
+        if has_assimp:
+            meshes += [{"file": name, "node": "Body"} for name in ("two.fbx", "two.glb")
+                       if (self.folder / name).exists()]
+        for mesh in meshes:
+            out = self.souple("check", self.write_scene({"souple": 1, "objects": [
+                {"name": "body", "kind": "obstacle", "mesh": mesh}]})).stdout
+            self.assertIn(", 12 triangles, 0.5 x 1.8 x 0.3 m", out, mesh)
+        out = self.souple("check", self.write_scene({"souple": 1, "objects": [
+            {"name": "both", "kind": "obstacle", "mesh": {"file": "two.obj"}}]})).stdout
+        self.assertIn(", 24 triangles, 3.75 x 1.8 x 1 m", out)
+
+
+class VertexPaint(Case):
+    """White vertices are pinned, black ones free."""
+
+    MODEL = """
+import bpy
+bpy.ops.mesh.primitive_grid_add(x_subdivisions=8, y_subdivisions=8, size=1)
+mesh = bpy.context.object.data
+colors = mesh.color_attributes.new("weights", "FLOAT_COLOR", "POINT")
+for vertex in mesh.vertices:
+    white = 1.0 if vertex.co.y > 0.49 else 0.0
+    colors.data[vertex.index].color = (white, white, white, 1)
+bpy.ops.wm.obj_export(filepath={file!r}, export_colors=True)
+"""
+
+    def test_pins(self):
+        self.blender([{"kind": "script", "script": self.MODEL.format(file=str(self.folder / "sheet.obj"))}])
+        out = self.souple("check", self.write_scene({"souple": 1, "objects": [
+            {"name": "sheet", "kind": "cloth", "mesh": {"file": "sheet.obj"},
+             "maps": {"pin_weight": {"color": "red"}}}]})).stdout
+        self.assertIn("81 vertices, 128 triangles, 9 pinned", out)
+
+
+class Character(Case):
+    """docs/blender.md, "Dress a character": the page's scene, with a body and a skirt that Blender animates."""
+
+    MODEL = """
+import addon_utils
+import bpy
+scene = bpy.context.scene
+scene.frame_start, scene.frame_end = 1, 13
+addon_utils.enable("io_shape_mdd")
+
+def walk(name):
+    obj = bpy.context.object
+    obj.name = name
+    bpy.ops.object.transform_apply(location=True)
+    obj.keyframe_insert("location", frame=1)
+    obj.location = (0.2, 0, 0)
+    obj.keyframe_insert("location", frame=13)
+    scene.frame_set(1)
+    bpy.ops.wm.obj_export(filepath=f"{folder}/{{name}}.obj", export_selected_objects=True)
+    bpy.ops.wm.obj_export(filepath=f"{folder}/{{name}}_walk.obj", export_selected_objects=True, export_animation=True,
+                          start_frame=1, end_frame=13)
+    bpy.ops.export_shape.mdd(filepath=f"{folder}/{{name}}.mdd", fps=24, frame_start=1, frame_end=13,
+                             use_rest_frame=False)
+
+bpy.ops.mesh.primitive_cylinder_add(radius=0.15, depth=1.2, vertices=24, location=(0, 0, 0.6))
+walk("body")
+bpy.ops.mesh.primitive_cone_add(radius1=0.35, radius2=0.17, depth=0.5, vertices=24, end_fill_type="NOTHING",
+                                location=(0, 0, 0.75))
+bpy.ops.object.mode_set(mode="EDIT")
+bpy.ops.mesh.select_all(action="SELECT")
+bpy.ops.mesh.subdivide(number_cuts=5)
+bpy.ops.object.mode_set(mode="OBJECT")
+walk("skirt")
+"""
+
+    def page_scene(self):
+        page = (SOURCE / "docs/blender.md").read_text().split("## Dress a character")[1]
+        return json.loads(re.search(r"```json\n(.*?)```", page, re.DOTALL)[1])
+
+    def test_walks(self):
+        model = self.MODEL.format(folder=self.folder)
+        self.blender([{"kind": "script", "script": model}])
+        scene = self.write_scene(self.page_scene())
+        checked = self.souple("check", scene).stdout
+        self.assertNotIn("first frame", checked)
+        self.assertRegex(checked, r"skirt: cloth, .* pinned")
+        done = self.souple("run", scene, "--out", "out", "--write", "pc2,obj")
+        self.assertLess(float(re.search(r"largest strain ([\d.e+]+) %", done.stdout)[1]), 30, done.stdout)
+        body = obj_points(self.folder / "out/body_0012.obj")
+        self.assert_close(body[0::3], [x + 0.2 for x in obj_points(self.folder / "body.obj")[0::3]], "body")
+        # Frame 12 of the run is Blender's frame 13, on the object that was exported.
+        shown, = self.blender([{"kind": "scripted", "script": model, "cache": str(self.folder / "out/skirt.pc2"),
+                                "format": "PC2", "frame_start": 2, "frames": [13],
+                                "settings": {"forward_axis": "POS_Z", "up_axis": "NEG_Y"}}])
+        skirt = obj_points(self.folder / "out/skirt_0012.obj")
+        self.assert_close(unpacked(shown["frames"][0]["world"]), z_up(skirt), "skirt")
+        self.assertLess(abs(sum(skirt[0::3]) / (len(skirt) / 3) - 0.2), 0.1)
+
+    def test_other_axes_are_named(self):
+        self.blender([{"kind": "script", "script": self.MODEL.format(folder=self.folder)}])
+        scene = self.page_scene()
+        del scene["objects"][0]["sequence"]["up"]
+        name = self.write_scene(scene)
+        remark = 'the first frame of body.mdd is the mesh rotated by 90 degrees; add "up": "z" to the sequence'
+        self.assertIn(remark, self.souple("check", name).stdout)
+        scene["frames"] = 1
+        self.assertIn(remark, self.souple("run", self.write_scene(scene)).stderr)
+
+    def test_sequence_of_obj_files(self):
+        self.blender([{"kind": "script", "script": self.MODEL.format(folder=self.folder)}])
+        scene = self.page_scene()
+        ends = []
+        for names in None, ("body_walk1.obj", "skirt_walk1.obj"):
+            if names:
+                scene["objects"][0]["sequence"] = {"file": names[0], "frame_rate": 24}
+                scene["objects"][1]["pins"][0]["sequence"] = {"file": names[1], "frame_rate": 24}
+            done = self.souple("run", self.write_scene(scene), "--out", "out", "--write", "obj")
+            self.assertNotIn("first frame", done.stderr)
+            ends.append(obj_points(self.folder / "out/body_0012.obj"))
+        self.assert_close(ends[0], ends[1], "MDD and OBJ files")
+
+
+if __name__ == "__main__":
+    if BLENDER is None:
+        print("skipped: blender is not installed")
+        sys.exit(SKIPPED)
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

@@ -1,0 +1,174 @@
+#include "scene_test.h"
+#include "souple/geometry/builders.h"
+#include "souple/io/mdd.h"
+#include "souple/io/pc2.h"
+#include "souple/io/recorder.h"
+#include "souple/scene/first_frame.h"
+
+#include <filesystem>
+#include <fstream>
+
+namespace souple {
+namespace {
+
+/// A body of unequal sides: 0.3 x 1.8 x 0.5 m, standing 0.9 m above the origin, without symmetry.
+std::vector<Vec3d> body() {
+  std::vector<Vec3d> points = box({0.3, 1.8, 0.5}, {2, 6, 3}).positions;
+  for (Vec3d& x : points) x = {x.x * (1 + 0.2 * x.y), x.y + 0.9, x.z + 0.1 * x.y};
+  return points;
+}
+
+template <class Change>
+std::vector<Vec3f> frame_of(const Change& change) {
+  std::vector<Vec3f> frame;
+  for (const Vec3d& x : body()) frame.push_back(Vec3f(change(x)));
+  return frame;
+}
+
+/// Y up as Blender's Z up: (x, -z, y).
+Vec3d z_up(const Vec3d& x) {
+  return {x.x, -x.z, x.y};
+}
+
+TEST(FirstFrame, ThatFitsIsNotRemarkedOn) {
+  EXPECT_EQ(first_frame_remark(body(), frame_of([](const Vec3d& x) { return x; }), {}), "");
+  EXPECT_EQ(first_frame_remark(body(), frame_of(z_up), {.up = UpAxis::z}), "");
+  // Elsewhere, and bent: an animation may begin so.
+  const auto bent = frame_of([](const Vec3d& x) { return x + Vec3d{0.1 * x.y * x.y + 20, 0, 3}; });
+  EXPECT_EQ(first_frame_remark(body(), bent, {}), "");
+}
+
+TEST(FirstFrame, RotatedNamesTheUpAxis) {
+  const std::string text = first_frame_remark(body(), frame_of(z_up), {});
+  EXPECT_EQ(text, "is the mesh rotated by 90 degrees; add \"up\": \"z\" to the sequence");
+  const auto x_up = frame_of([](const Vec3d& x) { return Vec3d{x.y, -x.x, x.z}; });
+  EXPECT_NE(first_frame_remark(body(), x_up, {}).find("\"up\": \"x\""), std::string::npos);
+  // Mesh and sequence are both read as Z up, but the sequence is Y up.
+  const auto y_up = frame_of([](const Vec3d& x) { return x; });
+  EXPECT_NE(first_frame_remark(body(), y_up, {.up = UpAxis::z}).find("\"up\": \"y\""), std::string::npos);
+  const auto turned = frame_of([](const Vec3d& x) { return Vec3d{-x.x, x.y, -x.z}; });
+  EXPECT_EQ(first_frame_remark(body(), turned, {}),
+            "is the mesh rotated by 180 degrees; export the animation with the axes of the mesh");
+}
+
+TEST(FirstFrame, ScaledNamesTheScale) {
+  const auto centimeters = frame_of([](const Vec3d& x) { return x * 100; });
+  EXPECT_EQ(first_frame_remark(body(), centimeters, {}),
+            "is the mesh 100 times as large; add \"scale\": 0.01 to the sequence");
+  const auto both = frame_of([](const Vec3d& x) { return z_up(x) * 0.01; });
+  EXPECT_EQ(
+      first_frame_remark(body(), both, {.scale = 0.5}),
+      "is the mesh rotated by 90 degrees and 0.005 times as large; add \"up\": \"z\", \"scale\": 100 to "
+      "the sequence");
+}
+
+TEST(FirstFrame, OfOtherVerticesIsRemarkedOn) {
+  std::vector<Vec3f> shuffled = frame_of([](const Vec3d& x) { return x; });
+  for (std::size_t i = 0; i < shuffled.size(); ++i)
+    std::swap(shuffled[i], shuffled[(i * 37) % shuffled.size()]);
+  EXPECT_NE(first_frame_remark(body(), shuffled, {}).find("does not resemble the mesh"), std::string::npos);
+}
+
+class SequenceScene : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder = std::filesystem::path(testing::TempDir()) / "souple_first_frame";
+    std::filesystem::create_directories(folder);
+    std::ofstream obj(folder / "body.obj");
+    for (const Vec3d& x : body()) obj << "v " << x.x << ' ' << x.y << ' ' << x.z << '\n';
+    for (const Triangle& t : box({0.3, 1.8, 0.5}, {2, 6, 3}).triangles)
+      obj << "f " << t[0] + 1 << ' ' << t[1] + 1 << ' ' << t[2] + 1 << '\n';
+    MddWriter mdd(folder / "body.mdd", body().size(), 2);
+    const auto frame = frame_of([](const Vec3d& x) { return z_up(x) * 100; });
+    mdd.append(0, frame);
+    mdd.append(1, frame);
+    mdd.finish();
+  }
+  void TearDown() override { std::filesystem::remove_all(folder); }
+
+  /// The world of an object with this text beside its mesh; `warnings` gets what the builder warns of.
+  World build(const std::string& text) {
+    const std::string scene =
+        R"({"souple": 1, "objects": [{"name": "body", "mesh": {"file": "body.obj"}, )" + text + "}]}";
+    return build_world(parse_scene(scene, folder, "test.json"), [&](LogLevel level, std::string_view line) {
+      if (level == LogLevel::warning) warnings.emplace_back(line);
+    });
+  }
+
+  std::filesystem::path folder;
+  std::vector<std::string> warnings;
+};
+
+TEST_F(SequenceScene, IsComparedForObstaclesAndPins) {
+  build(R"("kind": "obstacle", "sequence": {"file": "body.mdd"})");
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0],
+            "body: the first frame of body.mdd is the mesh rotated by 90 degrees and 100 times as large; add "
+            "\"up\": \"z\", \"scale\": 0.01 to the sequence");
+  build(R"("kind": "cloth", "pins": [{"all": true, "sequence": {"file": "body.mdd"}}])");
+  EXPECT_EQ(warnings.size(), 2u);
+}
+
+TEST_F(SequenceScene, TakesItsOwnUpAndScale) {
+  const std::string sequence = R"({"file": "body.mdd", "up": "z", "scale": 0.01})";
+  for (const std::string& object :
+       {R"("kind": "obstacle", "sequence": )" + sequence,
+        R"("kind": "cloth", "pins": [{"all": true, "sequence": )" + sequence + "}]"}) {
+    World world = build(object + R"(, "transform": {"rotate": [0, 90, 0], "translate": [1, 2, 3]})");
+    EXPECT_TRUE(warnings.empty());
+    const ObjectId id = world.find_object("body");
+    const std::vector<Vec3f> before(world.positions(id).begin(), world.positions(id).end());
+    world.step(1.0 / 60);
+    for (std::size_t v = 0; v < before.size(); ++v)
+      EXPECT_LT(length(world.positions(id)[v] - before[v]), 1e-5f) << v;
+  }
+}
+
+// The cache of a tet mesh holds its surface; it can move what it holds.
+TEST_F(SequenceScene, OfATetMeshMayHoldItsSurface) {
+  const std::string bar = R"({"souple": 1, "objects": [{"name": "bar", "kind": "soft_body",
+      "mesh": {"tet_bar": {"cells": [3, 3, 3], "size": [0.3, 0.3, 0.3]}}, "pins": [)";
+  World world = build_world(parse_scene(bar + "]}]}", folder, "test.json"));
+  const ObjectId object = world.find_object("bar");
+  const std::vector<std::uint32_t> surface = recorded_vertices(world, object);
+  ASSERT_EQ(surface.size(), 56u);
+  Pc2Writer cache(folder / "bar.pc2", surface.size());
+  std::vector<Vec3f> frame;
+  frame.reserve(surface.size());
+  for (const std::uint32_t v : surface) frame.push_back(world.positions(object)[v] + Vec3f{0, 1, 0});
+  cache.append(frame);
+  cache.finish();
+  const auto pinned = [&](std::uint32_t vertex) {
+    return bar + R"({"vertices": [)" + std::to_string(vertex) + R"(], "sequence": {"file": "bar.pc2"}}]}]})";
+  };
+  World moved = build_world(parse_scene(pinned(surface.back()), folder, "test.json"));
+  const Vec3f before = world.positions(object)[surface.back()];
+  moved.step(1.0 / 60);
+  EXPECT_NEAR(moved.positions(object)[surface.back()].y, before.y + 1, 1e-5f);
+  std::uint32_t inside = 0;
+  while (std::find(surface.begin(), surface.end(), inside) != surface.end()) ++inside;
+  try {
+    build_world(parse_scene(pinned(inside), folder, "test.json"));
+    FAIL() << "no position for a vertex inside";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("pins[0]: sequence: bar.pc2 has the 56 vertices on the surface"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+TEST_F(SequenceScene, SizesOfOtherUnitsAreRemarkedOn) {
+  build(R"("kind": "obstacle", "transform": {"scale": 100})");
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find("body: is 180 m large; if it should not be, set \"scale\" of its mesh"),
+            std::string::npos)
+      << warnings[0];
+  build(R"("kind": "obstacle", "transform": {"scale": 0.0004})");
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_NE(warnings[1].find("0.00072 m large"), std::string::npos) << warnings[1];
+  build(R"("kind": "obstacle")");
+  EXPECT_EQ(warnings.size(), 2u);
+}
+
+}  // namespace
+}  // namespace souple
