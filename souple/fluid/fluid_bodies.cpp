@@ -309,6 +309,9 @@ void FluidBodies::keep_apart(const BoundaryPlane& plane, std::uint32_t i, const 
                              const ParticleView& particles) const {
   const Vec3f& n = plane.normal;
   if (dot(n, x) - plane.offset > 2 * radius) return;
+  // The plane extends beyond its triangle: only in front of the triangle the body is known to be there.
+  const Vec3f along = cross(n, x - point(plane, states_[plane.mesh].now));
+  if (dot(along, along) > radius * radius) return;
   const Carriers carriers = carriers_of(plane);
   Vec3d offset = particle_position(particles, i);
   float w = particles.inverse_mass(i);

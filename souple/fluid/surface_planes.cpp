@@ -12,6 +12,8 @@ constexpr float same_distance = 1e-4f;
 constexpr float on_plane = 1e-3f;  // distance from a plane at which a point counts as on it
 constexpr float least_distance = 0.1f;
 
+constexpr float turned_away = 5;  // how much faster than others planes fade that are nearer than the surface
+
 }  // namespace
 
 void SurfacePlanes::add(std::uint32_t triangle, const std::array<Vec3f, 3>& corners, const Vec3f& weights,
@@ -67,16 +69,19 @@ void SurfacePlanes::hide_behind(const SurfacePlane& selected) {
 //   w_k = (1 - b_k / L)^2,   b_k = max_j (s_k - s_j) / |n_k - n_j|
 //
 // with b_k the distance beyond the planes that bisect folds with other planes. f_jk approximates the part of
-// a half-space outside another one that is turned against it.
+// a half-space outside another one that is turned against it. No part of the surface is nearer than s_0: a
+// plane that is nearer belongs to a face that turns away and ends before it reaches the particle.
 void SurfacePlanes::find_shares() {
   std::array<float, max_planes> w{};
   for (std::size_t k = 0; k < count_; ++k) {
     float beyond = 0;
     for (std::size_t j = 0; j < count_; ++j) {
-      const float turn = length(planes_[k].normal - planes_[j].normal);
-      beyond = std::max(beyond, (planes_[k].distance - planes_[j].distance) / std::max(turn, 1e-6f));
+      const float turn = std::max(length(planes_[k].normal - planes_[j].normal), 1e-6f);
+      const float difference = planes_[k].distance - planes_[j].distance;
+      if (k > 0 && j == 0) beyond = std::max(beyond, std::max(difference, -turned_away * difference) / turn);
+      if (k > 0 && j > 0) beyond = std::max(beyond, difference / turn);
     }
-    const float t = std::max(1 - beyond / (blend_width_), 0.0f);
+    const float t = std::max(1 - beyond / blend_width_, 0.0f);
     w[k] = t * t;
   }
   for (std::size_t k = 0; k < count_; ++k) {
