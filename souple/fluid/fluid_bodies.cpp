@@ -165,13 +165,15 @@ void FluidBodies::add_triangle(std::uint32_t mesh, std::uint32_t triangle, const
       closest_on_triangle(Vec3d(x), Vec3d(now[t[0]]), Vec3d(now[t[1]]), Vec3d(now[t[2]]));
   const Vec3f weights{static_cast<float>(nearest.a), static_cast<float>(nearest.b),
                       static_cast<float>(nearest.c)};
+  const Vec3f foot = corner_mix(t, weights, now) - x;
+  if (dot(foot, foot) > surface.reach() * surface.reach()) return;
   const Vec3f normal = area_normal(t, now);
   const float size = length(normal);
   if (!(size > 0)) return;
   float side = 1;
   if (!meshes_[mesh].closed && dot(area_normal(t, before), start - corner_mix(t, weights, before)) < 0)
     side = -1;
-  surface.add(triangle, {now[t[0]] - x, now[t[1]] - x, now[t[2]] - x}, weights, normal * (side / size));
+  surface.add(triangle, {now[t[0]] - x, now[t[1]] - x, now[t[2]] - x}, weights, foot, normal * (side / size));
 }
 
 void FluidBodies::add_plane(std::uint32_t mesh, const SurfacePlane& found, const Vec3f& x,
