@@ -92,6 +92,23 @@ TEST(FluidColumn, RestsWithTheWideKernelToo) {
   expect_rest(9, 0.005, {.kernel = SmoothingShape::wide_wendland});
 }
 
+// With few layers the bottom layer and the packing at walls weigh most.
+TEST(FluidColumn, AShallowOneRestsWithTheWideKernelToo) {
+  Column column(0.02, 10, 25, 6, {.kernel = SmoothingShape::wide_wendland});
+  column.run(3);
+  double bottom = 0, middle = 0, height = 0;
+  constexpr int frames = 30;
+  for (int frame = 0; frame < frames; ++frame) {
+    column.run(1.0 / 60);
+    bottom += column.pressure_at(column.d / 2) / frames;
+    middle += column.pressure_at(column.height / 2) / frames;
+    height += column.top() / column.height / frames;
+  }
+  EXPECT_NEAR(bottom, 1, 0.02);
+  EXPECT_NEAR(middle, 1, 0.02);
+  EXPECT_NEAR(height, 1, 0.015);
+}
+
 struct Case {
   double spacing;  // m
   int layers, substeps;
