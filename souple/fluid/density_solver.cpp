@@ -101,6 +101,7 @@ void DensitySolver::find_neighbors(std::span<const Vec4f> positions, Threads& th
 
 void DensitySolver::find_fluid_sums(Threads& threads) {
   const float V = smoothing_.volume(), d = smoothing_.spacing();
+  const float scaled_volume = V / smoothing_.factors().scale;
   const float least = 1e-3f / (d * d);  // regularization: an isolated particle has no gradient
   const float soft = softness();
   for_lists(threads, [&](const kernels::NeighborLists& lists) {
@@ -113,8 +114,8 @@ void DensitySolver::find_fluid_sums(Threads& threads) {
       samples_[k].c = V * (sums.density + smoothing_.center()) + boundary.value - 1;
       const float w = x_[k].w;
       samples_[k].diagonal = 2 * w * dot(rough, rough) + boundary.local_response + coarse_share * soft;
-      denominator_[k] =
-          w * dot(whole, whole) + V * V * sums.gradient_squared + least * w + boundary.response + soft;
+      denominator_[k] = w * dot(whole, whole) + scaled_volume * scaled_volume * sums.gradient_squared +
+                        least * w + boundary.response + soft;
     }
   });
 }

@@ -143,65 +143,54 @@ void FluidBodies::find_candidates_of(std::uint32_t mesh, std::uint32_t triangle,
 
 // --- boundary planes -----------------------------------------------------------------------------
 
-// At a shared edge or vertex several triangles have the same distance. The triangle that faces the particle
-// most decides whether it is inside: the planes of the other triangles may have it on the wrong side.
 void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start,
                        float search_radius, std::vector<BoundaryPlane>& planes) const {
+  static thread_local SurfacePlanes surface;
   for (std::uint32_t c = first_[i]; c < first_[i + 1];) {
     const std::uint32_t s = candidates_[c].mesh;
-    const BoundaryMesh& mesh = meshes_[s];
-    const State& state = states_[s];
-    struct {
-      float distance = 0, facing = 0;
-      std::uint32_t triangle = BoundaryPlane::none;
-      Vec3f weights{}, offset{}, normal{};
-    } best;
-    best.distance = search_radius + mesh.half_thickness;
-    for (; c < first_[i + 1] && candidates_[c].mesh == s; ++c) {
-      const Triangle& t = mesh.triangles[candidates_[c].triangle];
-      const TrianglePoint nearest = closest_on_triangle(Vec3d(x), Vec3d(state.now[t[0]]),
-                                                        Vec3d(state.now[t[1]]), Vec3d(state.now[t[2]]));
-      const Vec3f weights{static_cast<float>(nearest.a), static_cast<float>(nearest.b),
-                          static_cast<float>(nearest.c)};
-      const Vec3f offset = x - corner_mix(t, weights, state.now);
-      const float distance = length(offset);
-      const float same = 1e-4f * search_radius;
-      if (distance > best.distance + same) continue;
-      const Vec3f normal = area_normal(t, state.now);
-      const float size = length(normal);
-      if (!(size > 0)) continue;
-      const float facing = std::fabs(dot(normal, offset)) / size;
-      if (distance > best.distance - same && best.triangle != BoundaryPlane::none && facing <= best.facing)
-        continue;
-      best = {std::min(distance, best.distance),
-              facing,
-              candidates_[c].triangle,
-              weights,
-              offset,
-              normal * (1 / size)};
-    }
-    if (best.triangle == BoundaryPlane::none || collides_[fluid * meshes_.size() + s] == 0) continue;
-    const Triangle& t = mesh.triangles[best.triangle];
-    Vec3f outward = best.normal;
-    if (!mesh.closed) {
-      // Cloth may have fluid on both sides: a particle stays on the side where it was.
-      const Vec3f before = area_normal(t, state.start);
-      if (dot(before, start - corner_mix(t, best.weights, state.start)) < 0) outward = -outward;
-    }
-    const float side = dot(outward, best.offset) < 0 ? -1.0f : 1.0f;
-    const float distance = length(best.offset);
-    const bool on_it = !(distance > 1e-3f * search_radius);
-    BoundaryPlane plane;
-    plane.normal = on_it ? outward : best.offset * (side / distance);
-    plane.motion = corner_mix(t, best.weights, state.now) - corner_mix(t, best.weights, state.start);
-    plane.mesh = s;
-    plane.triangle = best.triangle;
-    plane.weights = best.weights;
-    follow(plane);
-    // Deep inside a body a particle ignores it: the direction out is ambiguous there.
-    const float apart = dot(plane.normal, x) - plane.offset;
-    if (apart < search_radius && apart > -max_depth * search_radius) planes.push_back(plane);
+    surface.begin(search_radius + meshes_[s].half_thickness, search_radius);
+    for (; c < first_[i + 1] && candidates_[c].mesh == s; ++c)
+      add_triangle(s, candidates_[c].triangle, x, start, surface);
+    if (collides_[fluid * meshes_.size() + s] == 0) continue;
+    for (const SurfacePlane& found : surface.select()) add_plane(s, found, x, search_radius, planes);
   }
+}
+
+// Cloth may have fluid on both sides: a particle stays on the side where it was.
+void FluidBodies::add_triangle(std::uint32_t mesh, std::uint32_t triangle, const Vec3f& x, const Vec3f& start,
+                               SurfacePlanes& surface) const {
+  const Triangle& t = meshes_[mesh].triangles[triangle];
+  const std::vector<Vec3f>&now = states_[mesh].now, &before = states_[mesh].start;
+  const TrianglePoint nearest =
+      closest_on_triangle(Vec3d(x), Vec3d(now[t[0]]), Vec3d(now[t[1]]), Vec3d(now[t[2]]));
+  const Vec3f weights{static_cast<float>(nearest.a), static_cast<float>(nearest.b),
+                      static_cast<float>(nearest.c)};
+  const Vec3f foot = corner_mix(t, weights, now) - x;
+  if (dot(foot, foot) > surface.reach() * surface.reach()) return;
+  const Vec3f normal = area_normal(t, now);
+  const float size = length(normal);
+  if (!(size > 0)) return;
+  float side = 1;
+  if (!meshes_[mesh].closed && dot(area_normal(t, before), start - corner_mix(t, weights, before)) < 0)
+    side = -1;
+  surface.add(triangle, {now[t[0]] - x, now[t[1]] - x, now[t[2]] - x}, weights, foot, normal * (side / size));
+}
+
+void FluidBodies::add_plane(std::uint32_t mesh, const SurfacePlane& found, const Vec3f& x,
+                            float search_radius, std::vector<BoundaryPlane>& planes) const {
+  const Triangle& t = meshes_[mesh].triangles[found.triangle];
+  const State& state = states_[mesh];
+  BoundaryPlane plane;
+  plane.normal = found.normal;
+  plane.motion = corner_mix(t, found.weights, state.now) - corner_mix(t, found.weights, state.start);
+  plane.mesh = mesh;
+  plane.triangle = found.triangle;
+  plane.weights = found.weights;
+  plane.share = found.share;
+  follow(plane);
+  // Deep inside a body a particle ignores it: the direction out is ambiguous there.
+  const float apart = dot(plane.normal, x) - plane.offset;
+  if (apart < search_radius && apart > -max_depth * search_radius && plane.share > 0) planes.push_back(plane);
 }
 
 void FluidBodies::follow(BoundaryPlane& plane) const {
@@ -322,6 +311,9 @@ void FluidBodies::keep_apart(const BoundaryPlane& plane, std::uint32_t i, const 
                              const ParticleView& particles) const {
   const Vec3f& n = plane.normal;
   if (dot(n, x) - plane.offset > 2 * radius) return;
+  // The plane extends beyond its triangle: only in front of the triangle the body is known to be there.
+  const Vec3f along = cross(n, x - point(plane, states_[plane.mesh].now));
+  if (dot(along, along) > radius * radius) return;
   const Carriers carriers = carriers_of(plane);
   Vec3d offset = particle_position(particles, i);
   float w = particles.inverse_mass(i);

@@ -3,6 +3,7 @@
 #include "souple/fluid/cell_order.h"
 #include "souple/fluid/coarse_pressure.h"
 #include "souple/fluid/local_boundary.h"
+#include "souple/fluid/surface_planes.h"
 #include "souple/geometry/triangle_mesh.h"
 #include "souple/solver/projector.h"
 
@@ -111,6 +112,10 @@ class FluidBodies {
     Vec3d force{}, torque{};
   };
 
+  void add_triangle(std::uint32_t mesh, std::uint32_t triangle, const Vec3f& x, const Vec3f& start,
+                    SurfacePlanes& surface) const;
+  void add_plane(std::uint32_t mesh, const SurfacePlane& found, const Vec3f& x, float search_radius,
+                 std::vector<BoundaryPlane>& planes) const;
   void update_state(const BoundaryMesh& mesh, State& state, const ParticleView& particles,
                     std::span<const float> mass) const;
   bool lists_are_valid(std::span<const Vec4f> positions) const;

@@ -19,6 +19,7 @@ struct BoundaryPlane {
   Vec3f push_sum{};          ///< push on the particle in this substep: sum of slope times lambda [kg m]
   float friction = 0;        ///< its part of WallFriction's w; BodyFriction overwrites it by k [kg]
   Vec3f friction_impulse{};  ///< friction impulse on the body in this substep [kg m/s]
+  float share = 1;           ///< part of its half-space that other planes of its mesh do not hide
   std::uint32_t collider = none;
   // For bodies: the mesh, its triangle, and the barycentric weights of the nearest point.
   std::uint32_t mesh = none, triangle = 0;
@@ -80,6 +81,11 @@ class LocalBoundary {
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> near_;
 };
+
+/// A wall of which only a part counts: 1 - value' = (1 - value)^share, so that equal planes whose shares sum
+/// to 1 act as one. The power is replaced by share value / (1 - (1 - share) / 2 value), which agrees to
+/// second order.
+Smoothing::Wall part_of(const Smoothing::Wall& wall, float share);
 
 /// Contribution of planes to the density constraint of a particle at x. Each plane stores its own slope:
 ///

@@ -35,7 +35,7 @@ Shape find_shape(SmoothingShape shape) {
     case SmoothingShape::cubic_spline:
       return shape_of<kernels::CubicSpline>(2, 1, 1.06, 2.2);
     case SmoothingShape::wide_wendland:
-      return shape_of<kernels::Wendland>(2.3, 1, 1.02, 2.4);
+      return shape_of<kernels::Wendland>(2.3, 1.009, 1.035, 2.45);
     case SmoothingShape::wendland:
       break;
   }
@@ -78,7 +78,8 @@ Smoothing::Smoothing(float spacing, SmoothingShape which) : spacing_(spacing) {
   const double value = shape.density_factor / (volume * value_sum);
   const double slope = -3 * shape.gradient_factor / (volume * slope_sum);
   const float h = static_cast<float>(support) * spacing;
-  factors_ = {h, 1 / h, static_cast<float>(value), static_cast<float>(slope)};
+  factors_ = {h, 1 / h, static_cast<float>(value), static_cast<float>(slope),
+              static_cast<float>(std::ldexp(1.0, std::ilogb(volume)))};
   center_ = static_cast<float>(value * shape.value(0));
   mirror_ = static_cast<float>(shape.mirror);
 

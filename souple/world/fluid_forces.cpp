@@ -21,7 +21,8 @@ void Fluids::find_wall_friction(float h, Threads& threads) {
     Vec3f motion{};
     float sum = 0, kinematic = 0, left = 1;
     for (BoundaryPlane& plane : local_boundary_.of(k)) {
-      plane.friction = solver_->smoothing().wall(dot(plane.normal, x[k].xyz()) - plane.offset).value;
+      plane.friction =
+          part_of(solver_->smoothing().wall(dot(plane.normal, x[k].xyz()) - plane.offset), plane.share).value;
       sum += plane.friction;
       left *= 1 - plane.friction;
       if (bodies_.is_movable(plane)) continue;

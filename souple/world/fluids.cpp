@@ -48,6 +48,13 @@ struct Boundary {
   }
 };
 
+/// Origin of a fluid's coordinates: floats far from it are coarse. It is a multiple of one meter or, for
+/// spacings below 2 mm, of a power of two of at least 256 spacings.
+Vec3d origin_near(const Vec3d& x, float spacing) {
+  const double cell = min(1.0, std::ldexp(1.0, std::ilogb(256 * double{spacing}) + 1));
+  return {std::floor(x.x / cell) * cell, std::floor(x.y / cell) * cell, std::floor(x.z / cell) * cell};
+}
+
 /// The displacement that restores the distance `radius` between x and the walls [m].
 Vec3f wall_correction(const Vec3f& x, std::span<const BoundaryPlane> planes, float radius) {
   Vec3f correction{};
@@ -68,10 +75,7 @@ void Fluids::begin_step(WorldState& world, double dt) {
   inflow_.begin_step(world, dt, registry_.particle);
   choose_solver(world);
   solver_->begin_step();
-  // Coordinates are relative to whole meters near the first particle: floats far from the world's origin are
-  // coarse.
-  const Vec3d first = world.exact_position(registry_.particle[0]);
-  origin_ = {std::floor(first.x), std::floor(first.y), std::floor(first.z)};
+  origin_ = origin_near(world.exact_position(registry_.particle[0]), registry_.materials[0].spacing);
   bodies_.begin_step(registry_.collides_with_body, origin_);
   sub_resolution_bodies_.begin_step(registry_.collides_with_sub_resolution, registry_.sub_resolution.size(),
                                     registry_.fluid, origin_);

@@ -93,11 +93,14 @@ SOUPLE_INLINE inline DensitySums density_sums_here(const Vec4f* records, const V
                                                    const SmoothingFactors& factors) {
   using T = simd::Pack<Isa>;
   Sixteen<Isa> density, squared, gx, gy, gz;
+  // Slopes are about 1 / d^5: their squares leave the range of floats below 0.2 mm. A power of two changes no
+  // digit.
+  const float scaled_slope = factors.slope_factor * factors.scale, unscale = 1 / factors.scale;
   for (std::size_t k = 0; k < count; k += 16) {
     for (int r = 0; r < Sixteen<Isa>::registers; ++r) {
       const Gathered<Isa> other(&records->x, list + k + static_cast<std::size_t>(r * Isa::lanes));
       const Near<Isa> near(other, at, factors);
-      const T slope = T(factors.slope_factor) * Shape::slope(near.q);
+      const T slope = T(scaled_slope) * Shape::slope(near.q);
       density.add(r, Shape::value(near.q));
       squared.add(r, T(other.w) * (slope * slope * near.r2));
       gx.add(r, slope * near.dx);
@@ -107,7 +110,9 @@ SOUPLE_INLINE inline DensitySums density_sums_here(const Vec4f* records, const V
   }
   const FourLanes four = add_lanes(density.four(), gx.four(), gy.four(), gz.four());
   const FourLanes q = squared.four();
-  return {factors.value_factor * four[0], (q[0] + q[2]) + (q[1] + q[3]), {four[1], four[2], four[3]}};
+  return {factors.value_factor * four[0],
+          (q[0] + q[2]) + (q[1] + q[3]),
+          {four[1] * unscale, four[2] * unscale, four[3] * unscale}};
 }
 
 /// A pair's extra term besides q_i + q_j.

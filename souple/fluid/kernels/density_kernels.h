@@ -18,12 +18,13 @@ struct SmoothingFactors {
   float inverse_h = 1;     ///< 1/m
   float value_factor = 0;  ///< 1/m^3
   float slope_factor = 0;  ///< < 0 [1/m^5]
+  float scale = 1;         ///< power of two near V / m^3, by which sums of squares are scaled
 };
 
 /// Sums for a particle's density constraint.
 struct DensitySums {
   float density;           ///< sum_j W_ij [1/m^3]
-  float gradient_squared;  ///< sum_j w_j |grad W_ij|^2 [1/(kg m^8)]
+  float gradient_squared;  ///< scale^2 sum_j w_j |grad W_ij|^2 [1/(kg m^2)]
   Vec3f gradient;          ///< sum_j grad W_ij [1/m^4]
 };
 
