@@ -14,6 +14,15 @@ namespace souple::kernels {
 
 enum class ColliderForm { plane, sphere, box, capsule, cylinder, field };
 
+/// A grid of signed distances: see signed_distance_grid.h. Lengths in m.
+struct ColliderGrid {
+  float origin[3] = {}, spacing = 1;
+  std::int32_t blocks[3] = {};
+  const float* corners = nullptr;      ///< at the corners of blocks, x fastest
+  const std::int32_t* slot = nullptr;  ///< per block: its number in `points`; negative: only its corners are known
+  const float* points = nullptr;       ///< of blocks, each x fastest
+};
+
 /// Distances and outward unit normals of `count` points; planes of x, y and z. [m]
 using SampleField = void (*)(const void* field, int count, const float* const (&point)[3], float* distance,
                              float* const (&normal)[3]);
@@ -24,7 +33,8 @@ struct ColliderShape {
   ColliderForm form = ColliderForm::plane;
   float radius = 0;              ///< sphere, capsule, cylinder [m]
   float half_extents[3] = {};    ///< box; y: capsule (its segment) and cylinder [m]
-  SampleField sample = nullptr;  ///< field
+  ColliderGrid grid{};           ///< field
+  SampleField sample = nullptr;  ///< field, outside of its grid
   const void* field = nullptr;
 };
 
