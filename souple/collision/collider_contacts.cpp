@@ -6,7 +6,6 @@
 #include "souple/collision/packed_collider.h"
 #include "souple/collision/particle_position.h"
 #include "souple/collision/spatial_hash.h"
-#include "souple/collision/sphere_cast.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 
@@ -25,6 +24,22 @@ Mat3d axes_around(const Vec3d& n) {
   const Vec3d other = std::abs(n.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1};
   const Vec3d x = normalized(other - n * dot(n, other));
   return {x, n, cross(x, n)};
+}
+
+// With the plane of the last projection. A contact that touches for the first time now takes the surface motion of a
+// plane that has not been projected, 0: on a moving collider the exact projections that follow correct its friction.
+void project_again(const kernels::ColliderContactColumns& columns, std::size_t c,
+                   const ParticleView& particles) {
+  const auto vector = [c](float* const(&of)[3]) { return Vec3f{of[0][c], of[1][c], of[2][c]}; };
+  const std::uint32_t i = columns.particle[c];
+  const Vec3f n = vector(columns.normal), moved = particles.moved(i);
+  const float C = columns.plane_gap[c] + dot(n, moved);
+  if (!(columns.slop[c] > C) && !(columns.normal_sum[c] > 0)) return;
+  ContactSums<float> sums{columns.normal_sum[c], vector(columns.tangent_sum)};
+  particles.correct(i, solve_contact(sums, C, columns.slop[c], n, moved - vector(columns.surface_motion),
+                                     columns.static_friction[c], columns.kinetic_friction[c]));
+  columns.normal_sum[c] = sums.normal_sum;
+  for (int axis = 0; axis < 3; ++axis) columns.tangent_sum[axis][c] = sums.tangent_sum[axis];
 }
 
 }  // namespace
@@ -226,31 +241,7 @@ void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, 
     }
     kernels_->describe(packed, body.packed, limits(), columns, body.contact_begin + begin,
                        body.contact_begin + end);
-    for (std::size_t k = begin; k < end; ++k)
-      if (columns.fixed_plane[body.contact_begin + k] == 2)
-        find_first_touch(body, body.contact_begin + k, particles);
   });
-}
-
-// A plane is the same everywhere.
-void ColliderContacts::find_first_touch(const Body& body, std::size_t contact,
-                                        const ParticleView& particles) {
-  const kernels::ColliderContactColumns columns = contacts_.columns();
-  columns.fixed_plane[contact] = 1;
-  if (body.packed.shape.form == kernels::ColliderForm::plane) return;
-  const std::uint32_t i = columns.particle[contact];
-  const Shape& shape = shape_of(body);
-  const Vec3d from = body.before.to_local(particle_start_position(particles, i));
-  const Vec3d to = body.after.to_local(particle_position(particles, i));
-  const auto hit =
-      sphere_cast(shape, surface_distance(shape, from), from, to, double(columns.distance[contact]));
-  if (!hit) {
-    columns.fixed_plane[contact] = 0;
-    return;
-  }
-  const Vec3d& n = hit->surface.normal;
-  for (int axis = 0; axis < 3; ++axis) columns.start_normal[axis][contact] = float(n[axis]);
-  columns.plane_offset[contact] = float(dot(n, hit->point - body.origin) - hit->surface.distance);
 }
 
 kernels::ColliderContactLimits ColliderContacts::limits() const {
@@ -280,12 +271,12 @@ bool ColliderContacts::removes_overlaps() const {
 
 void ColliderContacts::project_some(std::span<const std::uint32_t> contacts, const ParticleView& particles,
                                     bool again) {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
   if (again) {
-    for (const std::uint32_t c : contacts) project_again(c, particles);
+    for (const std::uint32_t c : contacts) project_again(columns, c, particles);
     return;
   }
   const kernels::ColliderParticles packed = packed_particles(particles);
-  const kernels::ColliderContactColumns columns = contacts_.columns();
   auto body = bodies_.begin();
   for (std::size_t k = 0, end = 0; k < contacts.size(); k = end) {
     while (contacts[k] >= body->contact_end) ++body;
@@ -294,22 +285,6 @@ void ColliderContacts::project_some(std::span<const std::uint32_t> contacts, con
       ++end;
     kernels_->project(packed, body->packed, columns, contacts[k], contacts[end - 1] + std::size_t{1});
   }
-}
-
-// With the plane of the last projection. A contact that touches for the first time now takes the surface motion of a
-// plane that has not been projected, 0: on a moving collider the exact projections that follow correct its friction.
-void ColliderContacts::project_again(std::size_t c, const ParticleView& particles) {
-  const kernels::ColliderContactColumns columns = contacts_.columns();
-  const auto vector = [c](float* const(&of)[3]) { return Vec3f{of[0][c], of[1][c], of[2][c]}; };
-  const std::uint32_t i = columns.particle[c];
-  const Vec3f n = vector(columns.normal), moved = particles.moved(i);
-  const float C = columns.plane_gap[c] + dot(n, moved);
-  if (!(columns.slop[c] > C) && !(columns.normal_sum[c] > 0)) return;
-  ContactSums<float> sums{columns.normal_sum[c], vector(columns.tangent_sum)};
-  particles.correct(i, solve_contact(sums, C, columns.slop[c], n, moved - vector(columns.surface_motion),
-                                     columns.static_friction[c], columns.kinetic_friction[c]));
-  columns.normal_sum[c] = sums.normal_sum;
-  for (int axis = 0; axis < 3; ++axis) columns.tangent_sum[axis][c] = sums.tangent_sum[axis];
 }
 
 void ColliderContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,

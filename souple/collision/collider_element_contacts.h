@@ -111,6 +111,8 @@ class ColliderElementContacts final : public Projector {
     std::array<std::vector<std::uint32_t>, 3> corner;
     std::vector<float> radius, reach, near;
     std::array<std::vector<float>, 4> search;  // columns of kernels::ColliderFieldSearch
+    std::vector<float> travel;                 // in a field: motion since it was sampled [m]
+    std::vector<float> clear_for;              // in a field: motion that it needs to come near [m]
     std::array<std::vector<float>, 9> touch;   // kernels::ColliderElementTouches
 
     void clear();
@@ -141,6 +143,8 @@ class ColliderElementContacts final : public Projector {
   void find_depenetrating(Body& body, const ParticleView& particles, Threads& threads);
   void find_contacts(Body& body, const ParticleView& particles, float h, Threads& threads);
   void find_touches(const Body& body, Threads& threads);
+  void find_touches_of_field(const Body& body, Threads& threads);
+  float path_of(std::size_t candidate) const;
   bool contact_of(const Body& body, const kernels::ColliderElementTouches& found, std::size_t candidate,
                   const ParticleView& particles, float h, Contact& contact) const;
   std::uint8_t* depenetrating_of(const Body& body) {
@@ -159,11 +163,11 @@ class ColliderElementContacts final : public Projector {
   struct Corner {
     std::uint32_t particle, object;
   };
-  std::vector<Corner> corners_;                             // particles of all elements, each once
-  std::vector<std::uint32_t> corner_particle_;              // per corner
+  std::vector<Corner> corners_;                            // particles of all elements, each once
+  std::vector<std::uint32_t> corner_particle_;             // per corner
   std::vector<std::array<std::uint32_t, 3>> first_float_;  // per element: of its corners' records
-  float largest_radius_ = 0;                                // of all elements [m]
-  std::uint32_t objects_ = 0;                               // one more than the largest object of an element
+  float largest_radius_ = 0;                               // of all elements [m]
+  std::uint32_t objects_ = 0;                              // one more than the largest object of an element
   std::span<const Collider> colliders_;
   std::span<const float> radius_;
   const ContactMaterialTable* materials_ = nullptr;
@@ -179,8 +183,9 @@ class ColliderElementContacts final : public Projector {
   std::vector<Vec4f> from_, to_;          // records of kernels::ColliderFrameRecords
   std::vector<std::uint32_t> all_rows_;   // 0, 1, ...
   std::vector<std::uint8_t> is_row_;
-  std::vector<std::uint32_t> rows_;          // corners of candidates, body by body
+  std::vector<std::uint32_t> rows_;  // corners of candidates, body by body
   Candidates candidates_;
+  std::vector<std::uint32_t> stale_, near_;  // candidates in a field: to be sampled, and that may touch
   std::vector<std::uint8_t> depenetrating_;  // [body][object]: a part of the object started inside
   std::vector<Contact> contacts_;            // body by body
 };

@@ -18,9 +18,10 @@ enum class ColliderForm { plane, sphere, box, capsule, cylinder, field };
 struct ColliderGrid {
   float origin[3] = {}, spacing = 1;
   std::int32_t blocks[3] = {};
-  const float* corners = nullptr;      ///< at the corners of blocks, x fastest
-  const std::int32_t* slot = nullptr;  ///< per block: its number in `points`; negative: only its corners are known
-  const float* points = nullptr;       ///< of blocks, each x fastest
+  const float* corners = nullptr;  ///< at the corners of blocks, x fastest
+  const std::int32_t* slot =
+      nullptr;                    ///< per block: its number in `points`; negative: only its corners are known
+  const float* points = nullptr;  ///< of blocks, each x fastest
 };
 
 /// Distances and outward unit normals of `count` points; planes of x, y and z. [m]
@@ -34,7 +35,7 @@ struct ColliderShape {
   float radius = 0;              ///< sphere, capsule, cylinder [m]
   float half_extents[3] = {};    ///< box; y: capsule (its segment) and cylinder [m]
   ColliderGrid grid{};           ///< field
-  SampleField sample = nullptr;  ///< field, outside of its grid
+  SampleField sample = nullptr;  ///< field, outside of its grid; null: a lower bound
   const void* field = nullptr;
 };
 
@@ -71,7 +72,7 @@ struct ColliderContactColumns {
   float* kinetic_friction;
   float* restitution;
   float* end_distance;  ///< from the surface at the end of the predicted motion [m]
-  /// Not 0: the plane below serves for the whole substep. 2: the particle may pass through the surface.
+  /// Not 0: the plane below serves for the whole substep.
   float* fixed_plane;
   float* start_normal[3];    ///< of the surface at the substep's start, or at the first touch; in the frame
   float* plane_offset;       ///< of the plane with that normal [m]

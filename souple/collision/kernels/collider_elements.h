@@ -10,7 +10,7 @@
 
 namespace souple::kernels {
 
-/// Particles in the frame of a body, one record of four floats each.
+/// Particles in the frame of a body, one record of four floats each; w = length of the motion.
 struct ColliderFrameRecords {
   float* from = nullptr;  ///< position at the substep's start [m]
   float* to = nullptr;    ///< at the end of its predicted motion [m]
@@ -25,21 +25,22 @@ struct ColliderElements {
 
 /// Per candidate: the deepest point at its first touch, or at the end of its motion.
 struct ColliderElementTouches {
-  float* touches = nullptr;         ///< 0 or 1; if 0, the others are not set except start_distance
-  float* weight[3] = {};            ///< of its corners
-  float* start_distance = nullptr;  ///< from the surface at the substep's start, at most 2 r off when above r [m]
-  float* normal[3] = {};            ///< in the frame
-  float* plane_offset = nullptr;    ///< of the surface's tangent plane, in the frame [m]
+  float* touches = nullptr;  ///< 0 or 1; if 0, the others are not set except start_distance
+  float* weight[3] = {};     ///< of its corners
+  float* start_distance =
+      nullptr;            ///< from the surface at the substep's start, at most 2 r off when above r [m]
+  float* normal[3] = {};  ///< in the frame
+  float* plane_offset = nullptr;  ///< of the surface's tangent plane, in the frame [m]
 };
 
-/// Where the search of the last substep ended, per candidate of a signed distance field.
+/// Searches in a signed distance field, per candidate.
 struct ColliderFieldSearch {
-  float* u = nullptr;       ///< weight of its second corner
-  float* v = nullptr;       ///< weight of its third corner; edges: 0
-  float* travel = nullptr;  ///< motion since all of it was sampled; infinite at first [m]
-  float* clear = nullptr;   ///< motion that it needs to come near; 0 at first [m]
-  int parts = 1;            ///< number of parts of a side when it is sampled
-  float gap = 0;            ///< no point of an element is farther from a sample [m]
+  float* u = nullptr;            ///< weight of the second corner where the last search ended
+  float* v = nullptr;            ///< weight of the third corner; edges: 0
+  float* lower = nullptr;        ///< lower bound of the distance by the last sampling [m]
+  const float* limit = nullptr;  ///< elements that are farther away are not sampled [m]
+  int parts = 1;                 ///< number of parts of a side when it is sampled
+  float gap = 0;                 ///< no point of an element is farther from a sample [m]
 };
 
 struct ColliderElementKernels {
@@ -56,10 +57,14 @@ struct ColliderElementKernels {
                      std::size_t begin, std::size_t end, const ColliderElementTouches&);
   void (*find_triangles)(const ColliderBody&, const ColliderFrameRecords&, const ColliderElements&,
                          std::size_t begin, std::size_t end, const ColliderElementTouches&);
-  /// Edges and triangles against a signed distance field.
+  /// Samples the elements list[begin, end) of a signed distance field: sets u, v and lower.
+  void (*sample_field_elements)(const ColliderBody&, const ColliderFrameRecords&, const ColliderElements&,
+                                const ColliderFieldSearch&, const std::uint32_t* list, std::size_t begin,
+                                std::size_t end);
+  /// Searches from u and v on, for list[begin, end).
   void (*find_in_field)(const ColliderBody&, const ColliderFrameRecords&, const ColliderElements&,
-                        const ColliderFieldSearch&, std::size_t begin, std::size_t end,
-                        const ColliderElementTouches&);
+                        const ColliderFieldSearch&, const std::uint32_t* list, std::size_t begin,
+                        std::size_t end, const ColliderElementTouches&);
 };
 
 /// Compiled in one translation unit per instruction set (compile_collider_elements.h).

@@ -138,73 +138,109 @@ SOUPLE_INLINE inline Surface<Isa> cylinder_surface(const ColliderShape& shape, c
   return {select(outside, l, max(side, end)), {x * radial, with_sign<Isa>(axial, w.y), z * radial}};
 }
 
+/// The whole part of numbers that are not negative.
+template <class Isa>
+SOUPLE_INLINE inline typename Isa::Mask whole_part(const Numbers<Isa>& a) {
+  if constexpr (Isa::lanes == 1) {
+    return static_cast<int>(a.v);
+  } else {
+    return __builtin_convertvector(a.v, typename Isa::Mask);
+  }
+}
+template <class Isa>
+SOUPLE_INLINE inline Numbers<Isa> number_of(const typename Isa::Mask& a) {
+  if constexpr (Isa::lanes == 1) {
+    return Numbers<Isa>(static_cast<float>(a));
+  } else {
+    return Numbers<Isa>(__builtin_convertvector(a, typename Isa::Vector));
+  }
+}
+
 /// Distances of a register of points at the corners of their cells.
 template <class Isa>
 struct CellPack {
   static constexpr int block_cells = 8, block_side = block_cells + 1;
   float distance[8][Isa::lanes];  ///< [z][y][x] [m]
-  float at[3][Isa::lanes];        ///< position in the cell, 0 to 1
-  bool outside[Isa::lanes];       ///< of the grid
-  bool any_outside = false;
+  Vectors<Isa> at;                ///< position in the cell, 0 to 1
+  bool any_outside;               ///< of the grid
+  Numbers<Isa> outside;           ///< 1 or 0
 
-  CellPack(const ColliderGrid& grid, const Vectors<Isa>& w, int count) {
-    const Numbers<Isa> per_spacing(1 / grid.spacing);
-    for (int axis = 0; axis < 3; ++axis)
-      ((w[axis] - Numbers<Isa>(grid.origin[axis])) * per_spacing).store(at[axis]);
-    for (int lane = 0; lane < Isa::lanes; ++lane) {
-      outside[lane] = false;
-      for (int axis = 0; axis < 3; ++axis) clamp(grid, axis, lane);
-      any_outside = any_outside || (lane < count && outside[lane]);
-      fetch(grid, lane);
+  SOUPLE_INLINE CellPack(const ColliderGrid& grid, const Vectors<Isa>& w) {
+    using T = Numbers<Isa>;
+    using Whole = typename Isa::Mask;
+    const T zero(0.f), one(1.f), per_spacing(1 / grid.spacing);
+    Whole block[3], cell[3];
+    Vectors<Isa> in_block;
+    auto inside = zero <= one;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int cells = grid.blocks[axis] * block_cells;
+      const T most(static_cast<float>(cells)), last(static_cast<float>(cells - 1));
+      const T c = (w[axis] - T(grid.origin[axis])) * per_spacing;
+      inside = inside && c >= zero && c <= most;
+      const T within = select(c >= zero, min(c, most), zero);  // 0 for NaN
+      const Whole i = whole_part<Isa>(min(within, last));
+      block[axis] = i >> 3, cell[axis] = i & 7;
+      at[axis] = within - number_of<Isa>(i);
+      in_block[axis] = (within - number_of<Isa>(block[axis] << 3)) * T(1.f / block_cells);
     }
+    outside = select(inside, zero, one);
+    any_outside = any_lane(outside > zero);
+    const Whole blocks = (block[2] * grid.blocks[1] + block[1]) * grid.blocks[0] + block[0];
+    const Whole corners = (block[2] * (grid.blocks[1] + 1) + block[1]) * (grid.blocks[0] + 1) + block[0];
+    const Whole points = (cell[2] * block_side + cell[1]) * block_side + cell[0];
+    fetch(grid, &blocks, &corners, &points, in_block);
   }
 
  private:
-  // NaN becomes 0.
-  SOUPLE_INLINE void clamp(const ColliderGrid& grid, int axis, int lane) {
-    const auto most = static_cast<float>(grid.blocks[axis] * block_cells);
-    const float cells = at[axis][lane], inside = cells >= 0 ? (cells < most ? cells : most) : 0.f;
-    outside[lane] = outside[lane] || !(cells == inside);
-    at[axis][lane] = inside;
-  }
-  SOUPLE_INLINE void fetch(const ColliderGrid& grid, int lane) {
-    int block[3], cell[3];
-    float in_block[3];
-    for (int axis = 0; axis < 3; ++axis) {
-      const int b = static_cast<int>(at[axis][lane]) / block_cells, last = grid.blocks[axis] - 1;
-      block[axis] = b < last ? b : last;
-      in_block[axis] = at[axis][lane] - static_cast<float>(block[axis] * block_cells);
-      const int c = static_cast<int>(in_block[axis]);
-      cell[axis] = c < block_cells - 1 ? c : block_cells - 1;
+  SOUPLE_INLINE void fetch(const ColliderGrid& grid, const void* blocks, const void* corners,
+                           const void* points, const Vectors<Isa>& in_block) {
+    std::int32_t block[Isa::lanes], corner[Isa::lanes], point[Isa::lanes];
+    __builtin_memcpy(block, blocks, sizeof block), __builtin_memcpy(corner, corners, sizeof corner);
+    __builtin_memcpy(point, points, sizeof point);
+    float coarse[Isa::lanes];
+    bool any_coarse = false;
+    for (int lane = 0; lane < Isa::lanes; ++lane) {
+      const std::int32_t slot = grid.slot[block[lane]];
+      constexpr std::ptrdiff_t block_points = block_side * block_side * block_side;
+      const float* first = grid.points + (slot < 0 ? 0 : slot * block_points + point[lane]);
+      std::ptrdiff_t row = block_side, layer = block_side * block_side;
+      if (slot < 0) {
+        row = grid.blocks[0] + 1, layer = row * (grid.blocks[1] + 1);
+        first = grid.corners + corner[lane];
+        any_coarse = true;
+      }
+      coarse[lane] = slot < 0 ? 1.f : 0.f;
+      for (int k = 0; k < 8; ++k) distance[k][lane] = first[(k & 1) + (k >> 1 & 1) * row + (k >> 2) * layer];
     }
-    const auto index = [](int x, int y, int z, int row, int rows) {
-      return (std::size_t(z) * std::size_t(rows) + std::size_t(y)) * std::size_t(row) + std::size_t(x);
-    };
-    const std::int32_t slot =
-        grid.slot[index(block[0], block[1], block[2], grid.blocks[0], grid.blocks[1])];
-    const float* first;
-    std::size_t row = block_side, layer = block_side * block_side;
-    if (slot < 0) {
-      row = std::size_t(grid.blocks[0] + 1), layer = row * std::size_t(grid.blocks[1] + 1);
-      first = grid.corners + index(block[0], block[1], block[2], grid.blocks[0] + 1, grid.blocks[1] + 1);
-      for (int axis = 0; axis < 3; ++axis) at[axis][lane] = in_block[axis] * (1.f / block_cells);
-    } else {
-      first = grid.points + std::size_t(slot) * (block_side * block_side * block_side) +
-              index(cell[0], cell[1], cell[2], block_side, block_side);
-      for (int axis = 0; axis < 3; ++axis) at[axis][lane] = in_block[axis] - static_cast<float>(cell[axis]);
-    }
-    for (std::size_t k = 0; k < 8; ++k)
-      distance[k][lane] = first[(k & 1) + (k >> 1 & 1) * row + (k >> 2) * layer];
+    if (any_coarse) at = selected<Isa>(Numbers<Isa>::load(coarse) > Numbers<Isa>(0.f), in_block, at);
   }
 };
+
+/// Beyond the grid: a lower bound of the distance, from the distance d at the nearest point c of the grid's box, which
+/// contains the surface:  max(|w - c|, d - |w - c|).
+template <class Isa>
+SOUPLE_INLINE inline Surface<Isa> beyond_grid(const ColliderGrid& grid, const Vectors<Isa>& w,
+                                              const Surface<Isa>& at_box) {
+  using T = Numbers<Isa>;
+  Vectors<Isa> offset;
+  for (int axis = 0; axis < 3; ++axis) {
+    const T lo(grid.origin[axis]),
+        hi(grid.origin[axis] + static_cast<float>(grid.blocks[axis] * 8) * grid.spacing);
+    offset[axis] = w[axis] - min(max(w[axis], lo), hi);
+  }
+  const T beyond = length(offset), zero(0.f), one(1.f);
+  const auto outside = beyond > zero;
+  return {select(outside, max(beyond, at_box.distance - beyond), at_box.distance),
+          selected<Isa>(outside, offset * (one / select(outside, beyond, one)), at_box.normal)};
+}
 
 /// Trilinear in a cell, as SignedDistanceField::at; the normal is the direction of its gradient.
 template <class Isa>
 [[gnu::noinline]] Surface<Isa> field_surface(const ColliderShape& shape, const Vectors<Isa>& w, int count) {
   using T = Numbers<Isa>;
-  const CellPack<Isa> cell(shape.grid, w, count);
+  const CellPack<Isa> cell(shape.grid, w);
   const auto between = [](const T& a, const T& b, const T& s) { return a + (b - a) * s; };
-  const T x = T::load(cell.at[0]), y = T::load(cell.at[1]), z = T::load(cell.at[2]);
+  const auto& [x, y, z] = cell.at;
   T along[4], slope[4];
   for (int k = 0; k < 4; ++k) {
     const T a = T::load(cell.distance[2 * k]), b = T::load(cell.distance[2 * k + 1]);
@@ -219,11 +255,12 @@ template <class Isa>
                       selected<Isa>(sloped, gradient * (T(1.f) / select(sloped, steep, T(1.f))),
                                     Vectors<Isa>{T(0.f), T(1.f), T(0.f)})};
   if (!cell.any_outside) return result;
-  float p[3][Isa::lanes], d[Isa::lanes], n[3][Isa::lanes];
-  result.distance.store(d);
+  if (!shape.sample) return beyond_grid<Isa>(shape.grid, w, result);
+  float p[3][Isa::lanes], d[Isa::lanes], n[3][Isa::lanes], outside[Isa::lanes];
+  result.distance.store(d), cell.outside.store(outside);
   for (int axis = 0; axis < 3; ++axis) w[axis].store(p[axis]), result.normal[axis].store(n[axis]);
   for (int lane = 0; lane < count; ++lane)
-    if (cell.outside[lane])
+    if (outside[lane] > 0)
       shape.sample(shape.field, 1, {p[0] + lane, p[1] + lane, p[2] + lane}, d + lane,
                    {n[0] + lane, n[1] + lane, n[2] + lane});
   return {T::load(d), {T::load(n[0]), T::load(n[1]), T::load(n[2])}};

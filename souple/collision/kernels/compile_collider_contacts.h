@@ -50,6 +50,49 @@ SOUPLE_INLINE inline auto passes(const Numbers<Isa>& start, const Numbers<Isa>& 
   return end <= Numbers<Isa>(0.f) || path >= free || (path > r && path >= free - r - r);
 }
 
+/// The surface that a ball touches first, or, where it touches none, `hits` 0.
+template <class Isa>
+struct FirstTouch {
+  Surface<Isa> surface;
+  Vectors<Isa> point;  ///< center of the ball
+  Numbers<Isa> hits;   ///< 1 or 0
+};
+
+/// sphere_cast (sphere_cast.h) for the lanes `casts`, which start outside.
+template <class Isa>
+SOUPLE_INLINE inline FirstTouch<Isa> first_touch(const ColliderShape& shape, const Surface<Isa>& start,
+                                                 const Vectors<Isa>& from, const Vectors<Isa>& motion,
+                                                 Numbers<Isa> r, typename Numbers<Isa>::Mask casts,
+                                                 int count) {
+  using T = Numbers<Isa>;
+  constexpr int strides = 64;
+  const T zero(0.f), one(1.f), path = length(motion), per_path = one / select(path > zero, path, one);
+  FirstTouch<Isa> touch{start, from, one};
+  const auto leaves = casts && start.distance <= r && dot(start.normal, motion) >= zero;
+  if (shape.form == ColliderForm::field) {
+    r = select(leaves, start.distance * T(0.5f), r);
+  } else {
+    touch.hits = select(leaves, zero, one);
+  }
+  casts = casts && start.distance > r;
+  const T near_enough = (start.distance - r) * T(1e-4f) + r * T(1e-3f);
+  T gone = zero;
+  for (int stride = 0; stride < strides; ++stride) {
+    const T free = touch.surface.distance - r;
+    casts = casts && free > near_enough;
+    if (!any_lane(casts)) break;
+    gone = select(casts, gone + free, gone);
+    touch.hits = select(casts && gone >= path, zero, touch.hits);
+    casts = casts && gone < path;
+    const Vectors<Isa> point = from + motion * (gone * per_path);
+    const Surface<Isa> at = surface_at<Isa>(shape, point, count);
+    touch.point = selected<Isa>(casts, point, touch.point);
+    touch.surface = {select(casts, at.distance, touch.surface.distance),
+                     selected<Isa>(casts, at.normal, touch.surface.normal)};
+  }
+  return touch;
+}
+
 template <class Isa>
 [[gnu::flatten]] void describe(const ColliderParticles& particles, const ColliderBody& body,
                                const ColliderContactLimits& limits, const ColliderContactColumns& out,
@@ -66,11 +109,15 @@ template <class Isa>
     const T overlap = start.distance - r;
     const auto inside = start.distance <= zero;
     const auto fast = passes<Isa>(start.distance, d_end, length(motion.to - motion.from), r);
-    store<Isa>(select(inside, one, select(fast, T(2.f), zero)), out.fixed_plane + i, count);
-    store<Isa>(dot(start.normal, motion.from) - start.distance, out.plane_offset + i, count);
+    FirstTouch<Isa> touch{start, motion.from, one};
+    const auto casts = fast && start.distance > zero;
+    if (body.shape.form != ColliderForm::plane && any_lane(casts))
+      touch = first_touch<Isa>(body.shape, start, motion.from, motion.to - motion.from, r, casts, count);
+    store<Isa>(select(inside, one, select(fast, touch.hits, zero)), out.fixed_plane + i, count);
+    store<Isa>(dot(touch.surface.normal, touch.point) - touch.surface.distance, out.plane_offset + i, count);
     store<Isa>(select(overlap < zero, min(zero, overlap + T(limits.depenetration)), zero), out.slop + i,
                count);
-    store3<Isa>(start.normal, out.start_normal, i, count);
+    store3<Isa>(touch.surface.normal, out.start_normal, i, count);
     store3<Isa>(product<Isa>(body.after.axis, motion.to - motion.from), out.predicted, i, count);
     store3<Isa>(none, out.tangent_sum, i, count);
     store3<Isa>(none, out.normal, i, count);

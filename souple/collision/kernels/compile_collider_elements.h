@@ -14,9 +14,10 @@ struct ElementPack {
   std::uint32_t first_float[corners][Isa::lanes];
   int count;
 
-  SOUPLE_INLINE ElementPack(const ColliderElements& elements, std::size_t i, std::size_t end) {
-    const Indices<Isa> indices(i, end);
-    count = indices.count;
+  SOUPLE_INLINE ElementPack(const ColliderElements& elements, std::size_t i, std::size_t end)
+      : ElementPack(elements, Indices<Isa>(i, end)) {}
+  SOUPLE_INLINE ElementPack(const ColliderElements& elements, const Indices<Isa>& indices)
+      : count(indices.count) {
     for (int k = 0; k < corners; ++k)
       for (int lane = 0; lane < Isa::lanes; ++lane)
         first_float[k][lane] = elements.corner[k][indices.at[lane]];
@@ -27,10 +28,11 @@ struct ElementPack {
 };
 
 template <class Isa>
-SOUPLE_INLINE inline void write_points(const Vectors<Isa>& x, float* records, const std::uint32_t* first_float) {
+SOUPLE_INLINE inline void write_points(const Vectors<Isa>& x, const Numbers<Isa>& path, float* records,
+                                       const std::uint32_t* first_float) {
   Records<Isa> record;
   for (int axis = 0; axis < 3; ++axis) record.r[axis] = x[axis].v;
-  record.r[3] = Numbers<Isa>(0.f).v;
+  record.r[3] = path.v;
   record.write(records, first_float);
 }
 
@@ -45,8 +47,9 @@ template <class Isa>
       source[lane] = particle[row.at[lane]], target[lane] = 4 * row.at[lane];
     const ParticlePack<Isa> pack(source, 0, Isa::lanes);
     const Motion<Isa> motion(particles, body, pack);
-    write_points<Isa>(motion.from, out.from, target);
-    write_points<Isa>(motion.to, out.to, target);
+    const Numbers<Isa> path = length(motion.to - motion.from);
+    write_points<Isa>(motion.from, path, out.from, target);
+    write_points<Isa>(motion.to, path, out.to, target);
   }
 }
 
@@ -79,11 +82,11 @@ SOUPLE_INLINE inline LowestOnEdge<Isa> lowest_on_edge(const ColliderShape& shape
   T s_a = dot(at_a.normal, along), s_b = dot(at_b.normal, along);
   T base_a = at_a.distance, base_b = at_b.distance - s_b;  // of the tangents, at t = 0
   const auto nearer_a = at_a.distance <= at_b.distance;
-  LowestOnEdge<Isa> low{select(nearer_a, zero, one),
-                        {select(nearer_a, at_a.distance, at_b.distance),
-                         selected<Isa>(nearer_a, at_a.normal, at_b.normal)},
-                        zero,
-                        zero};
+  LowestOnEdge<Isa> low{
+      select(nearer_a, zero, one),
+      {select(nearer_a, at_a.distance, at_b.distance), selected<Isa>(nearer_a, at_a.normal, at_b.normal)},
+      zero,
+      zero};
   low.ends = low.lower = low.surface.distance;
   auto falls = s_a < zero && s_b > zero;
   for (int step = 0; step <= steps; ++step) {
@@ -129,19 +132,21 @@ SOUPLE_INLINE inline Vectors<Isa> farthest(const ColliderShape& shape, const Vec
   return corner;
 }
 
-/// A triangle's plane and the shape's point s nearest to it.
+/// The shape's point s farthest along a triangle's normal, and the triangle's point below it.
 template <class Isa>
 struct LowestInside {
-  Numbers<Isa> distance;  ///< of the plane from the shape; negative where it cuts the shape [m]
-  Vectors<Isa> normal;    ///< of the plane, away from the shape
+  Numbers<Isa> distance;  ///< lower bound of the triangle's distance; its own where `inside` [m]
+  Vectors<Isa> normal, point;
   Numbers<Isa> weight[3];
-  Numbers<Isa> inside;  ///< 1 where s is below the triangle: no point of it is nearer to the shape; else 0
+  Numbers<Isa>
+      inside;  ///< 1 where s is below the triangle, so that no point of it is nearer to the shape; else 0
 };
 
-// Weights are those of nearest_on_triangle (nearest.h).
+// Weights are those of nearest_on_triangle (nearest.h). A plane that cuts the shape may do so beside its triangle, or far
+// from where the triangle enters it: then the surface around the point counts, if the point is inside the shape.
 template <class Isa>
-SOUPLE_INLINE inline LowestInside<Isa> lowest_inside(const ColliderShape& shape,
-                                                     const Vectors<Isa> (&x)[3]) {
+SOUPLE_INLINE inline LowestInside<Isa> lowest_inside(const ColliderShape& shape, const Vectors<Isa> (&x)[3],
+                                                     const Numbers<Isa>& r, int count) {
   using T = Numbers<Isa>;
   const T zero(0.f), one(1.f);
   const Vectors<Isa> across = cross(x[1] - x[0], x[2] - x[0]);
@@ -159,6 +164,14 @@ SOUPLE_INLINE inline LowestInside<Isa> lowest_inside(const ColliderShape& shape,
   low.inside = select(inside, one, zero);
   const T divisor = select(inside, sum, one);
   low.weight[0] = va / divisor, low.weight[1] = vb / divisor, low.weight[2] = vc / divisor;
+  low.point = s + low.normal * low.distance;
+  const auto cuts = inside && low.distance < zero;
+  if (!any_lane(cuts)) return low;
+  const Surface<Isa> at = surface_at<Isa>(shape, low.point, count);
+  low.inside = select(cuts && at.distance > zero, zero, low.inside);
+  const auto deep = cuts && at.distance <= zero && low.distance < -r;
+  low.distance = select(deep, at.distance, low.distance);
+  low.normal = selected<Isa>(deep, at.normal, low.normal);
   return low;
 }
 
@@ -210,6 +223,17 @@ SOUPLE_INLINE inline auto along_straight_part(const ColliderShape& shape, const 
   return straight;
 }
 
+/// Lower bound of a triangle's distance: that of a ball around it.
+template <class Isa>
+SOUPLE_INLINE inline Numbers<Isa> ball_distance(const ColliderShape& shape, const Vectors<Isa> (&x)[3],
+                                                int count) {
+  using T = Numbers<Isa>;
+  const Vectors<Isa> middle = (x[0] + x[1] + x[2]) * T(1 / 3.f);
+  const T squared =
+      max(length_squared(x[0] - middle), max(length_squared(x[1] - middle), length_squared(x[2] - middle)));
+  return surface_at<Isa>(shape, middle, count).distance - sqrt(squared);
+}
+
 template <class Isa>
 [[gnu::flatten]] void near_edges(const ColliderBody& body, const ColliderFrameRecords& records,
                                  const ColliderElements& elements, const float* reach, std::size_t begin,
@@ -232,16 +256,13 @@ template <class Isa>
                                      const ColliderElements& elements, const float* reach, std::size_t begin,
                                      std::size_t end, float* near) {
   using T = Numbers<Isa>;
-  const T zero(0.f), one(1.f), third(1 / 3.f);
+  const T zero(0.f), one(1.f);
   for (std::size_t i = begin; i < end; i += Isa::lanes) {
     const ElementPack<Isa, 3> pack(elements, i, end);
     Vectors<Isa> x[3];
     pack.load(records.to, x);
     const T range = load<Isa>(reach + i, pack.count);
-    const Vectors<Isa> middle = (x[0] + x[1] + x[2]) * third;
-    const T radius = sqrt(max(length_squared(x[0] - middle),
-                              max(length_squared(x[1] - middle), length_squared(x[2] - middle))));
-    const auto far = surface_at<Isa>(body.shape, middle, pack.count).distance > radius + range ||
+    const auto far = ball_distance<Isa>(body.shape, x, pack.count) > range ||
                      above_one_side<Isa, 3>(body.shape, x, range) ||
                      along_straight_part<Isa>(body.shape, x, range);
     store<Isa>(select(far, zero, one), near + i, pack.count);
@@ -309,7 +330,8 @@ template <class Isa>
       low.lower = select(moves, next.lower, low.lower);
       low.ends = select(moves, next.ends, low.ends);
     }
-    touches = touches && low.surface.distance <= rule.r && low.ends - low.surface.distance > rule.sag;
+    touches = touches && (low.surface.distance <= rule.r || (moves && part < one)) &&
+              low.ends - low.surface.distance > rule.sag;
     store<Isa>(select(touches, one, zero), out.touches + i, pack.count);
     if (!any_lane(touches)) continue;
     const Vectors<Isa> a = from[0] + (to[0] - from[0]) * part, b = from[1] + (to[1] - from[1]) * part;
@@ -335,10 +357,14 @@ template <class Isa>
     Vectors<Isa> from[3], to[3], x[3];
     pack.load(records.from, from), pack.load(records.to, to);
     const TouchRule<Isa> rule(load<Isa>(elements.radius + i, pack.count), elements.clearance_part);
-    const T path = longest_path<Isa, 3>(from, to), least = path * T(1.f / most_advances);
-    LowestInside<Isa> low = lowest_inside<Isa>(body.shape, from);
-    store<Isa>(select(low.inside > zero, low.distance, rule.r), out.start_distance + i, pack.count);
-    const auto may_touch = low.distance <= rule.r + path;
+    const T path = longest_path<Isa, 3>(from, to), least = max(path * T(1.f / most_advances), rule.r);
+    store<Isa>(zero, out.touches + i, pack.count), store<Isa>(rule.r, out.start_distance + i, pack.count);
+    const auto close = ball_distance<Isa>(body.shape, from, pack.count) <= rule.r + path;
+    if (!any_lane(close)) continue;
+    LowestInside<Isa> low = lowest_inside<Isa>(body.shape, from, rule.r, pack.count);
+    store<Isa>(select(close && low.inside > zero, low.distance, rule.r), out.start_distance + i, pack.count);
+    const T limit = rule.r + path;
+    const auto may_touch = close && low.distance <= limit, overlaps = low.inside > zero;
     auto moves = may_touch;
     T advanced = zero, part = zero;
     for (int k = 0; k < 3; ++k) x[k] = from[k];
@@ -350,13 +376,15 @@ template <class Isa>
       advanced = select(moves, advanced + step, advanced);
       part = select(moves, select(advanced < path, advanced / select(path > zero, path, one), one), part);
       for (int k = 0; k < 3; ++k) x[k] = from[k] + (to[k] - from[k]) * part;
-      const LowestInside<Isa> next = lowest_inside<Isa>(body.shape, x);
+      const LowestInside<Isa> next = lowest_inside<Isa>(body.shape, x, rule.r, pack.count);
       low.distance = select(moves, next.distance, low.distance);
       low.normal = selected<Isa>(moves, next.normal, low.normal);
+      low.point = selected<Isa>(moves, next.point, low.point);
       for (int k = 0; k < 3; ++k) low.weight[k] = select(moves, next.weight[k], low.weight[k]);
       low.inside = select(moves, next.inside, low.inside);
     }
-    auto touches = may_touch && low.inside > zero && low.distance <= rule.r;
+    auto touches = may_touch && low.inside > zero && (low.distance <= rule.r || (moves && part < one)) &&
+                   (low.distance >= -limit || overlaps);
     T corners = zero;
     if (any_lane(touches)) {
       corners = surface_at<Isa>(body.shape, x[0], pack.count).distance;
@@ -368,7 +396,7 @@ template <class Isa>
     if (!any_lane(touches)) continue;
     for (int k = 0; k < 3; ++k) store<Isa>(low.weight[k], out.weight[k] + i, pack.count);
     store3<Isa>(low.normal, out.normal, i, pack.count);
-    store<Isa>(dot(low.normal, x[0]) - low.distance, out.plane_offset + i, pack.count);
+    store<Isa>(dot(low.normal, low.point) - low.distance, out.plane_offset + i, pack.count);
   }
 }
 
@@ -412,13 +440,15 @@ SOUPLE_INLINE inline void descend(const ColliderShape& shape, const FieldElement
                                   Numbers<Isa> length_of_step, const Numbers<Isa>& tolerance, int count,
                                   FieldPoint<Isa>& low) {
   using T = Numbers<Isa>;
-  constexpr int steps = 6;
+  constexpr int steps = 4;
   const T zero(0.f), one(1.f), half(0.5f);
   low.surface = surface_at<Isa>(shape, element.at(low.u, low.v), count);
   auto searches = zero <= one;
   for (int step = 0; step < steps; ++step) {
-    const T slope_u = dot(low.surface.normal, element.along_u), slope_v = dot(low.surface.normal, element.along_v);
-    const T du = -(element.uu * slope_u + element.uv * slope_v), dv = -(element.uv * slope_u + element.vv * slope_v);
+    const T slope_u = dot(low.surface.normal, element.along_u),
+            slope_v = dot(low.surface.normal, element.along_v);
+    const T du = -(element.uu * slope_u + element.uv * slope_v),
+            dv = -(element.uv * slope_u + element.vv * slope_v);
     const T slope = sqrt(max(zero - (du * slope_u + dv * slope_v), zero));
     searches = searches && slope * length_of_step > tolerance;
     if (!any_lane(searches)) return;
@@ -435,104 +465,114 @@ SOUPLE_INLINE inline void descend(const ColliderShape& shape, const FieldElement
   }
 }
 
-/// The lowest of points that divide the element's sides into `parts`.
+/// Scatters values of lanes before the end.
 template <class Isa>
-SOUPLE_INLINE inline void lowest_of_points(const ColliderShape& shape, const FieldElement<Isa>& element, int parts,
-                                           int count, typename Numbers<Isa>::Mask searches,
-                                           FieldPoint<Isa>& low, Numbers<Isa>& lowest) {
+SOUPLE_INLINE inline void scatter(const Numbers<Isa>& a, float* column, const Indices<Isa>& indices) {
+  float lanes[Isa::lanes];
+  a.store(lanes);
+  for (int lane = 0; lane < indices.count; ++lane) column[indices.at[lane]] = lanes[lane];
+}
+
+// The lowest of points that divide the element's sides into parts.
+template <class Isa>
+[[gnu::flatten]] void sample_field_elements(const ColliderBody& body, const ColliderFrameRecords& records,
+                                            const ColliderElements& elements,
+                                            const ColliderFieldSearch& search, const std::uint32_t* list,
+                                            std::size_t begin, std::size_t end) {
   using T = Numbers<Isa>;
-  lowest = T(__builtin_inff());
-  for (int i = 0; i <= parts; ++i) {
-    for (int j = 0; i + j <= parts; ++j) {
-      const T u(static_cast<float>(i) / static_cast<float>(parts));
-      const T v(static_cast<float>(j) / static_cast<float>(parts));
-      const T d = surface_at<Isa>(shape, element.at(u, v), count).distance;
-      const auto better = searches && d < lowest;
-      lowest = select(better, d, lowest);
-      low.u = select(better, u, low.u), low.v = select(better, v, low.v);
+  const T zero(0.f);
+  for (std::size_t i = begin; i < end; i += Isa::lanes) {
+    const Indices<Isa> indices(i, end, list);
+    const ElementPack<Isa, 3> pack(elements, indices);
+    Vectors<Isa> from[3];
+    pack.load(records.from, from);
+    const FieldElement<Isa> element(from, from, zero);
+    const T limit = gather<Isa>(search.limit, indices.at);
+    T lowest = ball_distance<Isa>(body.shape, from, pack.count), u(1 / 3.f), v(1 / 3.f);
+    const auto near = lowest <= limit;
+    scatter<Isa>(lowest, search.lower, indices);
+    if (!any_lane(near)) continue;
+    const T bound = lowest;
+    lowest = T(__builtin_inff());
+    const auto parts = static_cast<float>(search.parts);
+    for (int k = 0; k <= search.parts; ++k) {
+      for (int j = 0; j + k <= search.parts; ++j) {
+        const T at_u(static_cast<float>(k) / parts), at_v(static_cast<float>(j) / parts);
+        const T d = surface_at<Isa>(body.shape, element.at(at_u, at_v), pack.count).distance;
+        const auto better = d < lowest;
+        lowest = select(better, d, lowest), u = select(better, at_u, u), v = select(better, at_v, v);
+      }
     }
+    scatter<Isa>(select(near, max(bound, lowest - T(search.gap)), bound), search.lower, indices);
+    scatter<Isa>(u, search.u, indices), scatter<Isa>(v, search.v, indices);
   }
 }
 
-// A field's surface has bumps, so an element is sampled at about the field's spacing, when it is new or has moved by that
-// since. Otherwise the search starts at the deepest point of the last substep. An element whose lowest sample is far
-// from the surface rests until it has moved as far.
+// The deepest point alone advances to the touch, where the search descends again.
 template <class Isa>
 [[gnu::flatten]] void find_in_field(const ColliderBody& body, const ColliderFrameRecords& records,
                                     const ColliderElements& elements, const ColliderFieldSearch& search,
-                                    std::size_t begin, std::size_t end, const ColliderElementTouches& out) {
+                                    const std::uint32_t* list, std::size_t begin, std::size_t end,
+                                    const ColliderElementTouches& out) {
   using T = Numbers<Isa>;
-  const T zero(0.f), one(1.f), spacing(body.shape.grid.spacing), infinite(__builtin_inff());
+  const T zero(0.f), one(1.f), spacing(body.shape.grid.spacing);
   for (std::size_t i = begin; i < end; i += Isa::lanes) {
-    const ElementPack<Isa, 3> pack(elements, i, end);
+    const Indices<Isa> indices(i, end, list);
+    const ElementPack<Isa, 3> pack(elements, indices);
     const int count = pack.count;
     Vectors<Isa> from[3], to[3];
     pack.load(records.from, from), pack.load(records.to, to);
-    const TouchRule<Isa> rule(load<Isa>(elements.radius + i, count), elements.clearance_part);
-    const T path = longest_path<Isa, 3>(from, to);
-    T clear = load<Isa>(search.clear + i, count) - path, travel = load<Isa>(search.travel + i, count);
-    store<Isa>(zero, out.touches + i, count);
-    store<Isa>(rule.r, out.start_distance + i, count);
-    auto near = clear <= zero;
-    if (!any_lane(near)) {
-      store<Isa>(clear, search.clear + i, count);
-      continue;
-    }
-    const T u = load<Isa>(search.u + i, count), v = load<Isa>(search.v + i, count);
-    FieldPoint<Isa> low{u, v, {}};
-    const FieldElement<Isa> at_start(from, to, zero);
-    const auto stale = near && travel > spacing;
-    T length_of_step = min(max(path + path, spacing * T(1 / 16.f)), spacing * T(0.5f));
-    if (any_lane(stale)) {
-      T lowest;
-      lowest_of_points<Isa>(body.shape, at_start, search.parts, count, stale, low, lowest);
-      clear = select(stale, lowest - T(search.gap) - rule.r - path, clear);
-      travel = select(stale, select(clear > zero, infinite, zero), travel);
-      length_of_step = select(stale, spacing * T(0.5f), length_of_step);
-      near = near && clear <= zero;
-    }
-    store<Isa>(select(near, travel + path, travel), search.travel + i, count);
-    store<Isa>(clear, search.clear + i, count);
-    if (!any_lane(near)) continue;
-    descend<Isa>(body.shape, at_start, length_of_step, rule.tolerance, count, low);
-    store<Isa>(select(near, low.surface.distance, rule.r), out.start_distance + i, count);
-    const auto may_touch = near && low.surface.distance <= rule.r + path;
+    const TouchRule<Isa> rule(gather<Isa>(elements.radius, indices.at), elements.clearance_part);
+    const T path = longest_path<Isa, 3>(from, to), limit = rule.r + path;
+    const T length_of_step = min(max(path + path, spacing * T(0.125f)), spacing * T(0.5f));
+    FieldPoint<Isa> low{gather<Isa>(search.u, indices.at), gather<Isa>(search.v, indices.at), {}};
+    descend<Isa>(body.shape, FieldElement<Isa>(from, to, zero), length_of_step, rule.tolerance, count, low);
+    scatter<Isa>(low.surface.distance, out.start_distance, indices);
+    const auto may_touch = low.surface.distance <= limit;
     auto moves = may_touch;
-    T advanced = zero, part = zero;
+    T advanced = zero, part = zero, distance = low.surface.distance;
     for (int advance = 0; advance < most_advances; ++advance) {
-      const T free = low.surface.distance * T(0.75f) - rule.target;
-      moves = moves && low.surface.distance - rule.target > rule.close && free > rule.close && part < one;
+      const T free = distance * T(0.75f) - rule.target;
+      moves = moves && distance - rule.target > rule.close && free > rule.close && part < one;
       if (!any_lane(moves)) break;
       advanced = select(moves, advanced + free, advanced);
       part = select(moves, select(advanced < path, advanced / select(path > zero, path, one), one), part);
-      FieldPoint<Isa> next = low;
-      descend<Isa>(body.shape, FieldElement<Isa>(from, to, part), length_of_step, rule.tolerance, count, next);
-      low.u = select(moves, next.u, low.u), low.v = select(moves, next.v, low.v);
-      low.surface = {select(moves, next.surface.distance, low.surface.distance),
-                     selected<Isa>(moves, next.surface.normal, low.surface.normal)};
+      const Vectors<Isa> point = FieldElement<Isa>(from, to, part).at(low.u, low.v);
+      distance = select(moves, surface_at<Isa>(body.shape, point, count).distance, distance);
     }
-    store<Isa>(select(near, low.u, u), search.u + i, count), store<Isa>(select(near, low.v, v), search.v + i, count);
-    auto touches = may_touch && low.surface.distance <= rule.r;
-    if (!any_lane(touches)) continue;
     const FieldElement<Isa> at_touch(from, to, part);
-    T corners = surface_at<Isa>(body.shape, at_touch.at(zero, zero), count).distance;
-    corners = min(corners, surface_at<Isa>(body.shape, at_touch.at(one, zero), count).distance);
-    corners = min(corners, surface_at<Isa>(body.shape, at_touch.at(zero, one), count).distance);
-    touches = touches && corners - low.surface.distance > rule.sag;
-    store<Isa>(select(touches, one, zero), out.touches + i, count);
-    store<Isa>(one - low.u - low.v, out.weight[0] + i, count);
-    store<Isa>(low.u, out.weight[1] + i, count);
-    store<Isa>(low.v, out.weight[2] + i, count);
-    store3<Isa>(low.surface.normal, out.normal, i, count);
-    store<Isa>(dot(low.surface.normal, at_touch.at(low.u, low.v)) - low.surface.distance, out.plane_offset + i,
-               count);
+    const auto moved = part > zero;
+    if (any_lane(moved)) {
+      FieldPoint<Isa> next = low;
+      descend<Isa>(body.shape, at_touch, length_of_step, rule.tolerance, count, next);
+      low.u = select(moved, next.u, low.u), low.v = select(moved, next.v, low.v);
+      low.surface = {select(moved, next.surface.distance, low.surface.distance),
+                     selected<Isa>(moved, next.surface.normal, low.surface.normal)};
+    }
+    scatter<Isa>(low.u, search.u, indices), scatter<Isa>(low.v, search.v, indices);
+    auto touches = may_touch && (low.surface.distance <= rule.r || (moves && part < one));
+    if (any_lane(touches)) {
+      T corners = surface_at<Isa>(body.shape, at_touch.at(zero, zero), count).distance;
+      corners = min(corners, surface_at<Isa>(body.shape, at_touch.at(one, zero), count).distance);
+      corners = min(corners, surface_at<Isa>(body.shape, at_touch.at(zero, one), count).distance);
+      touches = touches && corners - low.surface.distance > rule.sag;
+    }
+    scatter<Isa>(select(touches, one, zero), out.touches, indices);
+    if (!any_lane(touches)) continue;
+    scatter<Isa>(one - low.u - low.v, out.weight[0], indices);
+    scatter<Isa>(low.u, out.weight[1], indices), scatter<Isa>(low.v, out.weight[2], indices);
+    for (int axis = 0; axis < 3; ++axis) scatter<Isa>(low.surface.normal[axis], out.normal[axis], indices);
+    scatter<Isa>(dot(low.surface.normal, at_touch.at(low.u, low.v)) - low.surface.distance, out.plane_offset,
+                 indices);
   }
 }
 
 template <class Isa>
 const ColliderElementKernels& collider_element_kernels() {
-  static constexpr ColliderElementKernels kernels{place<Isa>, near_edges<Isa>, near_triangles<Isa>,
-                                                  find_edges<Isa>, find_triangles<Isa>, find_in_field<Isa>};
+  static constexpr ColliderElementKernels kernels{place<Isa>,          near_edges<Isa>,
+                                                  near_triangles<Isa>, find_edges<Isa>,
+                                                  find_triangles<Isa>, sample_field_elements<Isa>,
+                                                  find_in_field<Isa>};
   return kernels;
 }
 
