@@ -24,6 +24,8 @@ constexpr std::array benches{
                "approximate number of triangles", 500000, 2, 20000000, measure_triangles},
     StageBench{"dam-break", "a block of water collapses in a tank: steps of 2 ms, 5 iterations", "particles",
                97336, 1000, 4000000, measure_dam_break},
+    StageBench{"drape", "cotton of 1 m falls on colliders of each shape, default thickness; --runs: frames",
+               "vertices along a side", 60, 4, 1000, measure_drape},
     StageBench{"neighbors", "neighbor lists of random points in motion, 29 each", "points", 100000, 100,
                20000000, measure_neighbors},
     StageBench{"surface", "the surface of a broken dam as a mesh, cells of a particle's radius",

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-// Benchmarks of a single stage without a world: rows of a table like the scenes of bench_scenes.h.
+// Benchmarks that are no scene of `souple bench`, such as of a single stage: rows of a table like the scenes of bench_scenes.h.
 
 namespace souple::app {
 
@@ -44,6 +44,9 @@ scene_format::Json measure_neighbors(const BenchOptions& options);
 
 /// The surface of a broken dam: a mesh of its particles, with both kinds of kernels.
 scene_format::Json measure_surface(const BenchOptions& options);
+
+/// A cloth that falls on each shape of collider, and without any: mean and slowest frame.
+scene_format::Json measure_drape(const BenchOptions& options);
 
 /// A block of water that collapses in a tank: steps of 2 ms with 5 iterations.
 scene_format::Json measure_dam_break(const BenchOptions& options);

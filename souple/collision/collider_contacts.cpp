@@ -3,9 +3,9 @@
 #include "souple/collision/contact_law.h"
 #include "souple/collision/element_clearance.h"
 #include "souple/collision/kernels/find_kernels.h"
+#include "souple/collision/packed_collider.h"
 #include "souple/collision/particle_position.h"
 #include "souple/collision/spatial_hash.h"
-#include "souple/collision/sphere_cast.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 
@@ -19,45 +19,6 @@ namespace {
 constexpr std::size_t particle_grain = 1024;  // least number of particles that pays for a thread
 constexpr std::size_t gap_chunk = 64;
 
-void sample_field(const void* field, int count, const float* const (&point)[3], float* distance,
-                  float* const (&normal)[3]) {
-  for (int i = 0; i < count; ++i) {
-    const SurfaceDistance at = static_cast<const SignedDistanceField*>(field)->at(
-        {double(point[0][i]), double(point[1][i]), double(point[2][i])});
-    distance[i] = float(at.distance);
-    for (int axis = 0; axis < 3; ++axis) normal[axis][i] = float(at.normal[axis]);
-  }
-}
-
-struct PackedShape {
-  using Form = kernels::ColliderForm;
-  kernels::ColliderShape operator()(const Plane&) const { return {.form = Form::plane}; }
-  kernels::ColliderShape operator()(const Sphere& s) const {
-    return {.form = Form::sphere, .radius = s.radius};
-  }
-  kernels::ColliderShape operator()(const Box& b) const {
-    return {.form = Form::box, .half_extents = {b.half_extents.x, b.half_extents.y, b.half_extents.z}};
-  }
-  kernels::ColliderShape operator()(const Capsule& c) const {
-    return {.form = Form::capsule, .radius = c.radius, .half_extents = {0, c.half_height, 0}};
-  }
-  kernels::ColliderShape operator()(const Cylinder& c) const {
-    return {.form = Form::cylinder, .radius = c.radius, .half_extents = {0, c.half_height, 0}};
-  }
-  kernels::ColliderShape operator()(const SignedDistanceField& field) const {
-    return {.form = Form::field, .sample = sample_field, .field = &field};
-  }
-};
-
-struct Center {
-  Vec3d operator()(const Plane&) const { return {}; }
-  Vec3d operator()(const SignedDistanceField&) const { return {}; }
-  template <class Solid>
-  Vec3d operator()(const Solid& solid) const {
-    return Vec3d(solid.center);
-  }
-};
-
 /// Three perpendicular axes of which y is n.
 Mat3d axes_around(const Vec3d& n) {
   const Vec3d other = std::abs(n.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1};
@@ -65,25 +26,20 @@ Mat3d axes_around(const Vec3d& n) {
   return {x, n, cross(x, n)};
 }
 
-void store(const Vec3d& v, float (&out)[3]) {
-  for (int k = 0; k < 3; ++k) out[k] = float(v[k]);
-}
-
-kernels::ColliderFrame packed_frame(const Mat3d& axes, const Vec3d& origin) {
-  kernels::ColliderFrame frame;
-  for (int k = 0; k < 3; ++k) store(axes.column[k], frame.axis[k]);
-  store(origin, frame.origin);
-  store(origin - Vec3d(Vec3f(origin)), frame.origin_rest);
-  return frame;
-}
-
-kernels::ColliderParticles packed_particles(const ParticleView& particles) {
-  if (particles.position.empty()) return {};
-  const std::span<Vec4f> corrected = particles.corrected.empty() ? particles.moving : particles.corrected;
-  return {.position = &particles.position.data()->x,
-          .moving = &particles.moving.data()->x,
-          .start = &particles.start.data()->x,
-          .corrected = &corrected.data()->x};
+// With the plane of the last projection. A contact that touches for the first time now takes the surface motion of a
+// plane that has not been projected, 0: on a moving collider the exact projections that follow correct its friction.
+void project_again(const kernels::ColliderContactColumns& columns, std::size_t c,
+                   const ParticleView& particles) {
+  const auto vector = [c](float* const(&of)[3]) { return Vec3f{of[0][c], of[1][c], of[2][c]}; };
+  const std::uint32_t i = columns.particle[c];
+  const Vec3f n = vector(columns.normal), moved = particles.moved(i);
+  const float C = columns.plane_gap[c] + dot(n, moved);
+  if (!(columns.slop[c] > C) && !(columns.normal_sum[c] > 0)) return;
+  ContactSums<float> sums{columns.normal_sum[c], vector(columns.tangent_sum)};
+  particles.correct(i, solve_contact(sums, C, columns.slop[c], n, moved - vector(columns.surface_motion),
+                                     columns.static_friction[c], columns.kinetic_friction[c]));
+  columns.normal_sum[c] = sums.normal_sum;
+  for (int axis = 0; axis < 3; ++axis) columns.tangent_sum[axis][c] = sums.tangent_sum[axis];
 }
 
 }  // namespace
@@ -140,7 +96,7 @@ void ColliderContacts::find_bodies() {
     Body body;
     body.collider = c;
     body.curvature_radius = curvature_radius(collider.shape);
-    body.packed.shape = std::visit(PackedShape{}, collider.shape);
+    body.packed.shape = packed_shape(collider.shape);
     body.packed.moves = !collider.motion.is_static();
     body.before = body.after = pose_at(collider.motion, step_.time);
     bodies_.push_back(body);
@@ -161,7 +117,7 @@ void ColliderContacts::find_members() {
 // origin is.
 void ColliderContacts::find_frame(Body& body, const ParticleView& particles) const {
   const Shape& shape = shape_of(body);
-  body.origin = std::visit(Center{}, shape);
+  body.origin = center_of(shape);
   body.axes = Mat3d::identity();
   if (!std::holds_alternative<Plane>(shape)) return;
   const Vec3d near = members_.particle.empty()
@@ -174,12 +130,7 @@ void ColliderContacts::find_frame(Body& body, const ParticleView& particles) con
 
 void ColliderContacts::set_pose(Body& body, const RigidPose& before, const RigidPose& after) const {
   body.before = before, body.after = after;
-  const Mat3d axes_before = before.rotation * body.axes, axes_after = after.rotation * body.axes;
-  const Vec3d origin_before = before.to_world(body.origin), origin_after = after.to_world(body.origin);
-  body.packed.before = packed_frame(axes_before, origin_before);
-  body.packed.after = packed_frame(axes_after, origin_after);
-  for (int k = 0; k < 3; ++k) store(axes_after.column[k] - axes_before.column[k], body.packed.turn[k]);
-  store(origin_after - origin_before, body.packed.shift);
+  set_poses(body.packed, body.origin, body.axes, before, after);
 }
 
 // The margin is the particle's radius plus twice its path in a step at its present speed and under gravity:
@@ -290,31 +241,7 @@ void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, 
     }
     kernels_->describe(packed, body.packed, limits(), columns, body.contact_begin + begin,
                        body.contact_begin + end);
-    for (std::size_t k = begin; k < end; ++k)
-      if (columns.fixed_plane[body.contact_begin + k] == 2)
-        find_first_touch(body, body.contact_begin + k, particles);
   });
-}
-
-// A plane is the same everywhere.
-void ColliderContacts::find_first_touch(const Body& body, std::size_t contact,
-                                        const ParticleView& particles) {
-  const kernels::ColliderContactColumns columns = contacts_.columns();
-  columns.fixed_plane[contact] = 1;
-  if (body.packed.shape.form == kernels::ColliderForm::plane) return;
-  const std::uint32_t i = columns.particle[contact];
-  const Shape& shape = shape_of(body);
-  const Vec3d from = body.before.to_local(particle_start_position(particles, i));
-  const Vec3d to = body.after.to_local(particle_position(particles, i));
-  const auto hit =
-      sphere_cast(shape, surface_distance(shape, from), from, to, double(columns.distance[contact]));
-  if (!hit) {
-    columns.fixed_plane[contact] = 0;
-    return;
-  }
-  const Vec3d& n = hit->surface.normal;
-  for (int axis = 0; axis < 3; ++axis) columns.start_normal[axis][contact] = float(n[axis]);
-  columns.plane_offset[contact] = float(dot(n, hit->point - body.origin) - hit->surface.distance);
 }
 
 kernels::ColliderContactLimits ColliderContacts::limits() const {
@@ -344,12 +271,12 @@ bool ColliderContacts::removes_overlaps() const {
 
 void ColliderContacts::project_some(std::span<const std::uint32_t> contacts, const ParticleView& particles,
                                     bool again) {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
   if (again) {
-    for (const std::uint32_t c : contacts) project_again(c, particles);
+    for (const std::uint32_t c : contacts) project_again(columns, c, particles);
     return;
   }
   const kernels::ColliderParticles packed = packed_particles(particles);
-  const kernels::ColliderContactColumns columns = contacts_.columns();
   auto body = bodies_.begin();
   for (std::size_t k = 0, end = 0; k < contacts.size(); k = end) {
     while (contacts[k] >= body->contact_end) ++body;
@@ -358,22 +285,6 @@ void ColliderContacts::project_some(std::span<const std::uint32_t> contacts, con
       ++end;
     kernels_->project(packed, body->packed, columns, contacts[k], contacts[end - 1] + std::size_t{1});
   }
-}
-
-// With the plane of the last projection. A contact that touches for the first time now takes the surface motion of a
-// plane that has not been projected, 0: on a moving collider the exact projections that follow correct its friction.
-void ColliderContacts::project_again(std::size_t c, const ParticleView& particles) {
-  const kernels::ColliderContactColumns columns = contacts_.columns();
-  const auto vector = [c](float* const(&of)[3]) { return Vec3f{of[0][c], of[1][c], of[2][c]}; };
-  const std::uint32_t i = columns.particle[c];
-  const Vec3f n = vector(columns.normal), moved = particles.moved(i);
-  const float C = columns.plane_gap[c] + dot(n, moved);
-  if (!(columns.slop[c] > C) && !(columns.normal_sum[c] > 0)) return;
-  ContactSums<float> sums{columns.normal_sum[c], vector(columns.tangent_sum)};
-  particles.correct(i, solve_contact(sums, C, columns.slop[c], n, moved - vector(columns.surface_motion),
-                                     columns.static_friction[c], columns.kinetic_friction[c]));
-  columns.normal_sum[c] = sums.normal_sum;
-  for (int axis = 0; axis < 3; ++axis) columns.tangent_sum[axis][c] = sums.tangent_sum[axis];
 }
 
 void ColliderContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,

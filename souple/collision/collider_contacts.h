@@ -140,8 +140,6 @@ class ColliderContacts final : public Projector {
   void find_candidates_of(Body& body, const kernels::ColliderParticles& particles, Threads& threads);
   bool left_margins(const ParticleView& particles, Threads& threads) const;
   void find_contacts(Body& body, const ParticleView& particles, Threads& threads);
-  void find_first_touch(const Body& body, std::size_t contact, const ParticleView& particles);
-  void project_again(std::size_t contact, const ParticleView& particles);
   kernels::ColliderContactLimits limits() const;
   template <class Function>
   void for_each_gap(const ParticleView& particles, const Function& f) const;

@@ -2,45 +2,128 @@
 
 #include "souple/collision/contact_law.h"
 #include "souple/collision/element_clearance.h"
+#include "souple/collision/kernels/find_kernels.h"
+#include "souple/collision/packed_collider.h"
 #include "souple/collision/particle_position.h"
-#include "souple/error.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
+#include <atomic>
+#include <limits>
+#include <numeric>
 #include <utility>
 
 namespace souple {
 namespace {
 
-constexpr std::size_t element_grain = 256;  // least number of elements that pays for a thread
-constexpr std::size_t search_grain = 8;     // least number of searches that pays for a thread
+constexpr std::size_t particle_grain = 1024;  // least number of particles that pays for a thread
+constexpr std::size_t element_grain = 256;    // least number of elements that pays for a thread
 // Smallest elements that get contacts, as a part of a round shape's radius, or of the radius of another
-// shape's bounding ball. Without this limit a fine cloth on a large table would pay for every triangle at the
-// table's edges, ten times the rest of its step. With it, a cloth sinks into a ball by 0.2 % of the ball's
-// radius at most.
+// shape's bounding ball. With it, a cloth sinks into a ball by 0.2 % of the ball's radius at most. Without it, cotton of
+// 1 m and 60 x 60 vertices on the edges of a box is stretched by 40 % instead of 10 % (contacts of elements are not part of
+// StretchedLinks), and a frame takes twice as long on a cylinder or field.
 constexpr double coarse_part = 0.05;
+// An element that is deeper inside than this part of its radius has not been pulled in: the collider has jumped.
+constexpr float deep_part = 0.25f;
+// A side of an element in a signed distance field is divided into this many parts at most, or it is sampled more
+// coarsely than the field.
+constexpr int most_parts = 12;
 
 bool is_edge(const ColliderElementContacts::Element& element) {
   return element.particle[1] == element.particle[2];
 }
 
-/// A ball around an element.
-struct Ball {
-  Vec3d middle;
-  double radius;
-};
-
-Ball ball_about(const std::array<Vec3d, 3>& x, bool edge) {
-  const Vec3d middle = edge ? (x[0] + x[1]) * 0.5 : (x[0] + x[1] + x[2]) / 3.0;
-  double squared = 0;
-  for (const Vec3d& corner : x) squared = max(squared, length_squared(corner - middle));
-  return {middle, sqrt(squared)};
+void set3(float* (&out)[3], std::vector<float>* first) {
+  for (int k = 0; k < 3; ++k) out[k] = first[k].data();
 }
 
 }  // namespace
 
+void ColliderElementContacts::Candidates::clear() {
+  element.clear(), radius.clear(), reach.clear();
+  for (auto& column : corner) column.clear();
+}
+
+void ColliderElementContacts::Candidates::append(std::uint32_t of_element,
+                                                 const std::array<std::uint32_t, 3>& first_float, float r,
+                                                 float may_move) {
+  element.push_back(of_element), radius.push_back(r), reach.push_back(may_move);
+  for (std::size_t k = 0; k < 3; ++k) corner[k].push_back(first_float[k]);
+}
+
+void ColliderElementContacts::Candidates::keep_near(std::size_t begin) {
+  std::size_t kept = begin;
+  for (std::size_t c = begin; c < element.size(); ++c) {
+    if (!(near[c] > 0)) continue;
+    element[kept] = element[c], radius[kept] = radius[c], reach[kept] = reach[c];
+    for (auto& column : corner) column[kept] = column[c];
+    ++kept;
+  }
+  element.resize(kept), radius.resize(kept), reach.resize(kept);
+  for (auto& column : corner) column.resize(kept);
+}
+
+void ColliderElementContacts::Candidates::prepare_search() {
+  search[0].assign(element.size(), 1 / 3.f), search[1].assign(element.size(), 1 / 3.f);
+  search[2].resize(element.size()), search[3].resize(element.size());
+  travel.assign(element.size(), std::numeric_limits<float>::infinity());
+  clear_for.assign(element.size(), 0);
+  for (auto& column : touch) column.resize(element.size());
+}
+
+kernels::ColliderElements ColliderElementContacts::Candidates::columns(float clearance_part) const {
+  kernels::ColliderElements result;
+  for (std::size_t k = 0; k < 3; ++k) result.corner[k] = corner[k].data();
+  result.radius = radius.data(), result.clearance_part = clearance_part;
+  return result;
+}
+
+kernels::ColliderFieldSearch ColliderElementContacts::Candidates::field_search(const Body& body) {
+  return {search[0].data(), search[1].data(), search[2].data(), search[3].data(), body.parts, body.gap};
+}
+
+kernels::ColliderElementTouches ColliderElementContacts::Candidates::touches() {
+  kernels::ColliderElementTouches result;
+  result.touches = touch[0].data(), result.start_distance = touch[1].data();
+  result.plane_offset = touch[2].data();
+  set3(result.weight, &touch[3]), set3(result.normal, &touch[6]);
+  return result;
+}
+
 void ColliderElementContacts::set_elements(std::vector<Element> elements) {
   elements_ = std::move(elements);
+  std::stable_partition(elements_.begin(), elements_.end(), [](const Element& e) { return !is_edge(e); });
+  given_ = elements_.size();
+  triangles_ = static_cast<std::size_t>(
+      std::count_if(elements_.begin(), elements_.end(), [](const Element& e) { return !is_edge(e); }));
+  append_edges_of_triangles();
+  find_corners();
+  bodies_.clear();
+  contacts_.clear();
+  contacts_.reserve(256);
+}
+
+// Each edge once, with the radius of its largest triangle.
+void ColliderElementContacts::append_edges_of_triangles() {
+  std::vector<Element> edges;
+  edges.reserve(3 * triangles_);
+  for (std::size_t t = 0; t < triangles_; ++t) {
+    const Element& triangle = elements_[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(triangle.particle[k], triangle.particle[(k + 1) % 3]);
+      edges.push_back({{a, b, b}, triangle.object, triangle.radius});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const Element& a, const Element& b) {
+    return a.particle != b.particle ? a.particle < b.particle : a.radius > b.radius;
+  });
+  const auto same = [](const Element& a, const Element& b) { return a.particle == b.particle; };
+  edges.erase(std::unique(edges.begin(), edges.end(), same), edges.end());
+  elements_.insert(elements_.end(), edges.begin(), edges.end());
+  elements_.shrink_to_fit();
+}
+
+void ColliderElementContacts::find_corners() {
   corners_.clear();
   objects_ = 0;
   largest_radius_ = 0;
@@ -53,12 +136,23 @@ void ColliderElementContacts::set_elements(std::vector<Element> elements) {
   const auto same = [](const Corner& a, const Corner& b) { return a.particle == b.particle; };
   std::sort(corners_.begin(), corners_.end(), before);
   corners_.erase(std::unique(corners_.begin(), corners_.end(), same), corners_.end());
-  bodies_.clear();
-  contacts_.clear();
-  tested_.reserve(elements_.size());
-  candidates_.reserve(elements_.size());
-  contacts_.reserve(256);
-  found_.resize(std::min<std::size_t>(elements_.size(), 256));
+  corner_particle_.clear();
+  for (const Corner& corner : corners_) corner_particle_.push_back(corner.particle);
+  first_float_.clear();
+  for (const Element& element : elements_) {
+    std::array<std::uint32_t, 3> first;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto at = std::lower_bound(corner_particle_.begin(), corner_particle_.end(), element.particle[k]);
+      first[k] = 4 * static_cast<std::uint32_t>(at - corner_particle_.begin());
+    }
+    first_float_.push_back(first);
+  }
+  for (auto& axis : at_) axis.resize(corners_.size());
+  margin_.resize(corners_.size()), distance_.resize(corners_.size());
+  from_.resize(corners_.size()), to_.resize(corners_.size());
+  all_rows_.resize(corners_.size());
+  std::iota(all_rows_.begin(), all_rows_.end(), 0u);
+  is_row_.assign(corners_.size(), 0);
 }
 
 void ColliderElementContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
@@ -67,13 +161,15 @@ void ColliderElementContacts::begin_step(const ParticleView& particles, std::spa
                                          Threads& threads) {
   colliders_ = colliders, radius_ = radius;
   materials_ = &materials;
+  kernels_ = &kernels::find_collider_element_kernels(instruction_set());
+  particle_kernels_ = &kernels::find_collider_contact_kernels(instruction_set());
   step_ = step;
   contacts_.clear();
   find_bodies();
   if (bodies_.empty()) return;
   depenetrating_.assign(bodies_.size() * objects_, 0);
   for (Body& body : bodies_)
-    if (!body.moves) find_depenetrating(body, particles, threads);
+    if (!body.packed.moves) find_depenetrating(body, particles, threads);
   find_candidates(particles, velocity, 0, threads);
 }
 
@@ -86,74 +182,139 @@ void ColliderElementContacts::find_bodies() {
     if (!collider.enabled || std::holds_alternative<Plane>(collider.shape)) continue;
     Body body;
     body.collider = c;
-    body.moves = !collider.motion.is_static();
-    body.ball = bounding_ball(collider.shape);
+    body.is_field = std::holds_alternative<SignedDistanceField>(collider.shape);
     const double curvature = curvature_radius(collider.shape);
-    body.smallest_radius = curvature > 0 ? coarse_element_part * curvature : coarse_part * body.ball.radius;
-    if (double(largest_radius_) < body.smallest_radius) continue;
-    if (!body.moves) body.before = body.after = pose_at(collider.motion, step_.time);
+    const double smallest =
+        curvature > 0 ? coarse_element_part * curvature : coarse_part * bounding_ball(collider.shape).radius;
+    if (double(largest_radius_) < smallest) continue;
+    body.smallest_radius = float(smallest);
+    body.origin = center_of(collider.shape);
+    body.packed.shape = packed_shape(collider.shape);
+    body.packed.moves = !collider.motion.is_static();
+    if (body.is_field) {
+      body.packed.shape.sample = nullptr;  // the grid reaches farther than any contact
+      const float side = 2 * largest_radius_, spacing = body.packed.shape.grid.spacing;
+      body.parts = static_cast<int>(min(side / spacing, float(most_parts - 1))) + 1;
+      body.gap = max(spacing, side / float(body.parts));
+    }
+    if (!body.packed.moves) {
+      const RigidPose pose = pose_at(collider.motion, step_.time);
+      set_pose(body, pose, pose);
+    }
     bodies_.push_back(body);
   }
+}
+
+void ColliderElementContacts::set_pose(Body& body, const RigidPose& before, const RigidPose& after) const {
+  body.before = before, body.after = after;
+  set_poses(body.packed, body.origin, Mat3d::identity(), before, after);
 }
 
 float ColliderElementContacts::radius_of(const Element& element) const {
   return min(radius_[element.particle[0]], min(radius_[element.particle[1]], radius_[element.particle[2]]));
 }
 
+// Positions of corners in the body's frame.
+void ColliderElementContacts::place(const Body& body, std::span<const std::uint32_t> rows,
+                                    const ParticleView& particles, Threads& threads) {
+  const kernels::ColliderParticles packed = packed_particles(particles);
+  threads.for_each(rows.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    kernels_->place(packed, body.packed, corner_particle_.data(), rows.data(), begin, end,
+                    {&from_.data()->x, &to_.data()->x});
+  });
+}
+
 // The margins are those of ColliderContacts: a particle's radius plus twice its path in a step at its present
 // speed and under gravity.
 void ColliderElementContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
                                               float h, Threads& threads) {
-  candidates_.clear();
-  broad_phase_position_.resize(particles.position.size());
-  margin_.resize(particles.position.size());
-  near_.resize(elements_.size());
   const float t = step_.dt;
-  threads.for_each(corners_.size(), element_grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(corners_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
-      const std::uint32_t i = corners_[c].particle;
+      const std::uint32_t i = corner_particle_[c];
       const float speed = h > 0 ? length(particles.moved(i)) / h : length(velocity[i].xyz());
-      broad_phase_position_[i] = particle_position(particles, i);
-      margin_[i] = 2 * t * (speed + step_.gravity * t) + radius_[i];
+      const Vec3f x(particle_position(particles, i));
+      for (int axis = 0; axis < 3; ++axis) at_[static_cast<std::size_t>(axis)][c] = x[axis];
+      margin_[c] = 2 * t * (speed + step_.gravity * t) + radius_[i];
     }
   });
+  candidates_.clear();
+  rows_.clear();
   for (Body& body : bodies_) {
-    threads.for_each(elements_.size(), element_grain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t f = begin; f < end; ++f) near_[f] = is_candidate(body, f, particles) ? 1 : 0;
-    });
-    body.candidate_begin = candidates_.size();
-    for (std::uint32_t f = 0; f < elements_.size(); ++f)
-      if (near_[f] != 0) candidates_.push_back(f);
-    body.candidate_end = candidates_.size();
+    find_candidates_of(body, particles, threads);
+    find_rows(body);
   }
+  candidates_.prepare_search();
 }
 
 // A moving body may go anywhere within the step. So all elements that may need contacts with it are its
 // candidates, and are tested in every substep.
-bool ColliderElementContacts::is_candidate(const Body& body, std::size_t element,
-                                           const ParticleView& particles) const {
-  const Element& f = elements_[element];
-  if (double(f.radius) < body.smallest_radius) return false;
-  if (!materials_->collide(f.object, body.collider)) return false;
-  const auto& [a, b, c] = f.particle;
-  const Corners x{broad_phase_position_[a], broad_phase_position_[b], broad_phase_position_[c]};
-  const Ball ball = ball_about(x, is_edge(f));
-  if (!(particles.inverse_mass(a) > 0 || particles.inverse_mass(b) > 0 || particles.inverse_mass(c) > 0))
-    return false;
-  if (body.moves) return true;
-  const double range = ball.radius + 3 * double(max(margin_[a], max(margin_[b], margin_[c])));
-  const double clear = body.ball.radius + range;
-  const Vec3d middle = body.after.to_local(ball.middle);
-  if (!(length_squared(middle - body.ball.center) <= clear * clear)) return false;
-  return surface_distance(shape_of(body), middle).distance <= range;
+void ColliderElementContacts::find_candidates_of(Body& body, const ParticleView& particles,
+                                                 Threads& threads) {
+  const std::size_t first = candidates_.element.size();
+  body.candidate_begin = first;
+  for (std::uint32_t e = 0; e < (body.is_field ? given_ : elements_.size()); ++e) {
+    const Element& element = elements_[e];
+    if (element.radius < body.smallest_radius) continue;
+    if (!materials_->collide(element.object, body.collider)) continue;
+    const auto& [i, j, k] = element.particle;
+    if (!(particles.inverse_mass(i) > 0 || particles.inverse_mass(j) > 0 || particles.inverse_mass(k) > 0))
+      continue;
+    const auto& row = first_float_[e];
+    const float margin = max(margin_[row[0] / 4], max(margin_[row[1] / 4], margin_[row[2] / 4]));
+    candidates_.append(e, row, radius_of(element), 3 * margin);
+  }
+  if (!body.packed.moves) {
+    place(body, all_rows_, particles, threads);
+    candidates_.near.resize(candidates_.element.size());
+    const auto columns = candidates_.columns(0);
+    const kernels::ColliderFrameRecords records{&from_.data()->x, &to_.data()->x};
+    const auto test = [&](auto kernel, std::size_t from, std::size_t to) {
+      threads.for_each(to - from, element_grain, [&](std::size_t begin, std::size_t end) {
+        kernel(body.packed, records, columns, candidates_.reach.data(), from + begin, from + end,
+               candidates_.near.data());
+      });
+    };
+    const std::size_t last = candidates_.element.size();
+    const std::size_t middle = body.is_field ? last : first_edge(first);
+    test(kernels_->near_triangles, first, middle);
+    test(kernels_->near_edges, middle, last);
+    candidates_.keep_near(first);
+  }
+  body.triangle_end = first_edge(first);
+  body.candidate_end = candidates_.element.size();
 }
 
-bool ColliderElementContacts::left_margins(const ParticleView& particles) const {
-  return std::any_of(corners_.begin(), corners_.end(), [&](const Corner& corner) {
-    const std::uint32_t i = corner.particle;
-    const double margin = double(margin_[i]);
-    return length_squared(particle_position(particles, i) - broad_phase_position_[i]) > margin * margin;
+std::size_t ColliderElementContacts::first_edge(std::size_t candidate) const {
+  const auto begin = candidates_.element.begin();
+  const auto edge = std::lower_bound(begin + static_cast<std::ptrdiff_t>(candidate),
+                                     candidates_.element.end(), static_cast<std::uint32_t>(triangles_));
+  return static_cast<std::size_t>(edge - begin);
+}
+
+void ColliderElementContacts::find_rows(Body& body) {
+  body.row_begin = rows_.size();
+  for (std::size_t c = body.candidate_begin; c < body.candidate_end; ++c) {
+    for (const auto& column : candidates_.corner) {
+      const std::uint32_t row = column[c] / 4;
+      if (is_row_[row] != 0) continue;
+      is_row_[row] = 1;
+      rows_.push_back(row);
+    }
+  }
+  body.row_end = rows_.size();
+  for (std::size_t r = body.row_begin; r < body.row_end; ++r) is_row_[rows_[r]] = 0;
+}
+
+bool ColliderElementContacts::left_margins(const ParticleView& particles, Threads& threads) const {
+  std::atomic<bool> left{false};
+  const kernels::ColliderParticles packed = packed_particles(particles);
+  threads.for_each(corners_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    if (particle_kernels_->left(packed, corner_particle_.data(),
+                                {at_[0].data(), at_[1].data(), at_[2].data()}, margin_.data(), begin, end))
+      left.store(true, std::memory_order_relaxed);
   });
+  return left.load(std::memory_order_relaxed);
 }
 
 void ColliderElementContacts::refresh(const ParticleView& particles, const Substep& substep, double time,
@@ -162,257 +323,149 @@ void ColliderElementContacts::refresh(const ParticleView& particles, const Subst
   last_h_ = substep.h;
   if (bodies_.empty()) return;
   for (Body& body : bodies_) {
-    if (!body.moves) continue;
+    if (!body.packed.moves) continue;
     const auto [before, after] =
         poses_between(colliders_[body.collider].motion, time, time + double(substep.h));
-    body.before = before, body.after = after;
+    set_pose(body, before, after);
   }
-  if (left_margins(particles)) find_candidates(particles, {}, substep.h, threads);
+  if (left_margins(particles, threads)) find_candidates(particles, {}, substep.h, threads);
   for (Body& body : bodies_) {
-    if (body.moves) find_depenetrating(body, particles, threads);
+    if (body.packed.moves) find_depenetrating(body, particles, threads);
     find_contacts(body, particles, substep.h, threads);
   }
+}
+
+// Where a collider has jumped into an object, contacts of the corners (ColliderContacts) move them out
+// slowly. Contacts of elements at the same time would tear the object, so they wait until no corner is
+// inside by more than its radius, and no element deeply. (A small overlap of elements is no reason to wait: stretched
+// cloth is pulled over edges by some millimeters where it hits them, and would then stay inside.)
+void ColliderElementContacts::find_depenetrating(Body& body, const ParticleView& particles,
+                                                 Threads& threads) {
+  std::uint8_t* const depenetrating = depenetrating_of(body);
+  std::fill_n(depenetrating, objects_, std::uint8_t{0});
+  kernels::ColliderBody at_start = body.packed;
+  at_start.after = at_start.before;
+  kernels::ColliderParticles start = packed_particles(particles);
+  if (start.position == start.moving) start.position = start.start;
+  start.moving = start.start;
+  threads.for_each(corners_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    particle_kernels_->distances(start, at_start, corner_particle_.data(), begin, end, distance_.data());
+  });
+  for (std::size_t c = 0; c < corners_.size(); ++c)
+    if (distance_[c] < -radius_[corners_[c].particle]) depenetrating[corners_[c].object] = 1;
 }
 
 // All threads test the candidates; one thread then appends the contacts in order. So the contacts and their
 // order do not depend on the number of threads.
 void ColliderElementContacts::find_contacts(Body& body, const ParticleView& particles, float h,
                                             Threads& threads) {
-  const std::size_t count = body.candidate_end - body.candidate_begin;
-  const std::uint32_t* candidates = candidates_.data() + body.candidate_begin;
-  if (near_.size() < count) near_.resize(count);
-  threads.for_each(count, element_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k)
-      near_[k] = may_touch(body, elements_[candidates[k]], particles) ? 1 : 0;
-  });
-  tested_.clear();
-  for (std::uint32_t k = 0; k < count; ++k)
-    if (near_[k] != 0) tested_.push_back(candidates[k]);
-  if (found_.size() < tested_.size()) found_.resize(2 * tested_.size());
-  threads.for_each(tested_.size(), search_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k)
-      found_[k].touches = contact_of(body, elements_[tested_[k]], particles, h, found_[k]);
-  });
-  for (std::size_t k = 0; k < tested_.size(); ++k)
-    if (found_[k].inside) depenetrating_of(body)[elements_[tested_[k]].object] = 1;
-  body.contact_begin = contacts_.size();
-  for (std::size_t k = 0; k < tested_.size(); ++k)
-    if (found_[k].touches && !is_depenetrating(body, elements_[tested_[k]].object))
-      contacts_.push_back(found_[k].contact);
+  body.contact_begin = body.contact_end = contacts_.size();
+  if (body.candidate_begin == body.candidate_end) return;
+  place(body, std::span(rows_).subspan(body.row_begin, body.row_end - body.row_begin), particles, threads);
+  find_touches(body, threads);
+  const kernels::ColliderElementTouches found = candidates_.touches();
+  std::uint8_t* const depenetrating = depenetrating_of(body);
+  for (std::size_t c = body.candidate_begin; c < body.candidate_end; ++c) {
+    const Element& element = elements_[candidates_.element[c]];
+    const float depth = max(candidates_.radius[c], deep_part * element.radius);
+    if (found.start_distance[c] < -depth) depenetrating[element.object] = 1;
+  }
+  for (std::size_t c = body.candidate_begin; c < body.candidate_end; ++c) {
+    if (!(found.touches[c] > 0) || depenetrating[elements_[candidates_.element[c]].object] != 0) continue;
+    Contact contact{};
+    if (contact_of(body, found, c, particles, h, contact)) contacts_.push_back(contact);
+  }
   body.contact_end = contacts_.size();
 }
 
-// Where a collider has jumped into an object, contacts of the corners (ColliderContacts) move them out
-// slowly. Contacts of elements at the same time would tear the object, so they wait until no corner is
-// inside.
-void ColliderElementContacts::find_depenetrating(Body& body, const ParticleView& particles,
-                                                 Threads& threads) {
-  std::uint8_t* const depenetrating = depenetrating_of(body);
-  std::fill_n(depenetrating, objects_, std::uint8_t{0});
-  near_.resize(max(near_.size(), corners_.size()));
-  threads.for_each(corners_.size(), element_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) {
-      const Vec3d x = body.before.to_local(particle_start_position(particles, corners_[c].particle));
-      const double range = body.ball.radius;
-      near_[c] = length_squared(x - body.ball.center) < range * range &&
-                         surface_distance(shape_of(body), x).distance < 0
-                     ? 1
-                     : 0;
-    }
+void ColliderElementContacts::find_touches(const Body& body, Threads& threads) {
+  const auto columns = candidates_.columns(float(element_clearance_part));
+  const kernels::ColliderFrameRecords records{&from_.data()->x, &to_.data()->x};
+  const kernels::ColliderElementTouches out = candidates_.touches();
+  const std::size_t first = body.candidate_begin, middle = body.triangle_end, last = body.candidate_end;
+  if (body.is_field) {
+    find_touches_of_field(body, threads);
+    return;
+  }
+  threads.for_each(middle - first, element_grain, [&](std::size_t begin, std::size_t end) {
+    kernels_->find_triangles(body.packed, records, columns, first + begin, first + end, out);
   });
-  for (std::size_t c = 0; c < corners_.size(); ++c)
-    if (near_[c] != 0) depenetrating[corners_[c].object] = 1;
+  threads.for_each(last - middle, element_grain, [&](std::size_t begin, std::size_t end) {
+    kernels_->find_edges(body.packed, records, columns, middle + begin, middle + end, out);
+  });
 }
 
-ColliderElementContacts::Corners ColliderElementContacts::corners(const RigidPose& pose,
-                                                                  const Element& element,
-                                                                  const ParticleView& particles,
-                                                                  bool start) const {
-  Corners x;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint32_t i = element.particle[k];
-    x[k] = pose.to_local(start ? particle_start_position(particles, i) : particle_position(particles, i));
+float ColliderElementContacts::path_of(std::size_t candidate) const {
+  const auto path = [&](std::size_t k) { return from_[candidates_.corner[k][candidate] / 4].w; };
+  return max(path(0), max(path(1), path(2)));
+}
+
+// A field's surface has bumps, so an element is sampled at about the field's spacing, when it is new or has moved by
+// that since. Otherwise the search starts at the deepest point of the last substep. An element whose lowest sample is
+// far from the surface is left out until it has moved as far.
+void ColliderElementContacts::find_touches_of_field(const Body& body, Threads& threads) {
+  Candidates& all = candidates_;
+  const float spacing = body.packed.shape.grid.spacing;
+  std::fill(all.touch[0].begin() + std::ptrdiff_t(body.candidate_begin),
+            all.touch[0].begin() + std::ptrdiff_t(body.candidate_end), 0.0f);
+  stale_.clear(), near_.clear();
+  for (std::size_t c = body.candidate_begin; c < body.candidate_end; ++c) {
+    const float path = path_of(c);
+    all.clear_for[c] -= path;
+    if (all.clear_for[c] > 0) continue;
+    near_.push_back(static_cast<std::uint32_t>(c));
+    all.travel[c] += path;
+    all.search[3][c] = all.radius[c] + path;
+    if (!(all.travel[c] <= spacing)) stale_.push_back(static_cast<std::uint32_t>(c));
   }
-  return x;
-}
-
-// Upper bound of an element's depth below its lowest corner, where d is convex: with the middle m and the
-// corner x that is lowest along n(m),
-//   d(x) - (d(m) + n(m) . (x - m)).
-// It is 0 where the surface below the element is flat.
-double ColliderElementContacts::sag(const Shape& shape, const Corners& x, const Vec3d& middle,
-                                    const SurfaceDistance& at_middle) {
-  std::size_t low = 0;
-  for (std::size_t k = 1; k < 3; ++k)
-    if (dot(at_middle.normal, x[k] - x[low]) < 0) low = k;
-  return surface_distance(shape, x[low]).distance - at_middle.distance -
-         dot(at_middle.normal, x[low] - middle);
-}
-
-// The distance d to a convex shape is a convex function. On the whole path of the element it is at least
-//   d(m) + min_k n(m) . (x_k - m),   m the middle, x_k the corners at the path's start and end.
-// An element also needs no contact if its sag is so small that its corners' contacts suffice. Each test takes
-// one distance query. For shapes that are not convex both tests are good guesses.
-bool ColliderElementContacts::may_touch(const Body& body, const Element& element,
-                                        const ParticleView& particles) const {
-  const Corners x = corners(body.before, element, particles, true);
-  const bool edge = is_edge(element);
-  const Ball ball = ball_about(x, edge);
-  const double r = double(radius_of(element)), range = 2 * (ball.radius + r);
-  if (!body.moves) {
-    double max_motion = 0;
-    for (const std::uint32_t i : element.particle)
-      max_motion = max(max_motion, double(length(particles.moved(i))));
-    const double clear = body.ball.radius + range + max_motion;
-    if (!(length_squared(ball.middle - body.ball.center) <= clear * clear)) return false;
+  const auto columns = all.columns(float(element_clearance_part));
+  const kernels::ColliderFrameRecords records{&from_.data()->x, &to_.data()->x};
+  const kernels::ColliderFieldSearch search = all.field_search(body);
+  threads.for_each(stale_.size(), element_grain, [&](std::size_t begin, std::size_t end) {
+    kernels_->sample_field_elements(body.packed, records, columns, search, stale_.data(), begin, end);
+  });
+  for (const std::uint32_t c : stale_) {
+    all.clear_for[c] = all.search[2][c] - all.search[3][c];
+    all.travel[c] = all.clear_for[c] > 0 ? std::numeric_limits<float>::infinity() : 0;
   }
-  const Shape& shape = shape_of(body);
-  const SurfaceDistance surface = surface_distance(shape, ball.middle);
-  const Corners to = corners(body.after, element, particles, false);
-  double lowest = 0, path = 0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    lowest =
-        min(lowest, min(dot(surface.normal, x[k] - ball.middle), dot(surface.normal, to[k] - ball.middle)));
-    path = max(path, length_squared(to[k] - x[k]));
-  }
-  if (surface.distance > range + sqrt(path) || surface.distance + lowest >= 1.2 * element_clearance_part * r)
-    return false;
-  const double min_sag = 0.8 * (1 - element_clearance_part) * r;
-  if (sag(shape, x, ball.middle, surface) > min_sag) return true;
-  if (path <= r * r) return false;
-  const Vec3d middle = ball_about(to, edge).middle;
-  return sag(shape, to, middle, surface_distance(shape, middle)) > min_sag;
+  std::erase_if(near_, [&](std::uint32_t c) { return all.clear_for[c] > 0; });
+  threads.for_each(near_.size(), element_grain, [&](std::size_t begin, std::size_t end) {
+    kernels_->find_in_field(body.packed, records, columns, search, near_.data(), begin, end, all.touches());
+  });
 }
 
-// The point q = sum_k w_k x_k, its distance d and normal n, and the gap of Frank and Wolfe,
-//   g = max_k n . (q - x_k).
-// Where d is convex, d - g is a lower bound of the element's distance. So the search for an element farther
-// than `limit` ends early.
-ColliderElementContacts::Deepest ColliderElementContacts::evaluate(const Shape& shape, const Corners& x,
-                                                                   const std::array<double, 3>& weight) {
-  Deepest at{weight, x[0] * weight[0] + x[1] * weight[1] + x[2] * weight[2], {}, 0};
-  at.surface = surface_distance(shape, at.point);
-  for (const Vec3d& corner : x) at.gap = max(at.gap, dot(at.surface.normal, at.point - corner));
-  return at;
-}
-
-// The lowest point between the points with weights a and b, where d is convex: bisection of the slope of d,
-// which may be discontinuous.
-ColliderElementContacts::Deepest ColliderElementContacts::deepest_between(const Shape& shape,
-                                                                          const Corners& x,
-                                                                          const std::array<double, 3>& a,
-                                                                          const std::array<double, 3>& b) {
-  constexpr int bisections = 12;
-  const auto at = [&](const std::array<double, 3>& w) { return x[0] * w[0] + x[1] * w[1] + x[2] * w[2]; };
-  const Vec3d start = at(a), direction = at(b) - start;
-  double falls = 0, rises = 1;
-  for (int half = 0; half < bisections; ++half) {
-    const double middle = 0.5 * (falls + rises);
-    const Vec3d n = surface_distance(shape, start + direction * middle).normal;
-    (dot(n, direction) < 0 ? falls : rises) = middle;
-  }
-  const double s = falls == 0 ? 0 : (rises == 1 ? 1 : 0.5 * (falls + rises));
-  return evaluate(shape, x, {a[0] + (b[0] - a[0]) * s, a[1] + (b[1] - a[1]) * s, a[2] + (b[2] - a[2]) * s});
-}
-
-// f(w_2) = min over w_1 of d is convex where d is. So a golden-section search finds the minimum of any such
-// d, even at the fold of d along a box's edge, which methods that follow the gradient do not reach.
-ColliderElementContacts::Deepest ColliderElementContacts::deepest_by_sections(const Shape& shape,
-                                                                              const Corners& x) {
-  constexpr int sections = 16;
-  constexpr double golden = 0.6180339887498949;
-  const auto row = [&](double w) { return deepest_between(shape, x, {1 - w, 0, w}, {0, 1 - w, w}); };
-  double lo = 0, hi = 1;
-  Deepest low = row(1 - golden), high = row(golden);
-  for (int section = 0; section < sections; ++section) {
-    const bool keep_low = low.surface.distance <= high.surface.distance;
-    (keep_low ? hi : lo) = keep_low ? lo + golden * (hi - lo) : hi - golden * (hi - lo);
-    (keep_low ? high : low) = keep_low ? low : high;
-    (keep_low ? low : high) = row(keep_low ? hi - golden * (hi - lo) : lo + golden * (hi - lo));
-  }
-  return low.surface.distance <= high.surface.distance ? low : high;
-}
-
-// min over w of d(sum_k w_k x_k),  w_k >= 0, sum_k w_k = 1:  along the chords through each corner in turn.
-// (The steps of Frank and Wolfe, which Macklin et al. take, are chords too, but only towards the corner that
-// is lowest along the gradient, and never back: on a triangle of half a meter the result of 12 such steps was
-// wrong by centimeters.) If the chords do not converge, sections finish the search.
-ColliderElementContacts::Deepest ColliderElementContacts::deepest(const Shape& shape, const Corners& x,
-                                                                  double limit, double tolerance) {
-  constexpr int rounds = 3;
-  if (x[1] == x[2]) return deepest_between(shape, x, {1, 0, 0}, {0, 1, 0});
-  Deepest best = evaluate(shape, x, {1 / 3.0, 1 / 3.0, 1 / 3.0});
-  const auto done = [&] { return best.surface.distance - best.gap > limit || best.gap <= tolerance; };
-  for (int round = 0; round < rounds; ++round) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (done()) return best;
-      const double rest = 1 - best.weight[k];
-      if (!(rest > 1e-9)) continue;
-      std::array<double, 3> corner{}, across = best.weight;
-      corner[k] = 1;
-      for (double& w : across) w /= rest;
-      across[k] = 0;
-      const Deepest next = deepest_between(shape, x, corner, across);
-      if (next.surface.distance < best.surface.distance) best = next;
-    }
-  }
-  if (done()) return best;
-  const Deepest found = deepest_by_sections(shape, x);
-  return found.surface.distance < best.surface.distance ? found : best;
-}
-
-// Conservative advancement: an element cannot touch before it has moved by its free distance. Corners move on
-// straight lines in the collider's frame. After 16 advances an element is taken to touch where it is.
-bool ColliderElementContacts::contact_of(const Body& body, const Element& element,
-                                         const ParticleView& particles, float h, Found& found) const {
-  Contact& contact = found.contact;
-  const Shape& shape = shape_of(body);
-  const Corners from = corners(body.before, element, particles, true);
-  const Corners to = corners(body.after, element, particles, false);
-  double path = 0;
-  for (std::size_t k = 0; k < 3; ++k) path = max(path, length(to[k] - from[k]));
-  const double r = double(radius_of(element)), target = element_clearance_part * r;
-  Deepest low = deepest(shape, from, r + path, 0.1 * r);
-  const double overlap = low.surface.distance - target;
-  found.inside = low.surface.distance < -r;
-  double advanced = 0;
-  for (int iteration = 0; iteration < 16; ++iteration) {
-    const double free = max(low.surface.distance - low.gap, 0.5 * low.surface.distance) - target;
-    if (low.surface.distance - target <= 1e-3 * r || free <= 1e-3 * r) break;
-    advanced += free;
-    const double part = advanced < path ? advanced / path : 1.0;
-    Corners x;
-    for (std::size_t k = 0; k < 3; ++k) x[k] = from[k] + (to[k] - from[k]) * part;
-    low = deepest(shape, x, r + path, 0.1 * r);
-    if (part < 1) continue;
-    if (low.surface.distance > r) return false;
-    break;
-  }
-  contact = {};
+bool ColliderElementContacts::contact_of(const Body& body, const kernels::ColliderElementTouches& found,
+                                         std::size_t candidate, const ParticleView& particles, float h,
+                                         Contact& contact) const {
+  const Element& element = elements_[candidates_.element[candidate]];
   contact.particle = element.particle;
-  Vec3d predicted;
+  Vec3d start, end;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double w = low.weight[k];
-    if (w > 0.999) return false;  // the corner's own contact suffices
-    contact.weight[k] = float(w);
-    predicted += (to[k] - from[k]) * w;
-    contact.inverse_mass += float(w * w) * particles.inverse_mass(element.particle[k]);
+    const float w = found.weight[k][candidate];
+    const std::uint32_t i = element.particle[k];
+    contact.weight[k] = w;
+    contact.inverse_mass += w * w * particles.inverse_mass(i);
+    start += particle_start_position(particles, i) * double(w);
+    end += particle_position(particles, i) * double(w);
   }
+  Vec3d n;
+  for (int axis = 0; axis < 3; ++axis) n[axis] = double(found.normal[axis][candidate]);
+  const double offset = double(found.plane_offset[candidate]) + dot(n, body.origin);
+  const double target = element_clearance_part * double(candidates_.radius[candidate]);
   contact.target = float(target);
   contact.material = materials_->at(element.object, body.collider);
-  contact.normal = low.surface.normal;
-  contact.plane_offset = dot(low.surface.normal, low.point) - low.surface.distance;
-  contact.predicted = Vec3f(body.after.rotation * predicted);
+  contact.normal = Vec3f(body.after.rotation * n);
+  contact.start_gap = float(dot(n, body.after.to_local(start)) - offset - target);
+  contact.predicted = Vec3f(body.after.rotation * (body.after.to_local(end) - body.before.to_local(start)));
+  if (body.packed.moves) contact.surface_motion = Vec3f(end - body.before.to_world(body.after.to_local(end)));
+  const double overlap = double(found.start_distance[candidate]) - target;
   contact.slop = overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed * h))) : 0.0f;
   return contact.inverse_mass > 0;
 }
 
-double ColliderElementContacts::gap(const Body& body, const Contact& contact,
-                                    const ParticleView& particles) const {
-  Vec3d point;
-  for (std::size_t k = 0; k < 3; ++k)
-    point += particle_position(particles, contact.particle[k]) * double(contact.weight[k]);
-  return dot(contact.normal, body.after.to_local(point)) - contact.plane_offset - double(contact.target);
+// The plane is fixed within the substep, so C changes by the point's motion along the normal.
+float ColliderElementContacts::gap(const Contact& contact, const ParticleView& particles) {
+  return contact.start_gap + dot(contact.normal, moved(contact, particles));
 }
 
 Vec3f ColliderElementContacts::moved(const Contact& contact, const ParticleView& particles) {
@@ -433,26 +486,17 @@ void ColliderElementContacts::correct(const Contact& contact, const ParticleView
 
 void ColliderElementContacts::project(int, std::size_t begin, std::size_t end, const ParticleView& particles,
                                       const Substep&) {
-  for (const Body& body : bodies_)
-    for (std::size_t c = max(begin, body.contact_begin); c < min(end, body.contact_end); ++c)
-      project_one(body, contacts_[c], particles);
+  for (std::size_t c = begin; c < end; ++c) project_one(contacts_[c], particles);
 }
 
-// As ColliderContacts::project_one, for a point of an element.
-void ColliderElementContacts::project_one(const Body& body, Contact& contact,
-                                          const ParticleView& particles) const {
-  const auto C = static_cast<float>(gap(body, contact, particles));
+// As ColliderContacts::project, for a point of an element.
+void ColliderElementContacts::project_one(Contact& contact, const ParticleView& particles) {
+  const Vec3f motion = moved(contact, particles);
+  const float C = contact.start_gap + dot(contact.normal, motion);
   if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
-  if (body.moves) {
-    Vec3d point;
-    for (std::size_t k = 0; k < 3; ++k)
-      point += particle_position(particles, contact.particle[k]) * double(contact.weight[k]);
-    contact.surface_motion = Vec3f(point - body.before.to_world(body.after.to_local(point)));
-  }
-  const Vec3f n(body.after.rotation * contact.normal);
   ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
   correct(contact, particles,
-          solve_contact(sums, C, contact.slop, n, moved(contact, particles) - contact.surface_motion,
+          solve_contact(sums, C, contact.slop, contact.normal, motion - contact.surface_motion,
                         contact.material));
   contact.normal_sum = sums.normal_sum;
   contact.tangent_sum = sums.tangent_sum;
@@ -460,31 +504,28 @@ void ColliderElementContacts::project_one(const Body& body, Contact& contact,
 
 void ColliderElementContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
                                                 const Substep& substep) {
-  for (const Body& body : bodies_)
-    for (std::size_t c = body.contact_begin; c < body.contact_end; ++c)
-      apply_restitution_to(body, contacts_[c], particles, velocity, substep.h);
+  for (Contact& contact : contacts_) apply_restitution_to(contact, particles, velocity, substep.h);
 }
 
-// As ColliderContacts::apply_restitution_to.
-void ColliderElementContacts::apply_restitution_to(const Body& body, Contact& contact,
-                                                   const ParticleView& particles, std::span<Vec4f> velocity,
-                                                   float h) const {
+// As ColliderContacts::apply_restitution.
+void ColliderElementContacts::apply_restitution_to(Contact& contact, const ParticleView& particles,
+                                                   std::span<Vec4f> velocity, float h) const {
   if (!(contact.normal_sum > 0)) return;
-  const Vec3f n(body.after.rotation * contact.normal);
   Vec3f v;
   for (std::size_t k = 0; k < 3; ++k) v += velocity[contact.particle[k]].xyz() * contact.weight[k];
   const Vec3f u = v - contact.surface_motion * (1 / h);
   const float inverse_h = 1 / h;
-  const auto [change, restitution_velocity] = solve_restitution(
-      {contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
-      2 * step_.gravity * h, contact.material, inverse_h);
+  const auto [change, restitution_velocity] =
+      solve_restitution({contact.normal_sum, contact.tangent_sum}, contact.normal, u,
+                        -dot(contact.normal, contact.predicted) * inverse_h, 2 * step_.gravity * h,
+                        contact.material, inverse_h);
   contact.restitution_velocity = restitution_velocity;
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t i = contact.particle[k];
     const float factor = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
     if (factor > 0) velocity[i].set_xyz(velocity[i].xyz() + change * factor);
   }
-  contact.depth = max(0.0f, float(-gap(body, contact, particles)));
+  contact.depth = max(0.0f, -gap(contact, particles));
 }
 
 ContactReport ColliderElementContacts::report() const {
@@ -502,8 +543,8 @@ void ColliderElementContacts::events(const ParticleView& particles, std::vector<
       Vec3d point;
       for (std::size_t j = 0; j < 3; ++j)
         point += particle_position(particles, contact.particle[j]) * double(contact.weight[j]);
-      const double C = gap(body, contact, particles);
-      const Vec3d n = body.after.rotation * contact.normal;
+      const auto C = double(gap(contact, particles));
+      const Vec3d n(contact.normal);
       const float impulse =
           (contact.normal_sum * inverse_h + contact.restitution_velocity) / contact.inverse_mass;
       out.push_back({contact.particle[k], body.collider, Vec3f(point - n * (C + double(contact.target))),
@@ -515,24 +556,18 @@ void ColliderElementContacts::events(const ParticleView& particles, std::vector<
 Residual ColliderElementContacts::residual(const ParticleView& particles) const {
   Residual result;
   result.count = contacts_.size();
-  for (const Body& body : bodies_) {
-    for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
-      const double violation = max(0.0, -gap(body, contacts_[c], particles));
-      result.largest = max(result.largest, violation);
-      result.sum += violation;
-    }
+  for (const Contact& contact : contacts_) {
+    const double violation = max(0.0, -double(gap(contact, particles)));
+    result.largest = max(result.largest, violation);
+    result.sum += violation;
   }
   return result;
 }
 
 void ColliderElementContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
-  for (const Body& body : bodies_) {
-    for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
-      const Contact& contact = contacts_[c];
-      const std::size_t corners = contact.particle[1] == contact.particle[2] ? 2 : 3;
-      const double C = gap(body, contact, particles);
-      visitor({{contact.particle.data(), corners}, 0, 0, static_cast<float>(max(0.0, -C))});
-    }
+  for (const Contact& contact : contacts_) {
+    const std::size_t corners = contact.particle[1] == contact.particle[2] ? 2 : 3;
+    visitor({{contact.particle.data(), corners}, 0, 0, max(0.0f, -gap(contact, particles))});
   }
 }
 
@@ -541,9 +576,18 @@ void ColliderElementContacts::erase_particles(std::uint32_t, std::uint32_t) {
   set_elements({});
 }
 
+std::size_t ColliderElementContacts::Candidates::bytes() const {
+  std::size_t sum = bytes_of(element, radius, reach, near, travel, clear_for);
+  for (const auto& column : corner) sum += bytes_of(column);
+  for (const auto& column : search) sum += bytes_of(column);
+  for (const auto& column : touch) sum += bytes_of(column);
+  return sum;
+}
+
 std::size_t ColliderElementContacts::bytes() const {
-  return bytes_of(elements_, corners_, bodies_, broad_phase_position_, margin_, near_, candidates_, tested_,
-                  found_, contacts_);
+  return bytes_of(elements_, corners_, corner_particle_, first_float_, bodies_, at_[0], at_[1], at_[2],
+                  margin_, distance_, from_, to_, all_rows_, is_row_, rows_, stale_, near_, contacts_) +
+         candidates_.bytes();
 }
 
 }  // namespace souple

@@ -56,13 +56,16 @@ class SignedDistanceField {
   /// infinity where it does not.
   double ray(const Vec3d& origin, const Vec3d& d) const;
 
+  struct Grid;
+  /// See signed_distance_grid.h. The field must not be empty.
+  const Grid& grid() const { return *grid_; }
+
   /// True for copies that share one grid; equal numbers in two grids do not count.
   friend bool operator==(const SignedDistanceField& a, const SignedDistanceField& b) {
     return a.grid_ == b.grid_;
   }
 
  private:
-  struct Grid;
   struct Builder;
   std::shared_ptr<const Grid> grid_;
 };

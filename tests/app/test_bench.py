@@ -14,7 +14,7 @@ SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
 
 NAMES = {"cloth": 12, "cloth-dihedral": 12, "cloth-isometric": 12, "cloth-membrane": 12, "tets": 100, "cloths": 2,
          "cubes": 2, "heap": 12}
-STAGES = ["triangles", "dam-break", "neighbors", "surface"]  # benchmarks of one stage, without a world
+STAGES = ["triangles", "dam-break", "drape", "neighbors", "surface"]  # benchmarks of one stage, without a world
 
 
 def souple(*arguments, code=0, **environment):
@@ -68,6 +68,21 @@ class Bench(unittest.TestCase):
         self.assertLess(result["density_error"], 0.01)
         for threads in (1, 8):
             self.assertEqual(bench("dam-break", "--size", 2000, "--threads", threads)["hash"], result["hash"])
+
+    def test_drape(self):
+        result = bench("drape", "--size", 12, "--warm-up", 5)
+        shapes = result["shapes"]
+        self.assertEqual(list(shapes), ["free", "plane", "sphere", "box", "capsule", "cylinder", "field"])
+        self.assertEqual(shapes["free"]["over_free"], 1)
+        self.assertEqual(len({shape["hash"] for shape in shapes.values()}), 7)  # each collider is hit
+        for name, shape in shapes.items():
+            self.assertGreater(shape["ms_mean"], 0, name)
+            self.assertGreaterEqual(shape["ms_worst"], shape["ms_mean"], name)
+        others = [bench("drape", "--size", 12, "--warm-up", 5, "--threads", 3),
+                  bench("drape", "--size", 12, "--warm-up", 5, SOUPLE_SIMD="scalar")]
+        for other in others:
+            for name, shape in other["shapes"].items():
+                self.assertEqual(shape["hash"], shapes[name]["hash"], name)
 
     def test_neighbors(self):
         result = bench("neighbors", "--size", 20000)
@@ -206,7 +221,7 @@ class Bench(unittest.TestCase):
         wrong.write_text("[1]")
         for arguments, words in ((["clth"], 'did you mean "cloth"'), (["triangels"], 'did you mean "triangles"'),
                                  (["segment"], 'did you mean "segments"'), (["hepa"], 'did you mean "heap"'),
-                                 (["xyzzyxyzzy"], "heap, triangles, dam-break, neighbors, surface, segments"), (["cloth", "--size", "1"], "--size 1"),
+                                 (["xyzzyxyzzy"], "heap, triangles, dam-break, drape, neighbors, surface, segments"), (["cloth", "--size", "1"], "--size 1"),
                                  (["cloth", "--solver", "gauss"], "gauss_seidel"), (["cloth", "--form", "x"], "--form"),
                                  (["cloth", "--residual", "2"], "--residual"), (["cloth", "--runs", "0"], "--runs 0"),
                                  (["cloth", "--relaxation", "3"], "relaxation"), (["cloth", "--threads", "x"], "x"),

@@ -45,12 +45,14 @@ TEST(ColliderElementContacts, ACoarseClothStaysOutsideASmallBall) {
       const ObjectId cloth =
           world.add_cloth(grid(5, 5, 0.8), thick_cloth(), {.transform = {.translation = {0, 0.15, 0}}});
       double lowest = 1;
+      std::size_t contacts = 0;  // in the last ten frames: it still swings, and its weight varies
       for (int frame = 0; frame < 40; ++frame) {
         world.step(1.0 / 60);
+        if (frame >= 30) contacts += world.report().contacts;
         lowest = std::min(lowest, lowest_in_triangles(world, cloth, shape));
       }
       EXPECT_GT(lowest, 0) << shape_name(shape);
-      EXPECT_GT(world.report().contacts, 0u);
+      EXPECT_GT(contacts, 5u) << shape_name(shape);
       EXPECT_GT(world.center_of_mass(cloth).y, -0.5) << "it slid off";
     }
   }
@@ -68,6 +70,37 @@ TEST(ColliderElementContacts, ACoarseClothStaysOutsideATablesCorner) {
     lowest = std::min(lowest, lowest_in_triangles(world, cloth, table));
   }
   EXPECT_GT(lowest, 0);
+}
+
+/// A ball of 0.22 m with bumps that are narrower than a triangle of 5 cm.
+TriangleMesh bumpy_ball() {
+  TriangleMesh mesh = sphere(3, 0.22);
+  for (Vec3d& x : mesh.positions)
+    x = x * (1 + 0.12 * std::sin(16 * x.x) * std::sin(16 * x.y + 1) * std::sin(16 * x.z + 2));
+  return mesh;
+}
+
+// Cotton of half a millimeter, edges of 5 cm. Where it hits, the solver leaves some millimeters for a moment. Without
+// contacts of elements, edges are 17 mm inside the box and 6 mm inside the bumps.
+TEST(ColliderElementContacts, AThinClothStaysOutsideEdgesAndBumps) {
+  const Shape shapes[] = {Box{{0, -0.25f, 0}, {0.25f, 0.25f, 0.25f}}, Cylinder{{0, -0.25f, 0}, 0.25f, 0.25f},
+                          SignedDistanceField(bumpy_ball(), 0.01)};
+  for (const Shape& shape : shapes) {
+    const double top = shape_bounds(shape).hi.y;
+    World world;
+    world.add_collider(shape, {.friction = 0.4f});
+    const ObjectId cloth = world.add_cloth(grid(20, 20, 1), material::cotton,
+                                           {.transform = {.translation = {0.013, top + 0.02, 0.007}}});
+    double lowest = 1, at_end = 0;
+    for (int frame = 0; frame < 70; ++frame) {
+      world.step(1.0 / 60);
+      const double now = lowest_in_triangles(world, cloth, shape);
+      lowest = std::min(lowest, now);
+      if (frame >= 50) at_end += now / 20;
+    }
+    EXPECT_GT(lowest, -0.009) << shape_name(shape);
+    EXPECT_GT(at_end, -0.002) << shape_name(shape);
+  }
 }
 
 // Nodes 10 cm apart, a bar of 1 cm.

@@ -14,6 +14,16 @@ namespace souple::kernels {
 
 enum class ColliderForm { plane, sphere, box, capsule, cylinder, field };
 
+/// A grid of signed distances: see signed_distance_grid.h. Lengths in m.
+struct ColliderGrid {
+  float origin[3] = {}, spacing = 1;
+  std::int32_t blocks[3] = {};
+  const float* corners = nullptr;  ///< at the corners of blocks, x fastest
+  const std::int32_t* slot =
+      nullptr;                    ///< per block: its number in `points`; negative: only its corners are known
+  const float* points = nullptr;  ///< of blocks, each x fastest
+};
+
 /// Distances and outward unit normals of `count` points; planes of x, y and z. [m]
 using SampleField = void (*)(const void* field, int count, const float* const (&point)[3], float* distance,
                              float* const (&normal)[3]);
@@ -24,7 +34,8 @@ struct ColliderShape {
   ColliderForm form = ColliderForm::plane;
   float radius = 0;              ///< sphere, capsule, cylinder [m]
   float half_extents[3] = {};    ///< box; y: capsule (its segment) and cylinder [m]
-  SampleField sample = nullptr;  ///< field
+  ColliderGrid grid{};           ///< field
+  SampleField sample = nullptr;  ///< field, outside of its grid; null: a lower bound
   const void* field = nullptr;
 };
 
@@ -61,7 +72,7 @@ struct ColliderContactColumns {
   float* kinetic_friction;
   float* restitution;
   float* end_distance;  ///< from the surface at the end of the predicted motion [m]
-  /// Not 0: the plane below serves for the whole substep. 2: the particle may pass through the surface.
+  /// Not 0: the plane below serves for the whole substep.
   float* fixed_plane;
   float* start_normal[3];    ///< of the surface at the substep's start, or at the first touch; in the frame
   float* plane_offset;       ///< of the plane with that normal [m]

@@ -1,179 +1,12 @@
 #pragma once
 
 #include "souple/collision/contact_law.h"
-#include "souple/collision/kernels/collider_contacts.h"
-#include "souple/collision/kernels/registers.h"
+#include "souple/collision/kernels/collider_surfaces.h"
 
 // Include this only in translation units that are compiled for one instruction set. Every template here has
 // the tag of its instruction set as an argument.
 
 namespace souple::kernels {
-
-/// Distance from a surface and its gradient.
-template <class Isa>
-struct Surface {
-  Numbers<Isa> distance;
-  Vectors<Isa> normal;
-};
-
-/// The first floats of the records of a register of particles.
-template <class Isa>
-struct ParticlePack {
-  std::uint32_t first_float[Isa::lanes];
-  int count;
-
-  SOUPLE_INLINE ParticlePack(const std::uint32_t* particle, std::size_t i, std::size_t end) {
-    const Indices<Isa> indices(i, end);
-    count = indices.count;
-    for (int lane = 0; lane < Isa::lanes; ++lane) first_float[lane] = 4 * particle[indices.at[lane]];
-  }
-};
-
-template <class Isa>
-SOUPLE_INLINE inline Vectors<Isa> vector_of(const float (&v)[3]) {
-  return {Numbers<Isa>(v[0]), Numbers<Isa>(v[1]), Numbers<Isa>(v[2])};
-}
-template <class Isa>
-SOUPLE_INLINE inline Vectors<Isa> product(const float (&column)[3][3], const Vectors<Isa>& v) {
-  return vector_of<Isa>(column[0]) * v.x + vector_of<Isa>(column[1]) * v.y + vector_of<Isa>(column[2]) * v.z;
-}
-
-/// w = R^T ((x - o) - o' + q)
-template <class Isa>
-SOUPLE_INLINE inline Vectors<Isa> to_frame(const ColliderFrame& frame, const Vectors<Isa>& x,
-                                           const Vectors<Isa>& q) {
-  const Vectors<Isa> d = (x - vector_of<Isa>(frame.origin)) - vector_of<Isa>(frame.origin_rest) + q;
-  return {dot(vector_of<Isa>(frame.axis[0]), d), dot(vector_of<Isa>(frame.axis[1]), d),
-          dot(vector_of<Isa>(frame.axis[2]), d)};
-}
-
-/// Positions of a register of particles in the frames of a body at the substep's start and end, and their motion
-/// in the world.
-template <class Isa>
-struct Motion {
-  Vectors<Isa> from, to, moved;
-
-  SOUPLE_INLINE Motion(const ColliderParticles& particles, const ColliderBody& body,
-                       const ParticlePack<Isa>& pack) {
-    const Vectors<Isa> x = Records<Isa>(particles.position, pack.first_float).components();
-    const Vectors<Isa> start = Records<Isa>(particles.start, pack.first_float).components();
-    const Vectors<Isa> zero{0.f, 0.f, 0.f};
-    if (particles.position == particles.moving) {
-      moved = x - start;
-      from = to_frame<Isa>(body.before, start, zero), to = to_frame<Isa>(body.after, x, zero);
-      return;
-    }
-    const Vectors<Isa> q = Records<Isa>(particles.moving, pack.first_float).components();
-    moved = q - start;
-    from = to_frame<Isa>(body.before, x, start), to = to_frame<Isa>(body.after, x, q);
-  }
-};
-
-template <class Isa>
-SOUPLE_INLINE inline Vectors<Isa> end_in_frame(const ColliderParticles& particles, const ColliderBody& body,
-                                               const ParticlePack<Isa>& pack) {
-  const Vectors<Isa> x = Records<Isa>(particles.position, pack.first_float).components();
-  const bool plain = particles.position == particles.moving;
-  const Vectors<Isa> zero{0.f, 0.f, 0.f};
-  return to_frame<Isa>(body.after, x,
-                       plain ? zero : Records<Isa>(particles.moving, pack.first_float).components());
-}
-
-template <class Isa>
-SOUPLE_INLINE inline Vectors<Isa> selected(typename Numbers<Isa>::Mask mask, const Vectors<Isa>& a,
-                                           const Vectors<Isa>& b) {
-  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
-}
-
-/// The surface at distance `radius` around a point. `fallback`: the normal at that point itself.
-template <class Isa>
-SOUPLE_INLINE inline Surface<Isa> around_point(const Vectors<Isa>& offset, float radius,
-                                               const Vectors<Isa>& fallback) {
-  using T = Numbers<Isa>;
-  const T l = length(offset);
-  const auto away = l > T(0.f);
-  return {l - T(radius), selected<Isa>(away, offset * (T(1.f) / select(away, l, T(1.f))), fallback)};
-}
-
-template <class Isa>
-SOUPLE_INLINE inline Numbers<Isa> with_sign(const Numbers<Isa>& a, const Numbers<Isa>& sign) {
-  return select(sign < Numbers<Isa>(0.f), -a, a);
-}
-
-/// Outside: the vector beyond the faces. Inside: the nearest face.
-template <class Isa>
-SOUPLE_INLINE inline Surface<Isa> box_surface(const ColliderShape& shape, const Vectors<Isa>& w) {
-  using T = Numbers<Isa>;
-  const T zero(0.f), one(1.f);
-  const Vectors<Isa> depth{abs(w.x) - T(shape.half_extents[0]), abs(w.y) - T(shape.half_extents[1]),
-                           abs(w.z) - T(shape.half_extents[2])};
-  const Vectors<Isa> beyond{max(depth.x, zero), max(depth.y, zero), max(depth.z, zero)};
-  const T l = length(beyond);
-  const auto outside = l > zero;
-  const T inverse = one / select(outside, l, one);
-  const T deepest = max(depth.x, max(depth.y, depth.z));
-  const auto is_x = depth.x >= deepest, is_y = depth.y >= deepest;
-  const Vectors<Isa> face{select(is_x, one, zero), select(is_x, zero, select(is_y, one, zero)),
-                          select(is_x, zero, select(is_y, zero, one))};
-  const Vectors<Isa> n = selected<Isa>(outside, beyond * inverse, face);
-  return {select(outside, l, deepest),
-          {with_sign<Isa>(n.x, w.x), with_sign<Isa>(n.y, w.y), with_sign<Isa>(n.z, w.z)}};
-}
-
-template <class Isa>
-SOUPLE_INLINE inline Surface<Isa> cylinder_surface(const ColliderShape& shape, const Vectors<Isa>& w) {
-  using T = Numbers<Isa>;
-  const T zero(0.f), one(1.f);
-  const T from_axis = sqrt(w.x * w.x + w.z * w.z);
-  const auto off_axis = from_axis > zero;
-  const T inverse = one / select(off_axis, from_axis, one);
-  const T x = select(off_axis, w.x * inverse, one), z = select(off_axis, w.z * inverse, zero);
-  const T side = from_axis - T(shape.radius), end = abs(w.y) - T(shape.half_extents[1]);
-  const T beyond_side = max(side, zero), beyond_end = max(end, zero);
-  const T l = sqrt(beyond_side * beyond_side + beyond_end * beyond_end);
-  const auto outside = l > zero, at_side = side > end;
-  const T per_l = one / select(outside, l, one);
-  const T radial = select(outside, beyond_side * per_l, select(at_side, one, zero));
-  const T axial = select(outside, beyond_end * per_l, select(at_side, zero, one));
-  return {select(outside, l, max(side, end)), {x * radial, with_sign<Isa>(axial, w.y), z * radial}};
-}
-
-template <class Isa>
-SOUPLE_INLINE inline Surface<Isa> field_surface(const ColliderShape& shape, const Vectors<Isa>& w,
-                                                int count) {
-  float x[3][Isa::lanes], d[Isa::lanes], n[3][Isa::lanes];
-  for (int axis = 0; axis < 3; ++axis) w[axis].store(x[axis]);
-  shape.sample(shape.field, count, {x[0], x[1], x[2]}, d, {n[0], n[1], n[2]});
-  for (int lane = count; lane < Isa::lanes; ++lane) {
-    d[lane] = d[count - 1];
-    for (auto& component : n) component[lane] = component[count - 1];
-  }
-  using T = Numbers<Isa>;
-  return {T::load(d), {T::load(n[0]), T::load(n[1]), T::load(n[2])}};
-}
-
-template <class Isa>
-SOUPLE_INLINE inline Surface<Isa> surface_at(const ColliderShape& shape, const Vectors<Isa>& w, int count) {
-  using T = Numbers<Isa>;
-  const T zero(0.f), one(1.f);
-  switch (shape.form) {
-    case ColliderForm::plane:
-      return {w.y, {zero, one, zero}};
-    case ColliderForm::sphere:
-      return around_point<Isa>(w, shape.radius, {zero, one, zero});
-    case ColliderForm::capsule: {
-      const T h(shape.half_extents[1]);
-      return around_point<Isa>({w.x, w.y - max(-h, min(h, w.y)), w.z}, shape.radius, {one, zero, zero});
-    }
-    case ColliderForm::box:
-      return box_surface<Isa>(shape, w);
-    case ColliderForm::cylinder:
-      return cylinder_surface<Isa>(shape, w);
-    case ColliderForm::field:
-      break;
-  }
-  return field_surface<Isa>(shape, w, count);
-}
 
 template <class Isa>
 SOUPLE_INLINE inline Numbers<Isa> inverse_masses(const ColliderParticles& particles,
@@ -217,13 +50,47 @@ SOUPLE_INLINE inline auto passes(const Numbers<Isa>& start, const Numbers<Isa>& 
   return end <= Numbers<Isa>(0.f) || path >= free || (path > r && path >= free - r - r);
 }
 
+/// The surface that a ball touches first, or, where it touches none, `hits` 0.
 template <class Isa>
-SOUPLE_INLINE inline Vectors<Isa> load3(float* const (&column)[3], std::size_t i, int count) {
-  return {load<Isa>(column[0] + i, count), load<Isa>(column[1] + i, count), load<Isa>(column[2] + i, count)};
-}
+struct FirstTouch {
+  Surface<Isa> surface;
+  Vectors<Isa> point;  ///< center of the ball
+  Numbers<Isa> hits;   ///< 1 or 0
+};
+
+/// sphere_cast (sphere_cast.h) for the lanes `casts`, which start outside.
 template <class Isa>
-SOUPLE_INLINE inline void store3(const Vectors<Isa>& v, float* const (&column)[3], std::size_t i, int count) {
-  for (int axis = 0; axis < 3; ++axis) store<Isa>(v[axis], column[axis] + i, count);
+SOUPLE_INLINE inline FirstTouch<Isa> first_touch(const ColliderShape& shape, const Surface<Isa>& start,
+                                                 const Vectors<Isa>& from, const Vectors<Isa>& motion,
+                                                 Numbers<Isa> r, typename Numbers<Isa>::Mask casts,
+                                                 int count) {
+  using T = Numbers<Isa>;
+  constexpr int strides = 64;
+  const T zero(0.f), one(1.f), path = length(motion), per_path = one / select(path > zero, path, one);
+  FirstTouch<Isa> touch{start, from, one};
+  const auto leaves = casts && start.distance <= r && dot(start.normal, motion) >= zero;
+  if (shape.form == ColliderForm::field) {
+    r = select(leaves, start.distance * T(0.5f), r);
+  } else {
+    touch.hits = select(leaves, zero, one);
+  }
+  casts = casts && start.distance > r;
+  const T near_enough = (start.distance - r) * T(1e-4f) + r * T(1e-3f);
+  T gone = zero;
+  for (int stride = 0; stride < strides; ++stride) {
+    const T free = touch.surface.distance - r;
+    casts = casts && free > near_enough;
+    if (!any_lane(casts)) break;
+    gone = select(casts, gone + free, gone);
+    touch.hits = select(casts && gone >= path, zero, touch.hits);
+    casts = casts && gone < path;
+    const Vectors<Isa> point = from + motion * (gone * per_path);
+    const Surface<Isa> at = surface_at<Isa>(shape, point, count);
+    touch.point = selected<Isa>(casts, point, touch.point);
+    touch.surface = {select(casts, at.distance, touch.surface.distance),
+                     selected<Isa>(casts, at.normal, touch.surface.normal)};
+  }
+  return touch;
 }
 
 template <class Isa>
@@ -242,11 +109,15 @@ template <class Isa>
     const T overlap = start.distance - r;
     const auto inside = start.distance <= zero;
     const auto fast = passes<Isa>(start.distance, d_end, length(motion.to - motion.from), r);
-    store<Isa>(select(inside, one, select(fast, T(2.f), zero)), out.fixed_plane + i, count);
-    store<Isa>(dot(start.normal, motion.from) - start.distance, out.plane_offset + i, count);
+    FirstTouch<Isa> touch{start, motion.from, one};
+    const auto casts = fast && start.distance > zero;
+    if (body.shape.form != ColliderForm::plane && any_lane(casts))
+      touch = first_touch<Isa>(body.shape, start, motion.from, motion.to - motion.from, r, casts, count);
+    store<Isa>(select(inside, one, select(fast, touch.hits, zero)), out.fixed_plane + i, count);
+    store<Isa>(dot(touch.surface.normal, touch.point) - touch.surface.distance, out.plane_offset + i, count);
     store<Isa>(select(overlap < zero, min(zero, overlap + T(limits.depenetration)), zero), out.slop + i,
                count);
-    store3<Isa>(start.normal, out.start_normal, i, count);
+    store3<Isa>(touch.surface.normal, out.start_normal, i, count);
     store3<Isa>(product<Isa>(body.after.axis, motion.to - motion.from), out.predicted, i, count);
     store3<Isa>(none, out.tangent_sum, i, count);
     store3<Isa>(none, out.normal, i, count);

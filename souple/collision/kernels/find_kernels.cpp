@@ -17,4 +17,10 @@ const ColliderContactKernels& find_collider_contact_kernels(InstructionSet set) 
   return packed ? *packed : collider_contact_kernels<Single>();
 }
 
+const ColliderElementKernels& find_collider_element_kernels(InstructionSet set) {
+  const ColliderElementKernels* const packed = souple::detail::find_for(
+      set, []<class Isa>(std::type_identity<Isa>) { return &collider_element_kernels<Isa>(); });
+  return packed ? *packed : collider_element_kernels<Single>();
+}
+
 }  // namespace souple::kernels

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/collision/kernels/collider_contacts.h"
+#include "souple/collision/kernels/collider_elements.h"
 #include "souple/collision/kernels/element_pairs.h"
 #include "souple/solver/instruction_set.h"
 
@@ -9,5 +10,6 @@ namespace souple::kernels {
 /// Kernels for an instruction set that this build and this processor support.
 const ElementPairKernels& find_element_pair_kernels(InstructionSet set);
 const ColliderContactKernels& find_collider_contact_kernels(InstructionSet set);
+const ColliderElementKernels& find_collider_element_kernels(InstructionSet set);
 
 }  // namespace souple::kernels
