@@ -12,17 +12,20 @@ template <class Shape>
 DensitySums sums(const Vec4f* records, const Vec4f& at, const std::uint32_t* list, std::size_t count,
                  const SmoothingFactors& factors) {
   PlainSixteen density, squared, gx, gy, gz;
+  const float scaled_slope = factors.slope_factor * factors.scale, unscale = 1 / factors.scale;
   for (std::size_t k = 0; k < count; ++k) {
     const Vec4f& other = records[list[k] / 4];
     const PlainNear near(at, other, factors);
-    const float slope = factors.slope_factor * Shape::slope(near.q);
+    const float slope = scaled_slope * Shape::slope(near.q);
     density.sum[k % 16] += Shape::value(near.q);
     squared.sum[k % 16] += other.w * (slope * slope * near.r2);
     gx.sum[k % 16] += slope * near.d.x;
     gy.sum[k % 16] += slope * near.d.y;
     gz.sum[k % 16] += slope * near.d.z;
   }
-  return {factors.value_factor * density.total(), squared.total(), {gx.total(), gy.total(), gz.total()}};
+  return {factors.value_factor * density.total(),
+          squared.total(),
+          {gx.total() * unscale, gy.total() * unscale, gz.total() * unscale}};
 }
 
 template <class Shape>
