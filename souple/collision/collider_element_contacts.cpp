@@ -24,7 +24,7 @@ constexpr std::size_t element_grain = 256;    // least number of elements that p
 // StretchedLinks), and a frame takes twice as long on a cylinder or field.
 constexpr double coarse_part = 0.05;
 // An element that is deeper inside than this part of its radius has not been pulled in: the collider has jumped.
-constexpr float deep_part = 0.25f;
+constexpr float deep_part = 0.5f;
 // A side of an element in a signed distance field is divided into this many parts at most, or it is sampled more
 // coarsely than the field.
 constexpr int most_parts = 12;
