@@ -575,7 +575,8 @@ TEST(ViewResolution, OfHalfHasTheSameLegends) {
     view.picture();
     render::Image image = view.image();
     std::vector<std::uint8_t> title;  // the first line of the legend, on its own background
-    for (int y = 16; y < 28; ++y) title.insert(title.end(), image.at(18, y), image.at(18, y) + 4 * 50);
+    for (int y = 16; y < 28; ++y)
+      title.insert(title.end(), image.at(18, y), image.at(18, y) + std::ptrdiff_t{4 * 50});
     return title;
   };
   const std::vector<std::uint8_t> full = legend(false), half = legend(true);

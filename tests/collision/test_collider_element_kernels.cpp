@@ -235,7 +235,8 @@ TEST(ColliderElementKernels, HaveTheSameBitsForEveryInstructionSet) {
         for (std::size_t t = 0; t < triangles.size(); ++t) {
           result.push_back(triangles.out[0][t]), result.push_back(triangles.out[4][t]);
           if (triangles.out[0][t] > 0)
-            for (const std::size_t column : {1, 2, 3, 5, 6, 7, 8}) result.push_back(triangles.out[column][t]);
+            for (const std::size_t column : {1u, 2u, 3u, 5u, 6u, 7u, 8u})
+              result.push_back(triangles.out[column][t]);
         }
       };
       const std::size_t n = triangles.size();

@@ -8,7 +8,7 @@ namespace souple {
 namespace {
 
 std::filesystem::path write(const std::string& name, const std::string& text) {
-  const auto path = std::filesystem::path(testing::TempDir()) / name;
+  auto path = std::filesystem::path(testing::TempDir()) / name;
   std::ofstream(path, std::ios::binary) << text;
   return path;
 }

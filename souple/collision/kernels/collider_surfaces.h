@@ -201,9 +201,9 @@ struct CellPack {
     bool any_coarse = false;
     for (int lane = 0; lane < Isa::lanes; ++lane) {
       const std::int32_t slot = grid.slot[block[lane]];
-      constexpr std::ptrdiff_t block_points = block_side * block_side * block_side;
+      constexpr std::ptrdiff_t side = block_side, block_points = side * side * side;
       const float* first = grid.points + (slot < 0 ? 0 : slot * block_points + point[lane]);
-      std::ptrdiff_t row = block_side, layer = block_side * block_side;
+      std::ptrdiff_t row = side, layer = side * side;
       if (slot < 0) {
         row = grid.blocks[0] + 1, layer = row * (grid.blocks[1] + 1);
         first = grid.corners + corner[lane];

@@ -181,8 +181,8 @@ template <class Isa, int corners>
 SOUPLE_INLINE inline auto above_one_side(const ColliderShape& shape, const Vectors<Isa> (&x)[corners],
                                          const Numbers<Isa>& reach) {
   using T = Numbers<Isa>;
-  const T zero(0.f), rim = -reach, below = reach * T(-1 / 3.f);
-  auto above = zero > zero;
+  const T rim = -reach, below = reach * T(-1 / 3.f);
+  auto above = T(0.f) > T(1.f);
   const auto add = [&](const auto& height, const auto& beyond) {
     T lowest[2] = {height(x[0], 1.f), height(x[0], -1.f)}, widest = beyond(x[0]);
     for (int k = 1; k < corners; ++k) {
@@ -212,8 +212,7 @@ template <class Isa>
 SOUPLE_INLINE inline auto along_straight_part(const ColliderShape& shape, const Vectors<Isa> (&x)[3],
                                               const Numbers<Isa>& reach) {
   using T = Numbers<Isa>;
-  const T zero(0.f);
-  auto straight = zero > zero;
+  auto straight = T(0.f) > T(1.f);
   for (int axis = 0; axis < 3; ++axis) {
     const bool round = shape.form == ColliderForm::capsule || shape.form == ColliderForm::cylinder;
     if (shape.form != ColliderForm::box && !(round && axis == 1)) continue;
