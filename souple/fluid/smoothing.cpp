@@ -35,7 +35,7 @@ Shape find_shape(SmoothingShape shape) {
     case SmoothingShape::cubic_spline:
       return shape_of<kernels::CubicSpline>(2, 1, 1.06, 2.2);
     case SmoothingShape::wide_wendland:
-      return shape_of<kernels::Wendland>(2.3, 1.009, 1.035, 2.45);
+      return shape_of<kernels::Wendland>(2.3, 1, 1.02, 2.4);
     case SmoothingShape::wendland:
       break;
   }

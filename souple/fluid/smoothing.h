@@ -37,7 +37,7 @@ class Smoothing {
   ///
   ///   value(s) = H(d/2 + a (s - d/2)),   slope(s) = a H'(d/2 + a (s - d/2)),   a = 2
   ///
-  /// (2.2 for poly6 and the cubic spline, 2.45 for the wide kernel), H(-z) = 2 H(0) - H(z). The work of a push
+  /// (2.2 for poly6 and the cubic spline, 2.4 for the wide kernel), H(-z) = 2 H(0) - H(z). The work of a push
   /// by lambda slope then equals the gain in value. A push that also counted the fluid behind would stir the
   /// fluid forever. H and H' are scaled such that a lattice layer at d/2 has density 1 and that equal
   /// pressures do not push it.

@@ -38,7 +38,6 @@ std::pair<float, Vec3f> sums_on_lattice(const Smoothing& smoothing, SmoothingSha
 }
 
 double density_at_rest(SmoothingShape shape) {
-  if (shape == SmoothingShape::wide_wendland) return 1.009;
   return shape == SmoothingShape::poly6_spiky ? 1.01 : 1;
 }
 

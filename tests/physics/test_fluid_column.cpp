@@ -92,43 +92,6 @@ TEST(FluidColumn, RestsWithTheWideKernelToo) {
   expect_rest(9, 0.005, {.kernel = SmoothingShape::wide_wendland});
 }
 
-// With few layers the bottom layer and the packing at walls weigh most.
-TEST(FluidColumn, AShallowOneRestsWithTheWideKernelToo) {
-  Column column(0.02, 10, 25, 6, {.kernel = SmoothingShape::wide_wendland});
-  column.run(3);
-  double bottom = 0, middle = 0, height = 0;
-  constexpr int frames = 30;
-  for (int frame = 0; frame < frames; ++frame) {
-    column.run(1.0 / 60);
-    bottom += column.pressure_at(column.d / 2) / frames;
-    middle += column.pressure_at(column.height / 2) / frames;
-    height += column.top() / column.height / frames;
-  }
-  EXPECT_NEAR(bottom, 1, 0.02);
-  EXPECT_NEAR(middle, 1, 0.02);
-  EXPECT_NEAR(height, 1, 0.015);
-}
-
-// Lengths, and times by Froude's law: the square root of the lengths. The fluid's own error is its packing's.
-TEST(FluidColumn, RestsAtEveryScale) {
-  for (const double d : {25e-6, 0.02, 5.0}) {
-    const double time = std::sqrt(d / 0.02), half = 5 * d;
-    World world({.substeps = 6});
-    const ObjectId water = world.add_fluid(fill(Vec3d{-half, 0, -half}, Vec3d{half, 25 * d, half}, d),
-                                           {.spacing = static_cast<float>(d),
-                                            .density = static_cast<float>(density),
-                                            .viscosity = 0,
-                                            .xsph = static_cast<float>(24 / time)});
-    world.add_collider(Plane{});
-    for (const Vec3f& n : {Vec3f{1, 0, 0}, Vec3f{-1, 0, 0}, Vec3f{0, 0, 1}, Vec3f{0, 0, -1}})
-      world.add_collider(Plane{n, static_cast<float>(-half)});
-    for (int frame = 0; frame < 120; ++frame) world.step(time / 60);
-    EXPECT_LT(world.report().fluid.mean_density_error, 0.0025) << d;
-    const double speed = std::sqrt(2 * world.kinetic_energy(water) / world.total_mass(water));
-    EXPECT_LT(speed / time, 0.006) << d;
-  }
-}
-
 struct Case {
   double spacing;  // m
   int layers, substeps;
