@@ -576,7 +576,7 @@ TEST(ViewResolution, OfHalfHasTheSameLegends) {
     render::Image image = view.image();
     std::vector<std::uint8_t> title;  // the first line of the legend, on its own background
     for (int y = 16; y < 28; ++y)
-      title.insert(title.end(), image.at(18, y), image.at(18, y) + std::ptrdiff_t{4 * 50});
+      title.insert(title.end(), image.at(18, y), image.at(18 + 50, y));
     return title;
   };
   const std::vector<std::uint8_t> full = legend(false), half = legend(true);

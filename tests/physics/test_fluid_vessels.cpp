@@ -20,6 +20,7 @@ class Polygons {
  public:
   void add(const std::vector<Vec3d>& corners) {
     std::vector<std::uint32_t> at;
+    at.reserve(corners.size());
     for (const Vec3d& corner : corners) at.push_back(vertex(corner));
     for (std::size_t k = 1; k + 1 < at.size(); ++k) mesh_.triangles.push_back({at[0], at[k], at[k + 1]});
   }

@@ -1,3 +1,4 @@
+#include "souple/math/vec3.h"
 #include "souple/solver/marching.h"
 
 #include <algorithm>
