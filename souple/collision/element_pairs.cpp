@@ -59,9 +59,7 @@ const std::uint32_t (*quads(const std::vector<NearPair>& pairs))[4] {
 }
 
 // Of elements of surfaces with self-collision.
-bool itself(std::uint32_t a, std::uint32_t b) {
-  return a == b;
-}
+constexpr auto itself = [](std::uint32_t a, std::uint32_t b) { return a == b; };
 
 kernels::ParticleRecords records_of(const ParticleView& particles, std::span<const Vec4f> moved) {
   if (particles.moving.empty()) return {};
