@@ -68,30 +68,62 @@ class PairOverrides {
   /// Combines set_collide and the filters. Filters do not apply to an object's self-collision.
   bool collide(const NamedContactMaterial& a, const NamedContactMaterial& b) const;
 
+  /// Calls f(name, other name, pair or null, collide) for every pair that deviates, once.
+  template <class Function>
+  void for_each(const Function& f) const {
+    for (const auto& [names, pair] : overrides_)
+      f(names.first, names.second, &pair, non_colliding_.count(names) == 0);
+    for (const auto& names : non_colliding_)
+      if (overrides_.count(names) == 0)
+        f(names.first, names.second, static_cast<const ContactMaterialPair*>(nullptr), false);
+  }
+
  private:
   std::map<std::pair<std::string, std::string>, ContactMaterialPair> overrides_;
   std::set<std::pair<std::string, std::string>> non_colliding_;
 };
 
-/// Combined materials of every row with every column, by index: the table that contacts read during a step.
+/// Combined materials of every row with every column, by index: what contacts read during a step. Keeps the materials of
+/// rows and columns and the pairs that deviate, and combines them when asked: 10,000 objects have 50 million pairs.
 class ContactMaterialTable {
  public:
   ContactMaterialTable() = default;
   ContactMaterialTable(std::span<const NamedContactMaterial> rows,
                        std::span<const NamedContactMaterial> columns, const PairOverrides& table);
 
-  const ContactMaterialPair& at(std::size_t row, std::size_t column) const {
-    return pairs_[row * columns_ + column];
-  }
+  ContactMaterialPair at(std::size_t row, std::size_t column) const;
   /// False: row and column pass through each other.
-  bool collide(std::size_t row, std::size_t column) const { return collide_[row * columns_ + column] != 0; }
-  std::size_t rows() const { return columns_ == 0 ? 0 : pairs_.size() / columns_; }
-  std::size_t columns() const { return columns_; }
+  bool collide(std::size_t row, std::size_t column) const;
+  std::size_t rows() const { return columns_.empty() ? 0 : rows_.size(); }
+  std::size_t columns() const { return columns_.size(); }
+  /// Calls f(column) for the columns that a row does not collide with although their filters let it, ascending.
+  template <class Function>
+  void for_each_ignored(std::size_t row, const Function& f) const {
+    for (const Exception& exception : exceptions_of(row))
+      if (!exception.collide) f(exception.column);
+  }
 
  private:
-  std::vector<ContactMaterialPair> pairs_;
-  std::vector<std::uint8_t> collide_;
-  std::size_t columns_ = 0;
+  friend ContactMaterialPair combine(const ContactMaterial& a, const ContactMaterial& b);
+  struct Side {
+    ContactMaterial material;
+    float root_of_friction = 0, root_of_kinetic_friction = 0;
+    CollisionFilter filter;
+  };
+  struct Exception {
+    std::uint32_t row = 0, column = 0;
+    std::optional<ContactMaterialPair> pair{};
+    bool collide = true;
+  };
+  static Side side_of(const NamedContactMaterial& material);
+  static ContactMaterialPair combined(const Side& a, const Side& b);
+  std::span<const Exception> exceptions_of(std::size_t row) const;
+  const Exception* find(std::size_t row, std::size_t column) const;
+
+  std::vector<Side> rows_, columns_;
+  std::vector<Exception> exceptions_;            // by row, then column
+  std::vector<std::uint32_t> exceptions_begin_;  // per row
+  bool is_square_ = false;  // row k is column k: filters do not apply to an object's self-collision
 };
 
 }  // namespace souple

@@ -29,6 +29,9 @@ struct ContactSurface {
   std::span<const Vec3d> rest{};
 };
 
+/// Whether any of them collides with another one or with itself.
+bool any_may_collide(std::span<const ContactSurface> surfaces);
+
 /// Whether surface a collides with surface b; where a == b, whether it has self-collision.
 inline bool may_collide(std::span<const ContactSurface> surfaces, std::size_t a, std::size_t b) {
   const ContactSurface &one = surfaces[a], &other = surfaces[b];

@@ -58,6 +58,9 @@ const std::uint32_t (*quads(const std::vector<NearPair>& pairs))[4] {
   return pairs.empty() ? nullptr : &pairs[0].particle;
 }
 
+// Of elements of surfaces with self-collision.
+constexpr auto itself = [](std::uint32_t a, std::uint32_t b) { return a == b; };
+
 kernels::ParticleRecords records_of(const ParticleView& particles, std::span<const Vec4f> moved) {
   if (particles.moving.empty()) return {};
   kernels::ParticleRecords records;
@@ -89,15 +92,7 @@ void ElementPairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   intersection_resolver_ = intersection_resolver;
   surfaces_ = std::move(surfaces);
   const std::size_t n = surfaces_.size();
-  self_matrix_ = inter_object_matrix_ = ObjectMatrix(n);
-  for (std::uint32_t a = 0; a < n; ++a) {
-    self_matrix_.set(a, a, surfaces_[a].self_collision);
-    any_ = any_ || surfaces_[a].self_collision;
-    for (std::uint32_t b = 0; b < a; ++b) {
-      inter_object_matrix_.set(a, b, may_collide(surfaces_, a, b));
-      any_ = any_ || may_collide(surfaces_, a, b);
-    }
-  }
+  any_ = any_may_collide(surfaces_);
   if (!any_) return;
   overlaps_other_.assign(n, 0);
   std::uint32_t end = 0;
@@ -195,9 +190,10 @@ void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> ve
   elapsed_ = 0;
   predict_all(particles, velocity, dt, threads);
   select_inter_object_elements();
-  self_finder_.find(self_elements_, relative_boxes_, self_matrix_, particles.position, self_pairs_, threads);
-  inter_object_finder_.find(inter_object_elements_, boxes_, inter_object_matrix_, particles.position,
-                            inter_object_pairs_, threads);
+  self_finder_.find(self_elements_, relative_boxes_, itself, particles.position, self_pairs_, threads);
+  const auto others = [this](std::uint32_t a, std::uint32_t b) { return collides_with_other(a, b); };
+  inter_object_finder_.find(inter_object_elements_, boxes_, others, particles.position, inter_object_pairs_,
+                            threads);
   clear();
   valid_from_.assign(surface_of_.size(), 0);
   add_found(particles, dt, threads);
@@ -297,10 +293,8 @@ void ElementPairs::select_inter_object_elements() {
     bounds = around(bounds.lo, bounds.hi, far_surface_margin_part * max(size.x, max(size.y, size.z)));
   }
   overlaps_other_now_.assign(n, 0);
-  for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = 0; b < a; ++b)
-      if (inter_object_matrix_.at(a, b) && overlap(surface_bounds_[a], surface_bounds_[b]))
-        overlaps_other_now_[a] = overlaps_other_now_[b] = 1;
+  for (const auto& [a, b] : surface_sweep_.find(surface_bounds_))
+    if (collides_with_other(a, b)) overlaps_other_now_[a] = overlaps_other_now_[b] = 1;
   if (overlaps_other_now_ == overlaps_other_) return;
   overlaps_other_ = overlaps_other_now_;
   inter_object_elements_.clear();
@@ -398,8 +392,9 @@ void ElementPairs::refind_off_path(const ParticleView& before, float h, Threads&
     valid_from_[i] = static_cast<std::uint32_t>(size());
   }
   shift_.swap(saved_shift_);
-  self_finder_.find_moved(off_path_, relative_boxes_, before.position, self_pairs_, threads);
-  inter_object_finder_.find_moved(off_path_, boxes_, before.position, inter_object_pairs_, threads);
+  self_finder_.find_moved(off_path_, relative_boxes_, itself, before.position, self_pairs_, threads);
+  const auto others = [this](std::uint32_t a, std::uint32_t b) { return collides_with_other(a, b); };
+  inter_object_finder_.find_moved(off_path_, boxes_, others, before.position, inter_object_pairs_, threads);
   add_found(before, dt, threads);
 }
 

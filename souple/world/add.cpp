@@ -145,6 +145,7 @@ ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectO
   world.dirty_all();
   world.invalidate_contacts();
   ++world.version;
+  world.names.add(object.name, {NameRegistry::Owner::object, object.id.value});
   world.objects.push_back(std::move(builder.object));
   return world.objects.back()->id;
 }
@@ -254,6 +255,7 @@ void remove_object(WorldState& world, const Object& object) {
   world.collider_element_contacts.erase_particles(begin, end);
   world.mirrors.erase(object.id.value);
   std::erase_if(world.emitters, [&](const EmitterRecord& record) { return record.fluid == object.id.value; });
+  world.names.remove(world.objects[index]->name);
   world.objects.erase(world.objects.begin() + static_cast<std::ptrdiff_t>(index));
   world.dirty_all();
   world.invalidate_contacts();

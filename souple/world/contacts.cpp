@@ -48,8 +48,9 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
       .immovable = object.kind == ObjectKind::obstacle,
       .layer = object.layer,
       .rest = object.rest};
-  for (std::uint32_t other = 0; other < world.objects.size(); ++other)
-    if (other != index && !matrix.collide(index, other)) result.ignored_surfaces.push_back(other);
+  matrix.for_each_ignored(index, [&](std::uint32_t other) {
+    if (other != index) result.ignored_surfaces.push_back(other);
+  });
   return result;
 }
 

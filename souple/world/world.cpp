@@ -95,16 +95,14 @@ std::vector<ObjectId> World::objects() const {
 }
 
 bool World::contains(ObjectId id) const {
-  const auto& objects = impl_->state.objects;
-  return std::any_of(objects.begin(), objects.end(), [&](const auto& object) { return object->id == id; });
+  return impl_->state.find_object(id) != nullptr;
 }
 
 ObjectId World::find_object(std::string_view name) const {
+  const NameRegistry::Entry* const entry = impl_->state.names.find(name);
+  if (entry != nullptr && entry->owner == NameRegistry::Owner::object) return {entry->id};
   std::vector<std::string_view> names;
-  for (const auto& object : impl_->state.objects) {
-    if (object->name == name) return object->id;
-    names.push_back(object->name);
-  }
+  for (const auto& object : impl_->state.objects) names.push_back(object->name);
   throw Error("no object is named '" + std::string(name) + "'" + nearest_name(name, names));
 }
 
@@ -426,6 +424,7 @@ ColliderId World::add_collider(const Shape& shape, const ColliderOptions& option
   validate(shape, record.options.name);
   validate(ContactMaterial{.friction = options.friction, .restitution = options.restitution},
            record.options.name);
+  world.names.add(record.options.name, {NameRegistry::Owner::collider, record.id.value});
   world.colliders.push_back(std::move(record));
   ++world.next_id;
   world.dirty_tables = true;
@@ -438,6 +437,7 @@ void World::remove(ColliderId id) {
   WorldState& world = impl_->state;
   world.require_between_steps("remove");
   const ColliderRecord& record = world.collider(id);
+  world.names.remove(record.options.name);
   world.colliders.erase(world.colliders.begin() + (&record - world.colliders.data()));
   world.dirty_tables = true;
   wake_all(world);
@@ -452,7 +452,11 @@ void World::set_collider(ColliderId id, const Shape& shape, const ColliderOption
   validate(ContactMaterial{.friction = options.friction, .restitution = options.restitution},
            record.options.name);
   const std::string name = record.options.name;
-  if (!options.name.empty() && options.name != name) world.require_free_name(options.name);
+  if (!options.name.empty() && options.name != name) {
+    world.names.require_free(options.name);
+    world.names.remove(name);
+    world.names.add(options.name, {NameRegistry::Owner::collider, id.value});
+  }
   record.shape = shape;
   record.options = options;
   record.arrival.reset();
