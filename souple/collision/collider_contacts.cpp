@@ -211,6 +211,13 @@ void ColliderContacts::refresh(const ParticleView& particles, const Substep& sub
   for (Body& body : bodies_) find_contacts(body, particles, threads);
 }
 
+// Of a particle and the body in the substep, in the body's frame [m].
+Vec3f ColliderContacts::relative_motion(const Body& body, std::uint32_t particle,
+                                        const ParticleView& particles) {
+  return Vec3f(body.after.to_local(particle_position(particles, particle)) -
+               body.before.to_local(particle_start_position(particles, particle)));
+}
+
 // All threads find the near particles; one thread then counts them in order. So contacts and their order do
 // not depend on the number of threads.
 void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, Threads& threads) {
@@ -231,12 +238,16 @@ void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, 
   threads.for_each(near_.size(), grain(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t contact = body.contact_begin + k, candidate = near_[k];
-      const ContactMaterialPair& material = materials_->at(candidates_.object[candidate], body.collider);
+      const ContactMaterialPair material = materials_->at(candidates_.object[candidate], body.collider);
       columns.particle[contact] = candidates_.particle[candidate];
       columns.distance[contact] = candidates_.keeps[candidate];
       columns.end_distance[contact] = distance_[candidate];
       columns.static_friction[contact] = material.static_friction;
       columns.kinetic_friction[contact] = material.kinetic_friction;
+      if (material.kinetic_friction < material.static_friction)
+        columns.kinetic_friction[contact] =
+            kinetic_friction_at(material, relative_motion(body, columns.particle[contact], particles),
+                                2 * step_.gravity * last_h_ * last_h_);
       columns.restitution[contact] = material.restitution;
     }
     kernels_->describe(packed, body.packed, limits(), columns, body.contact_begin + begin,

@@ -139,6 +139,7 @@ class ColliderContacts final : public Projector {
                        Threads& threads);
   void find_candidates_of(Body& body, const kernels::ColliderParticles& particles, Threads& threads);
   bool left_margins(const ParticleView& particles, Threads& threads) const;
+  static Vec3f relative_motion(const Body& body, std::uint32_t particle, const ParticleView& particles);
   void find_contacts(Body& body, const ParticleView& particles, Threads& threads);
   kernels::ColliderContactLimits limits() const;
   template <class Function>

@@ -18,6 +18,15 @@ Vec3<T> within_friction(const Vec3<T>& sticking, T static_friction, T kinetic_fr
   return sticking * select(sticks, T(1), kinetic_friction * normal / select(sticks, T(1), size));
 }
 
+/// The kinetic coefficient belongs to sides that slide. Where they move by less than `threshold` relative to each other in
+/// the substep [m], they stick or begin to slide, and both limits are static: else a body whose particles are pressed on
+/// one after the other would never stick.
+inline float kinetic_friction_at(const ContactMaterialPair& material, const Vec3f& relative_motion,
+                                 float threshold) {
+  return length_squared(relative_motion) > threshold * threshold ? material.kinetic_friction
+                                                                 : material.static_friction;
+}
+
 /// Corrections that a contact has applied since the substep began.
 template <class T>
 struct ContactSums {

@@ -375,6 +375,8 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   const Vec3f from = to - motion;
   const float start_distance = length(from);
   Contact contact{i, j, pair, radius_sum, materials_->at(a.object, b.object), false, 0, motion, {0, 1, 0}};
+  contact.material.kinetic_friction =
+      kinetic_friction_at(contact.material, motion, 2 * step_.gravity * h * h);
   if (start_distance > 0) contact.normal = from * (1 / start_distance);
   const float overlap = start_distance - radius_sum;
   if (overlap < 0) {

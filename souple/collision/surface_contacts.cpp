@@ -1,5 +1,6 @@
 #include "souple/collision/surface_contacts.h"
 
+#include "souple/collision/contact_law.h"
 #include "souple/collision/continuous.h"
 #include "souple/collision/kernels/find_kernels.h"
 #include "souple/collision/nearest.h"
@@ -69,6 +70,13 @@ bool has_normal(const NearPair& pair, const Motion& motion, float toi, bool edge
   float inverse_mass = 0;
   for (std::size_t k = 0; k < 4; ++k) inverse_mass += particles.inverse_mass(pair.particle[k]) * c[k] * c[k];
   return inverse_mass > 0 && length(at[1] * c[1] + at[2] * c[2] + at[3] * c[3]) > 0;
+}
+
+/// Of the nearest points of a contact's elements in the substep [m].
+Vec3f relative_motion(const kernels::ContactColumns& contacts, std::size_t c, const ParticleView& particles) {
+  Vec3f motion;
+  for (std::size_t k = 0; k < 4; ++k) motion += particles.moved(contacts.particle[k][c]) * contacts.c[k][c];
+  return motion;
 }
 
 // Whether the path from q to k starts towards the origin, by more than rounding errors. Otherwise a vertex
@@ -353,6 +361,9 @@ void SurfaceContacts::describe(bool edges, std::size_t begin, std::size_t end, c
         materials_->at(pairs_.surface_of(pair.particle[0]), pairs_.surface_of(pair.particle[3]));
     out.static_friction[c] = surface.static_friction;
     out.kinetic_friction[c] = surface.kinetic_friction;
+    if (surface.kinetic_friction < surface.static_friction)
+      out.kinetic_friction[c] = kinetic_friction_at(surface, relative_motion(out, c, particles),
+                                                    limits_.restitution_threshold / limits_.inverse_h);
     out.restitution[c] = surface.restitution;
   }
 }

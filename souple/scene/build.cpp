@@ -287,7 +287,7 @@ class Builder {
       const PairDescription& pair = scene_.pairs[i];
       const std::string &a = pair.between[0], &b = pair.between[1];
       inside(fmt::format("pairs[{}]", i), [&] {
-        if (pair.friction) world_.set_pair(a, b, *pair.friction, pair.restitution);
+        if (pair.friction) world_.set_pair(a, b, *pair.friction, pair.restitution, pair.kinetic_friction);
         world_.set_collide(a, b, pair.collide);
       });
     }
@@ -575,6 +575,7 @@ class Builder {
   void add_collider(const ColliderDescription& collider) {
     ColliderOptions options;
     options.friction = collider.friction;
+    options.kinetic_friction = collider.kinetic_friction;
     options.collision_groups = collider.collision.groups;
     options.collision_mask = collider.collision.mask;
     options.restitution = collider.restitution;

@@ -244,6 +244,7 @@ struct ColliderDescription {
   std::string name;
   ShapeDescription shape{};
   float friction = 0.5f;
+  std::optional<float> kinetic_friction;  ///< if not given, `friction`
   float restitution = 0;
   CollisionFilter collision{};                 ///< collision groups and mask
   std::optional<std::uint32_t> color;          ///< 0xRRGGBB (sRGB), for viewers and pictures
@@ -264,8 +265,9 @@ struct DrainDescription {
 struct PairDescription {
   std::array<std::string, 2> between;  ///< names of objects or colliders
   bool collide = true;
-  std::optional<float> friction;  ///< if not given, that of the materials; then `collide` is false
-  float restitution = 0;          ///< used only with a friction
+  std::optional<float> friction;          ///< if not given, that of the materials; then `collide` is false
+  std::optional<float> kinetic_friction;  ///< used only with a friction
+  float restitution = 0;                  ///< used only with a friction
 };
 
 struct EndDescription {

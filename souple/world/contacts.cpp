@@ -74,9 +74,14 @@ ContactMaterial contact_material_of(const Material& material) {
   // Particles of soft bodies do not bounce alone, see body_restitution.h.
   if (const auto* soft = std::get_if<SoftBodyMaterial>(&material))
     return {.friction = soft->friction,
+            .kinetic_friction = soft->kinetic_friction,
             .restitution = soft->restitution > elastic_restitution ? soft->restitution : 0};
   return std::visit(
-      [](const auto& m) { return ContactMaterial{.friction = m.friction, .restitution = m.restitution}; },
+      [](const auto& m) {
+        ContactMaterial result{.friction = m.friction, .restitution = m.restitution};
+        if constexpr (requires { m.kinetic_friction; }) result.kinetic_friction = m.kinetic_friction;
+        return result;
+      },
       material);
 }
 
@@ -103,6 +108,12 @@ void append_event(const WorldState& world, const ContactPush& push, bool against
 
 }  // namespace
 
+ContactMaterial contact_material_of(const ColliderOptions& options) {
+  return {.friction = options.friction,
+          .kinetic_friction = options.kinetic_friction,
+          .restitution = options.restitution};
+}
+
 bool is_particle_only(const Object& object) {
   return object.surface.empty() && object.kind != ObjectKind::rope;
 }
@@ -120,8 +131,7 @@ void build_contact_tables(WorldState& world) {
     object_materials.push_back({object->name, contact_material_of(object->material), object->filter});
   }
   for (const ColliderRecord& record : world.colliders) {
-    const ContactMaterial material{.friction = record.options.friction,
-                                   .restitution = record.options.restitution};
+    const ContactMaterial material = contact_material_of(record.options);
     tables.colliders.push_back({record.options.name, record.shape, record.options.motion, material, true});
     collider_materials.push_back(
         {record.options.name, material, {record.options.collision_groups, record.options.collision_mask}});

@@ -4,6 +4,7 @@
 #include "souple/solver/instruction_set.h"
 #include "souple/world/add.h"
 #include "souple/world/build.h"
+#include "souple/world/contacts.h"
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/sleeping.h"
@@ -422,8 +423,7 @@ ColliderId World::add_collider(const Shape& shape, const ColliderOptions& option
   ColliderRecord record{{world.next_id}, options, shape};
   record.options.name = world.unique_name(options.name, "collider");
   validate(shape, record.options.name);
-  validate(ContactMaterial{.friction = options.friction, .restitution = options.restitution},
-           record.options.name);
+  validate(contact_material_of(options), record.options.name);
   world.names.add(record.options.name, {NameRegistry::Owner::collider, record.id.value});
   world.colliders.push_back(std::move(record));
   ++world.next_id;
@@ -449,8 +449,7 @@ void World::set_collider(ColliderId id, const Shape& shape, const ColliderOption
   world.require_between_steps("set_collider");
   ColliderRecord& record = world.collider(id);
   validate(shape, record.options.name);
-  validate(ContactMaterial{.friction = options.friction, .restitution = options.restitution},
-           record.options.name);
+  validate(contact_material_of(options), record.options.name);
   const std::string name = record.options.name;
   if (!options.name.empty() && options.name != name) {
     world.names.require_free(options.name);
@@ -499,10 +498,11 @@ Vec3d World::fluid_force(ColliderId id) const {
       fmt::format("no collider has the handle {}: it was removed, or belongs to another world", id.value));
 }
 
-void World::set_pair(std::string_view a, std::string_view b, float friction, float restitution) {
+void World::set_pair(std::string_view a, std::string_view b, float friction, float restitution,
+                     std::optional<float> kinetic_friction) {
   WorldState& world = impl_->state;
   world.require_between_steps("set_pair");
-  world.pairs.set(a, b, {friction, friction, restitution});
+  world.pairs.set(a, b, {friction, kinetic_friction.value_or(friction), restitution});
   world.dirty_tables = true;
   wake_all(world);
 }

@@ -78,9 +78,10 @@ struct ObjectOptions {
 struct ColliderOptions {
   float friction = 0.5f;
   float restitution = 0;
-  std::string name{};                  ///< unique; empty: collider, collider2, ...
-  ColliderMotion motion{};             ///< static by default; its poses are applied to the shape
-  std::uint32_t collision_groups = 1;  ///< as in ObjectOptions
+  std::optional<float> kinetic_friction{};  ///< at most `friction`; none: `friction`
+  std::string name{};                       ///< unique; empty: collider, collider2, ...
+  ColliderMotion motion{};                  ///< static by default; its poses are applied to the shape
+  std::uint32_t collision_groups = 1;       ///< as in ObjectOptions
   std::uint32_t collision_mask = ~0u;
 };
 
@@ -335,8 +336,9 @@ class World {
   /// Force of the pressure of all fluids on a collider: mean over the last step [N].
   Vec3d fluid_force(ColliderId collider) const;
   /// Overrides the combined material of two names (by default: geometric mean of frictions, larger
-  /// restitution).
-  void set_pair(std::string_view a, std::string_view b, float friction, float restitution);
+  /// restitution). `kinetic_friction`: at most `friction`; none: `friction`.
+  void set_pair(std::string_view a, std::string_view b, float friction, float restitution,
+                std::optional<float> kinetic_friction = {});
   /// Switches collision between two names on or off, in addition to their groups; on by default. With the
   /// same name twice, false disables self-collision of that object; true only revokes that. Picking and
   /// queries ignore this setting.

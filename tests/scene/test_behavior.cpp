@@ -307,6 +307,24 @@ TEST_F(Behavior, PairsDecideFrictionAndRestitution) {
   EXPECT_NEAR(top, 0.25, 0.02);
 }
 
+// Slides v^2 / (2 mu g) with the kinetic coefficient, of the material or of the pair.
+TEST_F(Behavior, KineticFrictionBrakesWhatSlides) {
+  const std::string objects = R"({"souple": 1, "substeps": 20, "objects": [{"name": "puck", "kind": "cloth",
+      "mesh": {"grid": {"columns": 3, "rows": 3, "size": 0.2}}, "velocity": [1, 0, 0], "transform": {"translate": [0, 0.0051, 0]},
+      "material": {"thickness": 0.01, "friction": 2, "kinetic_friction": )";
+  const std::string floor = R"(}}], "colliders": [{"name": "floor", "shape": {"plane": {}}, "friction": 2,
+      "kinetic_friction": )";
+  for (const std::string& scene :
+       {objects + "0.2" + floor + "0.2}]}",
+        objects + "1" + floor + R"(1}], "pairs": [{"between": ["puck", "floor"], "friction": 2,
+            "kinetic_friction": 0.2}]})"}) {
+    World world = built(scene);
+    const double start = static_cast<double>(positions_of_only(world)[4].x);
+    run(world, 90);
+    EXPECT_NEAR(static_cast<double>(positions_of_only(world)[4].x) - start, 1 / (2 * 0.2 * g), 0.008);
+  }
+}
+
 TEST_F(Behavior, GroupsAndPairsDecideWhatMeets) {
   const auto height = [&](const std::string& object, const std::string& collider,
                           const std::string& collide) {

@@ -64,9 +64,13 @@ auto material_table(const char* heading, const char* doc, Find find) {
 template <class T>
 void add_surface_keys(Table<T>& keys) {
   keys.template key<&T::friction>("friction", number<float>(friction_range), "Coulomb friction coefficient")
+      .template key<&T::kinetic_friction>(
+          "kinetic_friction", maybe(number<float>(friction_range)),
+          "friction coefficient while sliding, at most `friction`; if not given: `friction`")
       .template key<&T::restitution>(
           "restitution", number<float>(unit),
-          "coefficient of restitution, the fraction of the speed that a bounce keeps");
+          "coefficient of restitution, the fraction of the speed that a bounce keeps")
+      .check(check_kinetic_friction<T>);
 }
 
 template <class T>
