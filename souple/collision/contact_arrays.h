@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/assert.h"
 #include "souple/collision/kernels/element_pairs.h"
 #include "souple/collision/spatial_hash.h"
 
@@ -38,6 +39,7 @@ class ContactArrays {
     for (float*& tangent_sum : result.tangent_sum) tangent_sum = column();
     result.restitution_velocity = column();
     result.depth = column();
+    SOUPLE_ASSERT(next == floats_.size(), "one array per column");
     return result;
   }
   std::size_t bytes() const {

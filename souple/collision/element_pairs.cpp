@@ -1,5 +1,6 @@
 #include "souple/collision/element_pairs.h"
 
+#include "souple/assert.h"
 #include "souple/collision/intersection_resolver.h"
 #include "souple/collision/kernels/find_kernels.h"
 #include "souple/state/bytes.h"
@@ -122,6 +123,7 @@ void ElementPairs::set_surfaces(std::vector<ContactSurface> surfaces) {
 void ElementPairs::set_end(std::size_t surface, std::uint32_t end) {
   if (!any_) return;
   ContactSurface& one = surfaces_[surface];
+  SOUPLE_ASSERT(one.begin <= end && end <= one.reserved_end, "particles of the surface's range");
   one.end = end;
   std::fill(surface_of_.begin() + one.begin, surface_of_.begin() + end, static_cast<std::uint32_t>(surface));
   std::fill(surface_of_.begin() + end, surface_of_.begin() + one.reserved_end, no_surface);
@@ -131,6 +133,7 @@ void ElementPairs::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
   const std::size_t n = pairs.size();
   for (std::size_t k = 0; k < n; ++k) pairs.push_back({pairs[k][1], pairs[k][0]});
   std::sort(pairs.begin(), pairs.end());
+  SOUPLE_ASSERT(pairs.size() == 2 * n, "each pair stands in both orders");
   excluded_ = std::move(pairs);
 }
 
@@ -272,6 +275,7 @@ void ElementPairs::predict(std::uint32_t i, const Vec3f& x, const Vec3f& v, floa
 
 bool ElementPairs::is_on_path(std::uint32_t i, const Vec3f& x) const {
   const std::uint32_t surface = surface_of_[i];
+  SOUPLE_ASSERT(surface != no_surface, "a particle of a surface");
   const PredictedPath& path = path_[i];
   if (elapsed_ > path.valid_until) return false;
   const Vec3f v = predicted_velocity_[i].xyz();
@@ -499,6 +503,7 @@ void ElementPairs::append(List Batch::*list, std::size_t batches, bool edges, bo
     chunk.begin = static_cast<std::uint32_t>(next);
     chunk.end = static_cast<std::uint32_t>(std::min(sum, next + chunk_size));
     chunk.edges = edges, chunk.inter_object = inter_object;
+    SOUPLE_ASSERT(chunk.begin < chunk.end, "a chunk has pairs");
     chunks_.push_back(chunk);
   }
 }
@@ -646,6 +651,7 @@ std::size_t ElementPairs::find_near(std::size_t index, const kernels::NearRule& 
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
   const kernels::NearPairStatistics statistics = kernels.find_near[chunk.edges ? 1 : 0](
       records, columns(), rule, chunk.motion_since, speculative_part, chunk.begin, chunk.end, found);
+  SOUPLE_ASSERT(statistics.found <= chunk.end - chunk.begin, "at most all pairs of the chunk are near");
   chunk.min_distance_bound = statistics.min_distance_bound;
   chunk.min_gap_bound = statistics.min_gap_bound;
   chunk.motion_since = 0;

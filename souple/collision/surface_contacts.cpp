@@ -1,5 +1,6 @@
 #include "souple/collision/surface_contacts.h"
 
+#include "souple/assert.h"
 #include "souple/collision/contact_law.h"
 #include "souple/collision/continuous.h"
 #include "souple/collision/kernels/find_kernels.h"
@@ -345,6 +346,20 @@ void SurfaceContacts::sort_by_color(const ParticleView& particles) {
     pair_[slot] = contact.pair;
     toi_[slot] = contact.toi;
   }
+  SOUPLE_ASSERT(std::is_sorted(begin_.begin(), begin_.end()), "colors follow each other");
+  SOUPLE_ASSERT(colors_are_independent(particles), "contacts of one color share no particle that moves");
+}
+
+bool SurfaceContacts::colors_are_independent(const ParticleView& particles) const {
+  std::vector<std::size_t> color_of(pairs_.particle_count());  // per particle: the last one, counted from 1
+  for (std::size_t kind = 0; kind + 1 < begin_.size(); ++kind)
+    for (std::size_t slot = begin_[kind]; slot < begin_[kind + 1]; ++slot)
+      for (const std::uint32_t i : pairs_.pair(pair_[slot]).particle) {
+        if (!(particles.inverse_mass(i) > 0)) continue;
+        if (color_of[i] == kind / 2 + 1) return false;
+        color_of[i] = kind / 2 + 1;
+      }
+  return true;
 }
 
 // --- contacts
@@ -401,6 +416,7 @@ void SurfaceContacts::find_chunk_violations(std::size_t chunk, const ParticleVie
     if (!all && !pairs_.was_moved(near[k])) continue;
     if (pairs_.distance_bound(near[k]) < coincident_distance || pairs_.is_replaced(near[k])) continue;
     const float toi = safe_time(motion_of(pairs_.pair(near[k]), particles), pairs_.chunk(chunk).edges);
+    SOUPLE_ASSERT(0 <= toi && toi <= 1, "a time of impact is a part of the motion");
     if (toi < 1) found.push_back({near[k], toi});
   }
 }
@@ -482,6 +498,7 @@ void SurfaceContacts::update_contact_margins() {
   for (std::size_t c = 0; c < size(); ++c) {
     const float beyond = columns_.normal_sum[c] - max(0.0f, columns_.approach[c]);
     if (!(beyond > speculative_part * columns_.thickness[c])) continue;
+    SOUPLE_ASSERT(columns_.thickness[c] > 0, "elements have a thickness");
     const float contact_margin = min(beyond, max_part * columns_.thickness[c]);
     for (const std::uint32_t* particle : columns_.particle)
       contact_margin_[particle[c]] = max(contact_margin_[particle[c]], contact_margin);

@@ -123,6 +123,7 @@ class SurfaceContacts final : public Projector {
                   float& toi) const;
   std::uint16_t color_of(const NearPair& pair, const ParticleView& particles);
   void sort_by_color(const ParticleView& particles);
+  bool colors_are_independent(const ParticleView& particles) const;
   void describe(bool edges, std::size_t begin, std::size_t end, const ParticleView& particles,
                 const std::vector<std::uint32_t>& pairs, const std::vector<float>& tois,
                 const kernels::ContactColumns& out);

@@ -1,5 +1,6 @@
 #include "souple/solver/level_links.h"
 
+#include "souple/assert.h"
 #include "souple/solver/coloring.h"
 #include "souple/solver/instruction_set.h"
 
@@ -111,6 +112,7 @@ void LevelLinks::end_color(std::uint32_t padding) {
   if (slots() == color_begin_.back()) return;
   while (slots() % lanes != 0) append(padding, padding, {}, 0, 0, 0);
   color_begin_.push_back(slots());
+  SOUPLE_ASSERT(link_.size() == gain_.size() && a_.size() == x_.size(), "columns of equal length");
 }
 
 std::vector<std::uint32_t> LevelLinks::slot_of_link() const {
@@ -149,6 +151,7 @@ void LevelLinks::sweep(int n, float omega, std::span<Vec4f> moving, Threads& thr
   const kernels::SweepLinks sweep_links = link_kernels().sweep;
   float* const d = &moving.data()->x;
   const std::size_t colors = color_begin_.size() - 1;
+  SOUPLE_ASSERT(color_begin_.back() % lanes == 0, "colors are padded to whole registers");
   const bool one_thread = color_begin_.back() < 2 * grain * colors;
   for (int s = 1; s <= n; ++s) {
     const float relaxation = s < n ? omega : 1;

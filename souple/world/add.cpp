@@ -1,5 +1,6 @@
 #include "souple/world/add.h"
 
+#include "souple/assert.h"
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/embedding.h"
 #include "souple/geometry/fill.h"
@@ -145,6 +146,7 @@ ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectO
   world.dirty_all();
   world.invalidate_contacts();
   ++world.version;
+  SOUPLE_ASSERT(world.object_of.size() == particles.size(), "every particle belongs to an object");
   world.names.add(object.name, {NameRegistry::Owner::object, object.id.value});
   world.objects.push_back(std::move(builder.object));
   return world.objects.back()->id;
@@ -161,6 +163,7 @@ void import_particles(Object& object, std::vector<Vec3d> rest, const std::vector
     object.vertex_of.push_back(to_vertex[old]);
   }
   for (const std::uint32_t old : to_particle) object.particle_of.push_back(new_of[old]);
+  SOUPLE_ASSERT(object.vertex_of.size() == object.rest.size(), "one vertex per particle");
 }
 
 std::vector<std::uint32_t> identity(std::size_t count) {

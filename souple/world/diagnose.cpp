@@ -1,5 +1,6 @@
 #include "souple/world/diagnose.h"
 
+#include "souple/assert.h"
 #include "souple/constraints/neo_hookean.h"
 #include "souple/world/build.h"
 #include "souple/world/contacts.h"
@@ -134,6 +135,20 @@ std::vector<Vec4f> awake_positions(const WorldState& world) {
 
 }  // namespace
 
+namespace {
+
+bool ranges_are_contiguous(const WorldState& world) {
+  std::uint32_t begin = 0;
+  for (const auto& object : world.objects) {
+    if (object->begin != begin || object->end > object->reserved_end()) return false;
+    if (object->end - object->begin != object->particle_count()) return false;
+    begin = object->reserved_end();
+  }
+  return begin == world.particles.size();
+}
+
+}  // namespace
+
 void bring_constraints_up_to_date(WorldState& world) {
   const bool rebuilt = world.dirty_constraints;
   if (rebuilt) {
@@ -167,6 +182,7 @@ void bring_constraints_up_to_date(WorldState& world) {
 }
 
 void bring_up_to_date(WorldState& world) {
+  SOUPLE_ASSERT(ranges_are_contiguous(world), "objects divide the particles in order");
   bring_constraints_up_to_date(world);
   if (!world.dirty_tables) return;
   build_contact_tables(world);
@@ -241,6 +257,7 @@ void save_last_valid(WorldState& world) {
   keep(particles.position, world.last_valid_position);
   keep(particles.offset, world.last_valid_offset);
   keep(particles.velocity, world.last_valid_velocity);
+  SOUPLE_ASSERT(world.last_valid_offset.size() == particles.size(), "arrays of particles have one length");
 }
 
 void end_step(WorldState& world, bool valid) {

@@ -1,3 +1,4 @@
+#include "souple/assert.h"
 #include "souple/geometry/measures.h"
 #include "souple/math/fnv1a.h"
 #include "souple/solver/instruction_set.h"
@@ -18,6 +19,7 @@ void fill(const Object& object, std::vector<Vec3f>& out, const Function& f) {
   out.resize(object.vertex_count());
   for (std::size_t v = 0; v < out.size(); ++v) {
     if (!object.embedding) {
+      SOUPLE_ASSERT(object.begin + object.particle_of[v] < object.end, "a particle of the object");
       out[v] = Vec3f(f(object.begin + object.particle_of[v]));
       continue;
     }

@@ -1,5 +1,6 @@
 #include "souple/world/sleeping.h"
 
+#include "souple/assert.h"
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
 
@@ -43,6 +44,7 @@ void set_awake(WorldState& world, Object& object) {
 }
 
 void set_asleep(WorldState& world, Object& object, std::uint32_t island) {
+  SOUPLE_ASSERT(island != 0, "an island has a name");
   object.island = island;
   set_inverse_masses(world, object);
   std::fill(world.particles.velocity.begin() + object.begin, world.particles.velocity.begin() + object.end,
