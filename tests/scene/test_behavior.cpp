@@ -343,6 +343,28 @@ TEST_F(Behavior, GroupsAndPairsDecideWhatMeets) {
   EXPECT_NEAR(height(R"(, "collision_groups": [1])", R"(, "collision_mask": [1, 7])", "true"), 0.05f, 1e-3f);
 }
 
+// A drop and a grain drift with the wind that reaches them: drag c brings them to its velocity as 1 - exp(-c t).
+TEST_F(Behavior, WindReachesEachObjectByItsExposure) {
+  const std::string grain = R"("kind": "grains", "points": [[0, 0, 0]], "material": {"radius": 0.01})";
+  const std::string drop =
+      R"("kind": "fluid", "points": [[5, 0, 0]], "material": {"spacing": 0.02, "air_drag": 1e4})";
+  World world = built(
+      R"({"souple": 1, "substeps": 20, "gravity": [0, 0, 0], "drag": 2,
+    "wind": {"velocity": [3, 0, 0]}, "objects": [{"name": "open", )" +
+      grain + R"(}, {"name": "half", "wind_exposure": 0.5, "transform": {"translate": [0, 1, 0]}, )" + grain +
+      R"(}, {"name": "still", "wind_exposure": 0, "transform": {"translate": [0, 2, 0]}, )" + grain +
+      R"(}, {"name": "spray", )" + drop +
+      R"(}, {"name": "draft", "wind_exposure": 2, "transform": {"translate": [0, 1, 0]}, )" + drop + "}]}");
+  EXPECT_EQ(world.wind_exposure(world.find_object("half")), 0.5f);
+  run(world, 60);
+  const auto speed = [&](const char* name) { return world.velocities(world.find_object(name))[0].x; };
+  EXPECT_NEAR(speed("open"), 3 * (1 - std::exp(-2)), 0.05);
+  EXPECT_NEAR(speed("half"), speed("open") / 2, 1e-5);
+  EXPECT_EQ(speed("still"), 0);
+  EXPECT_NEAR(speed("spray"), 3, 0.05);
+  EXPECT_NEAR(speed("draft"), 6, 0.05);
+}
+
 TEST_F(Behavior, WhatLiesFallsAsleepWhenTheSceneSaysSo) {
   for (const char* sleeping : {"", R"("sleeping": {"enabled": true, "seconds": 0.25},)"}) {
     World world =
