@@ -198,7 +198,8 @@ struct Times {
 };
 
 double milliseconds() {
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
 }
 
 template <class Build, class Query>
@@ -216,8 +217,8 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-constexpr const char* methods[] = {"spatial hash", "tree, rebuilt by Morton codes", "tree, rebuilt by medians",
-                                   "tree, refitted"};
+constexpr const char* methods[] = {"spatial hash", "tree, rebuilt by Morton codes",
+                                   "tree, rebuilt by medians", "tree, refitted"};
 
 std::array<Times, 4> measure(std::size_t n, bool many_sizes) {
   constexpr int warm_up = 2, steps = 5;
@@ -232,8 +233,7 @@ std::array<Times, 4> measure(std::size_t n, bool many_sizes) {
     if (step == warm_up) times = {};
     triangles.move(0.05f);
     measure(
-        times[0],
-        [&] { hash.build(triangles.box, SpatialHash::choose_cell_size(triangles.box), *threads); },
+        times[0], [&] { hash.build(triangles.box, SpatialHash::choose_cell_size(triangles.box), *threads); },
         [&] {
           std::size_t pairs = 0;
           for (std::uint32_t i = 0; i < n; ++i) {
@@ -244,9 +244,12 @@ std::array<Times, 4> measure(std::size_t n, bool many_sizes) {
           return pairs;
         });
     const auto of = [](const Tree& tree) { return [&tree] { return tree.count_pairs(); }; };
-    measure(times[1], [&] { morton.build_by_morton(triangles.box, triangles.side); }, of(morton));
-    measure(times[2], [&] { medians.build_by_median(triangles.box); }, of(medians));
-    measure(times[3], [&] { refitted.refit(triangles.box); }, of(refitted));
+    measure(
+        times[1], [&] { morton.build_by_morton(triangles.box, triangles.side); }, of(morton));
+    measure(
+        times[2], [&] { medians.build_by_median(triangles.box); }, of(medians));
+    measure(
+        times[3], [&] { refitted.refit(triangles.box); }, of(refitted));
   }
   return times;
 }
@@ -264,10 +267,11 @@ int main(int argc, char** argv) {
         if (static_cast<double>(n) > most) continue;
         const std::array<Times, 4> times = measure(n, many_sizes);
         for (std::size_t k = 0; k < times.size(); ++k) {
-          std::printf("%s\n {\"sizes\": \"%s\", \"method\": \"%s\", \"triangles\": %zu, \"pairs\": %zu, "
-                      "\"build_ms\": %.4g, \"query_ms\": %.4g}",
-                      first ? "" : ",", many_sizes ? "1 to 30" : "equal", methods[k], n, times[k].pairs,
-                      median(times[k].build), median(times[k].query));
+          std::printf(
+              "%s\n {\"sizes\": \"%s\", \"method\": \"%s\", \"triangles\": %zu, \"pairs\": %zu, "
+              "\"build_ms\": %.4g, \"query_ms\": %.4g}",
+              first ? "" : ",", many_sizes ? "1 to 30" : "equal", methods[k], n, times[k].pairs,
+              median(times[k].build), median(times[k].query));
           first = false;
         }
         std::fflush(stdout);

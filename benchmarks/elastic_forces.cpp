@@ -63,7 +63,8 @@ ElasticModel::ElasticModel(const TriangleMesh& mesh, const ClothMaterial& materi
 
 ElasticModel::ElasticModel(const TetMesh& mesh, const SoftBodyMaterial& material)
     : x(mesh.positions), v(mesh.positions.size()), mass_(mesh.positions.size()) {
-  const auto E = static_cast<double>(material.young_modulus), nu = static_cast<double>(material.poisson_ratio);
+  const auto E = static_cast<double>(material.young_modulus),
+             nu = static_cast<double>(material.poisson_ratio);
   const double mu = E / (2 * (1 + nu)), lambda = 2 * mu * nu / (1 - 2 * nu);
   for (const auto& tet : mesh.tets) {
     const Mat3d edges{x[tet[1]] - x[tet[0]], x[tet[2]] - x[tet[0]], x[tet[3]] - x[tet[0]]};
@@ -103,7 +104,8 @@ template <class Tet>
 Strain strain_of(const Tet& tet, std::span<const Vec3d> x) {
   Strain s;
   for (int axis = 0; axis < 3; ++axis)
-    for (int k = 0; k < 4; ++k) s.F.column[axis] += x[tet.particle[static_cast<std::size_t>(k)]] * tet.b[k][axis];
+    for (int k = 0; k < 4; ++k)
+      s.F.column[axis] += x[tet.particle[static_cast<std::size_t>(k)]] * tet.b[k][axis];
   s.cof = cofactor(s.F);
   s.J = dot(s.F.column[0], s.cof.column[0]);
   return s;
@@ -246,8 +248,9 @@ void ElasticModel::allocate() {
     if (r < 0 || c < 0)
       system.blocks.push_back({-1, 0});
     else
-      system.blocks.push_back({static_cast<int>(std::lower_bound(row + begin[c], row + begin[c + 1], r) - row),
-                               begin[c + 1] - begin[c]});
+      system.blocks.push_back(
+          {static_cast<int>(std::lower_bound(row + begin[c], row + begin[c + 1], r) - row),
+           begin[c + 1] - begin[c]});
   }
   system.rhs.resize(count);
   system.solution.setZero(count);
@@ -277,8 +280,7 @@ void ElasticModel::find_matrix(double factor) {
     const double l = length(d), across = std::max(0.0, 1 - spring.length / l);
     const Mat3d along = outer(d, d) * (1 / (l * l));
     const Mat3d k = (along + (Mat3d::identity() - along) * across) * spring.stiffness;
-    add_blocks<2>(next, factor,
-               [&](std::size_t a, std::size_t b) { return a == b ? k : k * -1.0; });
+    add_blocks<2>(next, factor, [&](std::size_t a, std::size_t b) { return a == b ? k : k * -1.0; });
   }
   for (const Tet& tet : tets_) {
     const Strain s = strain_of(tet, x);

@@ -64,7 +64,7 @@ class ElasticModel {
   };
   struct Tet {
     std::array<std::uint32_t, 4> particle;
-    double b[4][3];  // F = sum_k x_k b[k]^T  [1/m]
+    double b[4][3];     // F = sum_k x_k b[k]^T  [1/m]
     double mu, lambda;  // times rest volume [J]
   };
   struct System;

@@ -23,10 +23,9 @@ namespace {
 constexpr std::pair<const char*, Method> methods[] = {{"explicit", Method::explicit_euler},
                                                       {"semi-implicit", Method::semi_implicit},
                                                       {"implicit", Method::implicit_euler}};
-constexpr std::pair<const char*, Integrator> integrators[] = {
-    {"explicit", Integrator::explicit_euler},
-    {"semi-implicit", Integrator::semi_implicit},
-    {"implicit", Integrator::implicit_euler}};
+constexpr std::pair<const char*, Integrator> integrators[] = {{"explicit", Integrator::explicit_euler},
+                                                              {"semi-implicit", Integrator::semi_implicit},
+                                                              {"implicit", Integrator::implicit_euler}};
 
 // --- as forces
 
@@ -165,8 +164,8 @@ void print(const char* name, const Scene& scene, const Steps& steps) {
   constexpr double common = 1e-4, of_explosion = 3;
   const double scale = energy_scale(scene);
   const double drawn = time_of_explosion(scene, steps[0], of_explosion, scale);
-  std::printf("{\"name\": \"%s\", \"scale\": %.4g, \"common_step\": %g, \"common_explosion\": %.4g, ", name, scale,
-              common, time_of_explosion(scene, common, of_explosion, scale));
+  std::printf("{\"name\": \"%s\", \"scale\": %.4g, \"common_step\": %g, \"common_explosion\": %.4g, ", name,
+              scale, common, time_of_explosion(scene, common, of_explosion, scale));
   std::printf("\"drawn_at\": %.4g,\n \"forces\": [", drawn);
   for (std::size_t k = 0; k < steps.size(); ++k) {
     const auto& [label, method] = methods[k];

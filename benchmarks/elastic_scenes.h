@@ -42,7 +42,7 @@ struct ClothScene {
 /// A bar of 1 m x 0.2 m x 0.2 m with 25 n^3 tets, straight at the start. One end is fixed, or hinged at its
 /// upper edge.
 struct BarScene {
-  int n = 4;  ///< cells across
+  int n = 4;                   ///< cells across
   float young_modulus = 2e6f;  ///< Pa
   bool hinged = false;
   float drag = 0;  ///< 1/s
@@ -50,9 +50,7 @@ struct BarScene {
   TetMesh mesh() const { return tet_bar(5 * n, n, n, {1, 0.2, 0.2}); }
   SoftBodyMaterial material() const { return {.young_modulus = young_modulus, .poisson_ratio = 0.4f}; }
   bool is_end(const Vec3d& rest) const { return rest.x > 0.5 - 1e-6; }
-  bool is_pinned(const Vec3d& rest) const {
-    return rest.x < -0.5 + 1e-6 && (!hinged || rest.y > 0.1 - 1e-6);
-  }
+  bool is_pinned(const Vec3d& rest) const { return rest.x < -0.5 + 1e-6 && (!hinged || rest.y > 0.1 - 1e-6); }
   Vec3f velocity(const Vec3d&) const { return {}; }
   ObjectId add(World& world) const { return world.add_soft_body(mesh(), material()); }
 };

@@ -95,8 +95,8 @@ std::size_t crossings(const World& world, std::span<const ObjectId> objects) {
 void print_cloth(Detection detection) {
   World world({.detection = detection, .threads = 1});
   const ObjectId obstacle = world.add_obstacle(box({0.5, 0.5, 0.5}));
-  const ObjectId cloth =
-      world.add_cloth(grid(30, 30, 1), material::cotton, {.transform = {.translation = {0.05f, 0.3f, 0.02f}}});
+  const ObjectId cloth = world.add_cloth(grid(30, 30, 1), material::cotton,
+                                         {.transform = {.translation = {0.05f, 0.3f, 0.02f}}});
   for (int frame = 0; frame < 120; ++frame) world.step(1.0 / 60);
   int inside = 0;
   for (const Vec3f& x : world.positions(cloth))
@@ -114,10 +114,11 @@ int main(int argc, char** argv) {
   std::printf("{\"tests\": [");
   for (const auto& [name, segment_test] : segment_test_names) {
     const Count corners = leaks(segment_test, false, shots), edges = leaks(segment_test, true, shots);
-    std::printf("%s\n  {\"name\": \"%s\", \"corner_shots\": %lld, \"corners\": %lld, \"edge_shots\": %lld, "
-                "\"edges\": %lld}",
-                segment_test == segment_test_names[0].second ? "" : ",", name, corners.shots, corners.through,
-                edges.shots, edges.through);
+    std::printf(
+        "%s\n  {\"name\": \"%s\", \"corner_shots\": %lld, \"corners\": %lld, \"edge_shots\": %lld, "
+        "\"edges\": %lld}",
+        segment_test == segment_test_names[0].second ? "" : ",", name, corners.shots, corners.through,
+        edges.shots, edges.through);
     std::fflush(stdout);
   }
   std::printf("],\n \"cloth\": [");

@@ -49,11 +49,11 @@ void print(const std::vector<Vec3f>& points) {
 void print_circle(bool quadratic) {
   std::vector<Vec3f> path;
   CustomProjector projector;
-  projector.add(std::make_shared<CallbackConstraint>(std::vector<std::uint32_t>{0},
-                                                     [&](std::span<const Vec3f> x, std::span<Vec3f> gradient) {
-                                                       path.push_back(x[0]);
-                                                       return circle(quadratic, x[0], gradient[0]);
-                                                     }));
+  projector.add(std::make_shared<CallbackConstraint>(
+      std::vector<std::uint32_t>{0}, [&](std::span<const Vec3f> x, std::span<Vec3f> gradient) {
+        path.push_back(x[0]);
+        return circle(quadratic, x[0], gradient[0]);
+      }));
   std::vector<Vec4f> position{{2, 1.2f, 0, 1}};
   path.clear();
   solve(projector, position, 3);

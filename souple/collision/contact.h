@@ -37,8 +37,8 @@ struct ContactStep {
   float gravity = 9.81f;  ///< |g| [m/s^2]: contacts that approach slower than 2 |g| h do not bounce
   /// Speed at which an overlap older than the substep is removed [m/s].
   float depenetration_speed = 3.f;
-  float h = 0;  ///< length of a substep; 0: the step has only one [s]
-  Detection detection = Detection::continuous;  ///< between surfaces
+  float h = 0;                                      ///< length of a substep; 0: the step has only one [s]
+  Detection detection = Detection::continuous;      ///< between surfaces
   SegmentTest segment_test = default_segment_test;  ///< of discrete detection
 };
 

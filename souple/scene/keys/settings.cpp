@@ -137,7 +137,8 @@ void add_setting_keys(Table<SceneDescription>& keys) {
       .key<&S::settings, &Settings::detection>(
           "detection",
           enumeration<Detection>({{"continuous", Detection::continuous}, {"discrete", Detection::discrete}}),
-          "how contacts between surfaces are found: discrete tests the paths of vertices alone and serves for "
+          "how contacts between surfaces are found: discrete tests the paths of vertices alone and serves "
+          "for "
           "comparison")
       .key<&S::settings, &Settings::fluid>("fluid", fluid_settings_codec(),
                                            "pressure solver and foam of fluids")

@@ -121,8 +121,8 @@ TEST(DiscreteDetection, DoesNotDependOnTheNumberOfThreads) {
   const auto run = [](int threads) {
     World world({.detection = Detection::discrete, .threads = threads});
     world.add_obstacle(sphere(3, 0.3));
-    const ObjectId cloth = world.add_cloth(grid(30, 30, 1), material::cotton,
-                                           {.transform = {.translation = {0, 0.35, 0}}});
+    const ObjectId cloth =
+        world.add_cloth(grid(30, 30, 1), material::cotton, {.transform = {.translation = {0, 0.35, 0}}});
     for (int frame = 0; frame < 30; ++frame) world.step(dt);
     const auto x = world.positions(cloth);
     return std::vector<Vec3f>(x.begin(), x.end());
