@@ -3,13 +3,14 @@
 //
 //   equal_error [--quick] [--engine]
 //
-// For each method the steps of a frame of 1/60 s grow until its error is below 1 % twice in a row, or a second
-// takes longer than 1 s. Errors relative to the same discrete model, converged in double precision:
+// For each method the steps of a frame of 1/60 s grow until its error is below 1 % twice in a row and the cost
+// grows, or a second takes longer than 1 s. Errors relative to the same discrete model, converged in double
+// precision:
 //   motion: sqrt(mean |x - x_converged|^2 / mean |x_converged - x_start|^2), over particles and frames of 1 s;
 //   rest:   |drop of the end - that of static equilibrium|, relative to it, after 3 s with drag.
 // Costs are processor time of one thread, the median of three rounds over all methods in turn (what takes more
-// than 0.3 s a second is run once). --engine: the
-// engine alone, for other instruction sets (SOUPLE_SIMD). Prints JSON.
+// than 0.3 s a second is run once). --engine: the engine alone, for other instruction sets (SOUPLE_SIMD). Prints
+// JSON.
 
 #include "benchmarks/elastic_scenes.h"
 #include "souple/solver/instruction_set.h"
@@ -20,7 +21,6 @@
 #include <ctime>
 #include <functional>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -31,7 +31,7 @@ constexpr double dt = 1.0 / 60;
 constexpr int ladder[] = {1,  2,  3,   4,   6,   8,   12,  16,  24,   32,  48,
                           64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536};
 constexpr double good_enough = 0.01, longest = 1;  // s per simulated second
-bool quick = false, engine_only = false;
+bool quick = false, engine_only = false, first = true;
 
 double cpu_seconds() {
   timespec now{};
@@ -146,7 +146,6 @@ std::vector<Contender> contenders(const Scene& scene, int frames, bool all) {
   };
   engine("constraints, Gauss-Seidel", SolverKind::gauss_seidel);
   engine("constraints, automatic", SolverKind::automatic);
-  if (std::is_same_v<Scene, ClothScene>) engine("constraints, direct", SolverKind::direct);
   return result;
 }
 
@@ -154,6 +153,7 @@ std::vector<Contender> contenders(const Scene& scene, int frames, bool all) {
 template <class Scene>
 void climb(const Scene& scene, const Frames& converged, double seconds, Contender& contender) {
   int accurate = 0;
+  double cheapest = HUGE_VAL;
   for (const int steps : ladder) {
     const Run run = contender.run(steps);
     const double cost = run.seconds / seconds;
@@ -161,25 +161,24 @@ void climb(const Scene& scene, const Frames& converged, double seconds, Contende
     std::fprintf(stderr, "  %-50s %5d %10.4g %10.4g ms\n", contender.name.c_str(), steps,
                  contender.points.back().error, 1e3 * cost);
     accurate = contender.points.back().error < good_enough ? accurate + 1 : 0;
-    if (accurate == 2 || cost > longest) break;
+    if (accurate > 0) cheapest = std::min(cheapest, cost);
+    // More steps may cost less: the solver then sweeps less in each.
+    if (cost > longest || (accurate >= 2 && cost > 1.3 * cheapest)) break;
   }
-}
-
-// A method's points, cheapest first in steps: the cost of the first from which on every error is within `bound`.
-const Point* cheapest_within(const Contender& contender, double bound) {
-  const Point* found = nullptr;
-  for (const Point& point : contender.points) {
-    if (!(point.error <= bound))
-      found = nullptr;
-    else if (found == nullptr)
-      found = &point;
-  }
-  return found;
 }
 
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return values[values.size() / 2];
+}
+
+// The cheapest number of steps for which the error, and that of all higher numbers, is within `bound`.
+const Point* cheapest_within(const Contender& contender, double bound) {
+  const Point* found = nullptr;
+  for (auto point = contender.points.rbegin(); point != contender.points.rend() && point->error <= bound;
+       ++point)
+    if (found == nullptr || median(point->costs) < median(found->costs)) found = &*point;
+  return found;
 }
 
 void print(const Contender& contender) {
@@ -208,7 +207,6 @@ int converged_steps(const Scene& scene) {
 
 template <class Scene>
 void compare(const char* name, double stiffness, const Scene& scene, bool in_motion) {
-  static bool first = true;
   const int frames = in_motion ? 60 : 180;
   std::fprintf(stderr, "%s, %g\n", name, stiffness);
   const Frames converged =
