@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/collision/segment_triangle/choice.h"
 #include "souple/math/vec3.h"
 
 #include <cstdint>
@@ -20,6 +21,15 @@ struct ContactObject {
   std::uint32_t mask = 0;       ///<   and b.groups & a.mask are both non-zero
 };
 
+/// How contacts between surfaces are found in a substep.
+enum class Detection {
+  /// Vertices against triangles and edges against edges, by distance and by time of impact.
+  continuous,
+  /// Vertices whose path x -> p crosses a triangle (Müller et al. 2007, section 3.4), by a SegmentTest. It
+  /// serves for comparison: edges pass through edges, and what a test misses passes as well.
+  discrete
+};
+
 /// Data of a whole step, set before its first substep.
 struct ContactStep {
   double time = 0;        ///< at the start of the step [s]
@@ -27,7 +37,9 @@ struct ContactStep {
   float gravity = 9.81f;  ///< |g| [m/s^2]: contacts that approach slower than 2 |g| h do not bounce
   /// Speed at which an overlap older than the substep is removed [m/s].
   float depenetration_speed = 3.f;
-  float h = 0;  ///< length of a substep; 0: the step has only one [s]
+  float h = 0;                                      ///< length of a substep; 0: the step has only one [s]
+  Detection detection = Detection::continuous;      ///< between surfaces
+  SegmentTest segment_test = default_segment_test;  ///< of discrete detection
 };
 
 /// One contact that applied a normal impulse during the last substep.

@@ -258,10 +258,13 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
   pairs_.begin_substep(substep.h);
   reset_colors_from(pairs_.update(particles, substep.h, threads));
   pairs_.measure(particles, threads);
-  find(contact_pairs_, threads,
-       [&](std::size_t chunk, std::vector<PairToi>& found) { find_chunk_contacts(chunk, particles, found); });
+  const bool discrete = step_.detection == Detection::discrete;
+  find(contact_pairs_, threads, [&](std::size_t chunk, std::vector<PairToi>& found) {
+    discrete ? find_chunk_crossings(chunk, particles, found) : find_chunk_contacts(chunk, particles, found);
+  });
   sort_by_color(particles);
   describe_contacts(particles, threads);
+  for (std::size_t c = 0; discrete && c < size(); ++c) describe_crossing(pair_[c], c, particles);
 }
 
 void SurfaceContacts::find_chunk_contacts(std::size_t chunk, const ParticleView& particles,
@@ -280,6 +283,42 @@ void SurfaceContacts::find_chunk_contacts(std::size_t chunk, const ParticleView&
         is_contact(near[k], static_cast<unsigned>(classification[k]), particles, toi))
       found.push_back({near[k], toi});
   }
+}
+
+// --- discrete detection
+
+PathCrossing SurfaceContacts::path_crossing_of(std::uint32_t pair, const ParticleView& particles) {
+  const NearPair& particle = pairs_.pair(pair);
+  return find_path_crossing(step_.segment_test, particle, pairs_.columns().thickness[pair], particles);
+}
+
+void SurfaceContacts::find_chunk_crossings(std::size_t chunk, const ParticleView& particles,
+                                           std::vector<PairToi>& found) {
+  if (pairs_.chunk(chunk).edges) return;
+  std::uint32_t near[ElementPairs::chunk_size];
+  const std::size_t count =
+      pairs_.find_near(chunk, {1, 1 + speculative_part, 0}, pairs_.particle_records(particles), near);
+  for (std::size_t k = 0; k < count; ++k)
+    if (!pairs_.is_replaced(near[k]) && path_crossing_of(near[k], particles).found)
+      found.push_back({near[k], 1});
+}
+
+// Replaces the nearest points and the normal between them by the crossing and the triangle's normal.
+void SurfaceContacts::describe_crossing(std::uint32_t pair, std::size_t contact,
+                                        const ParticleView& particles) {
+  const PathCrossing crossing = path_crossing_of(pair, particles);
+  const auto& i = pairs_.pair(pair).particle;
+  Vec3f approach;
+  float inverse_mass = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const float c = k == 0 ? 1 : -crossing.weight[static_cast<int>(k) - 1];
+    columns_.c[k][contact] = c;
+    approach -= particles.moved(i[k]) * c;
+    inverse_mass += particles.inverse_mass(i[k]) * c * c;
+  }
+  for (int axis = 0; axis < 3; ++axis) columns_.normal[axis][contact] = crossing.normal[axis];
+  columns_.inverse_mass[contact] = inverse_mass;
+  columns_.approach[contact] = dot(crossing.normal, approach);
 }
 
 bool SurfaceContacts::is_contact(std::uint32_t pair, unsigned classification, const ParticleView& particles,
@@ -513,6 +552,11 @@ std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Sub
   correction_pair_.clear(), correction_toi_.clear();
   std::size_t count = 0;
   reset_colors_from(pairs_.update(particles, substep.h, threads));
+  if (step_.detection == Detection::discrete) {
+    pairs_.measure(particles, threads);
+    pairs_.end_substep();
+    return 0;
+  }
   find_violations(particles, threads);
   for (int pass = 0; pass < passes && !violations_.empty(); ++pass) {
     if (pass < correction_passes) {

@@ -228,7 +228,9 @@ void find_candidates(WorldState& world, double dt) {
   const ContactStep step{.time = world.time,
                          .dt = static_cast<float>(dt),
                          .gravity = length(world.settings.gravity),
-                         .h = static_cast<float>(dt / world.settings.substeps)};
+                         .h = static_cast<float>(dt / world.settings.substeps),
+                         .detection = world.settings.detection,
+                         .segment_test = world.settings.segment_test};
   ContactTables& tables = world.tables;
   Particles& particles = world.particles;
   predict_obstacles(world, dt);
