@@ -3,9 +3,10 @@
 //
 //   broad_phase [MOST]    n = 1000, 2000, 5000, ... up to MOST, 500,000 by default
 //
-// Two soups of triangles that fly in random directions through a box with walls: all of one size, and sizes
-// from 1 to 30, so many of each that every factor of two in size covers the same volume. Each triangle meets
-// four others on average. Times are milliseconds of processor time a step, the median of five steps, in turn. Prints JSON.
+// Soups of triangles that fly in random directions through a box with walls: all of one size, and sizes from 1
+// to 30, so many of each that every factor of two in size covers the same volume. A triangle meets four others
+// on average, with many sizes two. Neighbors in space are near in memory, as in objects that were renumbered;
+// in a third soup the order is random. Times are milliseconds of processor time a step, the median of five steps, in turn. Prints JSON.
 
 #include "souple/collision/spatial_hash.h"
 #include "souple/solver/instruction_set.h"
@@ -52,22 +53,50 @@ struct Soup {
   }
 };
 
-Soup soup(std::size_t n, bool many_sizes) {
+/// Bits of a number in [0, 1024), with two zeros between them.
+std::uint32_t spread(float x) {
+  auto v = static_cast<std::uint32_t>(std::clamp(x, 0.f, 1023.f));
+  v = (v | v << 16) & 0x030000ff;
+  v = (v | v << 8) & 0x0300f00f;
+  v = (v | v << 4) & 0x030c30c3;
+  return (v | v << 2) & 0x09249249;
+}
+
+std::uint32_t morton_code(const Vec3f& x) {
+  return spread(x.x) << 2 | spread(x.y) << 1 | spread(x.z);
+}
+
+struct Kind {
+  const char* sizes;
+  bool many_sizes, ordered;
+};
+constexpr Kind kinds[] = {
+    {"equal", false, true}, {"1 to 30", true, true}, {"equal, in random order", false, false}};
+
+Soup soup(std::size_t n, const Kind& kind) {
   test::Random random(7);
-  Soup result;
+  std::vector<double> sizes;
   double volume = 0;
   for (std::size_t i = 0; i < n; ++i) {
     // Density of sizes ~ size^-4, so that each factor of two has the same volume.
     const double u = random.uniform(0, 1), largest = 30;
-    const double size = many_sizes ? std::pow(1 - u * (1 - std::pow(largest, -3)), -1.0 / 3) : 1;
-    volume += size * size * size;
-    result.corner.emplace_back();
-    for (Vec3f& p : result.corner.back()) p = Vec3f(random.point(-0.5, 0.5) * size);
-    result.velocity.push_back(Vec3f(random.point(-1, 1)));
+    sizes.push_back(kind.many_sizes ? std::pow(1 - u * (1 - std::pow(largest, -3)), -1.0 / 3) : 1);
+    volume += sizes.back() * sizes.back() * sizes.back();
   }
-  result.side = static_cast<float>(std::cbrt(volume * (many_sizes ? 0.35 : 0.25)));
+  Soup result;
+  result.side = static_cast<float>(std::cbrt(volume * (kind.many_sizes ? 0.35 : 0.25)));
   for (std::size_t i = 0; i < n; ++i)
     result.center.emplace_back(random.point(0, static_cast<double>(result.side)));
+  const float scale = 1023 / result.side;
+  if (kind.ordered)
+    std::sort(result.center.begin(), result.center.end(), [&](const Vec3f& a, const Vec3f& b) {
+      return morton_code(a * scale) < morton_code(b * scale);
+    });
+  for (std::size_t i = 0; i < n; ++i) {
+    result.corner.emplace_back();
+    for (Vec3f& p : result.corner.back()) p = Vec3f(random.point(-0.5, 0.5) * sizes[i]);
+    result.velocity.emplace_back(random.point(-1, 1));
+  }
   result.find_boxes();
   return result;
 }
@@ -83,7 +112,7 @@ class Tree {
     const float scale = 1023 / side;
     for (std::uint32_t i = 0; i < boxes.size(); ++i) {
       const Vec3f c = (boxes[i].lo + boxes[i].hi) * (0.5f * scale);
-      keys_[i] = {spread(c.x) << 2 | spread(c.y) << 1 | spread(c.z), i};
+      keys_[i] = {morton_code(c), i};
     }
     sort_keys();
     order_.resize(boxes.size());
@@ -131,13 +160,6 @@ class Tree {
     std::uint32_t code, index;
   };
 
-  static std::uint32_t spread(float x) {
-    auto v = static_cast<std::uint32_t>(std::clamp(x, 0.f, 1023.f));
-    v = (v | v << 16) & 0x030000ff;
-    v = (v | v << 8) & 0x0300f00f;
-    v = (v | v << 4) & 0x030c30c3;
-    return (v | v << 2) & 0x09249249;
-  }
   // Radix sort, three passes of ten bits.
   void sort_keys() {
     other_.resize(keys_.size());
@@ -222,9 +244,9 @@ double median(std::vector<double> values) {
 constexpr const char* methods[] = {"spatial hash", "tree, rebuilt by Morton codes",
                                    "tree, rebuilt by medians", "tree, refitted"};
 
-std::array<Times, 4> measure(std::size_t n, bool many_sizes) {
+std::array<Times, 4> measure(std::size_t n, const Kind& kind) {
   constexpr int warm_up = 2, steps = 5;
-  Soup triangles = soup(n, many_sizes);
+  Soup triangles = soup(n, kind);
   const std::unique_ptr<Threads> threads = make_threads(Threading::serial, 1);
   SpatialHash hash;
   Tree morton, medians, refitted;
@@ -262,18 +284,18 @@ int main(int argc, char** argv) {
   const double most = argc > 1 ? std::atof(argv[1]) : 5e5;
   std::printf("{\"simd\": \"%s\", \"results\": [", std::string(simd_name()).c_str());
   bool first = true;
-  for (const bool many_sizes : {false, true})
+  for (const Kind& kind : kinds)
     for (double decade = 1000; decade <= most; decade *= 10)
       for (const double part : {1.0, 2.0, 5.0}) {
         const auto n = static_cast<std::size_t>(decade * part);
         if (static_cast<double>(n) > most) continue;
-        const std::array<Times, 4> times = measure(n, many_sizes);
+        const std::array<Times, 4> times = measure(n, kind);
         for (std::size_t k = 0; k < times.size(); ++k) {
           std::printf(
               "%s\n {\"sizes\": \"%s\", \"method\": \"%s\", \"triangles\": %zu, \"pairs\": %zu, "
               "\"build_ms\": %.4g, \"query_ms\": %.4g}",
-              first ? "" : ",", many_sizes ? "1 to 30" : "equal", methods[k], n, times[k].pairs,
-              median(times[k].build), median(times[k].query));
+              first ? "" : ",", kind.sizes, methods[k], n, times[k].pairs, median(times[k].build),
+              median(times[k].query));
           first = false;
         }
         std::fflush(stdout);
