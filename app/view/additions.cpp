@@ -113,7 +113,7 @@ NewObject from_file(Description description, const std::filesystem::path& file, 
 Ball ball_for(float distance, float gravity) {
   Ball ball;
   ball.radius = distance / 40;
-  ball.mass = 500 * 4 / 3 * static_cast<float>(pi) * ball.radius * ball.radius * ball.radius;
+  ball.mass = 500.0f * 4 / 3 * static_cast<float>(pi) * ball.radius * ball.radius * ball.radius;
   // Falls by distance / 5 = g t^2 / 2 in t = distance / speed; at least one distance in half a second.
   ball.speed = std::max(std::sqrt(2.5f * gravity * distance), 2 * distance);
   return ball;

@@ -23,11 +23,15 @@ struct Setup {
   std::uint64_t edits = 0;
 };
 
+/// Approximate memory of a setup: objects and the lists of points in them. [bytes]
+std::size_t bytes_of(const Setup& setup);
+
 /// A state of the past: with its setup it makes the world that was.
 struct PastState {
   double time = 0;  ///< s
   Snapshot snapshot;
   std::shared_ptr<const Setup> setup;
+  std::size_t bytes = 0;  ///< of the snapshot, and of the setup unless an earlier state has it
 };
 
 /// The states from which the last steps were made, oldest first, within a limit of memory.
@@ -38,7 +42,7 @@ class Past {
 
   std::size_t size() const { return states_.size(); }
   const PastState& at(std::size_t i) const { return states_.at(i); }
-  std::size_t bytes() const { return bytes_; }  ///< of the snapshots
+  std::size_t bytes() const { return bytes_; }
   /// The state that the world is in; empty when it has moved on.
   std::optional<std::size_t> shown() const { return shown_; }
   void show(std::size_t i) { shown_ = i; }

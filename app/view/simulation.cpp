@@ -158,8 +158,14 @@ void Simulation::set_playing(bool playing) {
 // --- the past ------------------------------------------------------------------------------------
 
 void Simulation::keep_state() {
-  if (!setup_) setup_ = std::make_shared<const Setup>(Setup{scene_, thrown_, pinned_at_start_, edits_});
-  past_.add({world_.time(), world_.snapshot(), setup_});
+  PastState state{world_.time(), world_.snapshot(), {}};
+  state.bytes = state.snapshot.bytes.size();
+  if (!setup_) {
+    setup_ = std::make_shared<const Setup>(Setup{scene_, thrown_, pinned_at_start_, edits_});
+    state.bytes += bytes_of(*setup_);
+  }
+  state.setup = setup_;
+  past_.add(std::move(state));
 }
 
 void Simulation::step_back() {

@@ -331,7 +331,9 @@ TEST(ViewerPast, EndsAtTheStartOrAtTheLimitOfMemory) {
 
 TEST(ViewerPast, LargeStatesAreKeptAtEverySecondStep) {
   Past past(std::size_t{100} << 20);
-  const auto large = [](double time) { return PastState{time, {std::vector<std::byte>(3 << 19)}, {}}; };
+  const auto large = [](double time) {
+    return PastState{time, {std::vector<std::byte>(3 << 19)}, {}, 3 << 19};
+  };
   std::vector<double> kept;
   for (int step = 0; step < 10; ++step) {
     if (past.is_due()) past.add(large(step)), kept.push_back(step);

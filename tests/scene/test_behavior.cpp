@@ -347,7 +347,7 @@ TEST_F(Behavior, GroupsAndPairsDecideWhatMeets) {
 TEST_F(Behavior, WindReachesEachObjectByItsExposure) {
   const std::string grain = R"("kind": "grains", "points": [[0, 0, 0]], "material": {"radius": 0.01})";
   const std::string drop =
-      R"("kind": "fluid", "points": [[5, 0, 0]], "material": {"spacing": 0.02, "air_drag": 1e4})";
+      R"("kind": "fluid", "points": [[5, 0, 0]], "material": {"spacing": 0.02, "air_drag": 1000})";
   World world = built(
       R"({"souple": 1, "substeps": 20, "gravity": [0, 0, 0], "drag": 2,
     "wind": {"velocity": [3, 0, 0]}, "objects": [{"name": "open", )" +
