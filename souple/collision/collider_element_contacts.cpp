@@ -489,21 +489,6 @@ void ColliderElementContacts::project(int, std::size_t begin, std::size_t end, c
   for (std::size_t c = begin; c < end; ++c) project_one(contacts_[c], particles);
 }
 
-// Those of which every corner is chosen.
-std::size_t ColliderElementContacts::take_some(std::span<const std::uint32_t> chosen) {
-  some_.clear();
-  if (some_.capacity() < contacts_.size()) some_.reserve(contacts_.capacity());
-  for (std::uint32_t c = 0; c < contacts_.size(); ++c)
-    if (std::none_of(contacts_[c].particle.begin(), contacts_[c].particle.end(),
-                     [&](std::uint32_t i) { return chosen[i] == unchosen; }))
-      some_.push_back(c);
-  return some_.size();
-}
-
-void ColliderElementContacts::project_some(const ParticleView& particles, bool) {
-  for (const std::uint32_t c : some_) project_one(contacts_[c], particles);
-}
-
 // As ColliderContacts::project, for a point of an element.
 void ColliderElementContacts::project_one(Contact& contact, const ParticleView& particles) {
   const Vec3f motion = moved(contact, particles);
@@ -601,8 +586,7 @@ std::size_t ColliderElementContacts::Candidates::bytes() const {
 
 std::size_t ColliderElementContacts::bytes() const {
   return bytes_of(elements_, corners_, corner_particle_, first_float_, bodies_, at_[0], at_[1], at_[2],
-                  margin_, distance_, from_, to_, all_rows_, is_row_, rows_, stale_, near_, contacts_,
-                  some_) +
+                  margin_, distance_, from_, to_, all_rows_, is_row_, rows_, stale_, near_, contacts_) +
          candidates_.bytes();
 }
 

@@ -60,9 +60,6 @@ class ColliderElementContacts final : public Projector {
   std::string_view kind() const override { return "collider element contact"; }
   bool is_contact() const override { return true; }
   bool is_collider_contact() const override { return true; }
-  std::size_t take_some(std::span<const std::uint32_t> chosen) override;
-  void project_some(const ParticleView& particles, bool again) override;
-  void put_back_some() override { some_.clear(); }
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
   int color_count() const override { return contacts_.empty() ? 0 : 1; }
@@ -191,7 +188,6 @@ class ColliderElementContacts final : public Projector {
   std::vector<std::uint32_t> stale_, near_;  // candidates in a field: to be sampled, and that may touch
   std::vector<std::uint8_t> depenetrating_;  // [body][object]: a part of the object started inside
   std::vector<Contact> contacts_;            // body by body
-  std::vector<std::uint32_t> some_;          // contacts that take_some took
 };
 
 }  // namespace souple

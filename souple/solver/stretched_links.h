@@ -15,11 +15,9 @@ namespace souple {
 /// cloth leaves a ball, at a short edge of an irregular mesh or in a gust, stress changes from one link to the next.
 /// Levels do not see that, and one sweep leaves such links stretched by tens of percent.
 ///
-/// The sweeps shorten links to the strain above which they count as stretched, and lengthen none. A link that begins to
-/// be stretched is thus corrected gently; with a lower goal, cloth trembles. Contacts with colliders are projected
+/// The sweeps shorten links to the strain above which they count as stretched. A link that begins to be stretched is thus
+/// corrected gently; with a lower goal, cloth trembles. Contacts with colliders are projected
 /// between the sweeps: without, the cloth is pulled into the collider and pushed back, and nothing is gained.
-///
-/// Around isolated pins a stiff cloth does stretch, and levels sweep more there: links near them do not count.
 ///
 /// Particles that touch cloth, fluids or other bodies take no part: the sweeps would pull layers into each other. Nor
 /// do tied or attached ones. There are no sweeps while old overlaps with colliders are removed or a link is torn: a
