@@ -26,20 +26,19 @@ Mat3d axes_around(const Vec3d& n) {
   return {x, n, cross(x, n)};
 }
 
-// With the plane of the last projection. A contact that touches for the first time now takes the surface motion of a
-// plane that has not been projected, 0: on a moving collider the exact projections that follow correct its friction.
-void project_again(const kernels::ColliderContactColumns& columns, std::size_t c,
-                   const ParticleView& particles) {
-  const auto vector = [c](float* const(&of)[3]) { return Vec3f{of[0][c], of[1][c], of[2][c]}; };
-  const std::uint32_t i = columns.particle[c];
-  const Vec3f n = vector(columns.normal), moved = particles.moved(i);
-  const float C = columns.plane_gap[c] + dot(n, moved);
-  if (!(columns.slop[c] > C) && !(columns.normal_sum[c] > 0)) return;
-  ContactSums<float> sums{columns.normal_sum[c], vector(columns.tangent_sum)};
-  particles.correct(i, solve_contact(sums, C, columns.slop[c], n, moved - vector(columns.surface_motion),
-                                     columns.static_friction[c], columns.kinetic_friction[c]));
-  columns.normal_sum[c] = sums.normal_sum;
-  for (int axis = 0; axis < 3; ++axis) columns.tangent_sum[axis][c] = sums.tangent_sum[axis];
+/// Copies what ColliderContactKernels::project_again reads of some contacts.
+void copy_plane_contacts(const kernels::ColliderContactColumns& from, std::span<const std::uint32_t> some,
+                         const kernels::ColliderContactColumns& to) {
+  for (std::size_t k = 0; k < some.size(); ++k) {
+    const std::uint32_t c = some[k];
+    to.particle[k] = from.particle[c];
+    to.plane_gap[k] = from.plane_gap[c], to.slop[k] = from.slop[c], to.normal_sum[k] = from.normal_sum[c];
+    to.static_friction[k] = from.static_friction[c], to.kinetic_friction[k] = from.kinetic_friction[c];
+    for (int axis = 0; axis < 3; ++axis) {
+      to.normal[axis][k] = from.normal[axis][c], to.tangent_sum[axis][k] = from.tangent_sum[axis][c];
+      to.surface_motion[axis][k] = from.surface_motion[axis][c];
+    }
+  }
 }
 
 }  // namespace
@@ -268,34 +267,58 @@ void ColliderContacts::project(int color, std::size_t begin, std::size_t end, co
                     body.contact_begin + end);
 }
 
-void ColliderContacts::find_touching(std::span<const std::uint32_t> chosen,
-                                     std::vector<std::uint32_t>& found) const {
-  const kernels::ColliderContactColumns columns = contacts_.columns();
-  for (std::uint32_t c = 0; c < contacts_.size(); ++c)
-    if (chosen[columns.particle[c]] != unchosen) found.push_back(c);
-}
-
 bool ColliderContacts::removes_overlaps() const {
   const float* const slop = contacts_.columns().slop;
   return std::any_of(slop, slop + contacts_.size(), [](float s) { return s < 0; });
 }
 
-void ColliderContacts::project_some(std::span<const std::uint32_t> contacts, const ParticleView& particles,
-                                    bool again) {
+std::size_t ColliderContacts::take_some(std::span<const std::uint32_t> chosen) {
+  some_.clear();
+  // At first enough for a contact of each particle with one collider.
+  if (some_.capacity() < size()) some_.reserve(std::max(chosen.size(), 2 * size()));
   const kernels::ColliderContactColumns columns = contacts_.columns();
-  if (again) {
-    for (const std::uint32_t c : contacts) project_again(columns, c, particles);
-    return;
-  }
+  for (std::uint32_t c = 0; c < contacts_.size(); ++c)
+    if (chosen[columns.particle[c]] != unchosen) some_.push_back(c);
+  return some_.size();
+}
+
+void ColliderContacts::project_some(const ParticleView& particles, bool again) {
+  if (some_.empty()) return;
+  if (!again) return project_exactly(particles);
+  const kernels::ColliderContactColumns columns = taken_.columns();
   const kernels::ColliderParticles packed = packed_particles(particles);
   auto body = bodies_.begin();
-  for (std::size_t k = 0, end = 0; k < contacts.size(); k = end) {
-    while (contacts[k] >= body->contact_end) ++body;
-    for (end = k + 1; end < contacts.size() && contacts[end] == contacts[end - 1] + 1 &&
-                      contacts[end] < body->contact_end;)
-      ++end;
-    kernels_->project(packed, body->packed, columns, contacts[k], contacts[end - 1] + std::size_t{1});
+  for (std::size_t k = 0, end = 0; k < some_.size(); k = end) {
+    while (some_[k] >= body->contact_end) ++body;
+    end = static_cast<std::size_t>(std::lower_bound(some_.begin(), some_.end(), body->contact_end) -
+                                   some_.begin());
+    kernels_->project_again(packed, columns, k, end);
   }
+}
+
+// Neighbors in order are projected together. Copies what project_again needs.
+void ColliderContacts::project_exactly(const ParticleView& particles) {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  const kernels::ColliderParticles packed = packed_particles(particles);
+  auto body = bodies_.begin();
+  for (std::size_t k = 0, end = 0; k < some_.size(); k = end) {
+    while (some_[k] >= body->contact_end) ++body;
+    for (end = k + 1;
+         end < some_.size() && some_[end] == some_[end - 1] + 1 && some_[end] < body->contact_end;)
+      ++end;
+    kernels_->project(packed, body->packed, columns, some_[k], some_[end - 1] + std::size_t{1});
+  }
+  if (taken_.size() < some_.size()) taken_.resize(some_.capacity());
+  copy_plane_contacts(columns, some_, taken_.columns());
+}
+
+void ColliderContacts::put_back_some() {
+  const kernels::ColliderContactColumns from = taken_.columns(), to = contacts_.columns();
+  for (std::size_t k = 0; k < some_.size(); ++k) {
+    to.normal_sum[some_[k]] = from.normal_sum[k];
+    for (int axis = 0; axis < 3; ++axis) to.tangent_sum[axis][some_[k]] = from.tangent_sum[axis][k];
+  }
+  some_.clear();
 }
 
 void ColliderContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
@@ -393,14 +416,15 @@ void ColliderContacts::erase_particles(std::uint32_t, std::uint32_t) {
   bodies_.clear();
   members_.particle.clear(), members_.object.clear();
   candidates_ = {};
+  some_.clear();
   contacts_.resize(0);
 }
 
 std::size_t ColliderContacts::bytes() const {
   return bytes_of(bodies_, members_.particle, members_.object, members_.at[0], members_.at[1], members_.at[2],
                   members_.margin, candidates_.particle, candidates_.object, candidates_.keeps, distance_,
-                  near_) +
-         contacts_.bytes();
+                  near_, some_) +
+         contacts_.bytes() + taken_.bytes();
 }
 
 }  // namespace souple

@@ -108,6 +108,11 @@ struct ColliderContactKernels {
   /// No two contacts may have the same particle.
   void (*project)(const ColliderParticles&, const ColliderBody&, const ColliderContactColumns&,
                   std::size_t begin, std::size_t end);
+  /// With the planes of the last projection, after small motions. A contact that touches for the first time now takes the
+  /// surface motion of a plane that has not been projected, 0: on a moving collider the exact projections that follow
+  /// correct its friction.
+  void (*project_again)(const ColliderParticles&, const ColliderContactColumns&, std::size_t begin,
+                        std::size_t end);
   void (*apply_restitution)(const ColliderParticles&, const ColliderBody&, const ColliderContactLimits&,
                             const ColliderContactColumns&, std::size_t begin, std::size_t end);
   /// C of contacts: distance beyond the one to keep [m]. Null or per contact: the surface point, in the frame.

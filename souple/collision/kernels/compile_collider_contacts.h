@@ -191,6 +191,36 @@ template <class Isa>
 }
 
 template <class Isa>
+[[gnu::flatten]] void project_again(const ColliderParticles& particles, const ColliderContactColumns& columns,
+                                    std::size_t begin, std::size_t end) {
+  using T = Numbers<Isa>;
+  const T nothing(-0.f);  // what is added to it keeps its sign
+  for (std::size_t i = begin; i < end; i += Isa::lanes) {
+    const ParticlePack<Isa> pack(columns.particle, i, end);
+    const int count = pack.count;
+    Vectors<Isa> moved = Records<Isa>(particles.moving, pack.first_float).components();
+    moved -= Records<Isa>(particles.start, pack.first_float).components();
+    const Vectors<Isa> n = load3<Isa>(columns.normal, i, count);
+    const T C = load<Isa>(columns.plane_gap + i, count) + dot(n, moved);
+    const T slop = load<Isa>(columns.slop + i, count);
+    ContactSums<T> sums{load<Isa>(columns.normal_sum + i, count), load3<Isa>(columns.tangent_sum, i, count)};
+    const auto acts = slop > C || sums.normal_sum > T(0.f);
+    if (!any_lane(acts)) continue;
+    const ContactSums<T> before = sums;
+    const Vectors<Isa> change = solve_contact(
+        sums, C, slop, n, moved - load3<Isa>(columns.surface_motion, i, count),
+        load<Isa>(columns.static_friction + i, count), load<Isa>(columns.kinetic_friction + i, count));
+    store<Isa>(select(acts, sums.normal_sum, before.normal_sum), columns.normal_sum + i, count);
+    store3<Isa>(selected<Isa>(acts, sums.tangent_sum, before.tangent_sum), columns.tangent_sum, i, count);
+    Records<Isa> records(particles.corrected, pack.first_float);
+    records.transpose();
+    for (int axis = 0; axis < 3; ++axis)
+      records.r[axis] = (T(records.r[axis]) + select(acts, change[axis], nothing)).v;
+    records.write(particles.corrected, pack.first_float);
+  }
+}
+
+template <class Isa>
 [[gnu::flatten]] void apply_restitution(const ColliderParticles& particles, const ColliderBody& body,
                                         const ColliderContactLimits& limits,
                                         const ColliderContactColumns& columns, std::size_t begin,
@@ -253,8 +283,9 @@ bool left(const ColliderParticles& particles, const std::uint32_t* particle, con
 
 template <class Isa>
 const ColliderContactKernels& collider_contact_kernels() {
-  static constexpr ColliderContactKernels kernels{
-      distances<Isa>, find<Isa>, describe<Isa>, project<Isa>, apply_restitution<Isa>, gaps<Isa>, left<Isa>};
+  static constexpr ColliderContactKernels kernels{distances<Isa>, find<Isa>,          describe<Isa>,
+                                                  project<Isa>,   project_again<Isa>, apply_restitution<Isa>,
+                                                  gaps<Isa>,      left<Isa>};
   return kernels;
 }
 
