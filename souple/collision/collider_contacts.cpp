@@ -62,6 +62,7 @@ kernels::ColliderContactColumns ColliderContacts::Contacts::columns() {
   set(result.slop), set3(result.predicted), set(result.normal_sum), set3(result.tangent_sum);
   set3(result.normal), set3(result.surface_motion), set(result.restitution_velocity), set(result.depth);
   set(result.plane_gap);
+  set(result.share), set(result.radius), set(result.rolling_friction), set3(result.moment_sum);
   return result;
 }
 
@@ -238,6 +239,11 @@ void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, 
       columns.static_friction[contact] = material.static_friction;
       columns.kinetic_friction[contact] = material.kinetic_friction;
       columns.restitution[contact] = material.restitution;
+      if (step_.turn.empty()) continue;
+      columns.share[contact] = objects_[candidates_.object[candidate]].rolls ? inverse_inertia_factor : 0.0f;
+      columns.radius[contact] = radius_[candidates_.particle[candidate]];
+      columns.rolling_friction[contact] = material.rolling_friction;
+      for (float* const sum : columns.moment_sum) sum[contact] = 0;
     }
     kernels_->describe(packed, body.packed, limits(), columns, body.contact_begin + begin,
                        body.contact_begin + end);
@@ -250,11 +256,17 @@ kernels::ColliderContactLimits ColliderContacts::limits() const {
           .depenetration = step_.depenetration_speed * last_h_};
 }
 
+kernels::ColliderParticles ColliderContacts::rolling_particles(const ParticleView& particles) const {
+  kernels::ColliderParticles packed = packed_particles(particles);
+  packed.turn = step_.turn.empty() ? nullptr : &step_.turn.data()->x;
+  return packed;
+}
+
 void ColliderContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                                const Substep&) {
   const Body& body = bodies_[static_cast<std::size_t>(color)];
-  kernels_->project(packed_particles(particles), body.packed, contacts_.columns(), body.contact_begin + begin,
-                    body.contact_begin + end);
+  kernels_->project(rolling_particles(particles), body.packed, contacts_.columns(),
+                    body.contact_begin + begin, body.contact_begin + end);
 }
 
 void ColliderContacts::find_touching(std::span<const std::uint32_t> chosen,
@@ -272,11 +284,11 @@ bool ColliderContacts::removes_overlaps() const {
 void ColliderContacts::project_some(std::span<const std::uint32_t> contacts, const ParticleView& particles,
                                     bool again) {
   const kernels::ColliderContactColumns columns = contacts_.columns();
-  if (again) {
+  if (again && step_.turn.empty()) {  // project_again turns no ball
     for (const std::uint32_t c : contacts) project_again(columns, c, particles);
     return;
   }
-  const kernels::ColliderParticles packed = packed_particles(particles);
+  const kernels::ColliderParticles packed = rolling_particles(particles);
   auto body = bodies_.begin();
   for (std::size_t k = 0, end = 0; k < contacts.size(); k = end) {
     while (contacts[k] >= body->contact_end) ++body;
@@ -289,7 +301,7 @@ void ColliderContacts::project_some(std::span<const std::uint32_t> contacts, con
 
 void ColliderContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
                                          const Substep&, Threads& threads) {
-  kernels::ColliderParticles packed = packed_particles(particles);
+  kernels::ColliderParticles packed = rolling_particles(particles);
   packed.velocity = velocity.empty() ? nullptr : &velocity.data()->x;
   const kernels::ColliderContactColumns columns = contacts_.columns();
   for (const Body& body : bodies_)

@@ -127,7 +127,7 @@ class ColliderContacts final : public Projector {
 
    private:
     std::vector<std::uint32_t> particle_;
-    std::array<std::vector<float>, 27> floats_;
+    std::array<std::vector<float>, 33> floats_;
   };
 
   const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
@@ -141,6 +141,7 @@ class ColliderContacts final : public Projector {
   bool left_margins(const ParticleView& particles, Threads& threads) const;
   void find_contacts(Body& body, const ParticleView& particles, Threads& threads);
   kernels::ColliderContactLimits limits() const;
+  kernels::ColliderParticles rolling_particles(const ParticleView& particles) const;
   template <class Function>
   void for_each_gap(const ParticleView& particles, const Function& f) const;
 

@@ -1,8 +1,10 @@
 #pragma once
 
 #include "souple/math/vec3.h"
+#include "souple/state/particles.h"
 
 #include <cstdint>
+#include <span>
 
 // Types that all contact projectors share.
 
@@ -18,6 +20,7 @@ struct ContactObject {
   bool self_collision = false;  ///< between particles of this object
   std::uint32_t groups = 1;     ///< bits; two objects a and b collide when a.groups & b.mask
   std::uint32_t mask = 0;       ///<   and b.groups & a.mask are both non-zero
+  bool rolls = false;           ///< its particles are solid balls that rotate, such as grains
 };
 
 /// Data of a whole step, set before its first substep.
@@ -28,6 +31,8 @@ struct ContactStep {
   /// Speed at which an overlap older than the substep is removed [m/s].
   float depenetration_speed = 3.f;
   float h = 0;  ///< length of a substep; 0: the step has only one [s]
+  /// Rotation of the particles of objects that roll (Particles::turn); empty: none rolls.
+  std::span<Vec4f> turn{};
 };
 
 /// One contact that applied a normal impulse during the last substep.

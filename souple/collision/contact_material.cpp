@@ -30,6 +30,8 @@ void validate(const ContactMaterial& material, std::string_view where) {
   check(where, "kinetic_friction", material.kinetic_friction.value_or(material.friction), material.friction,
         "a number from 0 to friction");
   check(where, "restitution", material.restitution, 1, "a number from 0 to 1");
+  check(where, "rolling_friction", material.rolling_friction.value_or(0.0f), any,
+        "a finite number of at least 0");
 }
 
 void validate(const ContactMaterialPair& pair, std::string_view where) {
@@ -37,6 +39,7 @@ void validate(const ContactMaterialPair& pair, std::string_view where) {
   check(where, "kinetic friction", pair.kinetic_friction, pair.static_friction,
         "a number from 0 to the static friction");
   check(where, "restitution", pair.restitution, 1, "a number from 0 to 1");
+  check(where, "rolling friction", pair.rolling_friction, any, "a finite number of at least 0");
 }
 
 ContactMaterialPair combine(const ContactMaterial& a, const ContactMaterial& b) {
@@ -45,8 +48,11 @@ ContactMaterialPair combine(const ContactMaterial& a, const ContactMaterial& b) 
   const float static_friction = mean(a.friction, b.friction);
   const float kinetic_friction =
       mean(a.kinetic_friction.value_or(a.friction), b.kinetic_friction.value_or(b.friction));
+  const float rolling_friction = a.rolling_friction && b.rolling_friction
+                                     ? mean(*a.rolling_friction, *b.rolling_friction)
+                                     : a.rolling_friction.value_or(b.rolling_friction.value_or(0.0f));
   return {static_friction, std::min(kinetic_friction, static_friction),
-          std::max(a.restitution, b.restitution)};
+          std::max(a.restitution, b.restitution), rolling_friction};
 }
 
 void PairOverrides::set(std::string_view a, std::string_view b, const ContactMaterialPair& pair) {
@@ -62,7 +68,11 @@ const ContactMaterialPair* PairOverrides::find(std::string_view a, std::string_v
 ContactMaterialPair PairOverrides::resolve(const NamedContactMaterial& a,
                                            const NamedContactMaterial& b) const {
   const ContactMaterialPair* exception = find(a.name, b.name);
-  return exception ? *exception : combine(a.material, b.material);
+  ContactMaterialPair result = combine(a.material, b.material);
+  if (exception)
+    result = {exception->static_friction, exception->kinetic_friction, exception->restitution,
+              result.rolling_friction};
+  return result;
 }
 
 void PairOverrides::set_collide(std::string_view a, std::string_view b, bool collide) {

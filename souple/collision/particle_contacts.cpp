@@ -1,6 +1,5 @@
 #include "souple/collision/particle_contacts.h"
 
-#include "souple/collision/contact_law.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 
@@ -166,15 +165,15 @@ void ParticleContacts::save_friction() {
   if (pairs_.empty()) return;
   friction_cache_.clear();
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
-    if (tangential_displacement_[p] == Vec3f{}) continue;
+    if (displacement_[p] == FrictionDisplacement{}) continue;
     friction_cache_.push_back(
-        {members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, tangential_displacement_[p]});
+        {members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, displacement_[p]});
   }
   pairs_.clear();
 }
 
 void ParticleContacts::restore_friction() {
-  tangential_displacement_.assign(pairs_.size(), {});
+  displacement_.assign(pairs_.size(), {});
   std::size_t next = 0;
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     const std::uint32_t i = members_[pairs_[p].i].particle, j = members_[pairs_[p].j].particle;
@@ -182,7 +181,7 @@ void ParticleContacts::restore_friction() {
            (friction_cache_[next].i < i || (friction_cache_[next].i == i && friction_cache_[next].j < j)))
       ++next;
     if (next < friction_cache_.size() && friction_cache_[next].i == i && friction_cache_[next].j == j)
-      tangential_displacement_[p] = friction_cache_[next].tangential_displacement;
+      displacement_[p] = friction_cache_[next].displacement;
   }
   friction_cache_.clear();
 }
@@ -191,9 +190,8 @@ std::vector<CachedFriction> ParticleContacts::friction_cache() const {
   if (pairs_.empty()) return friction_cache_;
   std::vector<CachedFriction> result;
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
-    if (tangential_displacement_[p] == Vec3f{}) continue;
-    result.push_back(
-        {members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, tangential_displacement_[p]});
+    if (displacement_[p] == FrictionDisplacement{}) continue;
+    result.push_back({members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, displacement_[p]});
   }
   return result;
 }
@@ -203,7 +201,8 @@ void ParticleContacts::set_friction_cache(std::span<const CachedFriction> cache)
   clear_contacts();
   friction_cache_.clear();
   for (const CachedFriction& one : cache)
-    if (is_finite(one.tangential_displacement)) friction_cache_.push_back(one);
+    if (is_finite(one.displacement.sliding) && is_finite(one.displacement.rolling))
+      friction_cache_.push_back(one);
 }
 
 void ParticleContacts::record_positions(const ParticleView& particles) {
@@ -374,7 +373,9 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   const Vec3f to = particles.difference(i, j);
   const Vec3f from = to - motion;
   const float start_distance = length(from);
-  Contact contact{i, j, pair, radius_sum, materials_->at(a.object, b.object), false, 0, motion, {0, 1, 0}};
+  Contact contact{
+      i,     j, pair,   radius_sum, rotation_of(a, b, particles), materials_->at(a.object, b.object),
+      false, 0, motion, {0, 1, 0}};
   if (start_distance > 0) contact.normal = from * (1 / start_distance);
   const float overlap = start_distance - radius_sum;
   if (overlap < 0) {
@@ -418,8 +419,9 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   Vec3f n;
   const float C = gap(contact, particles.difference(i, j), n);
   if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
+  if (contact.balls.any()) return project_rolling(contact, C, n, particles);
   ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
-  const Vec3f moved = particles.moved(i) - particles.moved(j) + tangential_displacement_[contact.pair];
+  const Vec3f moved = particles.moved(i) - particles.moved(j) + displacement_[contact.pair].sliding;
   const Vec3f dx = solve_contact(sums, C, contact.slop, n, moved, contact.material);
   contact.normal_sum = sums.normal_sum;
   contact.tangent_sum = sums.tangent_sum;
@@ -428,6 +430,57 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   // Contacts of one color may share a particle that cannot move: no thread may write to it.
   if (w_i > 0) particles.correct(i, dx * (w_i / (w_i + w_j)));
   if (w_j > 0) particles.correct(j, dx * (-w_j / (w_i + w_j)));
+}
+
+// The moment arm r0 is the radius of the ball, or the harmonic mean of both: equal balls have that of one.
+ParticleContacts::BallRotation ParticleContacts::rotation_of(const Member& a, const Member& b,
+                                                             const ParticleView& particles) const {
+  const bool rolls_i = objects_[a.object].rolls, rolls_j = objects_[b.object].rolls;
+  if (step_.turn.empty() || !(rolls_i || rolls_j)) return {};
+  const float r_i = radius_[a.particle], r_j = radius_[b.particle];
+  const float w_i = particles.inverse_mass(a.particle), w_j = particles.inverse_mass(b.particle);
+  const float arm = rolls_i && rolls_j ? 2 * r_i * r_j / (r_i + r_j) : rolls_i ? r_i : r_j;
+  const float share = inverse_inertia_factor / (w_i + w_j);
+  return {rolls_i ? share * w_i : 0.0f, rolls_j ? share * w_j : 0.0f, arm / r_i, arm / r_j};
+}
+
+// Rotation of i relative to j, times the moment arm [m].
+Vec3f ParticleContacts::roll_of(const Contact& contact) const {
+  return step_.turn[contact.i].xyz() * contact.balls.arm_i -
+         step_.turn[contact.j].xyz() * contact.balls.arm_j;
+}
+
+// Displacement by rotation of i relative to j at the point of contact, cross n [m].
+Vec3f ParticleContacts::slip_of(const Contact& contact, const Vec3f& n) const {
+  const Vec3f sum = step_.turn[contact.i].xyz() + step_.turn[contact.j].xyz();
+  return sum - n * dot(n, sum);
+}
+
+void ParticleContacts::turn(const Contact& contact, const Vec3f& friction, const Vec3f& moment) const {
+  const auto [share_i, share_j, arm_i, arm_j] = contact.balls;
+  Vec4f &i = step_.turn[contact.i], &j = step_.turn[contact.j];
+  if (share_i > 0) i.set_xyz(i.xyz() + (friction + moment * arm_i) * share_i);
+  if (share_j > 0) j.set_xyz(j.xyz() + (friction - moment * arm_j) * share_j);
+}
+
+void ParticleContacts::project_rolling(Contact& contact, float C, const Vec3f& n,
+                                       const ParticleView& particles) const {
+  const std::uint32_t i = contact.i, j = contact.j;
+  const FrictionDisplacement& displacement = displacement_[contact.pair];
+  const ContactMaterialPair& material = contact.material;
+  ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
+  const Vec3f moved = particles.moved(i) - particles.moved(j) + displacement.sliding;
+  const auto [dx, friction, moment] = solve_rolling_contact(
+      sums, contact.moment_sum, C, contact.slop, n, cross(moved, n) + slip_of(contact, n),
+      roll_of(contact) + displacement.rolling, contact.balls.response(), material.static_friction,
+      material.kinetic_friction, material.rolling_friction);
+  contact.normal_sum = sums.normal_sum;
+  contact.tangent_sum = sums.tangent_sum;
+  contact.normal = n;
+  const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
+  if (w_i > 0) particles.correct(i, dx * (w_i / (w_i + w_j)));
+  if (w_j > 0) particles.correct(j, dx * (-w_j / (w_i + w_j)));
+  turn(contact, friction, moment);
 }
 
 void ParticleContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
@@ -443,11 +496,12 @@ void ParticleContacts::apply_restitution(const ParticleView& particles, std::spa
 
 void ParticleContacts::apply_restitution_to(Contact& contact, const ParticleView& particles,
                                             std::span<Vec4f> velocity, float h) {
+  if (contact.balls.any()) return apply_rolling_restitution(contact, particles, velocity, h);
   const std::uint32_t i = contact.i, j = contact.j;
   const Vec3f n = contact.normal;
   const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
   const float u_n = dot(n, u);
-  update_tangential_displacement(contact, particles, (u - n * u_n) * h);
+  update_friction_displacement(contact, particles, {(u - n * u_n) * h, {}});
   if (!(contact.normal_sum > 0)) return;
   const float inverse_h = 1 / h;
   const auto [change, restitution_velocity] = solve_restitution(
@@ -461,21 +515,49 @@ void ParticleContacts::apply_restitution_to(Contact& contact, const ParticleView
   contact.depth = max(0.0f, -gap(contact, particles.difference(i, j), unused));
 }
 
+void ParticleContacts::apply_rolling_restitution(Contact& contact, const ParticleView& particles,
+                                                 std::span<Vec4f> velocity, float h) {
+  const std::uint32_t i = contact.i, j = contact.j;
+  const Vec3f n = contact.normal;
+  const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
+  const float inverse_h = 1 / h;
+  const Vec3f slip = cross(u, n) + slip_of(contact, n) * inverse_h, roll = roll_of(contact);
+  update_friction_displacement(contact, particles, {cross(n, slip) * h, roll});
+  if (!(contact.normal_sum > 0)) return;
+  const ContactMaterialPair& material = contact.material;
+  const auto [change, restitution_velocity] = solve_rolling_restitution(
+      {contact.normal_sum, contact.tangent_sum}, contact.moment_sum, n, dot(n, u), slip, roll * inverse_h,
+      contact.balls.response(), -dot(n, contact.predicted) * inverse_h, 2 * step_.gravity * h,
+      material.restitution, material.static_friction, material.kinetic_friction, material.rolling_friction,
+      inverse_h);
+  contact.restitution_velocity = restitution_velocity;
+  const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
+  if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change.position * (w_i / (w_i + w_j)));
+  if (w_j > 0) velocity[j].set_xyz(velocity[j].xyz() - change.position * (w_j / (w_i + w_j)));
+  turn(contact, change.friction * h, change.moment * h);
+  Vec3f unused;
+  contact.depth = max(0.0f, -gap(contact, particles.difference(i, j), unused));
+}
+
 ContactReport ParticleContacts::report() const {
   return report_of(contacts_);
 }
 
-// The displacement starts again at 0 in two cases: the pair slides, at the limit of its kinetic friction, or
-// its gap is at least 2 % of the sum of its radii.
-void ParticleContacts::update_tangential_displacement(const Contact& contact, const ParticleView& particles,
-                                                      const Vec3f& sliding) {
+// A displacement starts again at 0 in two cases: the pair slides or rolls, at the limit of its kinetic or rolling
+// friction, or its gap is at least 2 % of the sum of its radii.
+void ParticleContacts::update_friction_displacement(const Contact& contact, const ParticleView& particles,
+                                                    const FrictionDisplacement& change) {
   Vec3f n;
   const bool near = gap(contact, particles.difference(contact.i, contact.j), n) < 0.02f * contact.radius_sum;
-  const bool slides =
-      contact.normal_sum > 0 &&
-      length(contact.tangent_sum) > 0.999f * contact.material.kinetic_friction * contact.normal_sum;
-  Vec3f& tangential_displacement = tangential_displacement_[contact.pair];
-  tangential_displacement = near && !slides ? tangential_displacement + sliding : Vec3f{};
+  const auto at_limit = [&](const Vec3f& sum, float friction) {
+    return contact.normal_sum > 0 && length(sum) > 0.999f * friction * contact.normal_sum;
+  };
+  auto& [sliding, rolling] = displacement_[contact.pair];
+  const bool slides = at_limit(contact.tangent_sum, contact.material.kinetic_friction);
+  const bool rolls = at_limit(contact.moment_sum, contact.material.rolling_friction) ||
+                     !(contact.material.rolling_friction > 0);
+  sliding = near && !slides ? sliding + change.sliding : Vec3f{};
+  rolling = near && !rolls ? rolling + change.rolling : Vec3f{};
 }
 
 void ParticleContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
@@ -536,7 +618,7 @@ void ParticleContacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
 
 std::size_t ParticleContacts::bytes() const {
   return bytes_of(excluded_, boxes_, members_, broad_phase_position_, cells_, bucket_begin_, entries_, pairs_,
-                  tangential_displacement_, friction_cache_, contacts_);
+                  displacement_, friction_cache_, contacts_);
 }
 
 }  // namespace souple

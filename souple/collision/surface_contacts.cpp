@@ -1,5 +1,6 @@
 #include "souple/collision/surface_contacts.h"
 
+#include "souple/collision/contact_law.h"
 #include "souple/collision/continuous.h"
 #include "souple/collision/kernels/find_kernels.h"
 #include "souple/collision/nearest.h"
@@ -354,6 +355,13 @@ void SurfaceContacts::describe(bool edges, std::size_t begin, std::size_t end, c
     out.static_friction[c] = surface.static_friction;
     out.kinetic_friction[c] = surface.kinetic_friction;
     out.restitution[c] = surface.restitution;
+    if (step_.turn.empty()) continue;
+    const std::uint32_t ball = pair.particle[0];
+    out.share[c] = pairs_.surface(pairs_.surface_of(ball)).rolls
+                       ? inverse_inertia_factor * particles.inverse_mass(ball) / out.inverse_mass[c]
+                       : 0.0f;
+    out.rolling_friction[c] = surface.rolling_friction;
+    for (float* const sum : out.moment_sum) sum[c] = 0;
   }
 }
 

@@ -19,7 +19,7 @@ namespace {
 ContactObject contact_object(const Object& object) {
   constexpr std::uint32_t balls = 1;
   ContactObject result{.begin = object.begin, .end = object.end, .groups = 0};
-  result.self_collision = object.kind == ObjectKind::grains;
+  result.self_collision = result.rolls = object.kind == ObjectKind::grains;
   result.collides_with_colliders = object.kind != ObjectKind::fluid;  // see fluids.h
   if (is_particle_only(object) && object.kind != ObjectKind::fluid) result.groups = result.mask = balls;
   return result;
@@ -47,7 +47,8 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
       .mask = object.filter.mask,
       .immovable = object.kind == ObjectKind::obstacle,
       .layer = object.layer,
-      .rest = object.rest};
+      .rest = object.rest,
+      .rolls = object.kind == ObjectKind::grains};
   for (std::uint32_t other = 0; other < world.objects.size(); ++other)
     if (other != index && !matrix.collide(index, other)) result.ignored_surfaces.push_back(other);
   return result;
@@ -74,6 +75,10 @@ ContactMaterial contact_material_of(const Material& material) {
   if (const auto* soft = std::get_if<SoftBodyMaterial>(&material))
     return {.friction = soft->friction,
             .restitution = soft->restitution > elastic_restitution ? soft->restitution : 0};
+  if (const auto* grains = std::get_if<GrainsMaterial>(&material))
+    return {.friction = grains->friction,
+            .restitution = grains->restitution,
+            .rolling_friction = grains->rolling_friction};
   return std::visit(
       [](const auto& m) { return ContactMaterial{.friction = m.friction, .restitution = m.restitution}; },
       material);
@@ -217,7 +222,8 @@ void find_candidates(WorldState& world, double dt) {
   const ContactStep step{.time = world.time,
                          .dt = static_cast<float>(dt),
                          .gravity = length(world.settings.gravity),
-                         .h = static_cast<float>(dt / world.settings.substeps)};
+                         .h = static_cast<float>(dt / world.settings.substeps),
+                         .turn = world.particles.turn};
   ContactTables& tables = world.tables;
   Particles& particles = world.particles;
   predict_obstacles(world, dt);

@@ -162,6 +162,7 @@ void validate(const GrainsMaterial& m, std::string_view owner) {
   check_all(owner, {{"radius", double(m.radius), min_positive, any},
                     {"density", double(m.density), min_positive, any},
                     {"friction", double(m.friction), 0, any},
+                    {"rolling_friction", double(m.rolling_friction), 0, any},
                     {"restitution", double(m.restitution), 0, 1},
                     {"damping", double(m.damping), 0, any}});
 }
