@@ -439,48 +439,95 @@ ParticleContacts::BallRotation ParticleContacts::rotation_of(const Member& a, co
   if (step_.turn.empty() || !(rolls_i || rolls_j)) return {};
   const float r_i = radius_[a.particle], r_j = radius_[b.particle];
   const float w_i = particles.inverse_mass(a.particle), w_j = particles.inverse_mass(b.particle);
-  const float arm = rolls_i && rolls_j ? 2 * r_i * r_j / (r_i + r_j) : rolls_i ? r_i : r_j;
-  const float share = inverse_inertia_factor / (w_i + w_j);
-  return {rolls_i ? share * w_i : 0.0f, rolls_j ? share * w_j : 0.0f, arm / r_i, arm / r_j};
-}
-
-// Rotation of i relative to j, times the moment arm [m].
-Vec3f ParticleContacts::roll_of(const Contact& contact) const {
-  return step_.turn[contact.i].xyz() * contact.balls.arm_i -
-         step_.turn[contact.j].xyz() * contact.balls.arm_j;
-}
-
-// Displacement by rotation of i relative to j at the point of contact, cross n [m].
-Vec3f ParticleContacts::slip_of(const Contact& contact, const Vec3f& n) const {
-  const Vec3f sum = step_.turn[contact.i].xyz() + step_.turn[contact.j].xyz();
-  return sum - n * dot(n, sum);
+  const float r0 = rolls_i && rolls_j ? (r_i == r_j ? r_i : 2 * r_i * r_j / (r_i + r_j))
+                   : rolls_i          ? r_i
+                                      : r_j;
+  const float share = inverse_inertia_factor / (w_i + w_j), arm_i = r0 / r_i, arm_j = r0 / r_j;
+  const float share_i = rolls_i ? share * w_i : 0.0f, share_j = rolls_j ? share * w_j : 0.0f;
+  return {share_i,
+          share_j,
+          arm_i,
+          arm_j,
+          {1 + share_i + share_j, share_i * arm_i - share_j * arm_j,
+           share_i * arm_i * arm_i + share_j * arm_j * arm_j}};
 }
 
 void ParticleContacts::turn(const Contact& contact, const Vec3f& friction, const Vec3f& moment) const {
-  const auto [share_i, share_j, arm_i, arm_j] = contact.balls;
+  const BallRotation& balls = contact.balls;
   Vec4f &i = step_.turn[contact.i], &j = step_.turn[contact.j];
-  if (share_i > 0) i.set_xyz(i.xyz() + (friction + moment * arm_i) * share_i);
-  if (share_j > 0) j.set_xyz(j.xyz() + (friction - moment * arm_j) * share_j);
+  if (balls.share_i > 0) i.set_xyz(i.xyz() + (friction + moment * balls.arm_i) * balls.share_i);
+  if (balls.share_j > 0) j.set_xyz(j.xyz() + (friction - moment * balls.arm_j) * balls.share_j);
 }
 
+namespace {
+
+/// Rotation of a pair of balls in the substep: the displacement by it at the point of contact, x_i - x_j as a vector,
+/// and i relative to j, times the moment arm [m].
+struct Rotation {
+  Vec3f slip, roll;
+};
+
+Rotation rotation_between(const Vec3f& turn_i, const Vec3f& turn_j, float arm_i, float arm_j,
+                          const Vec3f& n) {
+  return {cross(n, turn_i + turn_j), turn_i * arm_i - turn_j * arm_j};
+}
+
+// As within_friction; without a root where it sticks, as most contacts do.
+Vec3f limited(const Vec3f& sticking, float static_limit, float kinetic_limit) {
+  const float squared = dot(sticking, sticking);
+  return squared <= static_limit * static_limit ? sticking : sticking * (kinetic_limit / sqrt(squared));
+}
+
+/// Sums of the corrections of friction: T and G (contact_law.h).
+struct PairFriction {
+  Vec3f tangent, moment;
+};
+
+// solve_rolling for a pair of balls. Rolling and sliding of equal balls are independent (c = 0).
+PairFriction solve_pair(const PairFriction& sums, const RollingResponse<float>& response, const Vec3f& n,
+                        const Vec3f& slip, const Vec3f& roll, const ContactMaterialPair& material,
+                        float normal) {
+  const auto& [A, c, B] = response;
+  const float mu_s = material.static_friction, mu_k = material.kinetic_friction,
+              mu_r = material.rolling_friction;
+  if (c != 0) {
+    const auto [friction, moment] = solve_rolling<float>({cross(sums.tangent, n), sums.moment}, response, n,
+                                                         cross(slip, n), roll, mu_s, mu_k, mu_r, normal);
+    return {cross(n, friction), moment};
+  }
+  const Vec3f tangent = sums.tangent - slip * (1 / A);
+  const float moment_limit = mu_r * normal;
+  return {limited(tangent - n * dot(n, tangent), mu_s * normal, mu_k * normal),
+          moment_limit > 0 ? limited(sums.moment - roll * (1 / B), moment_limit, moment_limit) : Vec3f{}};
+}
+
+}  // namespace
+
+// As project_one. A contact that does not push has neither friction nor moment.
 void ParticleContacts::project_rolling(Contact& contact, float C, const Vec3f& n,
                                        const ParticleView& particles) const {
   const std::uint32_t i = contact.i, j = contact.j;
+  const BallRotation& balls = contact.balls;
   const FrictionDisplacement& displacement = displacement_[contact.pair];
-  const ContactMaterialPair& material = contact.material;
-  ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
+  const auto [slip, roll] =
+      rotation_between(step_.turn[i].xyz(), step_.turn[j].xyz(), balls.arm_i, balls.arm_j, n);
   const Vec3f moved = particles.moved(i) - particles.moved(j) + displacement.sliding;
-  const auto [dx, friction, moment] = solve_rolling_contact(
-      sums, contact.moment_sum, C, contact.slop, n, cross(moved, n) + slip_of(contact, n),
-      roll_of(contact) + displacement.rolling, contact.balls.response(), material.static_friction,
-      material.kinetic_friction, material.rolling_friction);
-  contact.normal_sum = sums.normal_sum;
-  contact.tangent_sum = sums.tangent_sum;
+  const float dn = max(contact.slop - C, -contact.normal_sum), normal_sum = contact.normal_sum + dn;
+  const PairFriction before{contact.tangent_sum, contact.moment_sum};
+  PairFriction after{};
+  if (normal_sum > 0)
+    after = solve_pair(before, balls.response, n, moved + slip, roll + displacement.rolling, contact.material,
+                       normal_sum);
+  contact.normal_sum = max(normal_sum, 0.0f);
+  contact.tangent_sum = after.tangent;
+  contact.moment_sum = after.moment;
   contact.normal = n;
+  const Vec3f tangent = after.tangent - before.tangent, dx = n * dn + tangent;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
-  if (w_i > 0) particles.correct(i, dx * (w_i / (w_i + w_j)));
-  if (w_j > 0) particles.correct(j, dx * (-w_j / (w_i + w_j)));
-  turn(contact, friction, moment);
+  const float share = 1 / (w_i + w_j);
+  if (w_i > 0) particles.correct(i, dx * (w_i * share));
+  if (w_j > 0) particles.correct(j, dx * (-w_j * share));
+  turn(contact, cross(tangent, n), after.moment - before.moment);
 }
 
 void ParticleContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
@@ -519,22 +566,25 @@ void ParticleContacts::apply_rolling_restitution(Contact& contact, const Particl
                                                  std::span<Vec4f> velocity, float h) {
   const std::uint32_t i = contact.i, j = contact.j;
   const Vec3f n = contact.normal;
+  const BallRotation& balls = contact.balls;
   const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
-  const float inverse_h = 1 / h;
-  const Vec3f slip = cross(u, n) + slip_of(contact, n) * inverse_h, roll = roll_of(contact);
-  update_friction_displacement(contact, particles, {cross(n, slip) * h, roll});
+  const float inverse_h = 1 / h, u_n = dot(n, u);
+  const auto [slip, roll] =
+      rotation_between(step_.turn[i].xyz(), step_.turn[j].xyz(), balls.arm_i, balls.arm_j, n);
+  update_friction_displacement(contact, particles, {(u - n * u_n) * h + slip, roll});
   if (!(contact.normal_sum > 0)) return;
-  const ContactMaterialPair& material = contact.material;
-  const auto [change, restitution_velocity] = solve_rolling_restitution(
-      {contact.normal_sum, contact.tangent_sum}, contact.moment_sum, n, dot(n, u), slip, roll * inverse_h,
-      contact.balls.response(), -dot(n, contact.predicted) * inverse_h, 2 * step_.gravity * h,
-      material.restitution, material.static_friction, material.kinetic_friction, material.rolling_friction,
-      inverse_h);
-  contact.restitution_velocity = restitution_velocity;
+  const float approach = -dot(n, contact.predicted) * inverse_h, normal_sum = contact.normal_sum * inverse_h;
+  const float target = approach > 2 * step_.gravity * h ? contact.material.restitution * approach : 0.0f;
+  contact.restitution_velocity = max(target - u_n, -normal_sum);
+  const PairFriction before{contact.tangent_sum * inverse_h, contact.moment_sum * inverse_h};
+  const PairFriction after = solve_pair(before, balls.response, n, u + slip * inverse_h, roll * inverse_h,
+                                        contact.material, normal_sum + contact.restitution_velocity);
+  const Vec3f tangent = after.tangent - before.tangent, change = n * contact.restitution_velocity + tangent;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
-  if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change.position * (w_i / (w_i + w_j)));
-  if (w_j > 0) velocity[j].set_xyz(velocity[j].xyz() - change.position * (w_j / (w_i + w_j)));
-  turn(contact, change.friction * h, change.moment * h);
+  const float share = 1 / (w_i + w_j);
+  if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i * share));
+  if (w_j > 0) velocity[j].set_xyz(velocity[j].xyz() - change * (w_j * share));
+  turn(contact, cross(tangent, n) * h, (after.moment - before.moment) * h);
   Vec3f unused;
   contact.depth = max(0.0f, -gap(contact, particles.difference(i, j), unused));
 }
@@ -550,7 +600,8 @@ void ParticleContacts::update_friction_displacement(const Contact& contact, cons
   Vec3f n;
   const bool near = gap(contact, particles.difference(contact.i, contact.j), n) < 0.02f * contact.radius_sum;
   const auto at_limit = [&](const Vec3f& sum, float friction) {
-    return contact.normal_sum > 0 && length(sum) > 0.999f * friction * contact.normal_sum;
+    const float limit = 0.999f * friction * contact.normal_sum;
+    return contact.normal_sum > 0 && dot(sum, sum) > limit * limit;
   };
   auto& [sliding, rolling] = displacement_[contact.pair];
   const bool slides = at_limit(contact.tangent_sum, contact.material.kinetic_friction);

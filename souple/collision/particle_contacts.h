@@ -119,11 +119,8 @@ class ParticleContacts final : public Projector {
   /// How a contact rotates its balls (contact_law.h).
   struct BallRotation {
     float share_i = 0, share_j = 0, arm_i = 0, arm_j = 0;
+    RollingResponse<float> response{1, 0, 0};
     bool any() const { return share_i + share_j > 0; }
-    RollingResponse<float> response() const {
-      return {1 + share_i + share_j, share_i * arm_i - share_j * arm_j,
-              share_i * arm_i * arm_i + share_j * arm_j * arm_j};
-    }
   };
   struct Contact {
     std::uint32_t i, j, pair;
@@ -199,8 +196,6 @@ class ParticleContacts final : public Projector {
   void update_friction_displacement(const Contact& contact, const ParticleView& particles,
                                     const FrictionDisplacement& change);
   BallRotation rotation_of(const Member& a, const Member& b, const ParticleView& particles) const;
-  Vec3f roll_of(const Contact& contact) const;
-  Vec3f slip_of(const Contact& contact, const Vec3f& n) const;
   void turn(const Contact& contact, const Vec3f& friction, const Vec3f& moment) const;
   template <class Vector>
   float largest_from_mean(const Vector& vector, Threads& threads);

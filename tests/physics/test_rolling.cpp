@@ -42,8 +42,9 @@ Motion theory(double tangent, double mu, double mu_r, double normal) {
 }
 
 Motion roll(const Surface& surface, const Settings& settings, double slope, float mu, float mu_r) {
-  World world(settings);
-  world.set_gravity({float(g * std::sin(slope)), float(-g * std::cos(slope)), 0});
+  Settings sloped = settings;
+  sloped.gravity = {float(g * std::sin(slope)), float(-g * std::cos(slope)), 0};
+  World world(sloped);
   surface.add(world, mu);
   const Vec3d start[] = {{-4.33, radius, 0.01}};
   const ObjectId ball =
