@@ -376,6 +376,7 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   Contact contact{
       i,     j, pair,   radius_sum, rotation_of(a, b, particles), materials_->at(a.object, b.object),
       false, 0, motion, {0, 1, 0}};
+  contact.displacement = displacement_[pair];
   if (start_distance > 0) contact.normal = from * (1 / start_distance);
   const float overlap = start_distance - radius_sum;
   if (overlap < 0) {
@@ -421,7 +422,7 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
   if (contact.balls.any()) return project_rolling(contact, C, n, particles);
   ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
-  const Vec3f moved = particles.moved(i) - particles.moved(j) + displacement_[contact.pair].sliding;
+  const Vec3f moved = particles.moved(i) - particles.moved(j) + contact.displacement.sliding;
   const Vec3f dx = solve_contact(sums, C, contact.slop, n, moved, contact.material);
   contact.normal_sum = sums.normal_sum;
   contact.tangent_sum = sums.tangent_sum;
@@ -432,6 +433,10 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   if (w_j > 0) particles.correct(j, dx * (-w_j / (w_i + w_j)));
 }
 
+// Shares of two equal balls are 5/4.
+constexpr ParticleContacts::BallRotation ParticleContacts::equal_balls{1.25f,    1.25f,    1, 1,
+                                                                       1 / 3.5f, 1 / 2.5f, 0};
+
 // The moment arm r0 is the radius of the ball, or the harmonic mean of both: equal balls have that of one.
 ParticleContacts::BallRotation ParticleContacts::rotation_of(const Member& a, const Member& b,
                                                              const ParticleView& particles) const {
@@ -439,17 +444,18 @@ ParticleContacts::BallRotation ParticleContacts::rotation_of(const Member& a, co
   if (step_.turn.empty() || !(rolls_i || rolls_j)) return {};
   const float r_i = radius_[a.particle], r_j = radius_[b.particle];
   const float w_i = particles.inverse_mass(a.particle), w_j = particles.inverse_mass(b.particle);
-  const float r0 = rolls_i && rolls_j ? (r_i == r_j ? r_i : 2 * r_i * r_j / (r_i + r_j))
-                   : rolls_i          ? r_i
-                                      : r_j;
+  if (rolls_i && rolls_j && r_i == r_j && w_i == w_j) return equal_balls;
+  const float r0 = rolls_i && rolls_j ? 2 * r_i * r_j / (r_i + r_j) : rolls_i ? r_i : r_j;
   const float share = inverse_inertia_factor / (w_i + w_j), arm_i = r0 / r_i, arm_j = r0 / r_j;
   const float share_i = rolls_i ? share * w_i : 0.0f, share_j = rolls_j ? share * w_j : 0.0f;
+  const float B = share_i * arm_i * arm_i + share_j * arm_j * arm_j;
   return {share_i,
           share_j,
           arm_i,
           arm_j,
-          {1 + share_i + share_j, share_i * arm_i - share_j * arm_j,
-           share_i * arm_i * arm_i + share_j * arm_j * arm_j}};
+          1 / (1 + share_i + share_j),
+          B > 0 ? 1 / B : 0.0f,
+          share_i * arm_i - share_j * arm_j};
 }
 
 void ParticleContacts::turn(const Contact& contact, const Vec3f& friction, const Vec3f& moment) const {
@@ -484,21 +490,24 @@ struct PairFriction {
 };
 
 // solve_rolling for a pair of balls. Rolling and sliding of equal balls are independent (c = 0).
-PairFriction solve_pair(const PairFriction& sums, const RollingResponse<float>& response, const Vec3f& n,
-                        const Vec3f& slip, const Vec3f& roll, const ContactMaterialPair& material,
-                        float normal) {
-  const auto& [A, c, B] = response;
-  const float mu_s = material.static_friction, mu_k = material.kinetic_friction,
-              mu_r = material.rolling_friction;
-  if (c != 0) {
-    const auto [friction, moment] = solve_rolling<float>({cross(sums.tangent, n), sums.moment}, response, n,
-                                                         cross(slip, n), roll, mu_s, mu_k, mu_r, normal);
+template <class Balls>
+[[gnu::always_inline]] inline PairFriction solve_pair(const PairFriction& sums, const Balls& balls,
+                                                      const Vec3f& n, const Vec3f& slip, const Vec3f& roll,
+                                                      const ContactMaterialPair& material, float normal) {
+  const float mu_s = material.static_friction, mu_k = material.kinetic_friction;
+  const float moment_limit = material.rolling_friction * normal;
+  if (balls.c != 0) {
+    const RollingResponse<float> response{1 / balls.inverse_A, balls.c, 1 / balls.inverse_B};
+    const auto [friction, moment] =
+        solve_rolling<float>({cross(sums.tangent, n), sums.moment}, response, n, cross(slip, n), roll, mu_s,
+                             mu_k, material.rolling_friction, normal);
     return {cross(n, friction), moment};
   }
-  const Vec3f tangent = sums.tangent - slip * (1 / A);
-  const float moment_limit = mu_r * normal;
-  return {limited(tangent - n * dot(n, tangent), mu_s * normal, mu_k * normal),
-          moment_limit > 0 ? limited(sums.moment - roll * (1 / B), moment_limit, moment_limit) : Vec3f{}};
+  const Vec3f tangent = sums.tangent - slip * balls.inverse_A;
+  PairFriction result{limited(tangent - n * dot(n, tangent), mu_s * normal, mu_k * normal), {}};
+  if (moment_limit > 0)
+    result.moment = limited(sums.moment - roll * balls.inverse_B, moment_limit, moment_limit);
+  return result;
 }
 
 }  // namespace
@@ -508,7 +517,7 @@ void ParticleContacts::project_rolling(Contact& contact, float C, const Vec3f& n
                                        const ParticleView& particles) const {
   const std::uint32_t i = contact.i, j = contact.j;
   const BallRotation& balls = contact.balls;
-  const FrictionDisplacement& displacement = displacement_[contact.pair];
+  const FrictionDisplacement& displacement = contact.displacement;
   const auto [slip, roll] =
       rotation_between(step_.turn[i].xyz(), step_.turn[j].xyz(), balls.arm_i, balls.arm_j, n);
   const Vec3f moved = particles.moved(i) - particles.moved(j) + displacement.sliding;
@@ -516,8 +525,8 @@ void ParticleContacts::project_rolling(Contact& contact, float C, const Vec3f& n
   const PairFriction before{contact.tangent_sum, contact.moment_sum};
   PairFriction after{};
   if (normal_sum > 0)
-    after = solve_pair(before, balls.response, n, moved + slip, roll + displacement.rolling, contact.material,
-                       normal_sum);
+    after =
+        solve_pair(before, balls, n, moved + slip, roll + displacement.rolling, contact.material, normal_sum);
   contact.normal_sum = max(normal_sum, 0.0f);
   contact.tangent_sum = after.tangent;
   contact.moment_sum = after.moment;
@@ -548,7 +557,9 @@ void ParticleContacts::apply_restitution_to(Contact& contact, const ParticleView
   const Vec3f n = contact.normal;
   const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
   const float u_n = dot(n, u);
-  update_friction_displacement(contact, particles, {(u - n * u_n) * h, {}});
+  Vec3f unused;
+  const float C = gap(contact, particles.difference(i, j), unused);
+  update_friction_displacement(contact, C, {(u - n * u_n) * h, {}});
   if (!(contact.normal_sum > 0)) return;
   const float inverse_h = 1 / h;
   const auto [change, restitution_velocity] = solve_restitution(
@@ -558,8 +569,7 @@ void ParticleContacts::apply_restitution_to(Contact& contact, const ParticleView
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
   if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i / (w_i + w_j)));
   if (w_j > 0) velocity[j].set_xyz(velocity[j].xyz() - change * (w_j / (w_i + w_j)));
-  Vec3f unused;
-  contact.depth = max(0.0f, -gap(contact, particles.difference(i, j), unused));
+  contact.depth = max(0.0f, -C);
 }
 
 void ParticleContacts::apply_rolling_restitution(Contact& contact, const ParticleView& particles,
@@ -571,13 +581,15 @@ void ParticleContacts::apply_rolling_restitution(Contact& contact, const Particl
   const float inverse_h = 1 / h, u_n = dot(n, u);
   const auto [slip, roll] =
       rotation_between(step_.turn[i].xyz(), step_.turn[j].xyz(), balls.arm_i, balls.arm_j, n);
-  update_friction_displacement(contact, particles, {(u - n * u_n) * h + slip, roll});
+  Vec3f unused;
+  const float C = gap(contact, particles.difference(i, j), unused);
+  update_friction_displacement(contact, C, {(u - n * u_n) * h + slip, roll});
   if (!(contact.normal_sum > 0)) return;
   const float approach = -dot(n, contact.predicted) * inverse_h, normal_sum = contact.normal_sum * inverse_h;
   const float target = approach > 2 * step_.gravity * h ? contact.material.restitution * approach : 0.0f;
   contact.restitution_velocity = max(target - u_n, -normal_sum);
   const PairFriction before{contact.tangent_sum * inverse_h, contact.moment_sum * inverse_h};
-  const PairFriction after = solve_pair(before, balls.response, n, u + slip * inverse_h, roll * inverse_h,
+  const PairFriction after = solve_pair(before, balls, n, u + slip * inverse_h, roll * inverse_h,
                                         contact.material, normal_sum + contact.restitution_velocity);
   const Vec3f tangent = after.tangent - before.tangent, change = n * contact.restitution_velocity + tangent;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
@@ -585,8 +597,7 @@ void ParticleContacts::apply_rolling_restitution(Contact& contact, const Particl
   if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i * share));
   if (w_j > 0) velocity[j].set_xyz(velocity[j].xyz() - change * (w_j * share));
   turn(contact, cross(tangent, n) * h, (after.moment - before.moment) * h);
-  Vec3f unused;
-  contact.depth = max(0.0f, -gap(contact, particles.difference(i, j), unused));
+  contact.depth = max(0.0f, -C);
 }
 
 ContactReport ParticleContacts::report() const {
@@ -595,10 +606,9 @@ ContactReport ParticleContacts::report() const {
 
 // A displacement starts again at 0 in two cases: the pair slides or rolls, at the limit of its kinetic or rolling
 // friction, or its gap is at least 2 % of the sum of its radii.
-void ParticleContacts::update_friction_displacement(const Contact& contact, const ParticleView& particles,
+void ParticleContacts::update_friction_displacement(const Contact& contact, float C,
                                                     const FrictionDisplacement& change) {
-  Vec3f n;
-  const bool near = gap(contact, particles.difference(contact.i, contact.j), n) < 0.02f * contact.radius_sum;
+  const bool near = C < 0.02f * contact.radius_sum;
   const auto at_limit = [&](const Vec3f& sum, float friction) {
     const float limit = 0.999f * friction * contact.normal_sum;
     return contact.normal_sum > 0 && dot(sum, sum) > limit * limit;

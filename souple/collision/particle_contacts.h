@@ -119,7 +119,7 @@ class ParticleContacts final : public Projector {
   /// How a contact rotates its balls (contact_law.h).
   struct BallRotation {
     float share_i = 0, share_j = 0, arm_i = 0, arm_j = 0;
-    RollingResponse<float> response{1, 0, 0};
+    float inverse_A = 1, inverse_B = 0, c = 0;  // of RollingResponse
     bool any() const { return share_i + share_j > 0; }
   };
   struct Contact {
@@ -127,15 +127,16 @@ class ParticleContacts final : public Projector {
     float radius_sum;  // r_i + r_j [m]
     BallRotation balls;
     ContactMaterialPair material;
-    bool fixed_normal;               // the normal does not change in the substep
-    float slop;                      // target of C, at most 0: old overlaps are removed slowly [m]
-    Vec3f predicted;                 // motion of i relative to j before any projection [m]
-    Vec3f normal;                    // from j to i, of the last projection
-    float normal_sum = 0;            // sum of normal corrections of x_i - x_j [m]
-    Vec3f tangent_sum{};             // sum of tangential corrections of x_i - x_j [m]
-    Vec3f moment_sum{};              // G: sum of rolling friction (contact_law.h) [m]
-    float restitution_velocity = 0;  // relative normal velocity that apply_restitution added [m/s]
-    float depth = 0;                 // remaining overlap, of contacts with a normal impulse [m]
+    bool fixed_normal;                    // the normal does not change in the substep
+    float slop;                           // target of C, at most 0: old overlaps are removed slowly [m]
+    Vec3f predicted;                      // motion of i relative to j before any projection [m]
+    Vec3f normal;                         // from j to i, of the last projection
+    float normal_sum = 0;                 // sum of normal corrections of x_i - x_j [m]
+    Vec3f tangent_sum{};                  // sum of tangential corrections of x_i - x_j [m]
+    Vec3f moment_sum{};                   // G: sum of rolling friction (contact_law.h) [m]
+    FrictionDisplacement displacement{};  // of the pair, at the substep's start
+    float restitution_velocity = 0;       // relative normal velocity that apply_restitution added [m/s]
+    float depth = 0;                      // remaining overlap, of contacts with a normal impulse [m]
   };
   /// Contacts [begin, end).
   struct Range {
@@ -193,8 +194,8 @@ class ParticleContacts final : public Projector {
                             float h);
   void apply_rolling_restitution(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity,
                                  float h);
-  void update_friction_displacement(const Contact& contact, const ParticleView& particles,
-                                    const FrictionDisplacement& change);
+  void update_friction_displacement(const Contact& contact, float C, const FrictionDisplacement& change);
+  static const BallRotation equal_balls;
   BallRotation rotation_of(const Member& a, const Member& b, const ParticleView& particles) const;
   void turn(const Contact& contact, const Vec3f& friction, const Vec3f& moment) const;
   template <class Vector>

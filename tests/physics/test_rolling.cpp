@@ -46,7 +46,7 @@ Motion roll(const Surface& surface, const Settings& settings, double slope, floa
   sloped.gravity = {float(g * std::sin(slope)), float(-g * std::cos(slope)), 0};
   World world(sloped);
   surface.add(world, mu);
-  const Vec3d start[] = {{-4.33, radius, 0.01}};
+  const Vec3d start[] = {{0.33, radius, 0.01}};
   const ObjectId ball =
       world.add_grains(start, {.radius = float(radius), .friction = mu, .rolling_friction = mu_r});
   EXPECT_TRUE(run(world, 60, 1.0 / 60));
@@ -86,7 +86,7 @@ TEST(Rolling, FrictionStopsABall) {
     for (const float mu_r : {0.05f, 0.2f}) {
       World world;
       surface.add(world, 0.8f);
-      const Vec3d start[] = {{-4.33, radius, 0.01}};
+      const Vec3d start[] = {{0.33, radius, 0.01}};
       const ObjectId ball =
           world.add_grains(start, {.radius = float(radius), .friction = 0.8f, .rolling_friction = mu_r},
                            {.velocity = {2, 0, 0}});
