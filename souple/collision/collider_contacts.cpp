@@ -61,6 +61,7 @@ kernels::ColliderContactColumns ColliderContacts::Contacts::columns() {
   set(result.slop), set3(result.predicted), set(result.normal_sum), set3(result.tangent_sum);
   set3(result.normal), set3(result.surface_motion), set(result.restitution_velocity), set(result.depth);
   set(result.plane_gap);
+  set(result.share), set(result.radius), set(result.rolling_friction), set3(result.moment_sum);
   return result;
 }
 
@@ -248,6 +249,11 @@ void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, 
             kinetic_friction_at(material, relative_motion(body, columns.particle[contact], particles),
                                 2 * step_.gravity * last_h_ * last_h_);
       columns.restitution[contact] = material.restitution;
+      if (step_.turn.empty()) continue;
+      columns.share[contact] = objects_[candidates_.object[candidate]].rolls ? inverse_inertia_factor : 0.0f;
+      columns.radius[contact] = radius_[candidates_.particle[candidate]];
+      columns.rolling_friction[contact] = material.rolling_friction;
+      for (float* const sum : columns.moment_sum) sum[contact] = 0;
     }
     kernels_->describe(packed, body.packed, limits(), columns, body.contact_begin + begin,
                        body.contact_begin + end);
@@ -260,11 +266,17 @@ kernels::ColliderContactLimits ColliderContacts::limits() const {
           .depenetration = step_.depenetration_speed * last_h_};
 }
 
+kernels::ColliderParticles ColliderContacts::rolling_particles(const ParticleView& particles) const {
+  kernels::ColliderParticles packed = packed_particles(particles);
+  packed.turn = step_.turn.empty() ? nullptr : &step_.turn.data()->x;
+  return packed;
+}
+
 void ColliderContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                                const Substep&) {
   const Body& body = bodies_[static_cast<std::size_t>(color)];
-  kernels_->project(packed_particles(particles), body.packed, contacts_.columns(), body.contact_begin + begin,
-                    body.contact_begin + end);
+  kernels_->project(rolling_particles(particles), body.packed, contacts_.columns(),
+                    body.contact_begin + begin, body.contact_begin + end);
 }
 
 bool ColliderContacts::removes_overlaps() const {
@@ -299,7 +311,7 @@ void ColliderContacts::project_some(const ParticleView& particles, bool again) {
 // Neighbors in order are projected together. Copies what project_again needs.
 void ColliderContacts::project_exactly(const ParticleView& particles) {
   const kernels::ColliderContactColumns columns = contacts_.columns();
-  const kernels::ColliderParticles packed = packed_particles(particles);
+  const kernels::ColliderParticles packed = rolling_particles(particles);
   auto body = bodies_.begin();
   for (std::size_t k = 0, end = 0; k < some_.size(); k = end) {
     while (some_[k] >= body->contact_end) ++body;
@@ -323,7 +335,7 @@ void ColliderContacts::put_back_some() {
 
 void ColliderContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
                                          const Substep&, Threads& threads) {
-  kernels::ColliderParticles packed = packed_particles(particles);
+  kernels::ColliderParticles packed = rolling_particles(particles);
   packed.velocity = velocity.empty() ? nullptr : &velocity.data()->x;
   const kernels::ColliderContactColumns columns = contacts_.columns();
   for (const Body& body : bodies_)

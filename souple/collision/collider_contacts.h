@@ -127,7 +127,7 @@ class ColliderContacts final : public Projector {
 
    private:
     std::vector<std::uint32_t> particle_;
-    std::array<std::vector<float>, 27> floats_;
+    std::array<std::vector<float>, 33> floats_;
   };
 
   const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
@@ -143,6 +143,7 @@ class ColliderContacts final : public Projector {
   void project_exactly(const ParticleView& particles);
   void find_contacts(Body& body, const ParticleView& particles, Threads& threads);
   kernels::ColliderContactLimits limits() const;
+  kernels::ColliderParticles rolling_particles(const ParticleView& particles) const;
   template <class Function>
   void for_each_gap(const ParticleView& particles, const Function& f) const;
 

@@ -2,8 +2,10 @@
 
 #include "souple/collision/segment_triangle/choice.h"
 #include "souple/math/vec3.h"
+#include "souple/state/particles.h"
 
 #include <cstdint>
+#include <span>
 
 // Types that all contact projectors share.
 
@@ -19,6 +21,7 @@ struct ContactObject {
   bool self_collision = false;  ///< between particles of this object
   std::uint32_t groups = 1;     ///< bits; two objects a and b collide when a.groups & b.mask
   std::uint32_t mask = 0;       ///<   and b.groups & a.mask are both non-zero
+  bool rolls = false;           ///< its particles are solid balls that rotate, such as grains
 };
 
 /// How contacts between surfaces are found in a substep.
@@ -40,6 +43,8 @@ struct ContactStep {
   float h = 0;                                      ///< length of a substep; 0: the step has only one [s]
   Detection detection = Detection::continuous;      ///< between surfaces
   SegmentTest segment_test = default_segment_test;  ///< of discrete detection
+  /// Rotation of the particles of objects that roll (Particles::turn); empty: none rolls.
+  std::span<Vec4f> turn{};
 };
 
 /// One contact that applied a normal impulse during the last substep.

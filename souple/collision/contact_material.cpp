@@ -32,6 +32,8 @@ void validate(const ContactMaterial& material, std::string_view where) {
   check(where, "kinetic_friction", material.kinetic_friction.value_or(material.friction), material.friction,
         "a number from 0 to friction");
   check(where, "restitution", material.restitution, 1, "a number from 0 to 1");
+  check(where, "rolling_friction", material.rolling_friction.value_or(0.0f), any,
+        "a finite number of at least 0");
 }
 
 void validate(const ContactMaterialPair& pair, std::string_view where) {
@@ -39,6 +41,7 @@ void validate(const ContactMaterialPair& pair, std::string_view where) {
   check(where, "kinetic friction", pair.kinetic_friction, pair.static_friction,
         "a number from 0 to the static friction");
   check(where, "restitution", pair.restitution, 1, "a number from 0 to 1");
+  check(where, "rolling friction", pair.rolling_friction, any, "a finite number of at least 0");
 }
 
 ContactMaterialPair combine(const ContactMaterial& a, const ContactMaterial& b) {
@@ -59,7 +62,11 @@ const ContactMaterialPair* PairOverrides::find(std::string_view a, std::string_v
 ContactMaterialPair PairOverrides::resolve(const NamedContactMaterial& a,
                                            const NamedContactMaterial& b) const {
   const ContactMaterialPair* exception = find(a.name, b.name);
-  return exception ? *exception : combine(a.material, b.material);
+  ContactMaterialPair result = combine(a.material, b.material);
+  if (exception)
+    result = {exception->static_friction, exception->kinetic_friction, exception->restitution,
+              result.rolling_friction};
+  return result;
 }
 
 void PairOverrides::set_collide(std::string_view a, std::string_view b, bool collide) {
@@ -77,21 +84,29 @@ bool PairOverrides::collide(const NamedContactMaterial& a, const NamedContactMat
 
 ContactMaterialTable::Side ContactMaterialTable::side_of(const NamedContactMaterial& of) {
   return {of.material, std::sqrt(of.material.friction),
-          std::sqrt(of.material.kinetic_friction.value_or(of.material.friction)), of.filter};
+          std::sqrt(of.material.kinetic_friction.value_or(of.material.friction)),
+          std::sqrt(of.material.rolling_friction.value_or(0.0f)), of.filter};
 }
 
 // Root of each factor: the product cannot overflow. Equal frictions are returned unchanged.
+float ContactMaterialTable::mean(float x, float y, float root_of_x, float root_of_y) {
+  return x == y ? x : root_of_x * root_of_y;
+}
+
+float ContactMaterialTable::combined_rolling(const Side& a, const Side& b) {
+  const std::optional<float> x = a.material.rolling_friction, y = b.material.rolling_friction;
+  if (!x || !y) return x.value_or(y.value_or(0.0f));
+  return mean(*x, *y, a.root_of_rolling_friction, b.root_of_rolling_friction);
+}
+
 ContactMaterialPair ContactMaterialTable::combined(const Side& a, const Side& b) {
-  const auto mean = [](float x, float y, float root_of_x, float root_of_y) {
-    return x == y ? x : root_of_x * root_of_y;
-  };
   const float static_friction =
       mean(a.material.friction, b.material.friction, a.root_of_friction, b.root_of_friction);
   const float kinetic_friction = mean(a.material.kinetic_friction.value_or(a.material.friction),
                                       b.material.kinetic_friction.value_or(b.material.friction),
                                       a.root_of_kinetic_friction, b.root_of_kinetic_friction);
   return {static_friction, std::min(kinetic_friction, static_friction),
-          std::max(a.material.restitution, b.material.restitution)};
+          std::max(a.material.restitution, b.material.restitution), combined_rolling(a, b)};
 }
 
 ContactMaterialTable::ContactMaterialTable(std::span<const NamedContactMaterial> rows,
@@ -141,8 +156,11 @@ const ContactMaterialTable::Exception* ContactMaterialTable::find(std::size_t ro
 
 ContactMaterialPair ContactMaterialTable::at(std::size_t row, std::size_t column) const {
   const Exception* const exception = find(row, column);
-  if (exception != nullptr && exception->pair) return *exception->pair;
-  return combined(rows_[row], columns_[column]);
+  const ContactMaterialPair usual = combined(rows_[row], columns_[column]);
+  if (exception == nullptr || !exception->pair) return usual;
+  ContactMaterialPair result = *exception->pair;
+  result.rolling_friction = usual.rolling_friction;
+  return result;
 }
 
 bool ContactMaterialTable::collide(std::size_t row, std::size_t column) const {

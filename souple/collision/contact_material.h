@@ -17,6 +17,9 @@ struct ContactMaterial {
   float friction = 0.5f;                    ///< coefficient of static friction
   std::optional<float> kinetic_friction{};  ///< coefficient; that of static friction when absent
   float restitution = 0;                    ///< coefficient, in [0, 1]
+  /// Of balls that rotate: largest moment of a contact about the ball's center, as a part of radius times normal
+  /// force.
+  std::optional<float> rolling_friction{};
 };
 
 /// Combined coefficients of two materials in contact.
@@ -24,6 +27,7 @@ struct ContactMaterialPair {
   float static_friction = 0;
   float kinetic_friction = 0;  ///< never above static_friction
   float restitution = 0;
+  float rolling_friction = 0;
 };
 
 /// Throws Error when a coefficient is negative or not finite, the kinetic friction is above the static one or
@@ -31,7 +35,8 @@ struct ContactMaterialPair {
 void validate(const ContactMaterial& material, std::string_view where);
 void validate(const ContactMaterialPair& pair, std::string_view where);
 
-/// Default rule for two materials: geometric mean of the frictions, the larger restitution.
+/// Default rule for two materials: geometric mean of the frictions and of the rolling frictions, the larger
+/// restitution. Where only one material has a rolling friction, it counts.
 ContactMaterialPair combine(const ContactMaterial& a, const ContactMaterial& b);
 
 /// Collision groups of an object or a collider, one bit for each of 32: those that it belongs to (`groups`)
@@ -60,6 +65,7 @@ class PairOverrides {
   /// Throws Error when the pair is not valid.
   void set(std::string_view a, std::string_view b, const ContactMaterialPair& pair);
   const ContactMaterialPair* find(std::string_view a, std::string_view b) const;
+  /// An override keeps the rolling friction of the default rule.
   ContactMaterialPair resolve(const NamedContactMaterial& a, const NamedContactMaterial& b) const;
 
   /// Enables or disables collisions of a pair; the default is enabled. The same name twice: disables the
@@ -107,7 +113,7 @@ class ContactMaterialTable {
   friend ContactMaterialPair combine(const ContactMaterial& a, const ContactMaterial& b);
   struct Side {
     ContactMaterial material;
-    float root_of_friction = 0, root_of_kinetic_friction = 0;
+    float root_of_friction = 0, root_of_kinetic_friction = 0, root_of_rolling_friction = 0;
     CollisionFilter filter;
   };
   struct Exception {
@@ -116,6 +122,8 @@ class ContactMaterialTable {
     bool collide = true;
   };
   static Side side_of(const NamedContactMaterial& material);
+  static float mean(float x, float y, float root_of_x, float root_of_y);
+  static float combined_rolling(const Side& a, const Side& b);
   static ContactMaterialPair combined(const Side& a, const Side& b);
   std::span<const Exception> exceptions_of(std::size_t row) const;
   const Exception* find(std::size_t row, std::size_t column) const;

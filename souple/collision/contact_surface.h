@@ -27,6 +27,7 @@ struct ContactSurface {
   std::vector<std::uint32_t> ignored_surfaces{};  ///< indices of surfaces it never collides with, ascending
   /// Rest position of each particle [m]: elements that are near at rest may stay as near.
   std::span<const Vec3d> rest{};
+  bool rolls = false;  ///< its particles are solid balls that rotate; only with particles_only
 };
 
 /// Whether any of them collides with another one or with itself.

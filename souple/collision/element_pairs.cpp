@@ -78,6 +78,7 @@ kernels::ParticleRecords records_of(const ParticleView& particles, std::span<con
 kernels::ParticleRecords ElementPairs::particle_records(const ParticleView& particles) const {
   kernels::ParticleRecords result = records_of(particles, moved_);
   result.contact_margin = contact_margin_.data();
+  result.turn = step_.turn.empty() ? nullptr : &step_.turn.data()->x;
   return result;
 }
 

@@ -419,6 +419,13 @@ void SurfaceContacts::describe(bool edges, std::size_t begin, std::size_t end, c
       out.kinetic_friction[c] = kinetic_friction_at(surface, relative_motion(out, c, particles),
                                                     limits_.restitution_threshold / limits_.inverse_h);
     out.restitution[c] = surface.restitution;
+    if (step_.turn.empty()) continue;
+    const std::uint32_t ball = pair.particle[0];
+    out.share[c] = pairs_.surface(pairs_.surface_of(ball)).rolls
+                       ? inverse_inertia_factor * particles.inverse_mass(ball) / out.inverse_mass[c]
+                       : 0.0f;
+    out.rolling_friction[c] = surface.rolling_friction;
+    for (float* const sum : out.moment_sum) sum[c] = 0;
   }
 }
 

@@ -9,6 +9,7 @@ template <class Function>
 void for_each_array(Particles& p, const Function& f) {
   f(p.position), f(p.offset), f(p.start), f(p.velocity), f(p.mass), f(p.radius), f(p.element_radius),
       f(p.contact_margin);
+  if (p.has_spin()) f(p.spin), f(p.turn);
 }
 
 }  // namespace

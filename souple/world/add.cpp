@@ -99,6 +99,7 @@ void set_motion(WorldState& world, const Object& object, const ObjectOptions& op
     const Vec3d r = object.rest[i - object.begin] - center;
     world.particles.velocity[i].set_xyz(
         Vec3f(Vec3d(options.velocity) + cross(Vec3d(options.angular_velocity), r)));
+    if (object.kind == ObjectKind::grains) world.particles.spin[i].set_xyz(options.angular_velocity);
   }
 }
 
@@ -135,6 +136,7 @@ ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectO
   object.begin = static_cast<std::uint32_t>(particles.size());
   object.end = object.begin + static_cast<std::uint32_t>(object.rest.size());
   particles.resize(object.reserved_end());
+  if (object.kind == ObjectKind::grains && !particles.has_spin()) particles.add_spin();
   world.object_of.resize(object.reserved_end(), static_cast<std::uint32_t>(world.objects.size()));
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const double mass = builder.mass[i - object.begin];

@@ -19,7 +19,7 @@ namespace {
 ContactObject contact_object(const Object& object) {
   constexpr std::uint32_t balls = 1;
   ContactObject result{.begin = object.begin, .end = object.end, .groups = 0};
-  result.self_collision = object.kind == ObjectKind::grains;
+  result.self_collision = result.rolls = object.kind == ObjectKind::grains;
   result.collides_with_colliders = object.kind != ObjectKind::fluid;  // see fluids.h
   if (is_particle_only(object) && object.kind != ObjectKind::fluid) result.groups = result.mask = balls;
   return result;
@@ -47,7 +47,8 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
       .mask = object.filter.mask,
       .immovable = object.kind == ObjectKind::obstacle,
       .layer = object.layer,
-      .rest = object.rest};
+      .rest = object.rest,
+      .rolls = object.kind == ObjectKind::grains};
   matrix.for_each_ignored(index, [&](std::uint32_t other) {
     if (other != index) result.ignored_surfaces.push_back(other);
   });
@@ -80,6 +81,7 @@ ContactMaterial contact_material_of(const Material& material) {
       [](const auto& m) {
         ContactMaterial result{.friction = m.friction, .restitution = m.restitution};
         if constexpr (requires { m.kinetic_friction; }) result.kinetic_friction = m.kinetic_friction;
+        if constexpr (requires { m.rolling_friction; }) result.rolling_friction = m.rolling_friction;
         return result;
       },
       material);
@@ -230,7 +232,8 @@ void find_candidates(WorldState& world, double dt) {
                          .gravity = length(world.settings.gravity),
                          .h = static_cast<float>(dt / world.settings.substeps),
                          .detection = world.settings.detection,
-                         .segment_test = world.settings.segment_test};
+                         .segment_test = world.settings.segment_test,
+                         .turn = world.particles.turn};
   ContactTables& tables = world.tables;
   Particles& particles = world.particles;
   predict_obstacles(world, dt);

@@ -28,6 +28,7 @@ void restore_last_valid(WorldState& world) {
   particles.position = world.last_valid_position;
   particles.offset = world.last_valid_offset;
   particles.velocity = world.last_valid_velocity;
+  particles.spin = world.last_valid_spin;
   update_sleeping_masses(world);
   world.warn(Flag::non_finite, fmt::format("{}, vertex {}: {}", object.name, world.report.bad_vertex,
                                            advice(Flag::non_finite)));
@@ -257,6 +258,7 @@ void save_last_valid(WorldState& world) {
   keep(particles.position, world.last_valid_position);
   keep(particles.offset, world.last_valid_offset);
   keep(particles.velocity, world.last_valid_velocity);
+  keep(particles.spin, world.last_valid_spin);
   SOUPLE_ASSERT(world.last_valid_offset.size() == particles.size(), "arrays of particles have one length");
 }
 

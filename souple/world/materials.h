@@ -89,6 +89,9 @@ struct GrainsMaterial {
   float density = 1600;  ///< of one grain [kg/m^3]
   float friction = 0.6f;
   std::optional<float> kinetic_friction{};
+  /// Largest moment of a contact against rolling, as a part of radius times normal force. Between two grains the
+  /// radius is the harmonic mean of theirs. 0: perfect spheres; from about 1 on grains slide but do not roll.
+  float rolling_friction = 0.1f;
   float restitution = 0;
   float damping = 0;  ///< 1/s
 };

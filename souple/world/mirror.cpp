@@ -100,6 +100,18 @@ std::span<const Vec3f> World::velocities(ObjectId id) const {
   return mirror.velocities;
 }
 
+std::span<const Vec3f> World::angular_velocities(ObjectId id) const {
+  const WorldState& world = impl_->state;
+  const Object& object = world.object(id);
+  if (object.kind != ObjectKind::grains) return {};
+  Mirror& mirror = world.mirrors[id.value];
+  if (mirror.angular_velocities_version == world.version) return mirror.angular_velocities;
+  fill(object, mirror.angular_velocities,
+       [&](std::size_t i) { return Vec3d(world.particles.spin[i].xyz()); });
+  mirror.angular_velocities_version = world.version;
+  return mirror.angular_velocities;
+}
+
 std::span<const Vec3f> World::normals(ObjectId id) const {
   const WorldState& world = impl_->state;
   const std::vector<Triangle>& triangles = world.object(id).mesh.triangles;

@@ -6,6 +6,7 @@
 #include "souple/world/damping.h"
 #include "souple/world/forces.h"
 #include "souple/world/obstacles.h"
+#include "souple/world/spin.h"
 
 #include <algorithm>
 #include <atomic>
@@ -206,6 +207,7 @@ bool measures_balance(const WorldState& world) {
 void integrate(WorldState& world, const Substep& substep) {
   if (world.sleep.woken) find_candidates(world, static_cast<double>(substep.h) * substep.count);
   predict(world, substep);
+  predict_spin(world, substep);
   drive_pins(world, substep);
   drive_obstacles(world, substep);
   drive_attachments(world, substep);
@@ -259,6 +261,7 @@ bool finish(WorldState& world, const Substep& substep) {
 
 void update_velocities(WorldState& world, const Substep& substep) {
   apply_restitution(world, substep);
+  finish_spin(world, substep);
   damp_constraints(world, substep);
   if (!world.fluids.none() && !world.first_non_finite) world.fluids.update_velocities(world, substep);
   for (const auto& object : world.objects)

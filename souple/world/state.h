@@ -105,8 +105,8 @@ struct Object {
 /// Copy of an object's state in user order, updated on demand.
 struct Mirror {
   std::uint64_t version = 0;  ///< WorldState::version of `positions`
-  std::uint64_t velocities_version = 0, normals_version = 0;
-  std::vector<Vec3f> positions, velocities, normals;
+  std::uint64_t velocities_version = 0, normals_version = 0, angular_velocities_version = 0;
+  std::vector<Vec3f> positions, velocities, normals, angular_velocities;
 
   // Data for the normals, built on first use.
   VertexTriangles triangles_of;
@@ -230,8 +230,9 @@ struct WorldState {
   bool contacts_valid = false;  ///< the contact projectors hold the result of the last step and may be read
   bool events_valid = false;    ///< `events` match these contacts
   void invalidate_contacts() { contacts_valid = events_valid = false; }
-  std::vector<Vec4f> last_valid_position, last_valid_offset, last_valid_velocity;  ///< state before the step
-  mutable std::map<std::uint32_t, Mirror> mirrors;                                 ///< by object id
+  std::vector<Vec4f> last_valid_position, last_valid_offset, last_valid_velocity,
+      last_valid_spin;                              ///< state before the step
+  mutable std::map<std::uint32_t, Mirror> mirrors;  ///< by object id
 
   std::optional<std::size_t> first_non_finite;  ///< in this step: the lowest particle with a non-finite value
   /// Inside World::step: callbacks may read and apply forces, but not add or remove objects.

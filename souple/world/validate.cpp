@@ -171,6 +171,7 @@ void validate(const GrainsMaterial& m, std::string_view owner) {
                     {"density", double(m.density), min_positive, any},
                     {"friction", double(m.friction), 0, any},
                     {"kinetic_friction", kinetic_friction_of(m), 0, double(m.friction)},
+                    {"rolling_friction", double(m.rolling_friction), 0, any},
                     {"restitution", double(m.restitution), 0, 1},
                     {"damping", double(m.damping), 0, any}});
 }

@@ -347,6 +347,21 @@ void World::set_velocities(ObjectId id, std::span<const Vec3f> velocities) {
   ++world.version;
 }
 
+void World::set_angular_velocities(ObjectId id, std::span<const Vec3f> angular_velocities) {
+  WorldState& world = impl_->state;
+  const Object& object = world.object(id);
+  if (object.kind != ObjectKind::grains)
+    throw Error(
+        fmt::format("set_angular_velocities: {} is not made of grains, which alone have angular velocities",
+                    object.name));
+  require_settable(object, angular_velocities, "set_angular_velocities");
+  wake_island(world, object);
+  for (std::uint32_t i = object.begin; i < object.end; ++i)
+    if (world.particles.position[i].w > 0)
+      world.particles.spin[i].set_xyz(angular_velocities[object.vertex_of[i - object.begin]]);
+  ++world.version;
+}
+
 void World::teleport(ObjectId id, const Transform& transform) {
   WorldState& world = impl_->state;
   const Object& object = world.object(id);
@@ -360,6 +375,9 @@ void World::teleport(ObjectId id, const Transform& transform) {
     world.teleport_particle(i, transform.point(x));
     Vec4f& velocity = world.particles.velocity[i];
     velocity.set_xyz(Vec3f(transform.direction(Vec3d(velocity.xyz()))));
+    if (object.kind != ObjectKind::grains) continue;
+    Vec4f& spin = world.particles.spin[i];
+    spin.set_xyz(Vec3f(transform.direction(Vec3d(spin.xyz()))));
   }
   ++world.version;
 }

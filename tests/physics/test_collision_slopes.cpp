@@ -54,13 +54,14 @@ ObjectId add_body(World& world, Body body, double above, std::optional<float> mu
     case Body::raft:
       break;
   }
-  // Joined, because some would roll otherwise.
+  // Joined, and with so much rolling friction that they slide.
   std::vector<Vec3d> centers;
   centers.reserve(9);
   for (int x = 0; x < 3; ++x)
     for (int z = 0; z < 3; ++z) centers.push_back({0.05 * x, 0, 0.05 * z});
-  const ObjectId raft = world.add_grains(centers, {.radius = 0.02f, .friction = mu, .kinetic_friction = mu_k},
-                                         {.transform = at(0.0201)});
+  const ObjectId raft = world.add_grains(
+      centers, {.radius = 0.02f, .friction = mu, .kinetic_friction = mu_k, .rolling_friction = 10},
+      {.transform = at(0.0201)});
   std::vector<std::pair<VertexRef, VertexRef>> ties;
   for (std::uint32_t a = 0; a < 9; ++a)
     for (std::uint32_t b = 0; b < a; ++b) ties.push_back({{raft, a}, {raft, b}});

@@ -52,6 +52,7 @@ struct ColliderBody {
   /// Displacement of the surface point s (in the frame): turn s + shift. Columns of a matrix; m.
   float turn[3][3] = {};
   float shift[3] = {};
+  float rotation[3] = {};  ///< rotation vector of the substep, in the world
   bool moves = false;
 };
 
@@ -62,6 +63,7 @@ struct ColliderParticles {
   const float* start = nullptr;     ///< `moving` at the substep's start
   float* corrected = nullptr;       ///< project adds to it
   float* velocity = nullptr;        ///< apply_restitution changes it [m/s]
+  float* turn = nullptr;            ///< see Particles::turn; null: no particle rolls
 };
 
 /// Contacts of one body as columns.
@@ -85,6 +87,11 @@ struct ColliderContactColumns {
   float* restitution_velocity;  ///< normal velocity that apply_restitution added [m/s]
   float* depth;                 ///< remaining overlap, of contacts with a normal impulse [m]
   float* plane_gap;             ///< C - normal . motion in the last projection [m]
+  // Only where particles roll (contact_law.h).
+  float* share;  ///< 5/2 of a ball that rotates, else 0
+  float* radius;
+  float* rolling_friction;
+  float* moment_sum[3];  ///< G [m]
 };
 
 struct ColliderContactLimits {
