@@ -30,7 +30,7 @@ class ObjectFilter {
 };
 
 /// A set of pairs of objects, (a, b) being (b, a). Memory and time are those of the pairs, however many objects there
-/// are. A hash table with linear probing, whose order nobody sees.
+/// are. A hash table with linear probing; its order is hidden.
 class ObjectPairs {
  public:
   void add(std::uint32_t a, std::uint32_t b);
