@@ -4,7 +4,7 @@ namespace souple {
 
 PathCrossing find_path_crossing(SegmentTest test, const NearPair& pair, float thickness,
                                 const ParticleView& particles) {
-  const auto& [v, a, b, c] = pair.particle;
+  const std::uint32_t v = pair.particle[0], a = pair.particle[1], b = pair.particle[2], c = pair.particle[3];
   float inverse_mass = 0;
   for (const std::uint32_t i : pair.particle) inverse_mass += particles.inverse_mass(i);
   if (!(inverse_mass > 0)) return {};
