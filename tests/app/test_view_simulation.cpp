@@ -454,7 +454,7 @@ TEST(ViewerAdditions, StayAfterAResetButForThrownBalls) {
 
 TEST(ViewerAdditions, OfAMeshFileDependOnItsSurface) {
   const auto file = [](const char* name, const std::string& text) {
-    const std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / name;
+    std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / name;
     std::ofstream(path) << text;
     return path;
   };
