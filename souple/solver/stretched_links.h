@@ -40,6 +40,7 @@ class StretchedLinks {
   /// is shortened to.
   struct Rounds {
     int count, sweeps;
+    int radius;  ///< links from a stretched link to the farthest chosen particles
     float shortest_part;
   };
   static const Rounds with_contacts, without_contacts;
@@ -69,7 +70,7 @@ class StretchedLinks {
   bool is_torn(const Link& link, const ParticleView& particles) const;
   void bar(std::span<Projector* const> projectors, const ParticleView& particles);
   void choose(std::uint32_t particle);
-  bool choose_particles(std::span<const Link> of_level, float h2);
+  bool choose_particles(std::span<const Link> of_level, float h2, int radius);
   void mark_links();
   void gather_links();
   void measure_links(const Rounds& rounds, Form form, float h, Threads& threads);
@@ -88,7 +89,7 @@ class StretchedLinks {
   std::vector<std::uint16_t> stretched_;  ///< per block of links of the level: a bit for each
   std::vector<std::uint32_t> found_;      ///< stretched links of the level
   std::vector<std::uint8_t> barred_;      ///< per particle of the world: takes no part
-  std::vector<std::uint32_t> chosen_;     ///< particles at most `radius` links from a stretched link
+  std::vector<std::uint32_t> chosen_;     ///< particles near stretched links
   std::vector<std::uint32_t> number_;     ///< per particle of the world: index in chosen_, or unchosen
   std::vector<std::uint64_t> marked_;     ///< a bit per entry of links_: between chosen particles
   Region region_;

@@ -45,14 +45,14 @@ TEST(ColliderElementContacts, ACoarseClothStaysOutsideASmallBall) {
       const ObjectId cloth =
           world.add_cloth(grid(5, 5, 0.8), thick_cloth(), {.transform = {.translation = {0, 0.15, 0}}});
       double lowest = 1;
-      std::size_t contacts = 0;  // in the last ten frames: it still swings, and its weight varies
+      int touching = 0;  // of the last 20 frames: it still swings, and its weight varies
       for (int frame = 0; frame < 40; ++frame) {
         world.step(1.0 / 60);
-        if (frame >= 30) contacts += world.report().contacts;
+        touching += frame >= 20 && world.report().contacts > 0;
         lowest = std::min(lowest, lowest_in_triangles(world, cloth, shape));
       }
       EXPECT_GT(lowest, 0) << shape_name(shape);
-      EXPECT_GT(contacts, 5u) << shape_name(shape);
+      EXPECT_GE(touching, 17) << shape_name(shape);
       EXPECT_GT(world.center_of_mass(cloth).y, -0.5) << "it slid off";
     }
   }
