@@ -435,7 +435,8 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
 
 ParticleContacts::Balls ParticleContacts::balls_of(const Member& a, const Member& b,
                                                    const ParticleView& particles) const {
-  const bool rolls_i = objects_[a.object].rolls, rolls_j = objects_[b.object].rolls;
+  const bool rolls_i = objects_[a.object].rolls && radius_[a.particle] > 0;
+  const bool rolls_j = objects_[b.object].rolls && radius_[b.particle] > 0;
   if (step_.turn.empty() || !(rolls_i || rolls_j)) return Balls::none;
   if (!rolls_j) return Balls::i;
   if (!rolls_i) return Balls::j;
