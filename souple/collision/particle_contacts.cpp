@@ -374,7 +374,7 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   const Vec3f from = to - motion;
   const float start_distance = length(from);
   Contact contact{
-      i,     j, pair,   radius_sum, rotation_of(a, b, particles), materials_->at(a.object, b.object),
+      i,     j, pair,   radius_sum, &materials_->at(a.object, b.object), balls_of(a, b, particles),
       false, 0, motion, {0, 1, 0}};
   contact.displacement = displacement_[pair];
   if (start_distance > 0) contact.normal = from * (1 / start_distance);
@@ -424,10 +424,10 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   Vec3f n;
   const float C = gap(contact, particles.difference(i, j), n);
   if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
-  if (contact.balls.any()) return project_rolling(contact, C, n, particles);
+  if (contact.balls != Balls::none) return project_rolling(contact, C, n, particles);
   ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
   const Vec3f moved = particles.moved(i) - particles.moved(j) + contact.displacement.sliding;
-  const Vec3f dx = solve_contact(sums, C, contact.slop, n, moved, contact.material);
+  const Vec3f dx = solve_contact(sums, C, contact.slop, n, moved, *contact.material);
   contact.normal_sum = sums.normal_sum;
   contact.tangent_sum = sums.tangent_sum;
   contact.normal = n;
@@ -437,18 +437,29 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   if (w_j > 0) particles.correct(j, dx * (-w_j / (w_i + w_j)));
 }
 
+ParticleContacts::Balls ParticleContacts::balls_of(const Member& a, const Member& b,
+                                                   const ParticleView& particles) const {
+  const bool rolls_i = objects_[a.object].rolls && radius_[a.particle] > 0;
+  const bool rolls_j = objects_[b.object].rolls && radius_[b.particle] > 0;
+  if (step_.turn.empty() || !(rolls_i || rolls_j)) return Balls::none;
+  if (!rolls_j) return Balls::i;
+  if (!rolls_i) return Balls::j;
+  const bool equal = radius_[a.particle] == radius_[b.particle] &&
+                     particles.inverse_mass(a.particle) == particles.inverse_mass(b.particle);
+  return equal ? Balls::equal : Balls::both;
+}
+
 // Shares of two equal balls are 5/4.
 constexpr ParticleContacts::BallRotation ParticleContacts::equal_balls{1.25f,    1.25f,    1, 1,
                                                                        1 / 3.5f, 1 / 2.5f, 0};
 
 // The moment arm r0 is the radius of the ball, or the harmonic mean of both: equal balls have that of one.
-ParticleContacts::BallRotation ParticleContacts::rotation_of(const Member& a, const Member& b,
+ParticleContacts::BallRotation ParticleContacts::rotation_of(const Contact& contact,
                                                              const ParticleView& particles) const {
-  const bool rolls_i = objects_[a.object].rolls, rolls_j = objects_[b.object].rolls;
-  if (step_.turn.empty() || !(rolls_i || rolls_j)) return {};
-  const float r_i = radius_[a.particle], r_j = radius_[b.particle];
-  const float w_i = particles.inverse_mass(a.particle), w_j = particles.inverse_mass(b.particle);
-  if (rolls_i && rolls_j && r_i == r_j && w_i == w_j) return equal_balls;
+  if (contact.balls == Balls::equal) return equal_balls;
+  const bool rolls_i = contact.balls != Balls::j, rolls_j = contact.balls != Balls::i;
+  const float r_i = radius_[contact.i], r_j = radius_[contact.j];
+  const float w_i = particles.inverse_mass(contact.i), w_j = particles.inverse_mass(contact.j);
   const float r0 = rolls_i && rolls_j ? 2 * r_i * r_j / (r_i + r_j) : rolls_i ? r_i : r_j;
   const float share = inverse_inertia_factor / (w_i + w_j), arm_i = r0 / r_i, arm_j = r0 / r_j;
   const float share_i = rolls_i ? share * w_i : 0.0f, share_j = rolls_j ? share * w_j : 0.0f;
@@ -462,8 +473,8 @@ ParticleContacts::BallRotation ParticleContacts::rotation_of(const Member& a, co
           share_i * arm_i - share_j * arm_j};
 }
 
-void ParticleContacts::turn(const Contact& contact, const Vec3f& friction, const Vec3f& moment) const {
-  const BallRotation& balls = contact.balls;
+void ParticleContacts::turn(const Contact& contact, const BallRotation& balls, const Vec3f& friction,
+                            const Vec3f& moment) const {
   Vec4f &i = step_.turn[contact.i], &j = step_.turn[contact.j];
   if (balls.share_i > 0) i.set_xyz(i.xyz() + (friction + moment * balls.arm_i) * balls.share_i);
   if (balls.share_j > 0) j.set_xyz(j.xyz() + (friction - moment * balls.arm_j) * balls.share_j);
@@ -520,7 +531,7 @@ template <class Balls>
 void ParticleContacts::project_rolling(Contact& contact, float C, const Vec3f& n,
                                        const ParticleView& particles) const {
   const std::uint32_t i = contact.i, j = contact.j;
-  const BallRotation& balls = contact.balls;
+  const BallRotation balls = rotation_of(contact, particles);
   const FrictionDisplacement& displacement = contact.displacement;
   const auto [slip, roll] =
       rotation_between(step_.turn[i].xyz(), step_.turn[j].xyz(), balls.arm_i, balls.arm_j, n);
@@ -529,8 +540,8 @@ void ParticleContacts::project_rolling(Contact& contact, float C, const Vec3f& n
   const PairFriction before{contact.tangent_sum, contact.moment_sum};
   PairFriction after{};
   if (normal_sum > 0)
-    after =
-        solve_pair(before, balls, n, moved + slip, roll + displacement.rolling, contact.material, normal_sum);
+    after = solve_pair(before, balls, n, moved + slip, roll + displacement.rolling, *contact.material,
+                       normal_sum);
   contact.normal_sum = max(normal_sum, 0.0f);
   contact.tangent_sum = after.tangent;
   contact.moment_sum = after.moment;
@@ -540,7 +551,7 @@ void ParticleContacts::project_rolling(Contact& contact, float C, const Vec3f& n
   const float share = 1 / (w_i + w_j);
   if (w_i > 0) particles.correct(i, dx * (w_i * share));
   if (w_j > 0) particles.correct(j, dx * (-w_j * share));
-  turn(contact, cross(tangent, n), after.moment - before.moment);
+  turn(contact, balls, cross(tangent, n), after.moment - before.moment);
 }
 
 void ParticleContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
@@ -556,7 +567,7 @@ void ParticleContacts::apply_restitution(const ParticleView& particles, std::spa
 
 void ParticleContacts::apply_restitution_to(Contact& contact, const ParticleView& particles,
                                             std::span<Vec4f> velocity, float h) {
-  if (contact.balls.any()) return apply_rolling_restitution(contact, particles, velocity, h);
+  if (contact.balls != Balls::none) return apply_rolling_restitution(contact, particles, velocity, h);
   const std::uint32_t i = contact.i, j = contact.j;
   const Vec3f n = contact.normal;
   const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
@@ -568,7 +579,7 @@ void ParticleContacts::apply_restitution_to(Contact& contact, const ParticleView
   const float inverse_h = 1 / h;
   const auto [change, restitution_velocity] = solve_restitution(
       {contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
-      2 * step_.gravity * h, contact.material, inverse_h);
+      2 * step_.gravity * h, *contact.material, inverse_h);
   contact.restitution_velocity = restitution_velocity;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
   if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i / (w_i + w_j)));
@@ -580,7 +591,7 @@ void ParticleContacts::apply_rolling_restitution(Contact& contact, const Particl
                                                  std::span<Vec4f> velocity, float h) {
   const std::uint32_t i = contact.i, j = contact.j;
   const Vec3f n = contact.normal;
-  const BallRotation& balls = contact.balls;
+  const BallRotation balls = rotation_of(contact, particles);
   const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
   const float inverse_h = 1 / h, u_n = dot(n, u);
   const auto [slip, roll] =
@@ -590,17 +601,17 @@ void ParticleContacts::apply_rolling_restitution(Contact& contact, const Particl
   update_friction_displacement(contact, C, {(u - n * u_n) * h + slip, roll});
   if (!(contact.normal_sum > 0)) return;
   const float approach = -dot(n, contact.predicted) * inverse_h, normal_sum = contact.normal_sum * inverse_h;
-  const float target = approach > 2 * step_.gravity * h ? contact.material.restitution * approach : 0.0f;
+  const float target = approach > 2 * step_.gravity * h ? contact.material->restitution * approach : 0.0f;
   contact.restitution_velocity = max(target - u_n, -normal_sum);
   const PairFriction before{contact.tangent_sum * inverse_h, contact.moment_sum * inverse_h};
   const PairFriction after = solve_pair(before, balls, n, u + slip * inverse_h, roll * inverse_h,
-                                        contact.material, normal_sum + contact.restitution_velocity);
+                                        *contact.material, normal_sum + contact.restitution_velocity);
   const Vec3f tangent = after.tangent - before.tangent, change = n * contact.restitution_velocity + tangent;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
   const float share = 1 / (w_i + w_j);
   if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i * share));
   if (w_j > 0) velocity[j].set_xyz(velocity[j].xyz() - change * (w_j * share));
-  turn(contact, cross(tangent, n) * h, (after.moment - before.moment) * h);
+  turn(contact, balls, cross(tangent, n) * h, (after.moment - before.moment) * h);
   contact.depth = max(0.0f, -C);
 }
 
@@ -618,9 +629,9 @@ void ParticleContacts::update_friction_displacement(const Contact& contact, floa
     return contact.normal_sum > 0 && dot(sum, sum) > limit * limit;
   };
   auto& [sliding, rolling] = displacement_[contact.pair];
-  const bool slides = at_limit(contact.tangent_sum, contact.material.kinetic_friction);
-  const bool rolls = at_limit(contact.moment_sum, contact.material.rolling_friction) ||
-                     !(contact.material.rolling_friction > 0);
+  const bool slides = at_limit(contact.tangent_sum, contact.material->kinetic_friction);
+  const bool rolls = at_limit(contact.moment_sum, contact.material->rolling_friction) ||
+                     !(contact.material->rolling_friction > 0);
   sliding = near && !slides ? sliding + change.sliding : Vec3f{};
   rolling = near && !rolls ? rolling + change.rolling : Vec3f{};
 }

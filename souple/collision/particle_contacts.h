@@ -120,13 +120,15 @@ class ParticleContacts final : public Projector {
   struct BallRotation {
     float share_i = 0, share_j = 0, arm_i = 0, arm_j = 0;
     float inverse_A = 1, inverse_B = 0, c = 0;  // of RollingResponse
-    bool any() const { return share_i + share_j > 0; }
   };
+  /// Which balls of a contact rotate. Equal ones have the rotation `equal_balls`.
+  enum class Balls : std::uint8_t { none, i, j, both, equal };
+  /// The solver reads contacts in order, and they should fit the second-level cache.
   struct Contact {
     std::uint32_t i, j, pair;
     float radius_sum;  // r_i + r_j [m]
-    BallRotation balls;
-    ContactMaterialPair material;
+    const ContactMaterialPair* material;
+    Balls balls;
     bool fixed_normal;                    // the normal does not change in the substep
     float slop;                           // target of C, at most 0: old overlaps are removed slowly [m]
     Vec3f predicted;                      // motion of i relative to j before any projection [m]
@@ -196,8 +198,10 @@ class ParticleContacts final : public Projector {
                                  float h);
   void update_friction_displacement(const Contact& contact, float C, const FrictionDisplacement& change);
   static const BallRotation equal_balls;
-  BallRotation rotation_of(const Member& a, const Member& b, const ParticleView& particles) const;
-  void turn(const Contact& contact, const Vec3f& friction, const Vec3f& moment) const;
+  Balls balls_of(const Member& a, const Member& b, const ParticleView& particles) const;
+  BallRotation rotation_of(const Contact& contact, const ParticleView& particles) const;
+  void turn(const Contact& contact, const BallRotation& balls, const Vec3f& friction,
+            const Vec3f& moment) const;
   template <class Vector>
   float largest_from_mean(const Vector& vector, Threads& threads);
 

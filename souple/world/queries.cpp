@@ -2,6 +2,7 @@
 
 #include "souple/collision/contact_law.h"
 #include "souple/geometry/closest_point.h"
+#include "souple/world/add.h"
 #include "souple/world/diagnose.h"
 #include "souple/world/impl.h"
 
@@ -132,7 +133,9 @@ double World::kinetic_energy(ObjectId id) const {
            length_squared(Vec3d(world.particles.velocity[i].xyz()));
   if (object.kind != ObjectKind::grains) return sum;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
-    const auto r = static_cast<double>(world.particles.radius[i]);
+    const std::vector<float>& map = object.thickness_map;
+    const auto r =
+        static_cast<double>(contact_radius(object.material) * (map.empty() ? 1.0f : map[i - object.begin]));
     const double inertia =
         static_cast<double>(world.particles.mass[i]) * r * r / static_cast<double>(inverse_inertia_factor);
     sum += 0.5 * inertia * length_squared(Vec3d(world.particles.spin[i].xyz()));

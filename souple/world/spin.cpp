@@ -31,6 +31,7 @@ void finish_spin(WorldState& world, const Substep& substep) {
   Particles& p = world.particles;
   for_each_spinning(world, [&](std::size_t i) {
     const float per_spin = substep.h * p.radius[i];
+    if (!(per_spin > 0)) return;  // a thickness map may make it a point
     const Vec3f spin = p.spin[i].xyz();
     p.spin[i].set_xyz(spin + (p.turn[i].xyz() - spin * per_spin) / per_spin);
   });

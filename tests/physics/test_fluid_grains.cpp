@@ -68,7 +68,14 @@ TEST(FluidGrains, ALargeBallFloatsAboutAsDeepAsItsDensity) {
   constexpr double radius = 0.05;
   const ObjectId ball = basin.add_grain(radius, 500, {0, 0.19, 0});
   basin.run(2);
-  EXPECT_NEAR(basin.height(ball), 0.2, 0.4 * radius);
+  // It still bobs by a centimeter, and rolls along the walls that it touches: the mean counts.
+  constexpr int frames = 90;
+  double mean = 0;
+  for (int frame = 0; frame < frames; ++frame) {
+    basin.run(1.0 / 60);
+    mean += basin.height(ball) / frames;
+  }
+  EXPECT_NEAR(mean, 0.2, 0.4 * radius);
 }
 
 TEST(FluidGrains, RopesSinkAndFloat) {

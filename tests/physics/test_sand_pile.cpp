@@ -21,14 +21,19 @@ double angle_of_zhou(double mu, double mu_r) {
          std::pow(diameter * mm, -0.2);
 }
 
+struct Repose {
+  double mu, mu_r;
+  int layers, substeps;
+};
+
 struct Plate {
   static constexpr int half_width = 16, thickness = 20;  // diameters
-  World world{{.iterations = 2}};
+  World world;
   ObjectId grains;
 
-  Plate(double mu, double mu_r, int layers) {
+  explicit Plate(const Repose& repose) : world({.substeps = repose.substeps, .iterations = 2}) {
     constexpr double half = half_width * diameter, front = thickness * diameter / 2;
-    const ColliderOptions rough{.friction = float(mu)};
+    const ColliderOptions rough{.friction = float(repose.mu)};
     const auto size = [](double x) { return float(x); };
     world.add_collider(Box{.center = {0, -0.02f, 0}, .half_extents = {size(half), 0.02f, size(front)}},
                        rough);
@@ -38,10 +43,10 @@ struct Plate {
     const ColliderId sides[] = {
         world.add_collider(Plane{.normal = {1, 0, 0}, .offset = -size(half)}, rough),
         world.add_collider(Plane{.normal = {-1, 0, 0}, .offset = -size(half)}, rough)};
-    grains = world.add_grains(lattice(layers), {.radius = float(diameter / 2),
-                                                .density = 2500,
-                                                .friction = float(mu),
-                                                .rolling_friction = float(mu_r)});
+    grains = world.add_grains(lattice(repose.layers), {.radius = float(diameter / 2),
+                                                       .density = 2500,
+                                                       .friction = float(repose.mu),
+                                                       .rolling_friction = float(repose.mu_r)});
     EXPECT_TRUE(run(world, 40, 1.0 / 60));
     for (const ColliderId side : sides) world.remove(side);
     EXPECT_TRUE(run(world, 150, 1.0 / 60));
@@ -86,32 +91,35 @@ struct Plate {
   }
 };
 
-const std::string repose = "angle of repose";
-
-void expect_angle_of_repose(double mu, double mu_r, int layers) {
-  Curves curves(repose, "coefficient of sliding friction", "angle of repose [degrees]");
-  const double angle = Plate(mu, mu_r, layers).angle();
-  const std::string rolling = "rolling friction " + detail::number(mu_r);
-  validate(repose, "friction " + detail::number(mu) + ", " + rolling + " [degrees]", angle,
-           angle_of_zhou(mu, mu_r), 4);
-  curves.add(rolling, mu, angle);
+void expect_angle_of_repose(const Repose& repose) {
+  const std::string name = "angle of repose", rolling = "rolling friction " + detail::number(repose.mu_r);
+  Curves curves(name, "coefficient of sliding friction", "angle of repose [degrees]");
+  const double angle = Plate(repose).angle();
+  validate(name,
+           "friction " + detail::number(repose.mu) + ", " + rolling + ", " + std::to_string(repose.substeps) +
+               " substeps [degrees]",
+           angle, angle_of_zhou(repose.mu, repose.mu_r), 4);
+  curves.add(rolling + ", " + std::to_string(repose.substeps) + " substeps", repose.mu, angle);
 }
 
 TEST(SandPile, AngleOfRepose) {
-  expect_angle_of_repose(0.4, 0.2, 13);
-}
-
-TEST(SandPile, AnglesOfReposeSlow) {
-  Curves curves(repose, "coefficient of sliding friction", "angle of repose [degrees]");
+  Curves curves("angle of repose", "coefficient of sliding friction", "angle of repose [degrees]");
   for (const double mu_r : {0.1, 0.2})
-    for (int k = 4; k <= 14; ++k)
+    for (int k = 3; k <= 14; ++k)
       curves.add("theory: Zhou et al. 2002, rolling friction " + detail::number(mu_r), 0.05 * k,
                  angle_of_zhou(0.05 * k, mu_r));
-  expect_angle_of_repose(0.2, 0.1, 10);
-  expect_angle_of_repose(0.2, 0.2, 10);
-  expect_angle_of_repose(0.4, 0.1, 12);
-  expect_angle_of_repose(0.6, 0.2, 16);
+  expect_angle_of_repose({0.4, 0.2, 13, 10});
 }
+
+class AngleOfRepose : public ::testing::TestWithParam<Repose> {};
+
+TEST_P(AngleOfRepose, OfSpheresSlow) {
+  expect_angle_of_repose(GetParam());
+}
+
+INSTANTIATE_TEST_SUITE_P(Everything, AngleOfRepose,
+                         ::testing::Values(Repose{0.2, 0.1, 10, 20}, Repose{0.2, 0.2, 10, 20},
+                                           Repose{0.4, 0.1, 12, 20}, Repose{0.6, 0.2, 16, 20}));
 
 // Columns of regular packings fall, whatever the friction: grains that could not roll stood at 80 degrees.
 TEST(SandPile, RegularPackingsFall) {

@@ -286,7 +286,7 @@ TEST_F(Behavior, AttachmentsAreSpringsOfTheirCompliance) {
 TEST_F(Behavior, PairsDecideFrictionAndRestitution) {
   const auto grain = [&](const std::string& start, const std::string& pair) {
     return built(R"({"souple": 1, "substeps": 20, "objects": [{"name": "puck", "kind": "grains",)" + start +
-                 R"(, "material": {"radius": 0.05, "friction": 2, "restitution": 0}}],
+                 R"(, "material": {"radius": 0.05, "friction": 2, "rolling_friction": 10, "restitution": 0}}],
       "colliders": [{"name": "floor", "shape": {"plane": {}}, "friction": 2}],
       "pairs": [{"between": ["puck", "floor"], )" +
                  pair + "}]}");
