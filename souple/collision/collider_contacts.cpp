@@ -238,16 +238,14 @@ void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, 
       columns.static_friction[contact] = material.static_friction;
       columns.kinetic_friction[contact] = material.kinetic_friction;
       columns.restitution[contact] = material.restitution;
+      columns.slop[contact] = step_.depenetration_speed(material.radius) * last_h_;
     }
-    kernels_->describe(packed, body.packed, limits(), columns, body.contact_begin + begin,
-                       body.contact_begin + end);
+    kernels_->describe(packed, body.packed, columns, body.contact_begin + begin, body.contact_begin + end);
   });
 }
 
 kernels::ColliderContactLimits ColliderContacts::limits() const {
-  return {.inverse_h = 1 / last_h_,
-          .restitution_threshold = 2 * step_.gravity * last_h_,
-          .depenetration = step_.depenetration_speed * last_h_};
+  return {.inverse_h = 1 / last_h_, .restitution_threshold = 2 * step_.gravity * last_h_};
 }
 
 void ColliderContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,

@@ -459,7 +459,9 @@ bool ColliderElementContacts::contact_of(const Body& body, const kernels::Collid
   contact.predicted = Vec3f(body.after.rotation * (body.after.to_local(end) - body.before.to_local(start)));
   if (body.packed.moves) contact.surface_motion = Vec3f(end - body.before.to_world(body.after.to_local(end)));
   const double overlap = double(found.start_distance[candidate]) - target;
-  contact.slop = overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed * h))) : 0.0f;
+  contact.slop =
+      overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed(contact.material.radius) * h)))
+                  : 0.0f;
   return contact.inverse_mass > 0;
 }
 

@@ -87,6 +87,7 @@ ContactMaterialTable::ContactMaterialTable(std::span<const NamedContactMaterial>
   for (const NamedContactMaterial& row : rows)
     for (const NamedContactMaterial& column : columns) {
       pairs_.push_back(table.resolve(row, column));
+      pairs_.back().radius = std::min(row.radius, column.radius);
       collide_.push_back(table.collide(row, column) ? 1 : 0);
     }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -24,6 +25,7 @@ struct ContactMaterialPair {
   float static_friction = 0;
   float kinetic_friction = 0;  ///< never above static_friction
   float restitution = 0;
+  float radius = std::numeric_limits<float>::infinity();  ///< of the smaller side [m]
 };
 
 /// Throws Error when a coefficient is negative or not finite, the kinetic friction is above the static one or
@@ -51,6 +53,8 @@ struct NamedContactMaterial {
   std::string_view name;
   ContactMaterial material;
   CollisionFilter filter{};
+  /// Of the object at rest, which determines how fast overlaps are removed [m]. Colliders: infinite.
+  float radius = std::numeric_limits<float>::infinity();
 };
 
 /// Pairs of objects or colliders that deviate from the default rule, by name. The order of the two names does

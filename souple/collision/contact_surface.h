@@ -27,6 +27,7 @@ struct ContactSurface {
   std::vector<std::uint32_t> ignored_surfaces{};  ///< indices of surfaces it never collides with, ascending
   /// Rest position of each particle [m]: elements that are near at rest may stay as near.
   std::span<const Vec3d> rest{};
+  float radius = 1;  ///< of the object at rest, see ContactStep::depenetration_speed [m]
 };
 
 /// Whether surface a collides with surface b; where a == b, whether it has self-collision.
