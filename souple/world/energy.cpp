@@ -71,13 +71,13 @@ class Sweeps {
     double more[rows];
     for (int r = 0; r < rows; ++r) {
       const auto alpha = static_cast<double>(constraint.alpha[static_cast<std::size_t>(r * (r + 3) / 2)]);
-      const double added = part_ * shared_D(constraint, static_cast<std::size_t>(r));
+      const double added = part_ * shared_diagonal(constraint, static_cast<std::size_t>(r));
       more[r] = stored_ ? added : max(0.0, added - alpha);
     }
     return lost_energy<rows>(constraint, more);
   }
   // phi D = sum of w_i |grad_i C|^2 over the particles that are shared.
-  double shared_D(const LinearConstraint& constraint, std::size_t row) const {
+  double shared_diagonal(const LinearConstraint& constraint, std::size_t row) const {
     const std::size_t arity = constraint.particles.size();
     double sum = 0;
     for (std::size_t k = 0; k < arity; ++k)

@@ -66,9 +66,12 @@ Separation cubes(double scale, double gravity) {
 Separation grains(double scale) {
   World world;
   world.add_collider(Plane{});
-  std::vector<Vec3d> points;
-  for (int i = 0; i < 27; ++i)
-    points.push_back(Vec3d{0.08 * (i % 3) + 0.001 * i, 0.051 + 0.08 * (i / 9), 0.08 * (i / 3 % 3)} * scale);
+  std::vector<Vec3d> points(27);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::size_t column = i % 3, row = i / 3 % 3, layer = i / 9;
+    const Vec3d cell{static_cast<double>(column), static_cast<double>(layer), static_cast<double>(row)};
+    points[i] = (Vec3d{0, 0.051, 0} + cell * 0.08 + Vec3d{0.001 * static_cast<double>(i), 0, 0}) * scale;
+  }
   const ObjectId heap = world.add_grains(points, {.radius = static_cast<float>(0.05 * scale)});
   return separate(world, scale, [&] {
     const auto x = world.positions(heap);
