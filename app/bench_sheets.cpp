@@ -59,7 +59,6 @@ Sheets::Sheets(int triangles) {
   const auto sheets = static_cast<std::uint32_t>(std::max(1.0, std::round(triangles / each)));
   const auto vertices = static_cast<std::uint32_t>(flat_.size());
   for (std::uint32_t s = 0; s < sheets; ++s) elements_.add_triangles(triangles_, s * vertices, s);
-  matrix_ = ObjectMatrix(sheets, true);
   positions_.resize(std::size_t{sheets} * vertices);
   motion_.resize(positions_.size());
   boxes_.resize(positions_.size());

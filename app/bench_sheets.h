@@ -26,9 +26,7 @@ class Sheets {
   std::span<const Bounds> boxes() const { return boxes_; }
   /// Per particle: position, w = inverse mass.
   std::span<const Vec4f> positions() const { return positions_; }
-  /// All sheets collide with each other and with themselves.
-  const ObjectMatrix& matrix() const { return matrix_; }
-  std::size_t sheets() const { return matrix_.size(); }
+  std::size_t sheets() const { return positions_.size() / flat_.size(); }
   /// Vertices of each sheet: sheet s has particles [s n, (s + 1) n).
   std::size_t vertices_of_sheet() const { return flat_.size(); }
   const std::vector<Triangle>& triangles_of_sheet() const { return triangles_; }
@@ -41,7 +39,6 @@ class Sheets {
   std::vector<Vec3d> flat_;  // per vertex of a sheet
   std::vector<Triangle> triangles_;
   SurfaceElements elements_;
-  ObjectMatrix matrix_;
   std::vector<Vec4f> positions_;
   std::vector<Vec3f> motion_;
   std::vector<Bounds> boxes_;

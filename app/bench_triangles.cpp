@@ -32,6 +32,8 @@ Json stages_json(const Times& times) {
   return stages;
 }
 
+constexpr auto all_collide = [](std::uint32_t, std::uint32_t) { return true; };
+
 }  // namespace
 
 Json measure_triangles(const BenchOptions& options) {
@@ -43,7 +45,7 @@ Json measure_triangles(const BenchOptions& options) {
   for (int step = 0; step < options.warm_up + options.runs; ++step) {
     sheets.move_to(step);
     const auto start = std::chrono::steady_clock::now();
-    finder.find(sheets.elements(), sheets.boxes(), sheets.matrix(), sheets.positions(), pairs, *threads);
+    finder.find(sheets.elements(), sheets.boxes(), all_collide, sheets.positions(), pairs, *threads);
     const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
     if (step < options.warm_up) continue;
     times.whole.push_back(spent.count());

@@ -5,8 +5,11 @@
 #include "souple/scene/scene.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <span>
+#include <string>
+#include <variant>
 #include <vector>
 
 #include <fmt/core.h>
@@ -19,12 +22,50 @@ std::string counted(std::size_t count, const char* one, const char* many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
+std::string sides_text(const Vec3d& sides) {
+  return fmt::format(", {:.3g} x {:.3g} x {:.3g} m", sides.x, sides.y, sides.z);
+}
+
 /// The sides of the bounding box along X, Y and Z.
 std::string size_text(std::span<const Vec3f> positions) {
   if (positions.size() < 2) return {};
   const std::vector<Vec3d> points(positions.begin(), positions.end());
-  const Vec3d sides = bounding_box(points).size();
-  return fmt::format(", {:.3g} x {:.3g} x {:.3g} m", sides.x, sides.y, sides.z);
+  return sides_text(bounding_box(points).size());
+}
+
+/// Sizes of a collider's shape, in the collider's frame; of a plane its normal at the start.
+struct ShapeText {
+  Quatd rotation;
+
+  std::string operator()(const Plane& plane) const {
+    const Vec3d n = normalized(rotate(rotation, Vec3d(plane.normal)));
+    // Without the rounding of a rotation, and -0.
+    const auto shown = [](double x) { return std::round(x * 1e6) / 1e6 + 0.0; };
+    return fmt::format(", normal ({:.3g}, {:.3g}, {:.3g})", shown(n.x), shown(n.y), shown(n.z));
+  }
+  std::string operator()(const Sphere& sphere) const {
+    return fmt::format(", radius {:.3g} m", sphere.radius);
+  }
+  std::string operator()(const Box& box) const { return sides_text(Vec3d(box.half_extents) * 2.0); }
+  std::string operator()(const Capsule& capsule) const {
+    return fmt::format(", radius {:.3g} m, length {:.3g} m with its caps", capsule.radius,
+                       2 * (capsule.half_height + capsule.radius));
+  }
+  std::string operator()(const Cylinder& cylinder) const {
+    return fmt::format(", radius {:.3g} m, length {:.3g} m", cylinder.radius, 2 * cylinder.half_height);
+  }
+  std::string operator()(const SignedDistanceField& field) const {
+    return ", " + counted(field.triangles().size(), "triangle", "triangles") +
+           sides_text(field.hi() - field.lo()) + fmt::format(", spacing {:.3g} m", field.spacing());
+  }
+};
+
+void print_collider(const World& world, const ColliderDescription& collider) {
+  const ColliderId id = world.find_collider(collider.name);
+  const Shape& shape = world.shape(id);
+  std::printf("  %s: %s%s%s\n", collider.name.c_str(), std::string(shape_name(shape)).c_str(),
+              std::visit(ShapeText{world.collider_pose(id).rotation}, shape).c_str(),
+              collider.keyframes.empty() ? "" : ", moving");
 }
 
 std::string tets_text(const World::TetStatistics& statistics) {
@@ -73,10 +114,7 @@ int check(const std::string& scene_name, const std::vector<std::string>& setting
   for (const ObjectId object : world.objects()) print_object(world, object);
   print_totals(world);
   if (!scene.colliders.empty()) std::printf("colliders:\n");
-  for (const ColliderDescription& collider : scene.colliders) {
-    std::printf("  %s: %s%s\n", collider.name.c_str(), std::string(shape_name(collider.shape)).c_str(),
-                collider.keyframes.empty() ? "" : ", moving");
-  }
+  for (const ColliderDescription& collider : scene.colliders) print_collider(world, collider);
   if (!diagnostics.empty()) std::printf("diagnostics:\n");
   for (const std::string& diagnostic : diagnostics) std::printf("  %s\n", diagnostic.c_str());
   std::printf("the scene is valid\n");

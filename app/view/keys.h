@@ -14,9 +14,12 @@ enum class Action {
   pause,
   step_frame,
   step_substep,
+  step_back,
   reset,
   next_scene,
   previous_scene,
+  throw_ball,
+  add_object,
   frame_all,
   wireframe,
   constraints,
@@ -40,13 +43,17 @@ struct Key {
 /// lost.
 inline constexpr char escape = 27;
 
-inline constexpr std::array<Key, 14> keys{{
+inline constexpr std::array<Key, 17> keys{{
     {"Space", "pause", "pause and resume", Action::pause, ' '},
     {".", "frame", "one frame", Action::step_frame, '.', true},
     {",", "substep", "one substep; in a recording, one frame back", Action::step_substep, ',', true},
+    {"B", "back", "back in time, one frame", Action::step_back, 'b', true},
     {"R", "reset", "reset: back to the start", Action::reset, 'r'},
     {"N", "next", "next scene", Action::next_scene, 'n'},
     {"P", "previous", "previous scene", Action::previous_scene, 'p'},
+    {"T", "throw", "throw a ball from the camera at what is under the cursor", Action::throw_ball, 't'},
+    {"A", "add", "add an object at the cursor: cloth, soft ball, stiff box, rope or grains",
+     Action::add_object, 'a'},
     {"F", "frame all", "frame all", Action::frame_all, 'f'},
     {"W", "wireframe", "wireframe on and off", Action::wireframe, 'w'},
     {"C", "constraints", "next display of constraints", Action::constraints, 'c'},

@@ -26,6 +26,13 @@ host::Ray ray_under(const render::Camera& camera, const ViewArea& area, const Im
 
 }  // namespace
 
+render::Ray ray_under_mouse(const render::Camera& camera, const ViewArea& area) {
+  const auto width = static_cast<float>(area.width), height = static_cast<float>(area.height);
+  ImVec2 at = in_area(ImGui::GetIO().MousePos, area);
+  if (!(at.x >= 0 && at.x < width && at.y >= 0 && at.y < height)) at = {width / 2, height / 2};
+  return camera.ray(at.x, at.y, area.width, area.height);
+}
+
 Mouse::Mouse() = default;
 Mouse::~Mouse() = default;
 

@@ -25,6 +25,9 @@ struct ViewArea {
   bool empty() const { return width < 1 || height < 1; }
 };
 
+/// The ray under the mouse; through the center where the mouse is not over the area.
+render::Ray ray_under_mouse(const render::Camera& camera, const ViewArea& area);
+
 /// Mouse actions in the scene: grabbing objects, pinning particles, moving the camera.
 class Mouse {
  public:

@@ -60,6 +60,12 @@ void Recording::step_fine() {
   seek(frame() - 1);
 }
 
+void Recording::step_back() {
+  playing_ = false;
+  if (frame() == 1) throw Error("this is the first frame of the recording");
+  seek(frame() - 1);
+}
+
 void Recording::reset() {
   clock_.restart();
   seek(1);

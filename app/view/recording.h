@@ -29,6 +29,7 @@ class Recording : public Session {
   void advance(double seconds) override;
   void step_frame() override;
   void step_fine() override;
+  void step_back() override;
   void reset() override;
   /// At the last frame, starts again from the first.
   void set_playing(bool playing) override;

@@ -47,6 +47,8 @@ class Session {
   virtual void step_frame() = 0;
   /// Makes the smallest possible step, and pauses: one substep forward, or one frame back in a recording.
   virtual void step_fine() = 0;
+  /// Goes back one frame, and pauses. Throws Error when there is none before.
+  virtual void step_back() = 0;
   /// Returns to the start. Throws Error, and then has changed nothing, when that fails.
   virtual void reset() = 0;
   virtual void set_playing(bool playing) = 0;

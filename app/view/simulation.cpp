@@ -49,7 +49,18 @@ Simulation::Simulation(SceneDescription scene, std::string name)
   start();
 }
 
+/// Without the objects that were thrown.
+void Simulation::forget_thrown(SceneDescription& scene) const {
+  const auto was_thrown = [&](const AnyObjectDescription& object) {
+    return thrown_.count(common(object).name) > 0;
+  };
+  scene.objects.erase(std::remove_if(scene.objects.begin(), scene.objects.end(), was_thrown),
+                      scene.objects.end());
+}
+
 void Simulation::start() {
+  past_.clear();
+  setup_.reset();
   clock_.restart();
   history_.clear();
   failure_.reset();
@@ -103,10 +114,13 @@ void Simulation::step_fine() {
 }
 
 void Simulation::step(double dt, int substeps) {
+  if (!past_.shown() && past_.is_due()) keep_state();
+  past_.move_on();
   Settings settings = scene_.settings;
   settings.substeps = substeps;
   world_.set_settings(settings);
   const StepReport& report = world_.step(dt);
+  past_.count_step();
   ++steps_;
   history_.push_back(report.milliseconds);
   if (history_.size() > history_length) history_.pop_front();
@@ -127,7 +141,11 @@ void Simulation::record_failure() {
 }
 
 void Simulation::reset() {
-  world_ = build_world(scene_);
+  SceneDescription scene = scene_;
+  forget_thrown(scene);
+  world_ = build_world(scene);
+  scene_ = std::move(scene);
+  thrown_.clear();
   ++generation_;
   start();
 }
@@ -137,10 +155,92 @@ void Simulation::set_playing(bool playing) {
   playing_ = playing;
 }
 
+// --- the past ------------------------------------------------------------------------------------
+
+void Simulation::keep_state() {
+  PastState state{world_.time(), world_.snapshot(), {}};
+  state.bytes = state.snapshot.bytes.size();
+  if (!setup_) {
+    setup_ = std::make_shared<const Setup>(Setup{scene_, thrown_, pinned_at_start_, edits_});
+    state.bytes += bytes_of(*setup_);
+  }
+  state.setup = setup_;
+  past_.add(std::move(state));
+}
+
+void Simulation::step_back() {
+  set_playing(false);
+  const std::size_t now = state();
+  if (now > 0) return rewind(now - 1);
+  if (past_.size() == 0 || past_.at(0).time == 0) throw Error("this is the start");
+  throw Error(fmt::format("the viewer keeps no state before {:.4g} s: snapshots of {:.3g} s take {:.3g} MB",
+                          past_.at(0).time, past_.at(past_.size() - 1).time - past_.at(0).time,
+                          static_cast<double>(past_.bytes()) / 1e6));
+}
+
+void Simulation::rewind(std::size_t i) {
+  set_playing(false);
+  if (past_.shown() == i || (!past_.shown() && i >= past_.size())) return;
+  if (!past_.shown()) {
+    // The way forth to the present.
+    const std::size_t before = past_.size();
+    keep_state();
+    i -= std::min(i, before + 1 - past_.size());  // dropped for it
+  }
+  const PastState& state = past_.at(i);
+  set_setup(state.setup);
+  world_.set_settings(scene_.settings);
+  world_.restore(state.snapshot);
+  past_.show(i);
+  failure_.reset();
+  ++steps_;
+}
+
+void Simulation::limit_past(std::size_t max_bytes) {
+  past_ = Past(max_bytes);
+}
+
+/// Makes the world that the setup describes, except for its state.
+void Simulation::set_setup(std::shared_ptr<const Setup> setup) {
+  if (setup == setup_) return;
+  if (!remove_later_objects(*setup)) {
+    world_ = build_world(setup->scene);
+    ++generation_;
+  }
+  scene_ = setup->scene;
+  thrown_ = setup->thrown;
+  pinned_at_start_ = setup->pinned_at_start;
+  edits_ = setup->edits;
+  setup_ = std::move(setup);
+}
+
+/// Where the setup lacks only objects that were added later, it is enough to remove these.
+bool Simulation::remove_later_objects(const Setup& setup) {
+  const auto same_name = [](const AnyObjectDescription& a, const AnyObjectDescription& b) {
+    return common(a).name == common(b).name;
+  };
+  const std::vector<AnyObjectDescription>&before = setup.scene.objects, &now = scene_.objects;
+  if (setup.edits != edits_ || before.size() > now.size() ||
+      !std::equal(before.begin(), before.end(), now.begin(), same_name))
+    return false;
+  for (std::size_t i = before.size(); i < now.size(); ++i)
+    world_.remove(world_.find_object(common(now[i]).name));
+  return true;
+}
+
+/// `edited`: materials or pins; settings and new objects need no new world when they are taken back.
+void Simulation::changed(bool edited) {
+  past_.move_on();
+  setup_.reset();
+  if (edited) ++edits_;
+  ++steps_;  // a radius is visible
+}
+
 // --- changes -------------------------------------------------------------------------------------
 
 void Simulation::set_settings(const Settings& settings) {
   world_.set_settings(settings);
+  changed(false);
   scene_.settings = settings;
 }
 
@@ -148,8 +248,8 @@ template <class Description, class Material>
 void Simulation::change_material(std::size_t object, const Material& material) {
   auto& description = std::get<Description>(scene_.objects.at(object));
   world_.set_material(world_.find_object(description.name), material);
+  changed(true);
   description.material = material;
-  ++steps_;  // a radius is visible
 }
 
 void Simulation::set_material(std::size_t object, const MaterialDescription<ClothMaterial>& material) {
@@ -171,6 +271,31 @@ void Simulation::set_material(std::size_t object, const ObstacleMaterial& materi
   change_material<ObstacleDescription>(object, material);
 }
 
+ObjectId Simulation::add(AnyObjectDescription object, bool thrown) {
+  ObjectDescription& shared = common(object);
+  const std::string base = shared.name;
+  const auto is_taken = [&](const std::string& name) {
+    const auto has_name = [&](const AnyObjectDescription& other) { return common(other).name == name; };
+    const auto is_called = [&](const ColliderDescription& other) { return other.name == name; };
+    return std::any_of(scene_.objects.begin(), scene_.objects.end(), has_name) ||
+           std::any_of(scene_.colliders.begin(), scene_.colliders.end(), is_called);
+  };
+  for (int number = 2; is_taken(shared.name); ++number) shared.name = fmt::format("{}{}", base, number);
+  const std::string name = shared.name;
+
+  scene_.objects.push_back(std::move(object));
+  try {
+    add_to_world(scene_, scene_.objects.size() - 1, world_);
+  } catch (...) {
+    scene_.objects.pop_back();
+    throw;
+  }
+  changed(false);
+  pinned_at_start_.emplace_back();
+  if (thrown) thrown_.insert(name);
+  return world_.find_object(name);
+}
+
 std::size_t Simulation::index_of(ObjectId object) const {
   const std::string& wanted = world_.name(object);
   for (std::size_t i = 0; i < scene_.objects.size(); ++i) {
@@ -185,7 +310,7 @@ bool Simulation::is_pinned(ObjectId object, std::uint32_t vertex) const {
 
 bool Simulation::toggle_pin(ObjectId object, std::uint32_t vertex) {
   const std::size_t index = index_of(object);
-  ++steps_;
+  changed(true);
   if (is_pinned(object, vertex)) {
     world_.unpin(object, vertices({vertex}));
     remove_from_pins(index, vertex);
@@ -218,7 +343,10 @@ void Simulation::set_camera(const render::Camera& camera) {
 }
 
 std::string Simulation::scene_text() const {
-  return to_json(scene_);
+  if (thrown_.empty()) return to_json(scene_);
+  SceneDescription scene = scene_;
+  forget_thrown(scene);
+  return to_json(scene);
 }
 
 }  // namespace souple::viewer

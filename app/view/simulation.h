@@ -1,6 +1,7 @@
 #pragma once
 
 #include "app/view/clock.h"
+#include "app/view/past.h"
 #include "app/view/session.h"
 #include "souple/scene/scene.h"
 
@@ -9,7 +10,9 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -37,6 +40,9 @@ class Simulation : public Session {
   void advance(double seconds) override;
   void step_frame() override;
   void step_fine() override;
+  /// Returns to the state before the last step, or one of the steps before it where states are large. Throws
+  /// Error when no earlier state is kept.
+  void step_back() override;
   void reset() override;
   void set_playing(bool playing) override;
   bool playing() const override { return playing_; }
@@ -56,6 +62,20 @@ class Simulation : public Session {
   const std::deque<StageTimes>& history() const { return history_; }
   static constexpr std::size_t history_length = 240;
 
+  // --- the past. A state comes back whole: motion, objects, settings, materials and pins. The same steps from it
+  // give the same bits.
+  /// States to which `rewind` returns, oldest first; the last one is the present.
+  std::size_t state_count() const { return past_.size() + (past_.shown() ? 0 : 1); }
+  std::size_t state() const { return past_.shown().value_or(past_.size()); }
+  double state_time(std::size_t i) const {
+    return i < past_.size() ? past_.at(i).time : world_.time();
+  }  ///< s
+  /// Shows a state and pauses; a step or a change from there forgets the states that came later.
+  void rewind(std::size_t i);
+  /// Limit of the memory of states. [bytes] Forgets the states.
+  void limit_past(std::size_t max_bytes);
+  static constexpr std::size_t default_past_bytes = std::size_t{512} << 20;
+
   // --- changes. Each throws Error on invalid values, and then has changed nothing.
   void set_settings(const Settings& settings);
   void set_material(std::size_t object, const MaterialDescription<ClothMaterial>& material);
@@ -64,6 +84,9 @@ class Simulation : public Session {
   void set_material(std::size_t object, const MaterialDescription<GrainsMaterial>& material);
   void set_material(std::size_t object, const MaterialDescription<FluidMaterial>& material);
   void set_material(std::size_t object, const ObstacleMaterial& material);
+  /// Adds an object at the current time, with a unique name that begins like its own. After a reset it is there
+  /// from the start, unless it was thrown: then the reset removes it, and `scene_text()` lacks it.
+  ObjectId add(AnyObjectDescription object, bool thrown = false);
   /// Position in scene().objects.
   std::size_t index_of(ObjectId object) const;
   bool is_pinned(ObjectId object, std::uint32_t vertex) const;
@@ -83,6 +106,12 @@ class Simulation : public Session {
   void record_failure();
   void remove_from_pins(std::size_t object, std::uint32_t vertex);
   void start();
+  void forget_thrown(SceneDescription& scene) const;
+  // The past.
+  void keep_state();
+  void set_setup(std::shared_ptr<const Setup> setup);
+  bool remove_later_objects(const Setup& setup);
+  void changed(bool edited);
 
   std::string name_;
   SceneDescription scene_;
@@ -95,6 +124,10 @@ class Simulation : public Session {
   std::deque<StageTimes> history_;
   // Per object and pin of the scene: the vertices it selected at the start.
   std::vector<std::vector<std::vector<std::uint32_t>>> pinned_at_start_;
+  std::set<std::string> thrown_;  // names
+  Past past_{default_past_bytes};
+  std::uint64_t edits_ = 0;             // see Setup
+  std::shared_ptr<const Setup> setup_;  // the current one; null: changed since the last state
 };
 
 }  // namespace souple::viewer

@@ -73,6 +73,7 @@ void Viewer::frame(double seconds, std::uint32_t framebuffer) {
     draw_panel();
     draw_key_list();
   }
+  draw_add_menu();
   draw_time_slider();
   update_list();
   draw_status();
@@ -163,6 +164,9 @@ void Viewer::show(std::unique_ptr<Session> session) {
   } else {
     frame_all();
   }
+  if (const Simulation* shown = simulation())
+    ball_ = ball_for(camera_.distance(), length(shown->scene().settings.gravity));
+  addition_size_ = camera_.distance() / 8;
 }
 
 /// An obstacle comes first in many scenes; what moves is what a user changes.
@@ -176,7 +180,12 @@ std::size_t Viewer::first_with_material() {
 }
 
 void Viewer::open(const fs::path& path) {
-  guarded([&] { show(scenes_.open(path)); });
+  guarded([&] {
+    std::error_code error;
+    const bool is_mesh = fs::is_regular_file(path, error) && path.extension() != ".json";
+    if (!is_mesh || simulation() == nullptr) return show(scenes_.open(path));
+    add(described(path), point_under_mouse());
+  });
 }
 
 void Viewer::open_entry(std::size_t entry) {
@@ -229,6 +238,13 @@ void Viewer::act(Action action) {
       return session_->step_frame();
     case Action::step_substep:
       return session_->step_fine();
+    case Action::step_back:
+      mouse_.release();
+      return session_->step_back();
+    case Action::throw_ball:
+      return throw_ball();
+    case Action::add_object:
+      return ask_addition();
     case Action::reset:
       mouse_.release();
       return session_->reset();

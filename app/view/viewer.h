@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/view/additions.h"
 #include "app/view/keys.h"
 #include "app/view/mouse.h"
 #include "app/view/notices.h"
@@ -47,7 +48,8 @@ class Viewer {
   /// Whether Esc was pressed twice within three seconds.
   bool done() const { return done_; }
 
-  /// Shows another scene or run; if it cannot be opened, shows an error and keeps the current one.
+  /// Shows another scene or run, or adds a mesh file to the scene, under the mouse. If the file cannot be opened,
+  /// shows an error and keeps the current one.
   void open(const std::filesystem::path& path);
   void act(Action action);
 
@@ -62,6 +64,7 @@ class Viewer {
   std::vector<std::string> notices() const { return notices_.texts(); }
   const ViewArea& area() const { return area_; }
   bool panels_shown() const { return panels_shown_; }
+  const Ball& ball() const { return ball_; }
   bool filming() const { return film_ != nullptr; }
 
  private:
@@ -79,6 +82,14 @@ class Viewer {
   std::optional<Mouse::PickedVertex> pick(int x, int y);
   void frame_all();
 
+  // additions
+  Simulation& simulation_for(const char* what);
+  Vec3f point_under_mouse();
+  void throw_ball();
+  void ask_addition();
+  void add(const NewObject& object, const Vec3f& point);
+  void draw_add_menu();
+
   // pictures
   std::filesystem::path new_file(const std::string& ending) const;
   void take_screenshot();
@@ -93,6 +104,8 @@ class Viewer {
   void draw_panel();
   void scene_section();
   void transport_section();
+  void rewind_row(Simulation& simulation);
+  void additions_section();
   bool shows_fluids() const;
   void recording_section(const Recording& recording);
   void simulation_sections(Simulation& simulation);
@@ -122,6 +135,10 @@ class Viewer {
   double quit_asked_ = 0;  // time left for a second Esc [s]
   unsigned key_down_ = 0;  // character of the pressed key; 0: none
   std::size_t chosen_object_ = 0;
+  Ball ball_;
+  float addition_size_ = 1;  // m
+  Vec3f addition_point_{};   // of the open menu
+  bool addition_asked_ = false;
 
   std::unique_ptr<render::Film> film_;
   std::filesystem::path film_file_;

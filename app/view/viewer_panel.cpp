@@ -117,6 +117,7 @@ void Viewer::transport_section() {
   if (fine) act(Action::step_substep);
   if (frame) act(Action::step_frame);
   if (reset) act(Action::reset);
+  if (Simulation* simulated = simulation()) rewind_row(*simulated);
   if (screenshot) act(Action::screenshot);
   if (film) act(Action::film);
 }
@@ -131,6 +132,7 @@ void Viewer::simulation_sections(Simulation& simulation) {
   guarded([&] { solver_panel(simulation); });
   guarded([&] { material_panel(simulation, chosen_object_); });
   guarded([&] { forces_panel(simulation); });
+  additions_section();
   numbers_panel(simulation);
   display_panel(display_, rendering_, options_.half_resolution, true, shows_fluids());
   ImGui::Dummy({0, 6});

@@ -26,20 +26,19 @@ Mat3d axes_around(const Vec3d& n) {
   return {x, n, cross(x, n)};
 }
 
-// With the plane of the last projection. A contact that touches for the first time now takes the surface motion of a
-// plane that has not been projected, 0: on a moving collider the exact projections that follow correct its friction.
-void project_again(const kernels::ColliderContactColumns& columns, std::size_t c,
-                   const ParticleView& particles) {
-  const auto vector = [c](float* const(&of)[3]) { return Vec3f{of[0][c], of[1][c], of[2][c]}; };
-  const std::uint32_t i = columns.particle[c];
-  const Vec3f n = vector(columns.normal), moved = particles.moved(i);
-  const float C = columns.plane_gap[c] + dot(n, moved);
-  if (!(columns.slop[c] > C) && !(columns.normal_sum[c] > 0)) return;
-  ContactSums<float> sums{columns.normal_sum[c], vector(columns.tangent_sum)};
-  particles.correct(i, solve_contact(sums, C, columns.slop[c], n, moved - vector(columns.surface_motion),
-                                     columns.static_friction[c], columns.kinetic_friction[c]));
-  columns.normal_sum[c] = sums.normal_sum;
-  for (int axis = 0; axis < 3; ++axis) columns.tangent_sum[axis][c] = sums.tangent_sum[axis];
+/// Copies what ColliderContactKernels::project_again reads of some contacts.
+void copy_plane_contacts(const kernels::ColliderContactColumns& from, std::span<const std::uint32_t> some,
+                         const kernels::ColliderContactColumns& to) {
+  for (std::size_t k = 0; k < some.size(); ++k) {
+    const std::uint32_t c = some[k];
+    to.particle[k] = from.particle[c];
+    to.plane_gap[k] = from.plane_gap[c], to.slop[k] = from.slop[c], to.normal_sum[k] = from.normal_sum[c];
+    to.static_friction[k] = from.static_friction[c], to.kinetic_friction[k] = from.kinetic_friction[c];
+    for (int axis = 0; axis < 3; ++axis) {
+      to.normal[axis][k] = from.normal[axis][c], to.tangent_sum[axis][k] = from.tangent_sum[axis][c];
+      to.surface_motion[axis][k] = from.surface_motion[axis][c];
+    }
+  }
 }
 
 }  // namespace
@@ -62,6 +61,7 @@ kernels::ColliderContactColumns ColliderContacts::Contacts::columns() {
   set(result.slop), set3(result.predicted), set(result.normal_sum), set3(result.tangent_sum);
   set3(result.normal), set3(result.surface_motion), set(result.restitution_velocity), set(result.depth);
   set(result.plane_gap);
+  set(result.share), set(result.radius), set(result.rolling_friction), set3(result.moment_sum);
   return result;
 }
 
@@ -211,6 +211,13 @@ void ColliderContacts::refresh(const ParticleView& particles, const Substep& sub
   for (Body& body : bodies_) find_contacts(body, particles, threads);
 }
 
+// Of a particle and the body in the substep, in the body's frame [m].
+Vec3f ColliderContacts::relative_motion(const Body& body, std::uint32_t particle,
+                                        const ParticleView& particles) {
+  return Vec3f(body.after.to_local(particle_position(particles, particle)) -
+               body.before.to_local(particle_start_position(particles, particle)));
+}
+
 // All threads find the near particles; one thread then counts them in order. So contacts and their order do
 // not depend on the number of threads.
 void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, Threads& threads) {
@@ -231,14 +238,23 @@ void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, 
   threads.for_each(near_.size(), grain(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t contact = body.contact_begin + k, candidate = near_[k];
-      const ContactMaterialPair& material = materials_->at(candidates_.object[candidate], body.collider);
+      const ContactMaterialPair material = materials_->at(candidates_.object[candidate], body.collider);
       columns.particle[contact] = candidates_.particle[candidate];
       columns.distance[contact] = candidates_.keeps[candidate];
       columns.end_distance[contact] = distance_[candidate];
       columns.static_friction[contact] = material.static_friction;
       columns.kinetic_friction[contact] = material.kinetic_friction;
+      if (material.kinetic_friction < material.static_friction)
+        columns.kinetic_friction[contact] =
+            kinetic_friction_at(material, relative_motion(body, columns.particle[contact], particles),
+                                2 * step_.gravity * last_h_ * last_h_);
       columns.restitution[contact] = material.restitution;
       columns.slop[contact] = step_.depenetration_speed(material.radius) * last_h_;
+      if (step_.turn.empty()) continue;
+      columns.share[contact] = objects_[candidates_.object[candidate]].rolls ? inverse_inertia_factor : 0.0f;
+      columns.radius[contact] = radius_[candidates_.particle[candidate]];
+      columns.rolling_friction[contact] = material.rolling_friction;
+      for (float* const sum : columns.moment_sum) sum[contact] = 0;
     }
     kernels_->describe(packed, body.packed, columns, body.contact_begin + begin, body.contact_begin + end);
   });
@@ -248,18 +264,17 @@ kernels::ColliderContactLimits ColliderContacts::limits() const {
   return {.inverse_h = 1 / last_h_, .restitution_threshold = 2 * step_.gravity * last_h_};
 }
 
+kernels::ColliderParticles ColliderContacts::rolling_particles(const ParticleView& particles) const {
+  kernels::ColliderParticles packed = packed_particles(particles);
+  packed.turn = step_.turn.empty() ? nullptr : &step_.turn.data()->x;
+  return packed;
+}
+
 void ColliderContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                                const Substep&) {
   const Body& body = bodies_[static_cast<std::size_t>(color)];
-  kernels_->project(packed_particles(particles), body.packed, contacts_.columns(), body.contact_begin + begin,
-                    body.contact_begin + end);
-}
-
-void ColliderContacts::find_touching(std::span<const std::uint32_t> chosen,
-                                     std::vector<std::uint32_t>& found) const {
-  const kernels::ColliderContactColumns columns = contacts_.columns();
-  for (std::uint32_t c = 0; c < contacts_.size(); ++c)
-    if (chosen[columns.particle[c]] != unchosen) found.push_back(c);
+  kernels_->project(rolling_particles(particles), body.packed, contacts_.columns(),
+                    body.contact_begin + begin, body.contact_begin + end);
 }
 
 bool ColliderContacts::removes_overlaps() const {
@@ -267,27 +282,58 @@ bool ColliderContacts::removes_overlaps() const {
   return std::any_of(slop, slop + contacts_.size(), [](float s) { return s < 0; });
 }
 
-void ColliderContacts::project_some(std::span<const std::uint32_t> contacts, const ParticleView& particles,
-                                    bool again) {
+std::size_t ColliderContacts::take_some(std::span<const std::uint32_t> chosen) {
+  some_.clear();
+  // At first enough for a contact of each particle with one collider.
+  if (some_.capacity() < size()) some_.reserve(std::max(chosen.size(), 2 * size()));
   const kernels::ColliderContactColumns columns = contacts_.columns();
-  if (again) {
-    for (const std::uint32_t c : contacts) project_again(columns, c, particles);
-    return;
-  }
+  for (std::uint32_t c = 0; c < contacts_.size(); ++c)
+    if (chosen[columns.particle[c]] != unchosen) some_.push_back(c);
+  return some_.size();
+}
+
+void ColliderContacts::project_some(const ParticleView& particles, bool again) {
+  if (some_.empty()) return;
+  if (!again) return project_exactly(particles);
+  const kernels::ColliderContactColumns columns = taken_.columns();
   const kernels::ColliderParticles packed = packed_particles(particles);
   auto body = bodies_.begin();
-  for (std::size_t k = 0, end = 0; k < contacts.size(); k = end) {
-    while (contacts[k] >= body->contact_end) ++body;
-    for (end = k + 1; end < contacts.size() && contacts[end] == contacts[end - 1] + 1 &&
-                      contacts[end] < body->contact_end;)
-      ++end;
-    kernels_->project(packed, body->packed, columns, contacts[k], contacts[end - 1] + std::size_t{1});
+  for (std::size_t k = 0, end = 0; k < some_.size(); k = end) {
+    while (some_[k] >= body->contact_end) ++body;
+    end = static_cast<std::size_t>(std::lower_bound(some_.begin(), some_.end(), body->contact_end) -
+                                   some_.begin());
+    kernels_->project_again(packed, columns, k, end);
   }
+}
+
+// Neighbors in order are projected together. Copies what project_again needs.
+void ColliderContacts::project_exactly(const ParticleView& particles) {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  const kernels::ColliderParticles packed = rolling_particles(particles);
+  auto body = bodies_.begin();
+  for (std::size_t k = 0, end = 0; k < some_.size(); k = end) {
+    while (some_[k] >= body->contact_end) ++body;
+    for (end = k + 1;
+         end < some_.size() && some_[end] == some_[end - 1] + 1 && some_[end] < body->contact_end;)
+      ++end;
+    kernels_->project(packed, body->packed, columns, some_[k], some_[end - 1] + std::size_t{1});
+  }
+  if (taken_.size() < some_.size()) taken_.resize(some_.capacity());
+  copy_plane_contacts(columns, some_, taken_.columns());
+}
+
+void ColliderContacts::put_back_some() {
+  const kernels::ColliderContactColumns from = taken_.columns(), to = contacts_.columns();
+  for (std::size_t k = 0; k < some_.size(); ++k) {
+    to.normal_sum[some_[k]] = from.normal_sum[k];
+    for (int axis = 0; axis < 3; ++axis) to.tangent_sum[axis][some_[k]] = from.tangent_sum[axis][k];
+  }
+  some_.clear();
 }
 
 void ColliderContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
                                          const Substep&, Threads& threads) {
-  kernels::ColliderParticles packed = packed_particles(particles);
+  kernels::ColliderParticles packed = rolling_particles(particles);
   packed.velocity = velocity.empty() ? nullptr : &velocity.data()->x;
   const kernels::ColliderContactColumns columns = contacts_.columns();
   for (const Body& body : bodies_)
@@ -380,14 +426,15 @@ void ColliderContacts::erase_particles(std::uint32_t, std::uint32_t) {
   bodies_.clear();
   members_.particle.clear(), members_.object.clear();
   candidates_ = {};
+  some_.clear();
   contacts_.resize(0);
 }
 
 std::size_t ColliderContacts::bytes() const {
   return bytes_of(bodies_, members_.particle, members_.object, members_.at[0], members_.at[1], members_.at[2],
                   members_.margin, candidates_.particle, candidates_.object, candidates_.keeps, distance_,
-                  near_) +
-         contacts_.bytes();
+                  near_, some_) +
+         contacts_.bytes() + taken_.bytes();
 }
 
 }  // namespace souple

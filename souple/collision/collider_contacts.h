@@ -69,11 +69,11 @@ class ColliderContacts final : public Projector {
   std::string_view kind() const override { return "collider contact"; }
   bool is_contact() const override { return true; }
   bool is_collider_contact() const override { return true; }
-  void find_touching(std::span<const std::uint32_t> chosen, std::vector<std::uint32_t>& found) const override;
   bool removes_overlaps() const override;
+  std::size_t take_some(std::span<const std::uint32_t> chosen) override;
   /// `again`: with the normals and surface points of the last projection.
-  void project_some(std::span<const std::uint32_t> contacts, const ParticleView& particles,
-                    bool again) override;
+  void project_some(const ParticleView& particles, bool again) override;
+  void put_back_some() override;
   std::size_t size() const override { return contacts_.size(); }
   void prepare(std::size_t) override {}
   /// One color per enabled collider: a particle has at most one contact with each.
@@ -127,7 +127,7 @@ class ColliderContacts final : public Projector {
 
    private:
     std::vector<std::uint32_t> particle_;
-    std::array<std::vector<float>, 27> floats_;
+    std::array<std::vector<float>, 33> floats_;
   };
 
   const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
@@ -139,8 +139,11 @@ class ColliderContacts final : public Projector {
                        Threads& threads);
   void find_candidates_of(Body& body, const kernels::ColliderParticles& particles, Threads& threads);
   bool left_margins(const ParticleView& particles, Threads& threads) const;
+  static Vec3f relative_motion(const Body& body, std::uint32_t particle, const ParticleView& particles);
+  void project_exactly(const ParticleView& particles);
   void find_contacts(Body& body, const ParticleView& particles, Threads& threads);
   kernels::ColliderContactLimits limits() const;
+  kernels::ColliderParticles rolling_particles(const ParticleView& particles) const;
   template <class Function>
   void for_each_gap(const ParticleView& particles, const Function& f) const;
 
@@ -156,6 +159,8 @@ class ColliderContacts final : public Projector {
   Candidates candidates_;
   std::vector<float> distance_;      // per member or candidate: to the body's surface [m]
   std::vector<std::uint32_t> near_;  // candidates in contact with the body
+  std::vector<std::uint32_t> some_;  // contacts that take_some took
+  Contacts taken_;                   // copies of them
   mutable Contacts contacts_;  // kernels take its columns, which only project and apply_restitution change
 };
 

@@ -458,6 +458,8 @@ bool ColliderElementContacts::contact_of(const Body& body, const kernels::Collid
   contact.start_gap = float(dot(n, body.after.to_local(start)) - offset - target);
   contact.predicted = Vec3f(body.after.rotation * (body.after.to_local(end) - body.before.to_local(start)));
   if (body.packed.moves) contact.surface_motion = Vec3f(end - body.before.to_world(body.after.to_local(end)));
+  contact.material.kinetic_friction = kinetic_friction_at(
+      contact.material, Vec3f(end - start) - contact.surface_motion, 2 * step_.gravity * h * h);
   const double overlap = double(found.start_distance[candidate]) - target;
   contact.slop =
       overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed(contact.material.radius) * h)))

@@ -1,9 +1,12 @@
 #pragma once
 
+#include "souple/collision/segment_triangle/choice.h"
 #include "souple/math/vec3.h"
+#include "souple/state/particles.h"
 
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 // Types that all contact projectors share.
 
@@ -19,6 +22,16 @@ struct ContactObject {
   bool self_collision = false;  ///< between particles of this object
   std::uint32_t groups = 1;     ///< bits; two objects a and b collide when a.groups & b.mask
   std::uint32_t mask = 0;       ///<   and b.groups & a.mask are both non-zero
+  bool rolls = false;           ///< its particles are solid balls that rotate, such as grains
+};
+
+/// How contacts between surfaces are found in a substep.
+enum class Detection {
+  /// Vertices against triangles and edges against edges, by distance and by time of impact.
+  continuous,
+  /// Vertices whose path x -> p crosses a triangle (Müller et al. 2007, section 3.4), by a SegmentTest. It
+  /// serves for comparison: edges pass through edges, and what a test misses passes as well.
+  discrete
 };
 
 /// Data of a whole step, set before its first substep.
@@ -27,6 +40,10 @@ struct ContactStep {
   float dt = 0;           ///< length of the step [s]
   float gravity = 9.81f;  ///< |g| [m/s^2]: contacts that approach slower than 2 |g| h do not bounce
   float h = 0;            ///< length of a substep; 0: the step has only one [s]
+  Detection detection = Detection::continuous;      ///< between surfaces
+  SegmentTest segment_test = default_segment_test;  ///< of discrete detection
+  /// Rotation of the particles of objects that roll (Particles::turn); empty: none rolls.
+  std::span<Vec4f> turn{};
 
   /// Speed at which an overlap older than the substep is removed, if the smaller side has the radius R [m/s]: that of
   /// a fall by R. So no side gains more energy than m |g| R, and scenes of every size leave an overlap alike. Without

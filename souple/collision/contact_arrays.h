@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/assert.h"
 #include "souple/collision/kernels/element_pairs.h"
 #include "souple/collision/spatial_hash.h"
 
@@ -38,6 +39,10 @@ class ContactArrays {
     for (float*& tangent_sum : result.tangent_sum) tangent_sum = column();
     result.restitution_velocity = column();
     result.depth = column();
+    result.share = column();
+    result.rolling_friction = column();
+    for (float*& moment_sum : result.moment_sum) moment_sum = column();
+    SOUPLE_ASSERT(next == floats_.size(), "one array per column");
     return result;
   }
   std::size_t bytes() const {
@@ -49,7 +54,7 @@ class ContactArrays {
 
  private:
   std::array<std::vector<std::uint32_t>, 4> particle_;
-  std::array<std::vector<float>, 20> floats_;
+  std::array<std::vector<float>, 25> floats_;
 };
 
 }  // namespace souple

@@ -27,8 +27,12 @@ struct ContactSurface {
   std::vector<std::uint32_t> ignored_surfaces{};  ///< indices of surfaces it never collides with, ascending
   /// Rest position of each particle [m]: elements that are near at rest may stay as near.
   std::span<const Vec3d> rest{};
-  float radius = 1;  ///< of the object at rest, see ContactStep::depenetration_speed [m]
+  bool rolls = false;  ///< its particles are solid balls that rotate; only with particles_only
+  float radius = 1;    ///< of the object at rest, see ContactStep::depenetration_speed [m]
 };
+
+/// Whether any of them collides with another one or with itself.
+bool any_may_collide(std::span<const ContactSurface> surfaces);
 
 /// Whether surface a collides with surface b; where a == b, whether it has self-collision.
 inline bool may_collide(std::span<const ContactSurface> surfaces, std::size_t a, std::size_t b) {

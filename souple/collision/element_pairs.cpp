@@ -1,5 +1,6 @@
 #include "souple/collision/element_pairs.h"
 
+#include "souple/assert.h"
 #include "souple/collision/intersection_resolver.h"
 #include "souple/collision/kernels/find_kernels.h"
 #include "souple/state/bytes.h"
@@ -58,6 +59,9 @@ const std::uint32_t (*quads(const std::vector<NearPair>& pairs))[4] {
   return pairs.empty() ? nullptr : &pairs[0].particle;
 }
 
+// Of elements of surfaces with self-collision.
+constexpr auto itself = [](std::uint32_t a, std::uint32_t b) { return a == b; };
+
 kernels::ParticleRecords records_of(const ParticleView& particles, std::span<const Vec4f> moved) {
   if (particles.moving.empty()) return {};
   kernels::ParticleRecords records;
@@ -74,6 +78,7 @@ kernels::ParticleRecords records_of(const ParticleView& particles, std::span<con
 kernels::ParticleRecords ElementPairs::particle_records(const ParticleView& particles) const {
   kernels::ParticleRecords result = records_of(particles, moved_);
   result.contact_margin = contact_margin_.data();
+  result.turn = step_.turn.empty() ? nullptr : &step_.turn.data()->x;
   return result;
 }
 
@@ -89,15 +94,7 @@ void ElementPairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   intersection_resolver_ = intersection_resolver;
   surfaces_ = std::move(surfaces);
   const std::size_t n = surfaces_.size();
-  self_matrix_ = inter_object_matrix_ = ObjectMatrix(n);
-  for (std::uint32_t a = 0; a < n; ++a) {
-    self_matrix_.set(a, a, surfaces_[a].self_collision);
-    any_ = any_ || surfaces_[a].self_collision;
-    for (std::uint32_t b = 0; b < a; ++b) {
-      inter_object_matrix_.set(a, b, may_collide(surfaces_, a, b));
-      any_ = any_ || may_collide(surfaces_, a, b);
-    }
-  }
+  any_ = any_may_collide(surfaces_);
   if (!any_) return;
   overlaps_other_.assign(n, 0);
   std::uint32_t end = 0;
@@ -127,6 +124,7 @@ void ElementPairs::set_surfaces(std::vector<ContactSurface> surfaces) {
 void ElementPairs::set_end(std::size_t surface, std::uint32_t end) {
   if (!any_) return;
   ContactSurface& one = surfaces_[surface];
+  SOUPLE_ASSERT(one.begin <= end && end <= one.reserved_end, "particles of the surface's range");
   one.end = end;
   std::fill(surface_of_.begin() + one.begin, surface_of_.begin() + end, static_cast<std::uint32_t>(surface));
   std::fill(surface_of_.begin() + end, surface_of_.begin() + one.reserved_end, no_surface);
@@ -136,6 +134,7 @@ void ElementPairs::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
   const std::size_t n = pairs.size();
   for (std::size_t k = 0; k < n; ++k) pairs.push_back({pairs[k][1], pairs[k][0]});
   std::sort(pairs.begin(), pairs.end());
+  SOUPLE_ASSERT(pairs.size() == 2 * n, "each pair stands in both orders");
   excluded_ = std::move(pairs);
 }
 
@@ -195,9 +194,10 @@ void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> ve
   elapsed_ = 0;
   predict_all(particles, velocity, dt, threads);
   select_inter_object_elements();
-  self_finder_.find(self_elements_, relative_boxes_, self_matrix_, particles.position, self_pairs_, threads);
-  inter_object_finder_.find(inter_object_elements_, boxes_, inter_object_matrix_, particles.position,
-                            inter_object_pairs_, threads);
+  self_finder_.find(self_elements_, relative_boxes_, itself, particles.position, self_pairs_, threads);
+  const auto others = [this](std::uint32_t a, std::uint32_t b) { return collides_with_other(a, b); };
+  inter_object_finder_.find(inter_object_elements_, boxes_, others, particles.position, inter_object_pairs_,
+                            threads);
   clear();
   valid_from_.assign(surface_of_.size(), 0);
   add_found(particles, dt, threads);
@@ -276,6 +276,7 @@ void ElementPairs::predict(std::uint32_t i, const Vec3f& x, const Vec3f& v, floa
 
 bool ElementPairs::is_on_path(std::uint32_t i, const Vec3f& x) const {
   const std::uint32_t surface = surface_of_[i];
+  SOUPLE_ASSERT(surface != no_surface, "a particle of a surface");
   const PredictedPath& path = path_[i];
   if (elapsed_ > path.valid_until) return false;
   const Vec3f v = predicted_velocity_[i].xyz();
@@ -297,10 +298,8 @@ void ElementPairs::select_inter_object_elements() {
     bounds = around(bounds.lo, bounds.hi, far_surface_margin_part * max(size.x, max(size.y, size.z)));
   }
   overlaps_other_now_.assign(n, 0);
-  for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = 0; b < a; ++b)
-      if (inter_object_matrix_.at(a, b) && overlap(surface_bounds_[a], surface_bounds_[b]))
-        overlaps_other_now_[a] = overlaps_other_now_[b] = 1;
+  for (const auto& [a, b] : surface_sweep_.find(surface_bounds_))
+    if (collides_with_other(a, b)) overlaps_other_now_[a] = overlaps_other_now_[b] = 1;
   if (overlaps_other_now_ == overlaps_other_) return;
   overlaps_other_ = overlaps_other_now_;
   inter_object_elements_.clear();
@@ -398,8 +397,9 @@ void ElementPairs::refind_off_path(const ParticleView& before, float h, Threads&
     valid_from_[i] = static_cast<std::uint32_t>(size());
   }
   shift_.swap(saved_shift_);
-  self_finder_.find_moved(off_path_, relative_boxes_, before.position, self_pairs_, threads);
-  inter_object_finder_.find_moved(off_path_, boxes_, before.position, inter_object_pairs_, threads);
+  self_finder_.find_moved(off_path_, relative_boxes_, itself, before.position, self_pairs_, threads);
+  const auto others = [this](std::uint32_t a, std::uint32_t b) { return collides_with_other(a, b); };
+  inter_object_finder_.find_moved(off_path_, boxes_, others, before.position, inter_object_pairs_, threads);
   add_found(before, dt, threads);
 }
 
@@ -504,6 +504,7 @@ void ElementPairs::append(List Batch::*list, std::size_t batches, bool edges, bo
     chunk.begin = static_cast<std::uint32_t>(next);
     chunk.end = static_cast<std::uint32_t>(std::min(sum, next + chunk_size));
     chunk.edges = edges, chunk.inter_object = inter_object;
+    SOUPLE_ASSERT(chunk.begin < chunk.end, "a chunk has pairs");
     chunks_.push_back(chunk);
   }
 }
@@ -651,6 +652,7 @@ std::size_t ElementPairs::find_near(std::size_t index, const kernels::NearRule& 
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
   const kernels::NearPairStatistics statistics = kernels.find_near[chunk.edges ? 1 : 0](
       records, columns(), rule, chunk.motion_since, speculative_part, chunk.begin, chunk.end, found);
+  SOUPLE_ASSERT(statistics.found <= chunk.end - chunk.begin, "at most all pairs of the chunk are near");
   chunk.min_distance_bound = statistics.min_distance_bound;
   chunk.min_gap_bound = statistics.min_gap_bound;
   chunk.motion_since = 0;

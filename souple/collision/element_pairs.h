@@ -137,6 +137,9 @@ class ElementPairs {
   void predict_all(const ParticleView& particles, std::span<const Vec4f> velocity, float dt,
                    Threads& threads);
   void find_shift(const ParticleView& particles);
+  bool collides_with_other(std::uint32_t a, std::uint32_t b) const {
+    return a != b && may_collide(surfaces_, a, b);
+  }
   void select_inter_object_elements();
   Vec3d mean_position(const ContactSurface& surface, const ParticleView& particles) const;
   void find_off_path(const ParticleView& particles, Threads& threads);
@@ -164,7 +167,7 @@ class ElementPairs {
   std::vector<Bounds> surface_bounds_;  // per surface: around its particles' boxes, with a margin
   // Per surface: its bounds overlap those of a surface that it may collide with.
   std::vector<std::uint8_t> overlaps_other_now_, overlaps_other_;
-  ObjectMatrix self_matrix_, inter_object_matrix_;
+  BoxSweep surface_sweep_;
   bool any_ = false;
 
   std::span<const float> radius_, contact_margin_;

@@ -28,6 +28,12 @@ Bounds shifted(const Bounds& box, const Vec3f& by) {
   return {box.lo + by, box.hi + by};
 }
 
+// A box of a part of a surface, with a margin for the perturbation.
+Bounds with_perturbation(const Bounds& box, const Bounds& surface) {
+  const float margin = 1e-6f * length(surface.hi - surface.lo);
+  return {box.lo - Vec3f{margin, margin, margin}, box.hi + Vec3f{margin, margin, margin}};
+}
+
 // In double, relative to the segment's first point. Intersections on a boundary of either do not count.
 Crossing<double> crossing_of(const Vec3d& direction, const Corners<double>& corners) {
   Crossing<double> crossing = find_crossing<Watertight, double>({{}, direction}, corners);
@@ -59,15 +65,10 @@ void IntersectionFinder::set_surfaces(std::span<const ContactSurface> surfaces) 
   *this = {};
   excluded_ = std::move(excluded);
   const std::size_t n = surfaces.size();
-  collides_ = ObjectMatrix(n);
+  surfaces_.assign(surfaces.begin(), surfaces.end());
+  any_pair_ = any_may_collide(surfaces);
   std::uint32_t end = 0;
-  for (std::uint32_t a = 0; a < n; ++a) {
-    end = std::max(end, surfaces[a].end);
-    for (std::uint32_t b = 0; b <= a; ++b) {
-      collides_.set(a, b, may_collide(surfaces, a, b));
-      any_pair_ = any_pair_ || collides_.at(a, b);
-    }
-  }
+  for (const ContactSurface& surface : surfaces) end = std::max(end, surface.end);
   closed_.assign(n, 0);
   surface_bounds_.assign(n, empty_bounds);
   active_.assign(n, 0);
@@ -140,17 +141,23 @@ bool IntersectionFinder::is_excluded(const EdgeIntersection& pair) const {
 // --- search
 
 // Active surfaces: with self-collision, or with bounds that overlap those of a surface they collide with.
-void IntersectionFinder::find_active(const ParticleView& particles, const ObjectMatrix& enabled) {
+void IntersectionFinder::find_active(const ParticleView& particles, const ObjectFilter& enabled) {
   const std::size_t n = surface_count();
   for (std::size_t a = 0; a < n; ++a) {
     surface_bounds_[a] = empty_bounds;
     for (std::uint32_t i = ranges_[a][0]; i < ranges_[a][1]; ++i)
       surface_bounds_[a] = united(surface_bounds_[a], around(particles.relative(i, {})));
-    active_[a] = enabled.at(a, a) ? 1 : 0;
+    active_[a] = enabled(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(a)) ? 1 : 0;
   }
-  for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = 0; b < a; ++b)
-      if (enabled.at(a, b) && overlap(surface_bounds_[a], surface_bounds_[b])) active_[a] = active_[b] = 1;
+  widened_.resize(n);
+  for (std::size_t a = 0; a < n; ++a) widened_[a] = with_perturbation(surface_bounds_[a], surface_bounds_[a]);
+  partners_.clear();
+  for (const auto& [a, b] : sweep_.find(widened_)) {
+    if (!enabled(a, b)) continue;
+    partners_.push_back({a, b}), partners_.push_back({b, a});
+    if (overlap(surface_bounds_[a], surface_bounds_[b])) active_[a] = active_[b] = 1;
+  }
+  std::sort(partners_.begin(), partners_.end());
 }
 
 // Boxes of triangles; empty for inactive surfaces.
@@ -167,7 +174,12 @@ void IntersectionFinder::find_boxes(const ParticleView& particles, Threads& thre
   });
 }
 
-void IntersectionFinder::find(const ParticleView& particles, const ObjectMatrix& enabled, Threads& threads) {
+void IntersectionFinder::find(const ParticleView& particles, Threads& threads) {
+  const auto collides = [this](std::uint32_t a, std::uint32_t b) { return may_collide(surfaces_, a, b); };
+  find(particles, collides, threads);
+}
+
+void IntersectionFinder::find(const ParticleView& particles, const ObjectFilter& enabled, Threads& threads) {
   found_.clear();
   if (!any_pair_) return;
   find_active(particles, enabled);
@@ -186,14 +198,15 @@ void IntersectionFinder::find(const ParticleView& particles, const ObjectMatrix&
 
 // Whether the box overlaps the bounds of a surface that `surface` collides with.
 bool IntersectionFinder::may_intersect(const Bounds& box, std::uint32_t surface,
-                                       const ObjectMatrix& enabled) const {
-  if (enabled.at(surface, surface)) return true;
-  for (std::size_t b = 0; b < surface_count(); ++b)
-    if (enabled.at(surface, b) && overlap(box, surface_bounds_[b])) return true;
+                                       const ObjectFilter& enabled) const {
+  if (enabled(surface, surface)) return true;
+  for (auto pair = std::lower_bound(partners_.begin(), partners_.end(), std::array{surface, 0u});
+       pair != partners_.end() && (*pair)[0] == surface; ++pair)
+    if (overlap(box, surface_bounds_[(*pair)[1]])) return true;
   return false;
 }
 
-void IntersectionFinder::find_chunk(const ParticleView& particles, const ObjectMatrix& enabled,
+void IntersectionFinder::find_chunk(const ParticleView& particles, const ObjectFilter& enabled,
                                     std::size_t c) {
   Chunk& chunk = chunks_[c];
   chunk.edges.clear();
@@ -210,7 +223,7 @@ void IntersectionFinder::find_chunk(const ParticleView& particles, const ObjectM
     hash_.find(box, chunk.near);
     for (const std::uint32_t t : chunk.near) {
       const SurfaceElement& triangle = elements_.triangles()[t];
-      if (!enabled.at(edge_surface, triangle.object) || shares_particle(edge, triangle)) continue;
+      if (!enabled(edge_surface, triangle.object) || shares_particle(edge, triangle)) continue;
       const Vec3d direction(particles.difference(edge[1], edge[0]));
       const Vec3f perturbed_by = perturbation(edge_surface, triangle.object);
       const auto crossing_at = [&](const Vec3f& shift) {
@@ -315,20 +328,17 @@ bool IntersectionFinder::would_intersect(const ParticleView& particles, std::uin
   });
 }
 
-// Includes a margin for the perturbation.
 Bounds IntersectionFinder::box_of(const ParticleView& particles, const Edge& edge,
                                   std::uint32_t edge_surface) const {
-  const Bounds& all = surface_bounds_[edge_surface];
-  const float margin = 1e-6f * length(all.hi - all.lo);
   const Bounds box = united(around(particles.relative(edge[0], {})), around(particles.relative(edge[1], {})));
-  return {box.lo - Vec3f{margin, margin, margin}, box.hi + Vec3f{margin, margin, margin}};
+  return with_perturbation(box, surface_bounds_[edge_surface]);
 }
 
 std::size_t IntersectionFinder::bytes() const {
-  std::size_t sum =
-      bytes_of(excluded_, ranges_, surface_of_, opposite_, closed_, active_, surface_bounds_, boxes_, found_);
+  std::size_t sum = bytes_of(excluded_, ranges_, surface_of_, opposite_, closed_, active_, surface_bounds_,
+                             widened_, partners_, boxes_, found_);
   for (const Chunk& chunk : chunks_) sum += bytes_of(chunk.edges, chunk.near, chunk.crossed_opposite);
-  return sum + elements_.bytes() + hash_.bytes();
+  return sum + elements_.bytes() + hash_.bytes() + sweep_.bytes();
 }
 
 }  // namespace souple

@@ -36,16 +36,16 @@ struct SurfaceHit {
 /// does not intersect it.
 class IntersectionFinder {
  public:
-  /// As ElementPairs::set_surfaces; `surfaces` is not kept.
+  /// As ElementPairs::set_surfaces; what the spans of `surfaces` refer to is not kept.
   void set_surfaces(std::span<const ContactSurface> surfaces);
   /// As ElementPairs::exclude.
   void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
 
   /// Searches at the current positions. The result is sorted by edge, then triangle, and does not depend on
   /// the number of threads. Repeated calls allocate nothing.
-  void find(const ParticleView& particles, Threads& threads) { find(particles, collides_, threads); }
-  /// Searches only the pairs of surfaces that are true in `enabled`; all of them must be able to collide.
-  void find(const ParticleView& particles, const ObjectMatrix& enabled, Threads& threads);
+  void find(const ParticleView& particles, Threads& threads);
+  /// Searches only the pairs of surfaces that `enabled` contains; all of them must be able to collide.
+  void find(const ParticleView& particles, const ObjectFilter& enabled, Threads& threads);
   std::span<const EdgeIntersection> intersections() const { return found_; }
 
   // Queries for IntersectionResolver and Layers, at the positions of the last `find`.
@@ -85,24 +85,27 @@ class IntersectionFinder {
 
   void find_closed(std::span<const ContactSurface> surfaces);
   void find_opposite();
-  void find_active(const ParticleView& particles, const ObjectMatrix& enabled);
-  bool may_intersect(const Bounds& box, std::uint32_t surface, const ObjectMatrix& enabled) const;
+  void find_active(const ParticleView& particles, const ObjectFilter& enabled);
+  bool may_intersect(const Bounds& box, std::uint32_t surface, const ObjectFilter& enabled) const;
   void find_boxes(const ParticleView& particles, Threads& threads);
-  void find_chunk(const ParticleView& particles, const ObjectMatrix& enabled, std::size_t chunk);
+  void find_chunk(const ParticleView& particles, const ObjectFilter& enabled, std::size_t chunk);
   bool is_excluded(const EdgeIntersection& pair) const;
   Vec3f perturbation(std::uint32_t edge_surface, std::uint32_t surface) const;
   Bounds box_of(const ParticleView& particles, const Edge& edge, std::uint32_t edge_surface) const;
 
   SurfaceElements elements_;
-  ObjectMatrix collides_;
+  std::vector<ContactSurface> surfaces_;
   bool any_pair_ = false;
   std::vector<std::array<std::uint32_t, 2>> excluded_;  // in both orders, sorted
   std::vector<std::array<std::uint32_t, 2>> ranges_;    // per surface: first and end particle
   std::vector<std::uint32_t> surface_of_;               // per particle
   std::vector<std::array<std::uint32_t, 2>> opposite_;  // per edge: see opposite()
   std::vector<std::uint8_t> closed_, active_;           // per surface
-  std::vector<Bounds> surface_bounds_;                  // per surface
-  std::vector<Bounds> boxes_;                           // per triangle
+  std::vector<Bounds> surface_bounds_, widened_;        // per surface; with a margin for perturbations
+  BoxSweep sweep_;
+  std::vector<std::array<std::uint32_t, 2>>
+      partners_;               // enabled pairs with overlapping bounds, in both orders, sorted
+  std::vector<Bounds> boxes_;  // per triangle
   SpatialHash hash_;
   float cell_size_ = 1;  // m
   std::vector<Chunk> chunks_;

@@ -85,7 +85,6 @@ void IntersectionResolver::set_surfaces(std::span<const ContactSurface> surfaces
   inside_.assign(end, none);
   last_of_.assign(end, none);
   old_component_of_.assign(end, none);
-  intersecting_pairs_ = searched_pairs_ = ObjectMatrix(surfaces.size());
 }
 
 // How fast two objects may be separated.
@@ -115,12 +114,10 @@ void IntersectionResolver::sort_by_pairs() {
 
 void IntersectionResolver::count_pairs(const ParticleView& particles) {
   pairs_.clear();
-  if (intersecting_pairs_.size() != finder_.surface_count())
-    intersecting_pairs_ = ObjectMatrix(finder_.surface_count());
   intersecting_pairs_.clear();
   for (const EdgeIntersection& edge : finder_.intersections()) {
     const bool movable = any_movable(particles, edge.particle, 5);
-    intersecting_pairs_.set(edge.edge_surface, edge.surface, true);
+    intersecting_pairs_.add(edge.edge_surface, edge.surface);
     auto pair = std::find_if(pairs_.begin(), pairs_.end(), [&](const IntersectingPair& p) {
       return p.edge_surface == edge.edge_surface && p.surface == edge.surface;
     });
@@ -490,8 +487,7 @@ void IntersectionResolver::constrain_layers(const ContactStep& step, const Parti
 // violations between other objects.
 void IntersectionResolver::find(const ParticleView& particles, bool search_all, Threads& threads) {
   if (search_all) {
-    for (std::uint32_t a = 0; a < searched_pairs_.size(); ++a)
-      for (std::uint32_t b = 0; b < a; ++b) searched_pairs_.set(a, b, layers_.ordered(a, b));
+    searched_pairs_ = layers_.ordered();
     finder_.find(particles, threads);
   } else {
     finder_.find(particles, searched_pairs_, threads);
@@ -500,7 +496,7 @@ void IntersectionResolver::find(const ParticleView& particles, bool search_all, 
   count_pairs(particles);
   searched_pairs_ = intersecting_pairs_;
   for (const LayerViolation& violation : layers_.found())
-    searched_pairs_.set(finder_.surface_of(violation.vertex), violation.surface, true);
+    searched_pairs_.add(finder_.surface_of(violation.vertex), violation.surface);
 }
 
 void IntersectionResolver::begin_step(const ParticleView& particles, const ContactStep& step, bool search_all,
@@ -561,7 +557,7 @@ bool IntersectionResolver::exempts(const NearPair& pair, bool edges) const {
       if (layers_.is_exempt(p, other) || layers_.is_exempt(q, one)) return true;
       if (pairs_.empty()) continue;
       if (inside_[p] == other || inside_[q] == one) return true;
-      if (is_intersecting_[p] != 0 && is_intersecting_[q] != 0 && intersecting_pairs_.at(one, other))
+      if (is_intersecting_[p] != 0 && is_intersecting_[q] != 0 && intersecting_pairs_.contains(one, other))
         return true;
     }
   return false;

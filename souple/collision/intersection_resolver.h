@@ -140,8 +140,8 @@ class IntersectionResolver {
   std::vector<std::uint32_t> edges_a_, edges_b_;  // near the component whose direction is searched
   std::vector<SurfaceHit> hits_;                  // per vertex, in constrain_inside
   std::vector<VelocityConstraint> constraints_;
-  ObjectMatrix intersecting_pairs_;
-  ObjectMatrix searched_pairs_;  // intersecting_pairs_ and pairs with layer violations
+  ObjectPairs intersecting_pairs_;
+  ObjectPairs searched_pairs_;  // intersecting_pairs_ and pairs with layer violations
   std::size_t min_layer_violations_ = 0;
   double layer_escalation_time_ = 0;  // time by which layer violations must become fewer, else escalate [s]
   int layer_escalations_ = 0;         // how often the speed against layer violations was doubled

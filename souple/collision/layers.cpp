@@ -41,16 +41,16 @@ Vec3f area_normal(const ParticleView& particles, const SurfaceElement& t) {
 
 void Layers::set_surfaces(std::span<const ContactSurface> surfaces) {
   *this = {};
+  std::vector<std::uint32_t> layered;
   for (std::uint32_t a = 0; a < surfaces.size(); ++a)
-    for (std::uint32_t b = 0; b < surfaces.size(); ++b) {
-      const ContactSurface &lower = surfaces[a], &upper = surfaces[b];
-      if (lower.layer != 0 && upper.layer != 0 && lower.layer < upper.layer && !lower.triangles.empty() &&
+    if (surfaces[a].layer != 0) layered.push_back(a);
+  for (const std::uint32_t a : layered)
+    for (const std::uint32_t b : layered)
+      if (surfaces[a].layer < surfaces[b].layer && !surfaces[a].triangles.empty() &&
           may_collide(surfaces, a, b))
         pairs_.push_back({a, b});
-    }
   if (pairs_.empty()) return;
-  ordered_ = ObjectMatrix(surfaces.size());
-  for (const Pair& pair : pairs_) ordered_.set(pair.lower, pair.upper, true);
+  for (const Pair& pair : pairs_) ordered_.add(pair.lower, pair.upper);
   std::uint32_t end = 0;
   for (const ContactSurface& surface : surfaces) {
     surfaces_.push_back({surface.begin, surface.end, surface.layer});
@@ -61,10 +61,10 @@ void Layers::set_surfaces(std::span<const ContactSurface> surfaces) {
 
 // --- current geometry
 
-void Layers::find_bounds(const ParticleView& particles, const ObjectMatrix& enabled) {
+void Layers::find_bounds(const ParticleView& particles, const ObjectPairs& enabled) {
   for (Surface& surface : surfaces_) surface.active = false;
   for (const Pair& pair : pairs_)
-    if (enabled.at(pair.lower, pair.upper))
+    if (enabled.contains(pair.lower, pair.upper))
       surfaces_[pair.lower].active = surfaces_[pair.upper].active = true;
   for (Surface& surface : surfaces_) {
     surface.bounds = empty_bounds;
@@ -249,8 +249,8 @@ void Layers::find_pair(const Pair& pair, const ParticleView& particles, const In
     if (is_violation_[v] != 0) found_.push_back(violation_of_[v]);
 }
 
-void Layers::find(const ParticleView& particles, const IntersectionFinder& finder,
-                  const ObjectMatrix& enabled, Threads& threads) {
+void Layers::find(const ParticleView& particles, const IntersectionFinder& finder, const ObjectPairs& enabled,
+                  Threads& threads) {
   for (const LayerViolation& violation : found_) has_exemption_[violation.vertex] = 0;
   found_.clear();
   exemptions_.clear();
@@ -260,7 +260,7 @@ void Layers::find(const ParticleView& particles, const IntersectionFinder& finde
   find_normals(particles, finder);
   build_hash(particles, finder, threads);
   for (const Pair& pair : pairs_) {
-    if (!enabled.at(pair.lower, pair.upper)) continue;
+    if (!enabled.contains(pair.lower, pair.upper)) continue;
     if (overlap(widened(surfaces_[pair.lower].bounds, search_range(pair)), surfaces_[pair.upper].bounds))
       find_pair(pair, particles, finder, threads);
   }

@@ -46,14 +46,13 @@ class Layers {
   /// Whether any pair of surfaces has an order.
   bool any() const { return !pairs_.empty(); }
   /// Whether surfaces a and b have an order.
-  bool ordered(std::uint32_t a, std::uint32_t b) const {
-    return !pairs_.empty() && a != b && ordered_.at(a, b);
-  }
+  bool ordered(std::uint32_t a, std::uint32_t b) const { return ordered_.contains(a, b); }
+  const ObjectPairs& ordered() const { return ordered_; }
 
-  /// Finds the layer violations at the current positions, of pairs of surfaces that are true in `enabled`.
+  /// Finds the layer violations at the current positions, of pairs of surfaces in `enabled`.
   /// `finder` must have the same surfaces. Violations are sorted by pair, then vertex, and do not depend on
   /// the number of threads.
-  void find(const ParticleView& particles, const IntersectionFinder& finder, const ObjectMatrix& enabled,
+  void find(const ParticleView& particles, const IntersectionFinder& finder, const ObjectPairs& enabled,
             Threads& threads);
   std::span<const LayerViolation> found() const { return found_; }
   /// Whether the vertex is on the wrong side of the surface, so that contacts must ignore it.
@@ -83,7 +82,7 @@ class Layers {
     Vec3f offset{};  // from it to the query point
   };
 
-  void find_bounds(const ParticleView& particles, const ObjectMatrix& enabled);
+  void find_bounds(const ParticleView& particles, const ObjectPairs& enabled);
   void find_normals(const ParticleView& particles, const IntersectionFinder& finder);
   void build_hash(const ParticleView& particles, const IntersectionFinder& finder, Threads& threads);
   Nearest nearest(const ParticleView& particles, const IntersectionFinder& finder, std::uint32_t i,
@@ -105,7 +104,7 @@ class Layers {
 
   std::vector<Surface> surfaces_;
   std::vector<Pair> pairs_;
-  ObjectMatrix ordered_;
+  ObjectPairs ordered_;
   std::vector<Vec3f> vertex_normal_, edge_normal_;  // per particle, per edge; not normalized
   std::vector<std::uint8_t> at_border_;             // per particle
   std::vector<Bounds> boxes_;                       // per triangle

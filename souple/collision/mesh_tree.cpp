@@ -1,5 +1,6 @@
 #include "souple/collision/mesh_tree.h"
 
+#include "souple/assert.h"
 #include "souple/collision/nearest.h"
 #include "souple/error.h"
 
@@ -40,6 +41,7 @@ MeshTree::MeshTree(std::span<const Vec3d> positions, std::span<const Triangle> t
 }
 
 MeshTree::Node MeshTree::node_of(std::uint32_t begin, std::uint32_t end) const {
+  SOUPLE_ASSERT(begin < end && end <= triangles_.size(), "a node has triangles");
   Node node;
   node.begin = begin;
   node.end = end;
@@ -111,6 +113,7 @@ MeshTree::Nearest MeshTree::nearest(const Vec3d& point, std::uint32_t guess, dou
       continue;
     }
     const bool left_first = far(n + 1) <= far(node.right);
+    SOUPLE_ASSERT(depth + 2 <= stack.size(), "the tree is balanced");
     stack[depth++] = left_first ? node.right : n + 1;
     stack[depth++] = left_first ? n + 1 : node.right;
   }
@@ -142,6 +145,7 @@ double MeshTree::winding_number(const Vec3d& point) const {
     } else if (node.right == 0) {
       for (std::uint32_t i = node.begin; i < node.end; ++i) angle += solid_angle(triangles_[i], point);
     } else {
+      SOUPLE_ASSERT(depth + 2 <= stack.size(), "the tree is balanced");
       stack[depth++] = node.right;
       stack[depth++] = n + 1;
     }

@@ -84,13 +84,11 @@ kernels::BoxColumns NearPairFinder::Boxes::columns() const {
 }
 
 void NearPairFinder::find(const SurfaceElements& elements, std::span<const Bounds> boxes,
-                          const ObjectMatrix& matrix, std::span<const Vec4f> position_w, NearPairs& out,
+                          const ObjectFilter& compares, std::span<const Vec4f> position_w, NearPairs& out,
                           Threads& threads) {
   require(boxes.size(), elements.particle_end(), "boxes");
   require(position_w.size(), elements.particle_end(), "position_w");
-  require(matrix.size(), elements.object_end(), "matrix");
   elements_ = &elements;
-  matrix_ = &matrix;
   kernels_ = &kernels::find_patch_kernels(instruction_set());
   const ActiveScope awake(threads);
   auto start = Clock::now();
@@ -104,7 +102,7 @@ void NearPairFinder::find(const SurfaceElements& elements, std::span<const Bound
   start = Clock::now();
   const std::size_t patches = patch_boxes_.size();
   find_in_chunks(patches, chunk_size, out, threads, [&](std::size_t a, Part& part) {
-    find_near(static_cast<std::uint32_t>(a), position_w, part);
+    find_near(static_cast<std::uint32_t>(a), compares, position_w, part);
   });
   milliseconds_.pairs = milliseconds_since(start);
   marks_.assign(patches, {});
@@ -138,7 +136,8 @@ void NearPairFinder::find_in_chunks(std::size_t count, std::size_t per_chunk, Ne
 }
 
 void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::span<const Bounds> boxes,
-                                std::span<const Vec4f> position_w, NearPairs& out, Threads& threads) {
+                                const ObjectFilter& compares, std::span<const Vec4f> position_w,
+                                NearPairs& out, Threads& threads) {
   for (const std::uint32_t i : particles)
     if (i < elements_->particle_end()) clean_boxes_[i] = finite_or_infinite(boxes[i]);
   mark(particles);
@@ -153,7 +152,7 @@ void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::s
     for (const std::uint32_t b : part.found) {
       const Marks& of_b = marks_[b];
       const bool seen = b < a && (of_b.vertices | of_b.edges | of_b.triangles) != 0;
-      if (!seen) find_between(a, marks_[a], b, of_b, position_w, part);
+      if (!seen) find_between(a, marks_[a], b, of_b, compares, position_w, part);
     }
   });
   unmark(particles);
@@ -259,18 +258,20 @@ std::size_t NearPairFinder::make_boxes_of(std::size_t a, std::span<const Vec4f> 
   return left_out;
 }
 
-void NearPairFinder::find_near(std::uint32_t a, std::span<const Vec4f> position_w, Part& part) const {
+void NearPairFinder::find_near(std::uint32_t a, const ObjectFilter& compares,
+                               std::span<const Vec4f> position_w, Part& part) const {
   constexpr Marks all{~0u, ~0u, ~0u};
   part.found.clear();
   hash_.find_partners(a, part.found);
-  find_between(a, all, a, all, position_w, part);
-  for (const std::uint32_t b : part.found) find_between(a, all, b, all, position_w, part);
+  find_between(a, all, a, all, compares, position_w, part);
+  for (const std::uint32_t b : part.found) find_between(a, all, b, all, compares, position_w, part);
 }
 
 void NearPairFinder::find_between(std::uint32_t a, const Marks& of_a, std::uint32_t b, const Marks& of_b,
-                                  std::span<const Vec4f> position_w, Part& part) const {
+                                  const ObjectFilter& compares, std::span<const Vec4f> position_w,
+                                  Part& part) const {
   const SurfacePatch &p = elements_->patches()[a], &q = elements_->patches()[b];
-  if (!matrix_->at(p.object, q.object)) return;
+  if (!compares(p.object, q.object)) return;
   if (moves_[a] == Moves::nothing && moves_[b] == Moves::nothing) return;
   const bool all_move = moves_[a] == Moves::all || moves_[b] == Moves::all;
   const auto add = [&](List& list, std::size_t most, const auto& find) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/collision/object_pairs.h"
 #include "souple/collision/spatial_hash.h"
 #include "souple/collision/surface_elements.h"
 #include "souple/solver/threads.h"
@@ -23,25 +24,6 @@ struct NearPairs {
   std::vector<NearPair> vertex_triangle, edge_edge;
 };
 
-/// Pairs of objects, symmetric: whether their elements are compared. at(a, a): self-collision.
-class ObjectMatrix {
- public:
-  ObjectMatrix() = default;
-  /// `collide`: initial value of all pairs.
-  explicit ObjectMatrix(std::size_t objects, bool collide = false)
-      : objects_(objects), collide_(objects * objects, collide) {}
-  void set(std::size_t a, std::size_t b, bool collide) {
-    collide_[a * objects_ + b] = collide_[b * objects_ + a] = collide;
-  }
-  void clear() { std::fill(collide_.begin(), collide_.end(), std::uint8_t{0}); }
-  bool at(std::size_t a, std::size_t b) const { return collide_[a * objects_ + b] != 0; }
-  std::size_t size() const { return objects_; }
-
- private:
-  std::size_t objects_ = 0;
-  std::vector<std::uint8_t> collide_;
-};
-
 /// Finds pairs that may come into contact within a step: vertices and triangles with overlapping boxes, edges
 /// and edges with overlapping boxes, and grains and edges of ropes with overlapping boxes.
 ///
@@ -54,20 +36,21 @@ class NearPairFinder {
  public:
   /// Replaces `out`. `boxes`: per particle, swept over the step and thickened [m]. The box of an edge or a
   /// triangle is the smallest one around the boxes of its corners. Two elements are compared if
-  /// matrix.at(object, object). Skipped: elements that share a particle, pairs whose particles all have
+  /// compares(object, object). Skipped: elements that share a particle, pairs whose particles all have
   /// inverse mass 0, and elements with a box that is not finite. Two grains are never a pair. The order of
   /// pairs depends on elements and boxes alone, not on the number of threads. `position_w`: per particle, w =
-  /// inverse mass. Throws Error when `boxes`, `position_w` or `matrix` are too small. Allocates nothing when
+  /// inverse mass. Throws Error when `boxes` or `position_w` are too small. Allocates nothing when
   /// warm.
-  void find(const SurfaceElements& elements, std::span<const Bounds> boxes, const ObjectMatrix& matrix,
+  void find(const SurfaceElements& elements, std::span<const Bounds> boxes, const ObjectFilter& compares,
             std::span<const Vec4f> position_w, NearPairs& out, Threads& threads);
 
   /// After a find, when the boxes of `particles` have changed: replaces `out` by all pairs that contain such
   /// a particle, from the present boxes alone, including pairs that the find returned. Call
-  /// SurfaceElements::index_particles before. Costs little for few particles. Elements, matrix and masses
+  /// SurfaceElements::index_particles before. Costs little for few particles. Elements, filter and masses
   /// must be those of the find.
   void find_moved(std::span<const std::uint32_t> particles, std::span<const Bounds> boxes,
-                  std::span<const Vec4f> position_w, NearPairs& out, Threads& threads);
+                  const ObjectFilter& compares, std::span<const Vec4f> position_w, NearPairs& out,
+                  Threads& threads);
 
   /// Vertices, edges and triangles that the last find skipped because their box was not finite.
   std::size_t left_out() const { return left_out_; }
@@ -118,15 +101,15 @@ class NearPairFinder {
                       const Function& find_one);
   void mark(std::span<const std::uint32_t> particles);
   void unmark(std::span<const std::uint32_t> particles);
-  void find_near(std::uint32_t patch, std::span<const Vec4f> position_w, Part& part) const;
+  void find_near(std::uint32_t patch, const ObjectFilter& compares, std::span<const Vec4f> position_w,
+                 Part& part) const;
   void find_between(std::uint32_t a, const Marks& of_a, std::uint32_t b, const Marks& of_b,
-                    std::span<const Vec4f> position_w, Part& part) const;
+                    const ObjectFilter& compares, std::span<const Vec4f> position_w, Part& part) const;
   void join(Piece Chunk::*piece, List Part::*list, std::vector<NearPair>& out, std::size_t parts,
             Threads& threads);
 
   // Input of the current find.
   const SurfaceElements* elements_ = nullptr;
-  const ObjectMatrix* matrix_ = nullptr;
   const kernels::PatchKernels* kernels_ = nullptr;
   kernels::BoxColumns vertices_{}, edges_{}, triangles_{};
 

@@ -86,6 +86,10 @@ void set_poses(kernels::ColliderBody& body, const Vec3d& origin, const Mat3d& ax
   body.after = packed_frame(axes_after, origin_after);
   for (int k = 0; k < 3; ++k) store(axes_after.column[k] - axes_before.column[k], body.turn[k]);
   store(origin_after - origin_before, body.shift);
+  // sum_k a_k x (phi x a_k) = 2 phi for three perpendicular unit vectors.
+  Vec3d rotation;
+  for (int k = 0; k < 3; ++k) rotation += cross(axes_before.column[k], axes_after.column[k]) / 2.0;
+  store(rotation, body.rotation);
 }
 
 kernels::ColliderParticles packed_particles(const ParticleView& particles) {

@@ -1,6 +1,5 @@
 #include "souple/collision/particle_contacts.h"
 
-#include "souple/collision/contact_law.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 
@@ -166,15 +165,15 @@ void ParticleContacts::save_friction() {
   if (pairs_.empty()) return;
   friction_cache_.clear();
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
-    if (tangential_displacement_[p] == Vec3f{}) continue;
+    if (displacement_[p] == FrictionDisplacement{}) continue;
     friction_cache_.push_back(
-        {members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, tangential_displacement_[p]});
+        {members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, displacement_[p]});
   }
   pairs_.clear();
 }
 
 void ParticleContacts::restore_friction() {
-  tangential_displacement_.assign(pairs_.size(), {});
+  displacement_.assign(pairs_.size(), {});
   std::size_t next = 0;
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     const std::uint32_t i = members_[pairs_[p].i].particle, j = members_[pairs_[p].j].particle;
@@ -182,7 +181,7 @@ void ParticleContacts::restore_friction() {
            (friction_cache_[next].i < i || (friction_cache_[next].i == i && friction_cache_[next].j < j)))
       ++next;
     if (next < friction_cache_.size() && friction_cache_[next].i == i && friction_cache_[next].j == j)
-      tangential_displacement_[p] = friction_cache_[next].tangential_displacement;
+      displacement_[p] = friction_cache_[next].displacement;
   }
   friction_cache_.clear();
 }
@@ -191,9 +190,8 @@ std::vector<CachedFriction> ParticleContacts::friction_cache() const {
   if (pairs_.empty()) return friction_cache_;
   std::vector<CachedFriction> result;
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
-    if (tangential_displacement_[p] == Vec3f{}) continue;
-    result.push_back(
-        {members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, tangential_displacement_[p]});
+    if (displacement_[p] == FrictionDisplacement{}) continue;
+    result.push_back({members_[pairs_[p].i].particle, members_[pairs_[p].j].particle, displacement_[p]});
   }
   return result;
 }
@@ -203,7 +201,8 @@ void ParticleContacts::set_friction_cache(std::span<const CachedFriction> cache)
   clear_contacts();
   friction_cache_.clear();
   for (const CachedFriction& one : cache)
-    if (is_finite(one.tangential_displacement)) friction_cache_.push_back(one);
+    if (is_finite(one.displacement.sliding) && is_finite(one.displacement.rolling))
+      friction_cache_.push_back(one);
 }
 
 void ParticleContacts::record_positions(const ParticleView& particles) {
@@ -374,8 +373,15 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   const Vec3f to = particles.difference(i, j);
   const Vec3f from = to - motion;
   const float start_distance = length(from);
-  Contact contact{i, j, pair, radius_sum, materials_->at(a.object, b.object), false, 0, motion, {0, 1, 0}};
+  Contact contact{
+      i,     j, pair,   radius_sum, rotation_of(a, b, particles), materials_->at(a.object, b.object),
+      false, 0, motion, {0, 1, 0}};
+  contact.displacement = displacement_[pair];
   if (start_distance > 0) contact.normal = from * (1 / start_distance);
+  const Vec3f slip =
+      contact.balls.any() ? cross(contact.normal, step_.turn[i].xyz() + step_.turn[j].xyz()) : Vec3f{};
+  contact.material.kinetic_friction =
+      kinetic_friction_at(contact.material, motion + slip, 2 * step_.gravity * h * h);
   const float overlap = start_distance - radius_sum;
   if (overlap < 0) {
     contact.slop = min(0.0f, overlap + step_.depenetration_speed(contact.material.radius) * h);
@@ -418,8 +424,9 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   Vec3f n;
   const float C = gap(contact, particles.difference(i, j), n);
   if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
+  if (contact.balls.any()) return project_rolling(contact, C, n, particles);
   ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
-  const Vec3f moved = particles.moved(i) - particles.moved(j) + tangential_displacement_[contact.pair];
+  const Vec3f moved = particles.moved(i) - particles.moved(j) + contact.displacement.sliding;
   const Vec3f dx = solve_contact(sums, C, contact.slop, n, moved, contact.material);
   contact.normal_sum = sums.normal_sum;
   contact.tangent_sum = sums.tangent_sum;
@@ -428,6 +435,112 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   // Contacts of one color may share a particle that cannot move: no thread may write to it.
   if (w_i > 0) particles.correct(i, dx * (w_i / (w_i + w_j)));
   if (w_j > 0) particles.correct(j, dx * (-w_j / (w_i + w_j)));
+}
+
+// Shares of two equal balls are 5/4.
+constexpr ParticleContacts::BallRotation ParticleContacts::equal_balls{1.25f,    1.25f,    1, 1,
+                                                                       1 / 3.5f, 1 / 2.5f, 0};
+
+// The moment arm r0 is the radius of the ball, or the harmonic mean of both: equal balls have that of one.
+ParticleContacts::BallRotation ParticleContacts::rotation_of(const Member& a, const Member& b,
+                                                             const ParticleView& particles) const {
+  const bool rolls_i = objects_[a.object].rolls, rolls_j = objects_[b.object].rolls;
+  if (step_.turn.empty() || !(rolls_i || rolls_j)) return {};
+  const float r_i = radius_[a.particle], r_j = radius_[b.particle];
+  const float w_i = particles.inverse_mass(a.particle), w_j = particles.inverse_mass(b.particle);
+  if (rolls_i && rolls_j && r_i == r_j && w_i == w_j) return equal_balls;
+  const float r0 = rolls_i && rolls_j ? 2 * r_i * r_j / (r_i + r_j) : rolls_i ? r_i : r_j;
+  const float share = inverse_inertia_factor / (w_i + w_j), arm_i = r0 / r_i, arm_j = r0 / r_j;
+  const float share_i = rolls_i ? share * w_i : 0.0f, share_j = rolls_j ? share * w_j : 0.0f;
+  const float B = share_i * arm_i * arm_i + share_j * arm_j * arm_j;
+  return {share_i,
+          share_j,
+          arm_i,
+          arm_j,
+          1 / (1 + share_i + share_j),
+          B > 0 ? 1 / B : 0.0f,
+          share_i * arm_i - share_j * arm_j};
+}
+
+void ParticleContacts::turn(const Contact& contact, const Vec3f& friction, const Vec3f& moment) const {
+  const BallRotation& balls = contact.balls;
+  Vec4f &i = step_.turn[contact.i], &j = step_.turn[contact.j];
+  if (balls.share_i > 0) i.set_xyz(i.xyz() + (friction + moment * balls.arm_i) * balls.share_i);
+  if (balls.share_j > 0) j.set_xyz(j.xyz() + (friction - moment * balls.arm_j) * balls.share_j);
+}
+
+namespace {
+
+/// Rotation of a pair of balls in the substep: the displacement by it at the point of contact, x_i - x_j as a vector,
+/// and i relative to j, times the moment arm [m].
+struct Rotation {
+  Vec3f slip, roll;
+};
+
+Rotation rotation_between(const Vec3f& turn_i, const Vec3f& turn_j, float arm_i, float arm_j,
+                          const Vec3f& n) {
+  return {cross(n, turn_i + turn_j), turn_i * arm_i - turn_j * arm_j};
+}
+
+// As within_friction; without a root where it sticks, as most contacts do.
+Vec3f limited(const Vec3f& sticking, float static_limit, float kinetic_limit) {
+  const float squared = dot(sticking, sticking);
+  return squared <= static_limit * static_limit ? sticking : sticking * (kinetic_limit / sqrt(squared));
+}
+
+/// Sums of the corrections of friction: T and G (contact_law.h).
+struct PairFriction {
+  Vec3f tangent, moment;
+};
+
+// solve_rolling for a pair of balls. Rolling and sliding of equal balls are independent (c = 0).
+template <class Balls>
+[[gnu::always_inline]] inline PairFriction solve_pair(const PairFriction& sums, const Balls& balls,
+                                                      const Vec3f& n, const Vec3f& slip, const Vec3f& roll,
+                                                      const ContactMaterialPair& material, float normal) {
+  const float mu_s = material.static_friction, mu_k = material.kinetic_friction;
+  const float moment_limit = material.rolling_friction * normal;
+  if (balls.c != 0) {
+    const RollingResponse<float> response{1 / balls.inverse_A, balls.c, 1 / balls.inverse_B};
+    const auto [friction, moment] =
+        solve_rolling<float>({cross(sums.tangent, n), sums.moment}, response, n, cross(slip, n), roll, mu_s,
+                             mu_k, material.rolling_friction, normal);
+    return {cross(n, friction), moment};
+  }
+  const Vec3f tangent = sums.tangent - slip * balls.inverse_A;
+  PairFriction result{limited(tangent - n * dot(n, tangent), mu_s * normal, mu_k * normal), {}};
+  if (moment_limit > 0)
+    result.moment = limited(sums.moment - roll * balls.inverse_B, moment_limit, moment_limit);
+  return result;
+}
+
+}  // namespace
+
+// As project_one. A contact that does not push has neither friction nor moment.
+void ParticleContacts::project_rolling(Contact& contact, float C, const Vec3f& n,
+                                       const ParticleView& particles) const {
+  const std::uint32_t i = contact.i, j = contact.j;
+  const BallRotation& balls = contact.balls;
+  const FrictionDisplacement& displacement = contact.displacement;
+  const auto [slip, roll] =
+      rotation_between(step_.turn[i].xyz(), step_.turn[j].xyz(), balls.arm_i, balls.arm_j, n);
+  const Vec3f moved = particles.moved(i) - particles.moved(j) + displacement.sliding;
+  const float dn = max(contact.slop - C, -contact.normal_sum), normal_sum = contact.normal_sum + dn;
+  const PairFriction before{contact.tangent_sum, contact.moment_sum};
+  PairFriction after{};
+  if (normal_sum > 0)
+    after =
+        solve_pair(before, balls, n, moved + slip, roll + displacement.rolling, contact.material, normal_sum);
+  contact.normal_sum = max(normal_sum, 0.0f);
+  contact.tangent_sum = after.tangent;
+  contact.moment_sum = after.moment;
+  contact.normal = n;
+  const Vec3f tangent = after.tangent - before.tangent, dx = n * dn + tangent;
+  const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
+  const float share = 1 / (w_i + w_j);
+  if (w_i > 0) particles.correct(i, dx * (w_i * share));
+  if (w_j > 0) particles.correct(j, dx * (-w_j * share));
+  turn(contact, cross(tangent, n), after.moment - before.moment);
 }
 
 void ParticleContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
@@ -443,11 +556,14 @@ void ParticleContacts::apply_restitution(const ParticleView& particles, std::spa
 
 void ParticleContacts::apply_restitution_to(Contact& contact, const ParticleView& particles,
                                             std::span<Vec4f> velocity, float h) {
+  if (contact.balls.any()) return apply_rolling_restitution(contact, particles, velocity, h);
   const std::uint32_t i = contact.i, j = contact.j;
   const Vec3f n = contact.normal;
   const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
   const float u_n = dot(n, u);
-  update_tangential_displacement(contact, particles, (u - n * u_n) * h);
+  Vec3f unused;
+  const float C = gap(contact, particles.difference(i, j), unused);
+  update_friction_displacement(contact, C, {(u - n * u_n) * h, {}});
   if (!(contact.normal_sum > 0)) return;
   const float inverse_h = 1 / h;
   const auto [change, restitution_velocity] = solve_restitution(
@@ -457,25 +573,56 @@ void ParticleContacts::apply_restitution_to(Contact& contact, const ParticleView
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
   if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i / (w_i + w_j)));
   if (w_j > 0) velocity[j].set_xyz(velocity[j].xyz() - change * (w_j / (w_i + w_j)));
+  contact.depth = max(0.0f, -C);
+}
+
+void ParticleContacts::apply_rolling_restitution(Contact& contact, const ParticleView& particles,
+                                                 std::span<Vec4f> velocity, float h) {
+  const std::uint32_t i = contact.i, j = contact.j;
+  const Vec3f n = contact.normal;
+  const BallRotation& balls = contact.balls;
+  const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
+  const float inverse_h = 1 / h, u_n = dot(n, u);
+  const auto [slip, roll] =
+      rotation_between(step_.turn[i].xyz(), step_.turn[j].xyz(), balls.arm_i, balls.arm_j, n);
   Vec3f unused;
-  contact.depth = max(0.0f, -gap(contact, particles.difference(i, j), unused));
+  const float C = gap(contact, particles.difference(i, j), unused);
+  update_friction_displacement(contact, C, {(u - n * u_n) * h + slip, roll});
+  if (!(contact.normal_sum > 0)) return;
+  const float approach = -dot(n, contact.predicted) * inverse_h, normal_sum = contact.normal_sum * inverse_h;
+  const float target = approach > 2 * step_.gravity * h ? contact.material.restitution * approach : 0.0f;
+  contact.restitution_velocity = max(target - u_n, -normal_sum);
+  const PairFriction before{contact.tangent_sum * inverse_h, contact.moment_sum * inverse_h};
+  const PairFriction after = solve_pair(before, balls, n, u + slip * inverse_h, roll * inverse_h,
+                                        contact.material, normal_sum + contact.restitution_velocity);
+  const Vec3f tangent = after.tangent - before.tangent, change = n * contact.restitution_velocity + tangent;
+  const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
+  const float share = 1 / (w_i + w_j);
+  if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i * share));
+  if (w_j > 0) velocity[j].set_xyz(velocity[j].xyz() - change * (w_j * share));
+  turn(contact, cross(tangent, n) * h, (after.moment - before.moment) * h);
+  contact.depth = max(0.0f, -C);
 }
 
 ContactReport ParticleContacts::report() const {
   return report_of(contacts_);
 }
 
-// The displacement starts again at 0 in two cases: the pair slides, at the limit of its kinetic friction, or
-// its gap is at least 2 % of the sum of its radii.
-void ParticleContacts::update_tangential_displacement(const Contact& contact, const ParticleView& particles,
-                                                      const Vec3f& sliding) {
-  Vec3f n;
-  const bool near = gap(contact, particles.difference(contact.i, contact.j), n) < 0.02f * contact.radius_sum;
-  const bool slides =
-      contact.normal_sum > 0 &&
-      length(contact.tangent_sum) > 0.999f * contact.material.kinetic_friction * contact.normal_sum;
-  Vec3f& tangential_displacement = tangential_displacement_[contact.pair];
-  tangential_displacement = near && !slides ? tangential_displacement + sliding : Vec3f{};
+// A displacement starts again at 0 in two cases: the pair slides or rolls, at the limit of its kinetic or rolling
+// friction, or its gap is at least 2 % of the sum of its radii.
+void ParticleContacts::update_friction_displacement(const Contact& contact, float C,
+                                                    const FrictionDisplacement& change) {
+  const bool near = C < 0.02f * contact.radius_sum;
+  const auto at_limit = [&](const Vec3f& sum, float friction) {
+    const float limit = 0.999f * friction * contact.normal_sum;
+    return contact.normal_sum > 0 && dot(sum, sum) > limit * limit;
+  };
+  auto& [sliding, rolling] = displacement_[contact.pair];
+  const bool slides = at_limit(contact.tangent_sum, contact.material.kinetic_friction);
+  const bool rolls = at_limit(contact.moment_sum, contact.material.rolling_friction) ||
+                     !(contact.material.rolling_friction > 0);
+  sliding = near && !slides ? sliding + change.sliding : Vec3f{};
+  rolling = near && !rolls ? rolling + change.rolling : Vec3f{};
 }
 
 void ParticleContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
@@ -536,7 +683,7 @@ void ParticleContacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
 
 std::size_t ParticleContacts::bytes() const {
   return bytes_of(excluded_, boxes_, members_, broad_phase_position_, cells_, bucket_begin_, entries_, pairs_,
-                  tangential_displacement_, friction_cache_, contacts_);
+                  displacement_, friction_cache_, contacts_);
 }
 
 }  // namespace souple

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/collision/contact.h"
+#include "souple/collision/contact_law.h"
 #include "souple/collision/contact_material.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
@@ -12,10 +13,17 @@
 
 namespace souple {
 
+/// Displacements of a pair of particles that friction has not canceled yet [m].
+struct FrictionDisplacement {
+  Vec3f sliding{};  ///< of i relative to j at the point of contact, since the pair last slid
+  Vec3f rolling{};  ///< relative rotation times the moment arm, since the pair last rolled
+  bool operator==(const FrictionDisplacement&) const = default;
+};
+
 /// Friction state of a pair of particles that is kept from step to step.
 struct CachedFriction {
-  std::uint32_t i = 0, j = 0;       ///< particles
-  Vec3f tangential_displacement{};  ///< of i relative to j since the pair last slid [m]
+  std::uint32_t i = 0, j = 0;  ///< particles
+  FrictionDisplacement displacement{};
 };
 
 /// Contacts between particles: grains and the nodes of lattices. Objects with triangles or edges collide as
@@ -31,6 +39,8 @@ struct CachedFriction {
 /// sweep in reverse order. Each substep colors the contacts so that this holds; contacts of one color share
 /// no particle that can move. The order depends on positions and indices alone. Corrections are equal and
 /// opposite: momentum is conserved to rounding. Friction and restitution follow the law of collider contacts.
+/// Balls of objects that roll rotate by friction, and rolling friction resists their relative rotation
+/// (contact_law.h); angular momentum including their spin is conserved.
 ///
 /// A pair may be apart before and after a substep and yet collide within it. It is found while both particles
 /// are within each other's margin (at most one largest diameter).
@@ -106,18 +116,27 @@ class ParticleContacts final : public Projector {
   struct Pair {
     std::uint32_t i, j;
   };
+  /// How a contact rotates its balls (contact_law.h).
+  struct BallRotation {
+    float share_i = 0, share_j = 0, arm_i = 0, arm_j = 0;
+    float inverse_A = 1, inverse_B = 0, c = 0;  // of RollingResponse
+    bool any() const { return share_i + share_j > 0; }
+  };
   struct Contact {
     std::uint32_t i, j, pair;
     float radius_sum;  // r_i + r_j [m]
+    BallRotation balls;
     ContactMaterialPair material;
-    bool fixed_normal;               // the normal does not change in the substep
-    float slop;                      // target of C, at most 0: old overlaps are removed slowly [m]
-    Vec3f predicted;                 // motion of i relative to j before any projection [m]
-    Vec3f normal;                    // from j to i, of the last projection
-    float normal_sum = 0;            // sum of normal corrections of x_i - x_j [m]
-    Vec3f tangent_sum{};             // sum of tangential corrections of x_i - x_j [m]
-    float restitution_velocity = 0;  // relative normal velocity that apply_restitution added [m/s]
-    float depth = 0;                 // remaining overlap, of contacts with a normal impulse [m]
+    bool fixed_normal;                    // the normal does not change in the substep
+    float slop;                           // target of C, at most 0: old overlaps are removed slowly [m]
+    Vec3f predicted;                      // motion of i relative to j before any projection [m]
+    Vec3f normal;                         // from j to i, of the last projection
+    float normal_sum = 0;                 // sum of normal corrections of x_i - x_j [m]
+    Vec3f tangent_sum{};                  // sum of tangential corrections of x_i - x_j [m]
+    Vec3f moment_sum{};                   // G: sum of rolling friction (contact_law.h) [m]
+    FrictionDisplacement displacement{};  // of the pair, at the substep's start
+    float restitution_velocity = 0;       // relative normal velocity that apply_restitution added [m/s]
+    float depth = 0;                      // remaining overlap, of contacts with a normal impulse [m]
   };
   /// Contacts [begin, end).
   struct Range {
@@ -170,10 +189,15 @@ class ParticleContacts final : public Projector {
   Range contacts_of(int color) const;
   float gap(const Contact& contact, const Vec3f& difference, Vec3f& normal) const;
   void project_one(Contact& contact, const ParticleView& particles) const;
+  void project_rolling(Contact& contact, float C, const Vec3f& n, const ParticleView& particles) const;
   void apply_restitution_to(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity,
                             float h);
-  void update_tangential_displacement(const Contact& contact, const ParticleView& particles,
-                                      const Vec3f& sliding);
+  void apply_rolling_restitution(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity,
+                                 float h);
+  void update_friction_displacement(const Contact& contact, float C, const FrictionDisplacement& change);
+  static const BallRotation equal_balls;
+  BallRotation rotation_of(const Member& a, const Member& b, const ParticleView& particles) const;
+  void turn(const Contact& contact, const Vec3f& friction, const Vec3f& moment) const;
   template <class Vector>
   float largest_from_mean(const Vector& vector, Threads& threads);
 
@@ -193,9 +217,9 @@ class ParticleContacts final : public Projector {
   std::vector<std::uint32_t> bucket_begin_;
   std::vector<Entry> entries_;  // sorted by bucket, then member
   std::vector<Pair> pairs_;
-  std::vector<Vec3f> tangential_displacement_;  // per pair: that friction has not canceled yet [m]
-  std::vector<CachedFriction> friction_cache_;  // from one broad phase to the next
-  std::vector<Vec3d> chunk_sum_;                // per chunk of members
+  std::vector<FrictionDisplacement> displacement_;  // per pair
+  std::vector<CachedFriction> friction_cache_;      // from one broad phase to the next
+  std::vector<Vec3d> chunk_sum_;                    // per chunk of members
   std::vector<float> chunk_largest_;
   std::vector<std::uint8_t> is_contact_;    // per pair: 1 when it has a contact in this substep
   std::vector<std::uint32_t> next_color_;   // per member: one above the highest color of its contacts

@@ -1,5 +1,6 @@
 #include "souple/collision/spatial_hash.h"
 
+#include "souple/assert.h"
 #include "souple/collision/patch_kernels/find_kernels.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
@@ -162,6 +163,7 @@ void SpatialHash::for_each_entry(std::size_t chunk, const Function& function) co
   for (std::size_t b = chunk * chunk_size; b < end; ++b) {
     if (grid_[b] == nowhere) continue;
     const Grid& grid = grids_[grid_[b]];
+    SOUPLE_ASSERT(fits(boxes_[b], grid), "a box spans at most two cells along each axis");
     const Cells cells = cells_of(boxes_[b], grid);
     for (std::uint32_t which = 0; which < 8; ++which)
       if ((which & ~cells.spans) == 0)
@@ -222,7 +224,9 @@ void SpatialHash::sort_part(std::size_t part) {
     end_[bucket + 1] = next;
     next += count;
   }
+  SOUPLE_ASSERT(next == end, "buckets hold all entries of the part");
   for (std::size_t e = begin; e < end; ++e) {
+    SOUPLE_ASSERT(first <= keyed_[e].bucket && keyed_[e].bucket < last, "a bucket of the part");
     const std::uint32_t slot = end_[keyed_[e].bucket + 1]++;
     entries_[slot] = keyed_[e].entry;
     const Bounds& box = boxes_[keyed_[e].entry >> 3];

@@ -1,5 +1,7 @@
 #include "souple/collision/surface_contacts.h"
 
+#include "souple/assert.h"
+#include "souple/collision/contact_law.h"
 #include "souple/collision/continuous.h"
 #include "souple/collision/kernels/find_kernels.h"
 #include "souple/collision/nearest.h"
@@ -69,6 +71,13 @@ bool has_normal(const NearPair& pair, const Motion& motion, float toi, bool edge
   float inverse_mass = 0;
   for (std::size_t k = 0; k < 4; ++k) inverse_mass += particles.inverse_mass(pair.particle[k]) * c[k] * c[k];
   return inverse_mass > 0 && length(at[1] * c[1] + at[2] * c[2] + at[3] * c[3]) > 0;
+}
+
+/// Of the nearest points of a contact's elements in the substep [m].
+Vec3f relative_motion(const kernels::ContactColumns& contacts, std::size_t c, const ParticleView& particles) {
+  Vec3f motion;
+  for (std::size_t k = 0; k < 4; ++k) motion += particles.moved(contacts.particle[k][c]) * contacts.c[k][c];
+  return motion;
 }
 
 // Whether the path from q to k starts towards the origin, by more than rounding errors. Otherwise a vertex
@@ -249,10 +258,13 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
   pairs_.begin_substep(substep.h);
   reset_colors_from(pairs_.update(particles, substep.h, threads));
   pairs_.measure(particles, threads);
-  find(contact_pairs_, threads,
-       [&](std::size_t chunk, std::vector<PairToi>& found) { find_chunk_contacts(chunk, particles, found); });
+  const bool discrete = step_.detection == Detection::discrete;
+  find(contact_pairs_, threads, [&](std::size_t chunk, std::vector<PairToi>& found) {
+    discrete ? find_chunk_crossings(chunk, particles, found) : find_chunk_contacts(chunk, particles, found);
+  });
   sort_by_color(particles);
   describe_contacts(particles, threads);
+  for (std::size_t c = 0; discrete && c < size(); ++c) describe_crossing(pair_[c], c, particles);
 }
 
 void SurfaceContacts::find_chunk_contacts(std::size_t chunk, const ParticleView& particles,
@@ -271,6 +283,42 @@ void SurfaceContacts::find_chunk_contacts(std::size_t chunk, const ParticleView&
         is_contact(near[k], static_cast<unsigned>(classification[k]), particles, toi))
       found.push_back({near[k], toi});
   }
+}
+
+// --- discrete detection
+
+PathCrossing SurfaceContacts::path_crossing_of(std::uint32_t pair, const ParticleView& particles) {
+  const NearPair& particle = pairs_.pair(pair);
+  return find_path_crossing(step_.segment_test, particle, pairs_.columns().thickness[pair], particles);
+}
+
+void SurfaceContacts::find_chunk_crossings(std::size_t chunk, const ParticleView& particles,
+                                           std::vector<PairToi>& found) {
+  if (pairs_.chunk(chunk).edges) return;
+  std::uint32_t near[ElementPairs::chunk_size];
+  const std::size_t count =
+      pairs_.find_near(chunk, {1, 1 + speculative_part, 0}, pairs_.particle_records(particles), near);
+  for (std::size_t k = 0; k < count; ++k)
+    if (!pairs_.is_replaced(near[k]) && path_crossing_of(near[k], particles).found)
+      found.push_back({near[k], 1});
+}
+
+// Replaces the nearest points and the normal between them by the crossing and the triangle's normal.
+void SurfaceContacts::describe_crossing(std::uint32_t pair, std::size_t contact,
+                                        const ParticleView& particles) {
+  const PathCrossing crossing = path_crossing_of(pair, particles);
+  const auto& i = pairs_.pair(pair).particle;
+  Vec3f approach;
+  float inverse_mass = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const float c = k == 0 ? 1 : -crossing.weight[static_cast<int>(k) - 1];
+    columns_.c[k][contact] = c;
+    approach -= particles.moved(i[k]) * c;
+    inverse_mass += particles.inverse_mass(i[k]) * c * c;
+  }
+  for (int axis = 0; axis < 3; ++axis) columns_.normal[axis][contact] = crossing.normal[axis];
+  columns_.inverse_mass[contact] = inverse_mass;
+  columns_.approach[contact] = dot(crossing.normal, approach);
 }
 
 bool SurfaceContacts::is_contact(std::uint32_t pair, unsigned classification, const ParticleView& particles,
@@ -337,6 +385,20 @@ void SurfaceContacts::sort_by_color(const ParticleView& particles) {
     pair_[slot] = contact.pair;
     toi_[slot] = contact.toi;
   }
+  SOUPLE_ASSERT(std::is_sorted(begin_.begin(), begin_.end()), "colors follow each other");
+  SOUPLE_ASSERT(colors_are_independent(particles), "contacts of one color share no particle that moves");
+}
+
+bool SurfaceContacts::colors_are_independent(const ParticleView& particles) const {
+  std::vector<std::size_t> color_of(pairs_.particle_count());  // per particle: the last one, counted from 1
+  for (std::size_t kind = 0; kind + 1 < begin_.size(); ++kind)
+    for (std::size_t slot = begin_[kind]; slot < begin_[kind + 1]; ++slot)
+      for (const std::uint32_t i : pairs_.pair(pair_[slot]).particle) {
+        if (!(particles.inverse_mass(i) > 0)) continue;
+        if (color_of[i] == kind / 2 + 1) return false;
+        color_of[i] = kind / 2 + 1;
+      }
+  return true;
 }
 
 // --- contacts
@@ -347,15 +409,30 @@ void SurfaceContacts::describe(bool edges, std::size_t begin, std::size_t end, c
   if (begin >= end) return;
   for (std::size_t c = begin; c < end; ++c) {
     const NearPair& pair = pairs_.pair(pairs[c]);
+    const float radius =
+        materials_->radius(pairs_.surface_of(pair.particle[0]), pairs_.surface_of(pair.particle[3]));
+    out.slop[c] = step_.depenetration_speed(radius) / limits_.inverse_h;
+  }
+  simd_kernels().describe[edges ? 1 : 0](pairs_.particle_records(particles), pairs_.columns(), pairs.data(),
+                                         tois.data(), begin, end, out);
+  for (std::size_t c = begin; c < end; ++c) {
+    const NearPair& pair = pairs_.pair(pairs[c]);
     const ContactMaterialPair& surface =
         materials_->at(pairs_.surface_of(pair.particle[0]), pairs_.surface_of(pair.particle[3]));
     out.static_friction[c] = surface.static_friction;
     out.kinetic_friction[c] = surface.kinetic_friction;
+    if (surface.kinetic_friction < surface.static_friction)
+      out.kinetic_friction[c] = kinetic_friction_at(surface, relative_motion(out, c, particles),
+                                                    limits_.restitution_threshold / limits_.inverse_h);
     out.restitution[c] = surface.restitution;
-    out.slop[c] = step_.depenetration_speed(surface.radius) / limits_.inverse_h;
+    if (step_.turn.empty()) continue;
+    const std::uint32_t ball = pair.particle[0];
+    out.share[c] = pairs_.surface(pairs_.surface_of(ball)).rolls
+                       ? inverse_inertia_factor * particles.inverse_mass(ball) / out.inverse_mass[c]
+                       : 0.0f;
+    out.rolling_friction[c] = surface.rolling_friction;
+    for (float* const sum : out.moment_sum) sum[c] = 0;
   }
-  simd_kernels().describe[edges ? 1 : 0](pairs_.particle_records(particles), pairs_.columns(), pairs.data(),
-                                         tois.data(), begin, end, out);
 }
 
 void SurfaceContacts::describe_contacts(const ParticleView& particles, Threads& threads) {
@@ -391,6 +468,7 @@ void SurfaceContacts::find_chunk_violations(std::size_t chunk, const ParticleVie
     if (!all && !pairs_.was_moved(near[k])) continue;
     if (pairs_.distance_bound(near[k]) < coincident_distance || pairs_.is_replaced(near[k])) continue;
     const float toi = safe_time(motion_of(pairs_.pair(near[k]), particles), pairs_.chunk(chunk).edges);
+    SOUPLE_ASSERT(0 <= toi && toi <= 1, "a time of impact is a part of the motion");
     if (toi < 1) found.push_back({near[k], toi});
   }
 }
@@ -472,6 +550,7 @@ void SurfaceContacts::update_contact_margins() {
   for (std::size_t c = 0; c < size(); ++c) {
     const float beyond = columns_.normal_sum[c] - max(0.0f, columns_.approach[c]);
     if (!(beyond > speculative_part * columns_.thickness[c])) continue;
+    SOUPLE_ASSERT(columns_.thickness[c] > 0, "elements have a thickness");
     const float contact_margin = min(beyond, max_part * columns_.thickness[c]);
     for (const std::uint32_t* particle : columns_.particle)
       contact_margin_[particle[c]] = max(contact_margin_[particle[c]], contact_margin);
@@ -486,6 +565,11 @@ std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Sub
   correction_pair_.clear(), correction_toi_.clear();
   std::size_t count = 0;
   reset_colors_from(pairs_.update(particles, substep.h, threads));
+  if (step_.detection == Detection::discrete) {
+    pairs_.measure(particles, threads);
+    pairs_.end_substep();
+    return 0;
+  }
   find_violations(particles, threads);
   for (int pass = 0; pass < passes && !violations_.empty(); ++pass) {
     if (pass < correction_passes) {

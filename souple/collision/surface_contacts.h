@@ -4,6 +4,7 @@
 #include "souple/collision/contact_arrays.h"
 #include "souple/collision/contact_material.h"
 #include "souple/collision/element_pairs.h"
+#include "souple/collision/path_crossing.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
 
@@ -36,6 +37,9 @@ namespace souple {
 /// solver first moves them into each other by much more than their motion in a substep, and contacts push
 /// them back. So contacts of a particle that was pushed back start earlier by that correction, in this
 /// substep and some following ones.
+///
+/// With discrete detection only a vertex whose path crosses a triangle gets a contact, at the crossing and
+/// along the triangle's normal (path_crossing.h).
 ///
 /// After the solver, `keep_apart` tests all motions again. Pairs that would still pass through each other
 /// receive correction contacts. If these do not suffice (an object is squeezed between walls), motions are
@@ -119,10 +123,14 @@ class SurfaceContacts final : public Projector {
                              std::vector<PairToi>& found);
   void find_violations(const ParticleView& particles, Threads& threads);
   void refind_violations(const ParticleView& particles, const Substep& substep, Threads& threads);
+  void find_chunk_crossings(std::size_t chunk, const ParticleView& particles, std::vector<PairToi>& found);
+  PathCrossing path_crossing_of(std::uint32_t pair, const ParticleView& particles);
+  void describe_crossing(std::uint32_t pair, std::size_t contact, const ParticleView& particles);
   bool is_contact(std::uint32_t pair, unsigned classification, const ParticleView& particles,
                   float& toi) const;
   std::uint16_t color_of(const NearPair& pair, const ParticleView& particles);
   void sort_by_color(const ParticleView& particles);
+  bool colors_are_independent(const ParticleView& particles) const;
   void describe(bool edges, std::size_t begin, std::size_t end, const ParticleView& particles,
                 const std::vector<std::uint32_t>& pairs, const std::vector<float>& tois,
                 const kernels::ContactColumns& out);

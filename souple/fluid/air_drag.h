@@ -9,6 +9,8 @@ struct AirDrag {
   Vec3f wind{};               ///< wind velocity [m/s]
   float density = 1.2f;       ///< density of the air [kg/m^3]
   float coefficient = 0.47f;  ///< drag coefficient C; 0.47 is that of a ball
+  /// Per sorted index: share of the wind's velocity that reaches the particle; empty: 1.
+  std::span<const float> exposure{};
 };
 
 /// Air drag on surface particles, each treated as a drop of one particle's size:

@@ -1,5 +1,6 @@
 #include "souple/fluid/cell_order.h"
 
+#include "souple/assert.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
@@ -107,6 +108,7 @@ void CellOrder::sort(std::span<const Vec4f> positions, std::array<std::vector<It
     }
   });
   const int bits = bits_[0] + bits_[1] + bits_[2];
+  SOUPLE_ASSERT(bits <= 3 * max_bits, "a cell's coordinates fit into a key");
   const int passes = (bits + digit_bits - 1) / digit_bits;
   std::size_t sorted = 0;
   for (int pass = 0, shift = 0; pass < passes; ++pass) {
@@ -190,6 +192,9 @@ void CellOrder::find_cells(const std::vector<Item>& sorted, Threads& threads) {
       cells_[cell++] = {static_cast<std::uint32_t>(k), coordinate(at, 0, 0)};
     }
   });
+  SOUPLE_ASSERT(std::is_sorted(sorted.begin(), sorted.end(),
+                               [](const Item& a, const Item& b) { return key(a) < key(b); }),
+                "particles are sorted by cells");
   cells_[cells] = {static_cast<std::uint32_t>(n), 0};
   rows_[rows] = {cells, 0, 0};
 }

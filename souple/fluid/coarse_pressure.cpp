@@ -1,5 +1,7 @@
 #include "souple/fluid/coarse_pressure.h"
 
+#include "souple/assert.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -123,6 +125,8 @@ void CoarsePressure::find_nodes() {
   node_keys_ = keys_;
   std::sort(node_keys_.begin(), node_keys_.end());
   node_keys_.erase(std::unique(node_keys_.begin(), node_keys_.end()), node_keys_.end());
+  SOUPLE_ASSERT(std::is_sorted(node_keys_.begin(), node_keys_.end()), "nodes ascend by key");
+  SOUPLE_ASSERT(origin_.size() == count, "one origin per cell");
   corners_.resize(count);
   begin_.assign(node_keys_.size() + 1, 0);
   for (std::size_t c = 0; c < count; ++c) {
@@ -237,6 +241,7 @@ void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sam
   iterations_ = 0;
   while (iterations_ < max_iterations && rz > tolerance * tolerance * bb) {
     apply(p_, ap_);
+    SOUPLE_ASSERT(!(dot(p_, ap_) < 0), "the matrix is positive");
     const double alpha = rz / dot(p_, ap_);
     double next = 0;
     for (std::size_t n = 0; n < y_.size(); ++n) {

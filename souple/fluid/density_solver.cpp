@@ -1,5 +1,6 @@
 #include "souple/fluid/density_solver.h"
 
+#include "souple/assert.h"
 #include "souple/fluid/kernels/find_kernels.h"
 #include "souple/fluid/kernels/shapes.h"
 #include "souple/fluid/parallel_for.h"
@@ -116,6 +117,7 @@ void DensitySolver::find_fluid_sums(Threads& threads) {
       samples_[k].diagonal = 2 * w * dot(rough, rough) + boundary.local_response + coarse_share * soft;
       denominator_[k] = w * dot(whole, whole) + scaled_volume * scaled_volume * sums.gradient_squared +
                         least * w + boundary.response + soft;
+      SOUPLE_ASSERT(!(denominator_[k] < 0), "the response to a pressure is positive");
     }
   });
 }
@@ -150,6 +152,7 @@ void DensitySolver::relax(Threads& threads) {
       const float wanted =
           lambda_[k] - options_.omega * (samples_[k].c + soft * lambda_[k]) / denominator_[k];
       const float next = min(wanted, 0.0f);
+      SOUPLE_ASSERT(!(next > 0), "fluids do not pull");
       change_[k] = next - lambda_[k];
       lambda_[k] = next;
       q_[k] = {x_[k].x, x_[k].y, x_[k].z, change_[k] * smoothing_.volume()};

@@ -1,5 +1,6 @@
 #include "souple/fluid/neighbors.h"
 
+#include "souple/assert.h"
 #include "souple/fluid/kernels/find_kernels.h"
 #include "souple/state/bytes.h"
 
@@ -120,11 +121,13 @@ void Neighbors::find_in(const CellOrder& order, std::size_t number, float radius
       std::uint32_t* list = block.entry.data() + used;
       *first++ = used;
       *near = kernels_->near_point(points, i, ranges, count, radius * radius, list);
+      SOUPLE_ASSERT(*near <= candidates, "at most all candidates are near");
       const std::uint32_t whole = (*near + padding - 1) / padding * padding;
       std::fill(list + *near++, list + whole, far);
       used += whole;
     }
   }
+  SOUPLE_ASSERT(near == block.count.data() + block.count.size(), "one list per particle of the block");
   *first = used;
 }
 

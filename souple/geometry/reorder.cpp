@@ -1,5 +1,6 @@
 #include "souple/geometry/reorder.h"
 
+#include "souple/assert.h"
 #include "souple/geometry/measures.h"
 
 #include <algorithm>
@@ -53,7 +54,10 @@ std::vector<std::uint32_t> morton_order(std::span<const Vec3d> positions) {
 
 std::vector<std::uint32_t> inverse_order(std::span<const std::uint32_t> order) {
   std::vector<std::uint32_t> inverse(order.size());
-  for (std::uint32_t k = 0; k < order.size(); ++k) inverse[order[k]] = k;
+  for (std::uint32_t k = 0; k < order.size(); ++k) {
+    SOUPLE_ASSERT(order[k] < order.size() && inverse[order[k]] == 0, "the order is a permutation");
+    inverse[order[k]] = k;
+  }
   return inverse;
 }
 

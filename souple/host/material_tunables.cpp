@@ -60,6 +60,7 @@ const std::vector<Tunable<G>> grains_tunables{
     {"Radius", "radius", "m", &G::radius, logarithmic(1e-3f, 0.5f)},
     {"Density", "density", "kg/m\xc2\xb3", &G::density, logarithmic(10, 2e4f)},
     {"Friction", "friction", "", &G::friction, {0, 2}},
+    {"Rolling friction", "rolling_friction", "", &G::rolling_friction, fraction},
     {"Restitution", "restitution", "", &G::restitution, fraction},
     {"Damping", "damping", "1/s", &G::damping, logarithmic(1e-3f, 100)},
 };

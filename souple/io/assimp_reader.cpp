@@ -5,9 +5,12 @@
 #include "souple/io/mesh_file.h"
 #include "souple/io/mesh_groups.h"
 #include "souple/io/mesh_text.h"
+#include "souple/math/mat3.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -163,13 +166,39 @@ class SceneReader {
   GroupBuilder groups_;
 };
 
-/// Meters per unit of the scene's numbers. An FBX states the centimeters of its unit, which assimp leaves to
-/// its caller.
-double unit_of(const aiScene& scene, const std::filesystem::path& path) {
+/// Meters per unit of an FBX, which states the centimeters of its unit.
+double unit_of(const aiMetadata& stated) {
   float centimeters = 0;
-  const bool states_unit = lower_case(path.extension().string()) == ".fbx" && scene.mMetaData != nullptr &&
-                           scene.mMetaData->Get("UnitScaleFactor", centimeters);
+  const bool states_unit = stated.Get("UnitScaleFactor", centimeters);
   return states_unit && std::isfinite(centimeters) && centimeters > 0 ? 0.01 * double(centimeters) : 1;
+}
+
+/// An axis of the file (0, 1, 2: X, Y, Z) with its sign, as a unit vector; empty if it is not stated.
+std::optional<Vec3d> stated_axis(const aiMetadata& stated, const char* axis_key, const char* sign_key) {
+  std::int32_t axis = -1, sign = 1;
+  if (!stated.Get(axis_key, axis) || axis < 0 || axis > 2) return {};
+  stated.Get(sign_key, sign);
+  Vec3d unit;
+  unit[axis] = sign < 0 ? -1 : 1;
+  return unit;
+}
+
+/// The rotation from the axes of an FBX to ours: up to Y, and front, which faces the viewer, to Z. A file without
+/// a front that is perpendicular to its up is turned as MeshImport::up does. The third axis follows from
+/// these two: a left-handed file is turned, never mirrored.
+Mat3d axes_of(const aiMetadata& stated) {
+  const Vec3d up = stated_axis(stated, "UpAxis", "UpAxisSign").value_or(Vec3d{0, 1, 0});
+  Vec3d front = stated_axis(stated, "FrontAxis", "FrontAxisSign").value_or(up);
+  if (dot(front, up) != 0) front = up.z != 0 ? Vec3d{0, -up.z, 0} : Vec3d{0, 0, 1};
+  return transpose(Mat3d(cross(up, front), up, front));
+}
+
+/// Turns an FBX to our axes and meters, which assimp leaves to its caller.
+void convert_fbx(const aiMetadata& stated, TriangleMesh& mesh) {
+  const double unit = unit_of(stated);
+  const Mat3d axes = axes_of(stated);
+  for (Vec3d& x : mesh.positions) x = axes * x * unit;
+  for (Vec3f& n : mesh.appearance.normals) n = Vec3f(axes * Vec3d(n));
 }
 
 }  // namespace
@@ -182,13 +211,16 @@ TriangleMesh read_with_assimp(const std::filesystem::path& path) {
   const std::string name = path.string();
   try {
     Assimp::Importer importer;
+    // assimp 5.4 turns to the stated axes by itself, earlier versions do not know this property.
+    importer.SetPropertyBool("AI_CONFIG_IMPORT_FBX_IGNORE_UP_DIRECTION", true);
     const aiScene* scene = importer.ReadFile(name, aiProcess_ValidateDataStructure);
     if (scene == nullptr || scene->mRootNode == nullptr) {
       throw Error(name + ": assimp cannot read it (" + importer.GetErrorString() + "), expected a " +
                   path.extension().string() + " file");
     }
     TriangleMesh mesh = SceneReader(*scene, name).read();
-    for (Vec3d& x : mesh.positions) x *= unit_of(*scene, path);
+    if (lower_case(path.extension().string()) == ".fbx" && scene->mMetaData != nullptr)
+      convert_fbx(*scene->mMetaData, mesh);
     return mesh;
   } catch (const Error&) {
     throw;

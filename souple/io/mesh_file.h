@@ -26,9 +26,9 @@ Vec3d imported(const Vec3d& x, const MeshImport& options);
 
 /// Reads a triangle mesh. The extension, in any letter case, determines the format: Souple reads .obj, .ply
 /// and .stl itself, and all others (.gltf, .glb, .fbx, .dae, ...) with assimp if built with it. Vertices,
-/// their order, polygons, UVs, colors, groups and appearance are those of the file. FBX states its unit:
-/// `scale` is then a further factor. Vertices are not welded (an STL has
-/// three per triangle). A file may hold only vertices; a file without vertices is an error. Throws Error:
+/// their order, polygons, UVs, colors, groups and appearance are those of the file. FBX states its unit and
+/// its up and front axes, which are heeded: `scale` and `up` then apply to meters with Y up. Vertices are not
+/// welded (an STL has three per triangle). A file may hold only vertices; a file without vertices is an error. Throws Error:
 /// "FILE:LINE: ..." (text) or "FILE: byte N: ..." (binary), with the text found and the text expected.
 TriangleMesh read_triangle_mesh(const std::filesystem::path& path, const MeshImport& options = {});
 

@@ -274,10 +274,10 @@ MeshImport sequence_import(const SequenceDescription& sequence, const MeshImport
 
 class Builder {
  public:
-  Builder(const SceneDescription& scene, const SceneLog& log)
-      : scene_(scene), log_(log), world_(scene.settings) {}
+  Builder(const SceneDescription& scene, World& world, const SceneLog& log)
+      : scene_(scene), log_(log), world_(world) {}
 
-  World build() {
+  void build() {
     if (log_) world_.set_log(log_);
     for (std::size_t i = 0; i < scene_.objects.size(); ++i) add_object(i);
     for (std::size_t i = 0; i < scene_.colliders.size(); ++i) {
@@ -287,7 +287,7 @@ class Builder {
       const PairDescription& pair = scene_.pairs[i];
       const std::string &a = pair.between[0], &b = pair.between[1];
       inside(fmt::format("pairs[{}]", i), [&] {
-        if (pair.friction) world_.set_pair(a, b, *pair.friction, pair.restitution);
+        if (pair.friction) world_.set_pair(a, b, *pair.friction, pair.restitution, pair.kinetic_friction);
         world_.set_collide(a, b, pair.collide);
       });
     }
@@ -297,18 +297,6 @@ class Builder {
     for (std::size_t i = 0; i < scene_.drains.size(); ++i)
       inside(fmt::format("drains[{}]", i), [&] { add_drain(scene_.drains[i]); });
     if (log_) world_.set_log({});
-    return std::move(world_);
-  }
-
- private:
-  /// Prepends the path in the scene to an error.
-  template <class F>
-  void inside(const std::string& path, F f) {
-    try {
-      f();
-    } catch (const Error& error) {
-      throw Error(scene_.source + ": " + path + ": " + error.what());
-    }
   }
 
   void add_object(std::size_t index) {
@@ -334,9 +322,21 @@ class Builder {
                       attachment.compliance);
       });
     }
+    world_.set_wind_exposure(object, shared.wind_exposure);
     // After the pins: tethers start at pins.
     inside(path, [&] { std::visit([&](const auto& kind) { finish(object, kind); }, scene_.objects[index]); });
     remark_on_size(object, scene_.objects[index]);
+  }
+
+ private:
+  /// Prepends the path in the scene to an error.
+  template <class F>
+  void inside(const std::string& path, F f) {
+    try {
+      f();
+    } catch (const Error& error) {
+      throw Error(scene_.source + ": " + path + ": " + error.what());
+    }
   }
 
   /// Most often, a file in centimeters or millimeters.
@@ -575,6 +575,7 @@ class Builder {
   void add_collider(const ColliderDescription& collider) {
     ColliderOptions options;
     options.friction = collider.friction;
+    options.kinetic_friction = collider.kinetic_friction;
     options.collision_groups = collider.collision.groups;
     options.collision_mask = collider.collision.mask;
     options.restitution = collider.restitution;
@@ -637,7 +638,7 @@ class Builder {
 
   const SceneDescription& scene_;
   const SceneLog& log_;
-  World world_;
+  World& world_;
   std::uint64_t seed_ = 0;
   // Of the current object:
   std::string name_;
@@ -660,7 +661,13 @@ std::string_view shape_name(const ShapeDescription& shape) {
 }
 
 World build_world(const SceneDescription& scene, const SceneLog& log) {
-  return Builder(scene, log).build();
+  World world(scene.settings);
+  Builder(scene, world, log).build();
+  return world;
+}
+
+void add_to_world(const SceneDescription& scene, std::size_t object, World& world) {
+  Builder(scene, world, {}).add_object(object);
 }
 
 }  // namespace souple

@@ -147,6 +147,7 @@ struct ObjectDescription {
   bool self_collision = false;         ///< not for grains
   int layer = 0;                       ///< not for ropes and grains
   CollisionFilter collision{};         ///< collision groups and mask
+  float wind_exposure = 1;             ///< share of the wind's velocity that reaches it; not for obstacles
   std::vector<PinDescription> pins;
   std::vector<AttachmentDescription> attachments;
 };
@@ -244,6 +245,7 @@ struct ColliderDescription {
   std::string name;
   ShapeDescription shape{};
   float friction = 0.5f;
+  std::optional<float> kinetic_friction;  ///< if not given, `friction`
   float restitution = 0;
   CollisionFilter collision{};                 ///< collision groups and mask
   std::optional<std::uint32_t> color;          ///< 0xRRGGBB (sRGB), for viewers and pictures
@@ -264,8 +266,9 @@ struct DrainDescription {
 struct PairDescription {
   std::array<std::string, 2> between;  ///< names of objects or colliders
   bool collide = true;
-  std::optional<float> friction;  ///< if not given, that of the materials; then `collide` is false
-  float restitution = 0;          ///< used only with a friction
+  std::optional<float> friction;          ///< if not given, that of the materials; then `collide` is false
+  std::optional<float> kinetic_friction;  ///< used only with a friction
+  float restitution = 0;                  ///< used only with a friction
 };
 
 struct EndDescription {
@@ -329,6 +332,10 @@ using SceneLog = std::function<void(LogLevel, std::string_view)>;
 /// Reads the meshes and builds a world. Repairs and warnings about meshes go to `log`, one line each. Throws
 /// Error: file, path inside it, the problem.
 World build_world(const SceneDescription& scene, const SceneLog& log = {});
+
+/// Adds scene.objects[object] to a world that has the objects before it, at the world's current time. Throws
+/// Error like build_world.
+void add_to_world(const SceneDescription& scene, std::size_t object, World& world);
 
 /// The JSON schema (draft 2020-12) of scene files, and the manual page docs/scene-format.md; both are
 /// generated from the reader's tables.

@@ -1,5 +1,7 @@
 #include "souple/solver/coloring.h"
 
+#include "souple/assert.h"
+
 #include <algorithm>
 #include <bit>
 #include <numeric>
@@ -198,6 +200,15 @@ void Palette::improve() {
   fill_small();
 }
 
+std::vector<std::uint32_t> reordered(std::span<const std::uint32_t> indices, std::size_t arity,
+                                     std::span<const std::uint32_t> order) {
+  std::vector<std::uint32_t> result;
+  result.reserve(indices.size());
+  for (const std::uint32_t i : order)
+    for (const std::uint32_t particle : indices.subspan(i * arity, arity)) result.push_back(particle);
+  return result;
+}
+
 }  // namespace
 
 Coloring color_constraints(std::span<const std::uint32_t> indices, int arity, std::size_t particle_count) {
@@ -209,7 +220,24 @@ Coloring color_constraints(std::span<const std::uint32_t> indices, int arity, st
   if (pending.empty()) palette.improve();
   for (std::uint32_t first = colors_per_round; !pending.empty(); first += colors_per_round)
     pending = palette.first_fit(pending, first);
-  return sorted_by_color(indices, arity, particle_count, palette.color_of());
+  const Coloring result = sorted_by_color(indices, arity, particle_count, palette.color_of());
+  SOUPLE_ASSERT(are_independent(reordered(indices, width, result.order), arity, result.color_begin),
+                "constraints of one color share no particle");
+  return result;
+}
+
+bool are_independent(std::span<const std::uint32_t> indices, int arity,
+                     std::span<const std::uint32_t> color_begin) {
+  const auto width = static_cast<std::size_t>(arity);
+  std::vector<std::size_t> last;  // per particle: its last constraint, counted from 1
+  for (std::size_t c = 0; c + 1 < color_begin.size(); ++c)
+    for (std::size_t i = color_begin[c]; i < color_begin[c + 1]; ++i)
+      for (const std::uint32_t particle : indices.subspan(i * width, width)) {
+        if (particle >= last.size()) last.resize(particle + std::size_t{1});
+        if (last[particle] > color_begin[c] && last[particle] != i + 1) return false;
+        last[particle] = i + 1;
+      }
+  return true;
 }
 
 // Two stable counting sorts.
@@ -241,6 +269,7 @@ Coloring sorted_by_color(std::span<const std::uint32_t> indices, int arity, std:
   }
   result.color_begin.push_back(begin);
   for (const std::uint32_t i : by_particle) result.order[next[color_of[i]]++] = i;
+  SOUPLE_ASSERT(begin == count, "every constraint has one color");
   return result;
 }
 

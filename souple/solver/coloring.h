@@ -27,4 +27,8 @@ Coloring color_constraints(std::span<const std::uint32_t> indices, int arity, st
 Coloring sorted_by_color(std::span<const std::uint32_t> indices, int arity, std::size_t particle_count,
                          std::span<const std::uint32_t> color_of);
 
+/// Whether constraints of one color share no particle. `indices`: of constraints in the order of their colors.
+bool are_independent(std::span<const std::uint32_t> indices, int arity,
+                     std::span<const std::uint32_t> color_begin);
+
 }  // namespace souple

@@ -1,5 +1,7 @@
 #include "souple/solver/distance_trees.h"
 
+#include "souple/assert.h"
+
 #include <algorithm>
 #include <numeric>
 
@@ -161,6 +163,8 @@ DistanceTrees find_trees(std::span<const TreeLink> links, std::size_t particle_c
     for (auto node = tree.rbegin(); node != tree.rend(); ++node) {
       trees.nodes.push_back(*node);
       trees.nodes.back().parent = last - node->parent;
+      SOUPLE_ASSERT(trees.nodes.back().parent >= trees.nodes.size() - 1,
+                    "children come before their parents");
     }
     trees.begin.push_back(last + 1);
   }

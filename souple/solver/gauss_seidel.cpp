@@ -1,5 +1,6 @@
 #include "souple/solver/gauss_seidel.h"
 
+#include "souple/assert.h"
 #include "souple/solver/external_moves.h"
 #include "souple/solver/linear_system.h"
 
@@ -23,6 +24,7 @@ constexpr int max_rounds_of_whole_motion = 10;
 constexpr std::size_t motion_grain = 4096;
 
 float part_of_motion(int round, int rounds) {
+  SOUPLE_ASSERT(0 <= round && round < rounds, "one of the rounds");
   const float part = 1 / static_cast<float>(rounds);
   return (round == 0 ? part / 2 : part) + (round == rounds - 1 ? part / 2 : 0);
 }

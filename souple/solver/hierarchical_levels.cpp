@@ -1,10 +1,10 @@
 #include "souple/solver/hierarchical_levels.h"
 
+#include "souple/assert.h"
 #include "souple/solver/marching.h"
 
 #include <algorithm>
 #include <array>
-#include <cassert>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -271,6 +271,7 @@ struct Parents {
   std::array<std::uint32_t, max_parents> number{};
   std::array<float, max_parents> length{}, weight{};
 
+  float sum_of_weights() const { return std::accumulate(weight.begin(), weight.begin() + count, 0.0f); }
   void erase(std::size_t k) {
     --count;
     for (; k < count; ++k) number[k] = number[k + 1], length[k] = length[k + 1];
@@ -459,7 +460,7 @@ void LevelBuilder::add_shortest_path(std::uint32_t i, std::uint32_t end, float& 
       front.emplace(visit.length, n.to);
     }
   }
-  assert(visits_[end].search == searches_);  // its march reached i
+  SOUPLE_ASSERT(visits_[end].search == searches_, "links connect particles that a march connects");
   length += visits_[end].length;
   for (std::uint32_t k = end; k != i; k = visits_[k].from) level_.path.push_back(visits_[k].link);
 }
@@ -486,6 +487,7 @@ void LevelBuilder::find_parents(const Near& near, const CoarseLengths& lengths,
   level_.parent_begin.push_back(0);
   for (std::size_t i = 0; i < parents.size(); ++i) {
     const Parents& of = parents[i];
+    SOUPLE_ASSERT(of.count > 0 && std::abs(of.sum_of_weights() - 1) < 1e-4f, "weights of parents sum to 1");
     for (std::size_t k = 0; k < of.count; ++k) {
       level_.parent.push_back(of.number[k]);
       level_.weight.push_back(of.weight[k]);
@@ -533,6 +535,8 @@ CoarseLevel LevelBuilder::build() {
   collapse(near, lengths);
   find_parents(near, lengths, number);
   add_children();
+  SOUPLE_ASSERT(level_.path_begin.size() == level_.links.size() + 1, "one path per coarse link");
+  SOUPLE_ASSERT(level_.finer.size() < masses_.size(), "a coarser level has fewer particles");
   return std::move(level_);
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "souple/assert.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -17,6 +19,9 @@ class LeftOut {
   /// `constraints` of a projector of `size` constraints, each once, in any order.
   void add(const Projector& projector, std::vector<std::uint32_t> constraints, std::size_t size) {
     std::sort(constraints.begin(), constraints.end());
+    SOUPLE_ASSERT(std::adjacent_find(constraints.begin(), constraints.end()) == constraints.end(),
+                  "each constraint is left out once");
+    SOUPLE_ASSERT(constraints.empty() || constraints.back() < size, "constraints of the projector");
     Set set{&projector, {}};
     std::size_t begin = 0;
     for (const std::uint32_t constraint : constraints) {

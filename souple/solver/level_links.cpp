@@ -1,5 +1,6 @@
 #include "souple/solver/level_links.h"
 
+#include "souple/assert.h"
 #include "souple/solver/coloring.h"
 #include "souple/solver/instruction_set.h"
 
@@ -45,13 +46,47 @@ void sweep_links(const kernels::LinkArrays& links, float* moving, std::size_t be
   }
 }
 
-const kernels::LinkKernels& link_kernels() {
-  static constexpr kernels::LinkKernels scalar{measure_links, sweep_links};
-  const kernels::LinkKernels* packed = find_link_kernels(instruction_set());
-  return packed ? *packed : scalar;
+// One lane of the packed kernels.
+
+Vec3f difference_of(const float* position, const float* moving, std::uint32_t a, std::uint32_t b) {
+  Vec3f u = difference(position, a, b);
+  if (moving) u += difference(moving, a, b);
+  return u;
+}
+
+void find_stretched(const kernels::ParticleLinks& links, const float* position, const float* moving,
+                    std::uint16_t* stretched, std::size_t begin, std::size_t end) {
+  for (std::size_t k = begin; k < end; ++k) {
+    unsigned bits = 0;
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const std::size_t i = lanes * k + lane;
+      const Vec3f u = difference_of(position, moving, links.a[i], links.b[i]);
+      if (dot(u, u) > links.longest[i] * links.longest[i]) bits |= 1u << lane;
+    }
+    stretched[k] = static_cast<std::uint16_t>(bits);
+  }
+}
+
+void measure_stretched(const kernels::LinkArrays& links, const kernels::StretchedMeasures& m,
+                       const float* position, const float* moving, float* gain, std::size_t begin,
+                       std::size_t end) {
+  for (std::size_t i = begin; i < end; ++i) {
+    const Vec3f X = position ? difference(position, links.a[i], links.b[i]) : Vec3f{};
+    const Vec3f u = X + difference(moving, links.a[i], links.b[i]);
+    links.x[i] = X.x, links.y[i] = X.y, links.z[i] = X.z;
+    links.max_length[i] = m.longest[i];
+    links.min_length[i] = min(m.longest[i] * m.shortest_part, length(u));
+    gain[i] = kernels::stretched_gain(m.compliance[i], m.inverse_mass[i], m.softest, m.sweeps_over_h2);
+  }
 }
 
 }  // namespace
+
+const kernels::LinkKernels& link_kernels() {
+  static constexpr kernels::LinkKernels scalar{measure_links, sweep_links, find_stretched, measure_stretched};
+  const kernels::LinkKernels* packed = find_link_kernels(instruction_set());
+  return packed ? *packed : scalar;
+}
 
 LevelLinks::LevelLinks(const CoarseLevel& map, std::span<const std::uint32_t> links) {
   std::vector<std::uint32_t> ends, swept, fixed;
@@ -87,32 +122,6 @@ void LevelLinks::pad(const CoarseLevel& map) {
   while (slots() % lanes != 0) link_.push_back(none), a_.push_back(last), b_.push_back(last);
 }
 
-void LevelLinks::reserve(std::size_t links, std::size_t colors) {
-  const std::size_t slots = links + colors * lanes;
-  for (auto* column : {&link_, &a_, &b_}) column->reserve(slots);
-  for (auto* column : {&x_, &y_, &z_, &min_length_, &max_length_, &gain_}) column->reserve(slots);
-  color_begin_.reserve(colors + 1);
-}
-
-void LevelLinks::clear() {
-  for (auto* column : {&link_, &a_, &b_}) column->clear();
-  for (auto* column : {&x_, &y_, &z_, &min_length_, &max_length_, &gain_}) column->clear();
-  color_begin_.assign(1, 0);
-}
-
-void LevelLinks::append(std::uint32_t a, std::uint32_t b, const Vec3f& X, float min_length, float max_length,
-                        float gain) {
-  link_.push_back(none), a_.push_back(4 * a), b_.push_back(4 * b);
-  x_.push_back(X.x), y_.push_back(X.y), z_.push_back(X.z);
-  min_length_.push_back(min_length), max_length_.push_back(max_length), gain_.push_back(gain);
-}
-
-void LevelLinks::end_color(std::uint32_t padding) {
-  if (slots() == color_begin_.back()) return;
-  while (slots() % lanes != 0) append(padding, padding, {}, 0, 0, 0);
-  color_begin_.push_back(slots());
-}
-
 std::vector<std::uint32_t> LevelLinks::slot_of_link() const {
   std::vector<std::uint32_t> slot;
   for (std::uint32_t s = 0; s < slots(); ++s) {
@@ -145,21 +154,26 @@ void LevelLinks::copy_limits(const LevelLinks& all, std::span<const std::uint32_
 }
 
 void LevelLinks::sweep(int n, float omega, std::span<Vec4f> moving, Threads& threads) {
-  const kernels::LinkArrays links = arrays();
+  sweep_colors(arrays(), color_begin_, n, omega, moving, threads);
+}
+
+void sweep_colors(const kernels::LinkArrays& links, std::span<const std::size_t> color_begin, int n,
+                  float omega, std::span<Vec4f> moving, Threads& threads) {
   const kernels::SweepLinks sweep_links = link_kernels().sweep;
   float* const d = &moving.data()->x;
-  const std::size_t colors = color_begin_.size() - 1;
-  const bool one_thread = color_begin_.back() < 2 * grain * colors;
+  const std::size_t colors = color_begin.size() - 1;
+  SOUPLE_ASSERT(color_begin.back() % lanes == 0, "colors are padded to whole registers");
+  const bool one_thread = color_begin.back() < 2 * grain * colors;
   for (int s = 1; s <= n; ++s) {
     const float relaxation = s < n ? omega : 1;
     if (one_thread) {
-      sweep_links(links, d, 0, color_begin_.back(), relaxation);
+      sweep_links(links, d, 0, color_begin.back(), relaxation);
       continue;
     }
     for (std::size_t c = 0; c < colors; ++c)
-      threads.for_each((color_begin_[c + 1] - color_begin_[c]) / lanes, grain / lanes,
+      threads.for_each((color_begin[c + 1] - color_begin[c]) / lanes, grain / lanes,
                        [&](std::size_t begin, std::size_t end) {
-                         sweep_links(links, d, color_begin_[c] + begin * lanes, color_begin_[c] + end * lanes,
+                         sweep_links(links, d, color_begin[c] + begin * lanes, color_begin[c] + end * lanes,
                                      relaxation);
                        });
   }

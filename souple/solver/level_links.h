@@ -7,6 +7,13 @@
 
 namespace souple {
 
+/// The kernels of links for the processor's instruction set.
+const kernels::LinkKernels& link_kernels();
+/// Projects the links of each color n times. The last sweep is plain, those before it are over-relaxed by omega.
+/// `color_begin`: first slot of each color, and the number of slots.
+void sweep_colors(const kernels::LinkArrays& links, std::span<const std::size_t> color_begin, int n,
+                  float omega, std::span<Vec4f> moving, Threads& threads);
+
 /// Links of a coarse level as sweeps use them: sorted by color, each color padded to whole registers. A slot is
 /// a place in this order.
 class LevelLinks {
@@ -28,15 +35,6 @@ class LevelLinks {
   /// Sets g of a slot, 1 / (w_J + w_K + alpha~). [kg]
   void set_gain(std::size_t slot, float gain) { gain_[slot] = gain; }
 
-  /// Reserves memory for links of that many colors.
-  void reserve(std::size_t links, std::size_t colors);
-  /// Removes all links, keeps the memory.
-  void clear();
-  /// Adds a link between particles a and b of `moving` to the current color.
-  void append(std::uint32_t a, std::uint32_t b, const Vec3f& X, float min_length, float max_length,
-              float gain);
-  /// Ends the current color. `padding`: a fixed particle.
-  void end_color(std::uint32_t padding);
   /// Limits of all slots at the start of the substep.
   void measure(const kernels::LinkMeasures& from, Threads& threads);
   /// Takes over the limits that its links have in `all`.

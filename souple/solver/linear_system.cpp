@@ -1,5 +1,6 @@
 #include "souple/solver/linear_system.h"
 
+#include "souple/assert.h"
 #include "souple/error.h"
 
 #include <algorithm>
@@ -36,6 +37,7 @@ void invert_packed(int n, const double* a, double* result) {
     m[i][n + i] = 1;
   }
   for (int i = 0; i < n; ++i) {
+    SOUPLE_ASSERT(m[i][i] > 0, "the matrix is positive definite");
     const double pivot = 1 / m[i][i];
     for (int j = 0; j < 2 * n; ++j) m[i][j] *= pivot;
     for (int k = 0; k < n; ++k) {

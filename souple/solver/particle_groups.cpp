@@ -1,5 +1,6 @@
 #include "souple/solver/particle_groups.h"
 
+#include "souple/assert.h"
 #include "souple/error.h"
 
 #include <algorithm>
@@ -53,6 +54,7 @@ void ParticleGroups::prepare(std::size_t particle_count, std::string_view what) 
     colors_.color_begin.push_back(static_cast<std::uint32_t>(colors_.order.size()));
   }
   dirty_ = false;
+  SOUPLE_ASSERT(colors_.order.size() == size(), "every group has one color");
 }
 
 std::span<const std::uint32_t> ParticleGroups::color(int c) const {

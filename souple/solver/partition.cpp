@@ -1,5 +1,7 @@
 #include "souple/solver/partition.h"
 
+#include "souple/assert.h"
+
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -89,6 +91,8 @@ Partition partition_constraints(std::span<const std::uint32_t> indices, int arit
   for (const std::uint32_t i : result.coloring.order)
     for (const std::uint32_t particle : indices.subspan(i * width, width))
       result.indices.push_back(first[particle] + next_phantom[particle]++ % copies.of_particle()[particle]);
+  SOUPLE_ASSERT(are_independent(result.indices, arity, result.coloring.color_begin),
+                "constraints of one color share no phantom and no unsplit particle");
   return result;
 }
 

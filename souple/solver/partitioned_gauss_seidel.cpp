@@ -1,5 +1,7 @@
 #include "souple/solver/partitioned_gauss_seidel.h"
 
+#include "souple/assert.h"
+
 #include <fmt/core.h>
 
 namespace souple {
@@ -61,6 +63,7 @@ class PartitionedGaussSeidel::Split final : public Projector {
   // Moves the particle by the displacement of its phantoms' center of mass, then the phantoms to the
   // particle: another set may have moved the particle alone.
   void join(SplitParticle& split) const {
+    SOUPLE_ASSERT(split.end - split.begin >= 2, "a split particle has at least two phantoms");
     const std::span<Vec4f> moving = all_.view.moving;
     Vec4f& particle = moving[split.particle];
     if (split.substep == all_.substep) {

@@ -162,17 +162,16 @@ class Projector {
   virtual bool is_contact() const { return false; }
   /// Whether they keep objects out of colliders: each moves particles of one object only.
   virtual bool is_collider_contact() const { return false; }
-  /// Appends the numbers of the constraints whose particle is chosen, chosen[i] != unchosen, for project_some.
-  /// The default finds none.
-  virtual void find_touching([[maybe_unused]] std::span<const std::uint32_t> chosen,
-                             [[maybe_unused]] std::vector<std::uint32_t>& found) const {}
+  /// Takes the constraints whose particle is chosen, chosen[i] != unchosen, for project_some until put_back_some.
+  /// Returns their number. The default takes none.
+  virtual std::size_t take_some([[maybe_unused]] std::span<const std::uint32_t> chosen) { return 0; }
   static constexpr std::uint32_t unchosen = ~std::uint32_t{0};
+  /// Projects them. `again`: particles have hardly moved since the last projection, so that it may use the gradients
+  /// found there.
+  virtual void project_some(const ParticleView&, [[maybe_unused]] bool again) {}
+  virtual void put_back_some() {}
   /// Whether an overlap that existed before is being removed slowly.
   virtual bool removes_overlaps() const { return false; }
-  /// Projects constraints that find_touching found in this substep. `again`: particles have hardly moved since the
-  /// last projection, so that it may use the gradients found there.
-  virtual void project_some(std::span<const std::uint32_t>, const ParticleView&,
-                            [[maybe_unused]] bool again) {}
   virtual void begin_substep(const ParticleView&, const Substep&) {}
   /// Projects constraints [begin, end) of a color. Other parts of the color may be projected at the same
   /// time.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/assert.h"
 #include "souple/constraints/constraint_set.h"
 #include "souple/error.h"
 #include "souple/geometry/reorder.h"
@@ -123,6 +124,7 @@ class SetProjector final : public Projector {
   /// Tells sweeps of which constraints levels carry a part of the load (TetLevels); `softness`: of the others, as in
   /// sweeps_needed. [1/s^2]
   void set_levels(std::span<const std::uint8_t> in_level, float softness) {
+    SOUPLE_ASSERT(in_level.size() == set_.size(), "one entry per constraint");
     softness_of_rest_ = softness;
     for (std::vector<float>* values : {&in_level_, &level_scales_, &level_shared_})
       values->resize(in_level.size());
@@ -168,6 +170,8 @@ class SetProjector final : public Projector {
   using Projector::project;
   void project(int color, std::size_t first, std::size_t last, const ParticleView& particles,
                const Substep& substep) override {
+    SOUPLE_ASSERT(first <= last && last <= color_size(color), "a range of the color's constraints");
+    SOUPLE_ASSERT(!dirty_, "prepare comes before project");
     const std::size_t color_begin = set_.color_begin[static_cast<std::size_t>(color)];
     const std::size_t begin = color_begin + first, end = color_begin + last;
     if (substep.left_out == nullptr) return project_range(begin, end, particles, substep);
@@ -272,6 +276,7 @@ class SetProjector final : public Projector {
     half_shared_.reorder(coloring.order);
     set_.reorder(coloring.order);
     set_.color_begin = std::move(coloring.color_begin);
+    SOUPLE_ASSERT(set_.color_begin.back() == set_.size(), "colors divide all constraints");
     scales_for_ = -1;
     find_scales({});  // a solver may linearize before the first substep
     revision_ = detail::next_revision();

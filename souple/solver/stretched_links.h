@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/solver/hierarchical_levels.h"
-#include "souple/solver/level_links.h"
+#include "souple/solver/kernels/links.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
 #include "souple/solver/tied_particles.h"
@@ -15,11 +15,9 @@ namespace souple {
 /// cloth leaves a ball, at a short edge of an irregular mesh or in a gust, stress changes from one link to the next.
 /// Levels do not see that, and one sweep leaves such links stretched by tens of percent.
 ///
-/// The sweeps shorten links to the strain above which they count as stretched, and lengthen none. A link that begins to
-/// be stretched is thus corrected gently; with a lower goal, cloth trembles. Contacts with colliders are projected
+/// The sweeps shorten links to the strain above which they count as stretched. A link that begins to be stretched is thus
+/// corrected gently; with a lower goal, cloth trembles. Contacts with colliders are projected
 /// between the sweeps: without, the cloth is pulled into the collider and pushed back, and nothing is gained.
-///
-/// Around isolated pins a stiff cloth does stretch, and levels sweep more there: links near them do not count.
 ///
 /// Particles that touch cloth, fluids or other bodies take no part: the sweeps would pull layers into each other. Nor
 /// do tied or attached ones. There are no sweeps while old overlaps with colliders are removed or a link is torn: a
@@ -34,41 +32,68 @@ class StretchedLinks {
              const ParticleView& particles, const Substep& substep, Threads& threads);
 
  private:
-  /// A particle at the other end of a link.
+  /// A particle at the other end of a link, and the place of the link in links_.
   struct Neighbor {
     std::uint32_t particle, link;
   };
+  /// Rounds of sweeps, each followed by the contacts. A link is lengthened to no more than `shortest_part` of the length it
+  /// is shortened to.
+  struct Rounds {
+    int count, sweeps;
+    float shortest_part;
+  };
+  static const Rounds with_contacts, without_contacts;
+  /// A link that sweeps can correct.
+  struct Swept {
+    std::uint32_t a, b;  ///< 4 times the end
+    float longest;       ///< the length it is shortened to [m]
+    float compliance;    ///< [m/N]
+    float inverse_mass;  ///< sum of its ends' [1/kg]
+  };
+  /// The chosen links as kernels take them, color after color, each color padded to whole registers.
+  struct Region {
+    std::vector<std::uint32_t> a, b;
+    std::vector<float> longest, compliance, inverse_mass;
+    std::vector<float> x, y, z, min_length, max_length, gain;
+    std::vector<std::size_t> color_begin;
 
-  void set_counted(std::span<const Link> of_level, const TiedParticles& tied, const ParticleView& particles);
-  void build(std::span<const Link> links, const TiedParticles& tied, const ParticleView& particles);
-  bool find_stretched(std::span<const Link> links, const ParticleView& particles, Threads& threads);
-  bool choose_particles(std::span<const Link> of_level, float h2);
+    std::size_t size() const { return color_begin.back(); }
+    void resize(std::size_t slots);
+    void set(std::size_t slot, const Swept& link);
+    kernels::LinkArrays arrays();
+  };
+
+  void prepare_search(std::span<const Link> of_level);
+  void build(std::span<const Link> of_level, const TiedParticles& tied, const ParticleView& particles);
+  bool find_stretched(std::span<const Link> of_level, const ParticleView& particles, Threads& threads);
+  bool is_torn(const Link& link, const ParticleView& particles) const;
   void bar(std::span<Projector* const> projectors, const ParticleView& particles);
   void choose(std::uint32_t particle);
-  void gather_links(const ParticleView& particles, float h2, float n);
-  void append(std::uint32_t link, const ParticleView& particles, float h2, float n);
-  void find_contacts(std::span<Projector* const> projectors);
-  void project_contacts(std::span<Projector* const> projectors, const ParticleView& particles,
-                        const Substep& substep, bool again) const;
-  void load(const ParticleView& particles);
+  bool choose_particles(std::span<const Link> of_level, float h2);
+  void mark_links();
+  void gather_links();
+  void measure_links(const Rounds& rounds, Form form, float h, Threads& threads);
+  ParticleView load(const ParticleView& particles, bool all);
   void store(const ParticleView& particles) const;
 
-  /// Per link of the level: sum of its ends' inverse masses [1/kg]; 0: does not count as stretched.
-  std::vector<float> counted_;
-  std::vector<Link> links_;           ///< color after color
-  std::vector<float> inverse_mass_;   ///< per link: sum of its ends' [1/kg]
-  std::vector<std::uint32_t> color_;  ///< per link
-  std::vector<Neighbor> neighbors_;   ///< of particle i: from neighbors_begin_[i] to neighbors_begin_[i + 1]
+  // Per link of the level, in blocks of 16: ends, and the length above which the link is stretched.
+  std::vector<std::uint32_t> search_a_, search_b_;
+  std::vector<float> search_longest_;
+  std::vector<float> counted_;  ///< sum of the ends' inverse masses [1/kg]; 0: does not count as stretched
+  std::vector<Swept> links_;    ///< color after color
+  std::vector<std::size_t> color_begin_;  ///< in links_
+  std::vector<Neighbor> neighbors_;  ///< of particle i: from neighbors_begin_[i] to neighbors_begin_[i + 1]
   std::vector<std::uint32_t> neighbors_begin_;
   // Of the current substep:
-  std::vector<std::uint8_t> stretched_;  ///< per link of the level
-  std::vector<std::uint8_t> barred_;     ///< per particle of the world: takes no part
-  std::vector<std::uint32_t> chosen_;    ///< particles at most `radius` links from a stretched link
-  std::vector<std::uint32_t> number_;    ///< per particle of the world: index in chosen_, or unchosen
-  std::vector<std::vector<std::uint32_t>> chosen_links_;  ///< per color: links between chosen particles
-  std::vector<std::vector<std::uint32_t>> contacts_;      ///< per projector: its contacts of chosen particles
-  std::vector<Vec4f> moving_;  ///< per chosen particle, and a fixed one: displacement [m]; w = inverse mass
-  LevelLinks swept_;           ///< the chosen links, between indices in chosen_
+  std::vector<std::uint16_t> stretched_;  ///< per block of links of the level: a bit for each
+  std::vector<std::uint32_t> found_;      ///< stretched links of the level
+  std::vector<std::uint8_t> barred_;      ///< per particle of the world: takes no part
+  std::vector<std::uint32_t> chosen_;     ///< particles at most `radius` links from a stretched link
+  std::vector<std::uint32_t> number_;     ///< per particle of the world: index in chosen_, or unchosen
+  std::vector<std::uint64_t> marked_;     ///< a bit per entry of links_: between chosen particles
+  Region region_;
+  /// Per particle of the world, and a fixed one, those of chosen particles: moving_.w = inverse mass.
+  std::vector<Vec4f> position_, moving_;
 };
 
 }  // namespace souple

@@ -1,5 +1,7 @@
 #include "souple/solver/thread_pool.h"
 
+#include "souple/assert.h"
+
 #include <algorithm>
 #include <new>
 #include <system_error>
@@ -109,6 +111,7 @@ void ThreadPool::start() {
 }
 
 void ThreadPool::send(std::uint64_t command) {
+  SOUPLE_ASSERT(command <= command_mask, "a command fits into its bits");
   const std::uint64_t number = (job_.signal.load(std::memory_order_relaxed) >> job_bits) + 1;
   const std::uint64_t signal = number << job_bits | command;
   if (!sleeping_) {
@@ -137,6 +140,8 @@ void ThreadPool::for_each(std::size_t n, std::size_t grain, RangeFunction f) {
     f(0, n);
     return;
   }
+  SOUPLE_ASSERT(partition.parts() <= static_cast<std::size_t>(count_), "a part per thread");
+  SOUPLE_ASSERT(partition.begin(partition.parts()) == n, "parts cover the range");
   job_.function = &f;
   job_.partition = partition;
   send(partition.parts());

@@ -1,5 +1,6 @@
 #include "souple/solver/tied_particles.h"
 
+#include "souple/assert.h"
 #include "souple/constraints/attachment.h"
 #include "souple/constraints/distance.h"
 #include "souple/geometry/adjacency.h"
@@ -34,7 +35,10 @@ TiedParticles::TiedParticles(std::span<Projector* const> projectors, const Parti
     for (const std::uint32_t i : tie) tied_.emplace_back(i, representative[components.of_vertex[i]]);
   std::sort(tied_.begin(), tied_.end());
   tied_.erase(std::unique(tied_.begin(), tied_.end()), tied_.end());
-  for (const auto& [i, r] : tied_) groups_.emplace_back(r, i);
+  for (const auto& [i, r] : tied_) {
+    SOUPLE_ASSERT(representative[components.of_vertex[r]] == r, "a representative stands for itself");
+    groups_.emplace_back(r, i);
+  }
   std::sort(groups_.begin(), groups_.end());
 }
 

@@ -1,5 +1,6 @@
 #include "souple/solver/tree_elimination.h"
 
+#include "souple/assert.h"
 #include "souple/solver/external_moves.h"
 #include "souple/solver/set_projector.h"
 
@@ -131,6 +132,7 @@ bool TreeElimination::is_fixed(std::size_t tree, const ParticleView& particles) 
 // All trees of a call use the memory of the first nodes, which stays in the cache: no tree has more nodes than all.
 void TreeElimination::project(int, std::size_t begin, std::size_t end, const ParticleView& particles,
                               const Substep& substep) {
+  SOUPLE_ASSERT(end <= trees_.size() && begun_.size() == trees_.size(), "begin_substep comes before project");
   for (std::size_t tree = begin; tree < end; ++tree) {
     if (is_fixed(tree, particles)) continue;
     Work work{trees_.begin[tree], {}, square(substep.h)};
@@ -279,6 +281,7 @@ void TreeElimination::eliminate(Node& node, Node& parent) {
   node.p = node.g - across(node.g, left) * node.turn;
   node.rest = node.C + dot(node.g, free);
   const double sum = node.alpha + dot(node.g, n);
+  SOUPLE_ASSERT(!(sum < 0), "the eliminated matrix is positive along the link");
   node.s = sum > 0 ? 1 / sum : 0;
   if (parent.fixed()) return;
   const Vec3d q = node.f - across(node.g, n) * node.turn;

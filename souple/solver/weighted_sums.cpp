@@ -1,5 +1,7 @@
 #include "souple/solver/weighted_sums.h"
 
+#include "souple/assert.h"
+
 namespace souple {
 
 using detail::FourFloats;
@@ -8,6 +10,7 @@ using detail::store;
 
 void WeightedSums::assign(std::size_t first, std::size_t last, std::span<const Vec4f> x,
                           std::span<const Vec4f> y, std::span<Vec4f> to_x, std::span<Vec4f> to_y) const {
+  SOUPLE_ASSERT(last <= rows() && last <= to_x.size() && last <= to_y.size(), "rows of the sums");
   const std::uint32_t* const of = particle.data();
   const float* const by = weight.data();
   for (std::size_t j = first; j < last; ++j) {
@@ -25,6 +28,7 @@ void WeightedSums::assign(std::size_t first, std::size_t last, std::span<const V
 void WeightedSums::add_to(std::size_t first, std::size_t last, std::span<const Vec4f> of,
                           std::span<const std::uint32_t> target, std::span<const Vec4f> inverse_mass,
                           std::span<Vec4f> to) const {
+  SOUPLE_ASSERT(last <= rows() && rows() <= target.size(), "one target per row");
   const std::uint32_t* const from = particle.data();
   const float* const by = weight.data();
   for (std::size_t j = first; j < last; ++j) {

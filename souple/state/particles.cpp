@@ -1,5 +1,7 @@
 #include "souple/state/particles.h"
 
+#include "souple/assert.h"
+
 namespace souple {
 namespace {
 
@@ -7,6 +9,7 @@ template <class Function>
 void for_each_array(Particles& p, const Function& f) {
   f(p.position), f(p.offset), f(p.start), f(p.velocity), f(p.mass), f(p.radius), f(p.element_radius),
       f(p.contact_margin);
+  if (p.has_spin()) f(p.spin), f(p.turn);
 }
 
 }  // namespace
@@ -20,10 +23,12 @@ void Particles::shrink_to_fit() {
 }
 
 void Particles::copy(std::size_t from, std::size_t to) {
+  SOUPLE_ASSERT(from < size() && to < size(), "two particles");
   for_each_array(*this, [from, to](auto& array) { array[to] = array[from]; });
 }
 
 void Particles::erase(std::size_t begin, std::size_t end) {
+  SOUPLE_ASSERT(begin <= end && end <= size(), "a range of particles");
   for_each_array(*this, [begin, end](auto& array) {
     array.erase(array.begin() + static_cast<std::ptrdiff_t>(begin),
                 array.begin() + static_cast<std::ptrdiff_t>(end));

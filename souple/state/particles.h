@@ -36,7 +36,14 @@ struct Particles {
   /// By how much its surface contacts begin earlier, after recent strong corrections by such contacts [m].
   std::vector<float> contact_margin;
 
+  // Rotation of grains. Both arrays are empty until has_spin(): worlds without grains pay nothing.
+  std::vector<Vec4f> spin;  ///< angular velocity; 0 unless the particle is a grain [rad/s]
+  /// During a substep: displacement of a grain's surface by its rotation, the radius times the angle turned [m].
+  std::vector<Vec4f> turn;
+
   std::size_t size() const { return position.size(); }
+  bool has_spin() const { return !spin.empty(); }
+  void add_spin() { spin.resize(size()), turn.resize(size()); }
 
   void resize(std::size_t count);
   void shrink_to_fit();

@@ -1,5 +1,6 @@
 #include "souple/world/add.h"
 
+#include "souple/assert.h"
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/embedding.h"
 #include "souple/geometry/fill.h"
@@ -98,6 +99,7 @@ void set_motion(WorldState& world, const Object& object, const ObjectOptions& op
     const Vec3d r = object.rest[i - object.begin] - center;
     world.particles.velocity[i].set_xyz(
         Vec3f(Vec3d(options.velocity) + cross(Vec3d(options.angular_velocity), r)));
+    if (object.kind == ObjectKind::grains) world.particles.spin[i].set_xyz(options.angular_velocity);
   }
 }
 
@@ -134,6 +136,7 @@ ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectO
   object.begin = static_cast<std::uint32_t>(particles.size());
   object.end = object.begin + static_cast<std::uint32_t>(object.rest.size());
   particles.resize(object.reserved_end());
+  if (object.kind == ObjectKind::grains && !particles.has_spin()) particles.add_spin();
   world.object_of.resize(object.reserved_end(), static_cast<std::uint32_t>(world.objects.size()));
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const double mass = builder.mass[i - object.begin];
@@ -145,6 +148,8 @@ ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectO
   world.dirty_all();
   world.invalidate_contacts();
   ++world.version;
+  SOUPLE_ASSERT(world.object_of.size() == particles.size(), "every particle belongs to an object");
+  world.names.add(object.name, {NameRegistry::Owner::object, object.id.value});
   world.objects.push_back(std::move(builder.object));
   return world.objects.back()->id;
 }
@@ -160,6 +165,7 @@ void import_particles(Object& object, std::vector<Vec3d> rest, const std::vector
     object.vertex_of.push_back(to_vertex[old]);
   }
   for (const std::uint32_t old : to_particle) object.particle_of.push_back(new_of[old]);
+  SOUPLE_ASSERT(object.vertex_of.size() == object.rest.size(), "one vertex per particle");
 }
 
 std::vector<std::uint32_t> identity(std::size_t count) {
@@ -254,6 +260,7 @@ void remove_object(WorldState& world, const Object& object) {
   world.collider_element_contacts.erase_particles(begin, end);
   world.mirrors.erase(object.id.value);
   std::erase_if(world.emitters, [&](const EmitterRecord& record) { return record.fluid == object.id.value; });
+  world.names.remove(world.objects[index]->name);
   world.objects.erase(world.objects.begin() + static_cast<std::ptrdiff_t>(index));
   world.dirty_all();
   world.invalidate_contacts();

@@ -19,7 +19,7 @@ namespace {
 ContactObject contact_object(const Object& object) {
   constexpr std::uint32_t balls = 1;
   ContactObject result{.begin = object.begin, .end = object.end, .groups = 0};
-  result.self_collision = object.kind == ObjectKind::grains;
+  result.self_collision = result.rolls = object.kind == ObjectKind::grains;
   result.collides_with_colliders = object.kind != ObjectKind::fluid;  // see fluids.h
   if (is_particle_only(object) && object.kind != ObjectKind::fluid) result.groups = result.mask = balls;
   return result;
@@ -63,9 +63,11 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index, flo
       .immovable = object.kind == ObjectKind::obstacle,
       .layer = object.layer,
       .rest = object.rest,
+      .rolls = object.kind == ObjectKind::grains,
       .radius = radius};
-  for (std::uint32_t other = 0; other < world.objects.size(); ++other)
-    if (other != index && !matrix.collide(index, other)) result.ignored_surfaces.push_back(other);
+  matrix.for_each_ignored(index, [&](std::uint32_t other) {
+    if (other != index) result.ignored_surfaces.push_back(other);
+  });
   return result;
 }
 
@@ -89,9 +91,15 @@ ContactMaterial contact_material_of(const Material& material) {
   // Particles of soft bodies do not bounce alone, see body_restitution.h.
   if (const auto* soft = std::get_if<SoftBodyMaterial>(&material))
     return {.friction = soft->friction,
+            .kinetic_friction = soft->kinetic_friction,
             .restitution = soft->restitution > elastic_restitution ? soft->restitution : 0};
   return std::visit(
-      [](const auto& m) { return ContactMaterial{.friction = m.friction, .restitution = m.restitution}; },
+      [](const auto& m) {
+        ContactMaterial result{.friction = m.friction, .restitution = m.restitution};
+        if constexpr (requires { m.kinetic_friction; }) result.kinetic_friction = m.kinetic_friction;
+        if constexpr (requires { m.rolling_friction; }) result.rolling_friction = m.rolling_friction;
+        return result;
+      },
       material);
 }
 
@@ -118,6 +126,12 @@ void append_event(const WorldState& world, const ContactPush& push, bool against
 
 }  // namespace
 
+ContactMaterial contact_material_of(const ColliderOptions& options) {
+  return {.friction = options.friction,
+          .kinetic_friction = options.kinetic_friction,
+          .restitution = options.restitution};
+}
+
 bool is_particle_only(const Object& object) {
   return object.surface.empty() && object.kind != ObjectKind::rope;
 }
@@ -136,8 +150,7 @@ void build_contact_tables(WorldState& world) {
                                 radius_at_rest(world, *object)});
   }
   for (const ColliderRecord& record : world.colliders) {
-    const ContactMaterial material{.friction = record.options.friction,
-                                   .restitution = record.options.restitution};
+    const ContactMaterial material = contact_material_of(record.options);
     tables.colliders.push_back({record.options.name, record.shape, record.options.motion, material, true});
     collider_materials.push_back(
         {record.options.name, material, {record.options.collision_groups, record.options.collision_mask}});
@@ -235,7 +248,10 @@ void find_candidates(WorldState& world, double dt) {
   const ContactStep step{.time = world.time,
                          .dt = static_cast<float>(dt),
                          .gravity = length(world.settings.gravity),
-                         .h = static_cast<float>(dt / world.settings.substeps)};
+                         .h = static_cast<float>(dt / world.settings.substeps),
+                         .detection = world.settings.detection,
+                         .segment_test = world.settings.segment_test,
+                         .turn = world.particles.turn};
   ContactTables& tables = world.tables;
   Particles& particles = world.particles;
   predict_obstacles(world, dt);

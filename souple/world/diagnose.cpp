@@ -1,5 +1,6 @@
 #include "souple/world/diagnose.h"
 
+#include "souple/assert.h"
 #include "souple/constraints/neo_hookean.h"
 #include "souple/world/build.h"
 #include "souple/world/contacts.h"
@@ -27,6 +28,7 @@ void restore_last_valid(WorldState& world) {
   particles.position = world.last_valid_position;
   particles.offset = world.last_valid_offset;
   particles.velocity = world.last_valid_velocity;
+  particles.spin = world.last_valid_spin;
   update_sleeping_masses(world);
   world.warn(Flag::non_finite, fmt::format("{}, vertex {}: {}", object.name, world.report.bad_vertex,
                                            advice(Flag::non_finite)));
@@ -134,6 +136,20 @@ std::vector<Vec4f> awake_positions(const WorldState& world) {
 
 }  // namespace
 
+namespace {
+
+bool ranges_are_contiguous(const WorldState& world) {
+  std::uint32_t begin = 0;
+  for (const auto& object : world.objects) {
+    if (object->begin != begin || object->end > object->reserved_end()) return false;
+    if (object->end - object->begin != object->particle_count()) return false;
+    begin = object->reserved_end();
+  }
+  return begin == world.particles.size();
+}
+
+}  // namespace
+
 void bring_constraints_up_to_date(WorldState& world) {
   const bool rebuilt = world.dirty_constraints;
   if (rebuilt) {
@@ -167,6 +183,7 @@ void bring_constraints_up_to_date(WorldState& world) {
 }
 
 void bring_up_to_date(WorldState& world) {
+  SOUPLE_ASSERT(ranges_are_contiguous(world), "objects divide the particles in order");
   bring_constraints_up_to_date(world);
   if (!world.dirty_tables) return;
   build_contact_tables(world);
@@ -241,6 +258,8 @@ void save_last_valid(WorldState& world) {
   keep(particles.position, world.last_valid_position);
   keep(particles.offset, world.last_valid_offset);
   keep(particles.velocity, world.last_valid_velocity);
+  keep(particles.spin, world.last_valid_spin);
+  SOUPLE_ASSERT(world.last_valid_offset.size() == particles.size(), "arrays of particles have one length");
 }
 
 void end_step(WorldState& world, bool valid) {

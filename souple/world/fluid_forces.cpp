@@ -75,8 +75,8 @@ void Fluids::apply_adhesion(WorldState& world) {
   }
 }
 
-// For all fluids the largest value of their materials applies. Exceptions: viscosity and body drag are per
-// fluid; the contact angle is that of the first fluid.
+// For all fluids the largest value of their materials applies. Exceptions: viscosity, body drag and exposure to
+// wind are per fluid; the contact angle is that of the first fluid.
 void Fluids::apply_forces(WorldState& world, const Substep& substep) {
   Threads& threads = *world.threads;
   const FluidView view = this->view();
@@ -104,10 +104,15 @@ void Fluids::apply_forces(WorldState& world, const Substep& substep) {
   if (const float epsilon = max_of(&FluidMaterial::vorticity); epsilon > 0)
     vorticity_.apply(view, epsilon, substep.h, threads);
   if (const float coefficient = max_of(&FluidMaterial::air_drag); coefficient > 0) {
+    const auto order = solver_->order();
     density_ratio_.resize(view.size());
-    for_each_index(view.size(), threads,
-                   [&](std::size_t k) { density_ratio_[k] = 1 + solver_->density_error(k); });
-    const AirDrag air{wind_at(world.settings, world.time), world.settings.wind.air_density, coefficient};
+    wind_exposure_.resize(view.size());
+    for_each_index(view.size(), threads, [&](std::size_t k) {
+      density_ratio_[k] = 1 + solver_->density_error(k);
+      wind_exposure_[k] = registry_.wind_exposures[registry_.fluid[order[k]]];
+    });
+    const AirDrag air{wind_at(world.settings, world.time), world.settings.wind.air_density, coefficient,
+                      wind_exposure_};
     apply_air_drag(view, density_ratio_, air, substep.h, threads);
   }
 }

@@ -39,6 +39,7 @@ void FluidRegistry::find_particles(const WorldState& world) {
   collides_with_body.clear();
   collides_with_sub_resolution.clear();
   viscosities.clear();
+  wind_exposures.clear();
   materials.clear();
   for (std::uint32_t o = 0; o < world.objects.size(); ++o) {
     const Object& object = *world.objects[o];
@@ -54,6 +55,7 @@ void FluidRegistry::find_particles(const WorldState& world) {
     for (const std::uint32_t body : sub_resolution)
       collides_with_sub_resolution.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
     viscosities.push_back(material->viscosity);
+    wind_exposures.push_back(object.wind_exposure);
     materials.push_back(*material);
     for (std::uint32_t c = 0; c < world.tables.colliders.size(); ++c)
       collides_with_collider.push_back(world.tables.against_colliders.collide(o, c) ? 1 : 0);

@@ -17,7 +17,8 @@ struct FluidRegistry {
   std::vector<std::uint16_t> fluid;     ///< per fluid particle: its fluid
   // Per fluid.
   std::vector<FluidMaterial> materials;
-  std::vector<float> viscosities;  ///< Pa s
+  std::vector<float> viscosities;     ///< Pa s
+  std::vector<float> wind_exposures;  ///< share of the wind's velocity
   // Object indices.
   std::vector<std::uint32_t> with_boundary;   ///< objects with a boundary mesh
   std::vector<std::uint32_t> sub_resolution;  ///< objects made of sub-resolution bodies

@@ -73,6 +73,7 @@ class Fluids {
   std::vector<Vec4f> wall_friction_;  // see WallFriction
   std::vector<NearWall> near_walls_;
   std::vector<float> density_ratio_;  // V sum W
+  std::vector<float> wind_exposure_;  // share of the wind's velocity
   Viscosity viscosity_;
   BodyFriction body_friction_;
   SurfaceTension surface_tension_;

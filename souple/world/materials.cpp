@@ -36,7 +36,7 @@ const RopeMaterial steel_wire{.radius = 0.001f, .young_modulus = 2e11f, .density
 
 // Quartz 2650 kg/m^3; angle of repose of dry sand 30-35 degrees, tan = 0.6-0.7. A grain of 1 cm represents
 // many.
-const GrainsMaterial sand{.radius = 0.01f, .density = 2650, .friction = 0.65f};
+const GrainsMaterial sand{.radius = 0.01f, .density = 2650, .friction = 0.65f, .rolling_friction = 0.4f};
 
 // Water at 20 C: 998 kg/m^3, 1.0 mPa s. Sunflower oil: 920 kg/m^3, 49 mPa s at 26 C. Honey: 1420 kg/m^3, 10
 // Pa s (CRC Handbook of Chemistry and Physics; Engineering ToolBox). Surface tension is visible only below a

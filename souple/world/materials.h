@@ -1,6 +1,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -30,16 +31,17 @@ struct ClothMaterial {
   float areal_density = 0.15f;  ///< kg/m^2
   /// Y = Young's modulus times thickness [N/m]; in the membrane model that of the warp.
   float membrane_stiffness = 4000;
-  float weft_stiffness = 0;         ///< membrane model [N/m]; 0: equal to membrane_stiffness
-  float shear_stiffness = 0;        ///< membrane model [N/m]; 0: isotropic, Y / (2 (1 + nu))
-  float poisson_ratio = 0.3f;       ///< membrane model, in [0, 1)
-  float bending_stiffness = 1e-5f;  ///< D per unit width [N m]
-  float thickness = 0.001f;         ///< m
-  float friction = 0.4f;            ///< Coulomb coefficient
-  float restitution = 0;            ///< in [0, 1]
-  float damping_time = 0;           ///< Kelvin-Voigt: stress = E (strain + damping_time * strain rate) [s]
-  float damping = 0;   ///< damping rate of motion other than rigid-body motion; conserves momenta [1/s]
-  float air_drag = 1;  ///< drag and lift coefficients of triangles in the wind
+  float weft_stiffness = 0;                 ///< membrane model [N/m]; 0: equal to membrane_stiffness
+  float shear_stiffness = 0;                ///< membrane model [N/m]; 0: isotropic, Y / (2 (1 + nu))
+  float poisson_ratio = 0.3f;               ///< membrane model, in [0, 1)
+  float bending_stiffness = 1e-5f;          ///< D per unit width [N m]
+  float thickness = 0.001f;                 ///< m
+  float friction = 0.4f;                    ///< Coulomb coefficient
+  std::optional<float> kinetic_friction{};  ///< the same while sliding, at most `friction`; none: `friction`
+  float restitution = 0;                    ///< in [0, 1]
+  float damping_time = 0;  ///< Kelvin-Voigt: stress = E (strain + damping_time * strain rate) [s]
+  float damping = 0;       ///< damping rate of motion other than rigid-body motion; conserves momenta [1/s]
+  float air_drag = 1;      ///< drag and lift coefficients of triangles in the wind
   float air_lift = 0.5f;
   StretchModel stretch = StretchModel::springs;
   BendingModel bending = BendingModel::isometric;
@@ -60,6 +62,7 @@ struct SoftBodyMaterial {
   float density = 1000;        ///< kg/m^3
   float thickness = 0.002f;    ///< the contact distance is half of it [m]
   float friction = 0.5f;
+  std::optional<float> kinetic_friction{};
   float restitution = 0;
   float damping_time = 0;  ///< s
   float damping = 0;       ///< 1/s
@@ -73,6 +76,7 @@ struct RopeMaterial {
   float density = 1100;         ///< kg/m^3
   float bending_stiffness = 0;  ///< E I [N m^2]; 0: limp. A solid rod has E pi r^4 / 4, a laid rope far less
   float friction = 0.4f;
+  std::optional<float> kinetic_friction{};
   float restitution = 0;
   float damping_time = 0;    ///< s
   float damping = 0;         ///< 1/s
@@ -84,6 +88,10 @@ struct GrainsMaterial {
   float radius = 0.01f;  ///< m
   float density = 1600;  ///< of one grain [kg/m^3]
   float friction = 0.6f;
+  std::optional<float> kinetic_friction{};
+  /// Largest moment of a contact against rolling, as a part of radius times normal force. Between two grains the
+  /// radius is the harmonic mean of theirs. 0: perfect spheres; from about 1 on grains slide but do not roll.
+  float rolling_friction = 0.1f;
   float restitution = 0;
   float damping = 0;  ///< 1/s
 };
@@ -110,6 +118,7 @@ struct FluidMaterial {
 struct ObstacleMaterial {
   float thickness = 0.002f;  ///< full thickness; the contact distance is half of it [m]
   float friction = 0.5f;
+  std::optional<float> kinetic_friction{};
   float restitution = 0;
 };
 

@@ -60,9 +60,10 @@ void add_objects(const WorldState& world, MemoryReport& report) {
     maps += sizeof(Object) + bytes_of_maps(*object);
   }
   for (const auto& [id, mirror] : world.mirrors)
-    mirrors += sizeof mirror + bytes_of(mirror.positions, mirror.velocities, mirror.normals,
-                                        mirror.triangles_of.begin, mirror.triangles_of.items,
-                                        mirror.position_records, mirror.area_normals);
+    mirrors +=
+        sizeof mirror + bytes_of(mirror.positions, mirror.velocities, mirror.normals,
+                                 mirror.angular_velocities, mirror.triangles_of.begin,
+                                 mirror.triangles_of.items, mirror.position_records, mirror.area_normals);
   report.objects.push_back({"meshes", meshes});
   report.objects.push_back({"rest positions", rest});
   report.objects.push_back({"motions of obstacles", motions});
@@ -82,11 +83,12 @@ MemoryReport World::memory() {
   const Particles& p = world.particles;
   MemoryReport report;
   report.particles = p.size();
-  report.simulation.push_back({"particles", bytes_of(p.position, p.offset, p.start, p.velocity, p.mass,
-                                                     p.radius, p.contact_margin, world.object_of)});
   report.simulation.push_back(
-      {"last valid state",
-       bytes_of(world.last_valid_position, world.last_valid_offset, world.last_valid_velocity)});
+      {"particles", bytes_of(p.position, p.offset, p.start, p.velocity, p.mass, p.radius, p.contact_margin,
+                             p.spin, p.turn, world.object_of)});
+  report.simulation.push_back(
+      {"last valid state", bytes_of(world.last_valid_position, world.last_valid_offset,
+                                    world.last_valid_velocity, world.last_valid_spin)});
   report.simulation.push_back({"forces and predictions", bytes_of(world.predicted, world.force,
                                                                   world.triangle_force, world.rigid_sums)});
   add_constraints(world, report);

@@ -1,3 +1,4 @@
+#include "souple/assert.h"
 #include "souple/geometry/measures.h"
 #include "souple/math/fnv1a.h"
 #include "souple/solver/instruction_set.h"
@@ -18,6 +19,7 @@ void fill(const Object& object, std::vector<Vec3f>& out, const Function& f) {
   out.resize(object.vertex_count());
   for (std::size_t v = 0; v < out.size(); ++v) {
     if (!object.embedding) {
+      SOUPLE_ASSERT(object.begin + object.particle_of[v] < object.end, "a particle of the object");
       out[v] = Vec3f(f(object.begin + object.particle_of[v]));
       continue;
     }
@@ -96,6 +98,18 @@ std::span<const Vec3f> World::velocities(ObjectId id) const {
   fill(object, mirror.velocities, [&](std::size_t i) { return Vec3d(world.particles.velocity[i].xyz()); });
   mirror.velocities_version = world.version;
   return mirror.velocities;
+}
+
+std::span<const Vec3f> World::angular_velocities(ObjectId id) const {
+  const WorldState& world = impl_->state;
+  const Object& object = world.object(id);
+  if (object.kind != ObjectKind::grains) return {};
+  Mirror& mirror = world.mirrors[id.value];
+  if (mirror.angular_velocities_version == world.version) return mirror.angular_velocities;
+  fill(object, mirror.angular_velocities,
+       [&](std::size_t i) { return Vec3d(world.particles.spin[i].xyz()); });
+  mirror.angular_velocities_version = world.version;
+  return mirror.angular_velocities;
 }
 
 std::span<const Vec3f> World::normals(ObjectId id) const {

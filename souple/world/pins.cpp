@@ -82,6 +82,7 @@ void set_inverse_mass(WorldState& world, const Object& object, std::uint32_t par
   world.particles.position[i].w = pinned ? 0 : 1 / world.particles.mass[i];
   world.dirty_masses = true;
   if (pinned) world.particles.velocity[i] = {};
+  if (pinned && object.kind == ObjectKind::grains) world.particles.spin[i] = {};
 }
 
 void require_compliance(float compliance, const char* what) {

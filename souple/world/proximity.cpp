@@ -26,27 +26,19 @@ void find_bounds(const WorldState& world, ProximityQuery& t) {
   }
 }
 
-void clear(ObjectMatrix& matrix, std::size_t n) {
-  if (matrix.size() != n) matrix = ObjectMatrix(n);
-  for (std::size_t a = 0; a < n; ++a)
-    for (std::size_t b = a; b < n; ++b) matrix.set(a, b, false);
-}
-
 void list_objects(const WorldState& world, ProximityQuery& t) {
-  const auto n = static_cast<std::uint32_t>(world.objects.size());
-  clear(t.is_candidate, n), clear(t.is_found, n);
-  t.listed.clear();
-  for (std::uint32_t a = 0; a < n; ++a) {
-    bool has_candidate = false;
-    for (std::uint32_t b = 0; b < n; ++b) {
-      if (a == b || !is_candidate_pair(t, a, b) || !world.tables.against_objects.collide(a, b) ||
-          !overlap(t.bounds[a], t.bounds[b]))
-        continue;
-      t.is_candidate.set(a, b, true);
-      has_candidate = true;
-    }
-    if (has_candidate) t.listed.push_back(a);
+  t.is_candidate.clear(), t.is_found.clear();
+  t.candidates.clear(), t.listed.clear();
+  t.has_candidate.assign(world.objects.size(), 0);
+  for (const auto& [a, b] : t.sweep.find(t.bounds)) {
+    if (!is_candidate_pair(t, a, b) || !world.tables.against_objects.collide(a, b)) continue;
+    t.candidates.push_back({a, b});
+    t.is_candidate.add(a, b);
+    t.has_candidate[a] = t.has_candidate[b] = 1;
   }
+  std::sort(t.candidates.begin(), t.candidates.end());
+  for (std::uint32_t a = 0; a < t.has_candidate.size(); ++a)
+    if (t.has_candidate[a] != 0) t.listed.push_back(a);
 }
 
 void build_elements(const WorldState& world, ProximityQuery& t) {
@@ -62,8 +54,8 @@ void build_elements(const WorldState& world, ProximityQuery& t) {
 }
 
 void add_found(ProximityQuery& t, std::uint32_t a, std::uint32_t b) {
-  if (t.is_found.at(a, b)) return;
-  t.is_found.set(a, b, true);
+  if (t.is_found.contains(a, b)) return;
+  t.is_found.add(a, b);
   t.found.push_back({std::min(a, b), std::max(a, b)});
 }
 
@@ -93,7 +85,7 @@ void check_pairs(WorldState& world, ProximityQuery& t, const std::vector<NearPai
   const std::size_t second = edges ? 2 : 1;
   for (const NearPair& pair : pairs) {
     const std::uint32_t a = world.object_of[pair.particle[0]], b = world.object_of[pair.particle[3]];
-    if (t.is_found.at(a, b)) continue;
+    if (t.is_found.contains(a, b)) continue;
     const float margin = margin_of(t, pair, 0, second) + margin_of(t, pair, second, 4);
     if (distance(view, pair, edges) <= margin) add_found(t, a, b);
   }
@@ -136,16 +128,13 @@ bool are_balls(const ContactObject& a, const ContactObject& b) {
 
 void check_balls(WorldState& world, ProximityQuery& t) {
   const ParticleView view = world.view();
-  for (const std::uint32_t a : t.listed)
-    for (const std::uint32_t b : t.listed) {
-      if (b <= a || !t.is_candidate.at(a, b) || t.is_found.at(a, b) ||
-          !are_balls(world.tables.objects[a], world.tables.objects[b]))
-        continue;
-      list_balls(world, t, a, t.bounds[b], t.balls_a);
-      list_balls(world, t, b, t.bounds[a], t.balls_b);
-      if (any_touch(view, t, t.balls_a, t.balls_b) || any_touch(view, t, t.balls_b, t.balls_a))
-        add_found(t, a, b);
-    }
+  for (const auto& [a, b] : t.candidates) {
+    if (t.is_found.contains(a, b) || !are_balls(world.tables.objects[a], world.tables.objects[b])) continue;
+    list_balls(world, t, a, t.bounds[b], t.balls_a);
+    list_balls(world, t, b, t.bounds[a], t.balls_b);
+    if (any_touch(view, t, t.balls_a, t.balls_b) || any_touch(view, t, t.balls_b, t.balls_a))
+      add_found(t, a, b);
+  }
 }
 
 }  // namespace
@@ -158,9 +147,10 @@ void ProximityQuery::reset(const WorldState& world) {
 }
 
 std::size_t ProximityQuery::bytes() const {
-  return bytes_of(active, passive, boxes, margin, motion_bound, active_particles, found, bounds, listed,
-                  in_elements, balls_a, balls_b, pairs.vertex_triangle, pairs.edge_edge) +
-         elements.bytes() + finder.bytes();
+  return bytes_of(active, passive, boxes, margin, motion_bound, active_particles, found, bounds, candidates,
+                  has_candidate, listed, in_elements, balls_a, balls_b, pairs.vertex_triangle,
+                  pairs.edge_edge) +
+         elements.bytes() + finder.bytes() + sweep.bytes() + is_candidate.bytes() + is_found.bytes();
 }
 
 void find_close_objects(WorldState& world) {

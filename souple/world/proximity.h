@@ -25,8 +25,11 @@ struct ProximityQuery {
   std::vector<std::array<std::uint32_t, 2>> found;
 
   // Temporary data.
-  std::vector<Bounds> bounds;           ///< per object
-  ObjectMatrix is_candidate, is_found;  ///< object pairs with overlapping bounds; pairs found
+  std::vector<Bounds> bounds;  ///< per object
+  BoxSweep sweep;
+  std::vector<std::array<std::uint32_t, 2>> candidates;  ///< object pairs with overlapping bounds, ascending
+  ObjectPairs is_candidate, is_found;                    ///< the same; pairs found
+  std::vector<std::uint8_t> has_candidate;               ///< per object
   /// Objects in candidate pairs; objects whose elements are in `elements`.
   std::vector<std::uint32_t> listed, in_elements;
   SurfaceElements elements;

@@ -1,5 +1,6 @@
 #include "souple/collision/queries.h"
 
+#include "souple/collision/contact_law.h"
 #include "souple/geometry/closest_point.h"
 #include "souple/world/diagnose.h"
 #include "souple/world/impl.h"
@@ -129,6 +130,13 @@ double World::kinetic_energy(ObjectId id) const {
   for (std::uint32_t i = object.begin; i < object.end; ++i)
     sum += 0.5 * static_cast<double>(world.particles.mass[i]) *
            length_squared(Vec3d(world.particles.velocity[i].xyz()));
+  if (object.kind != ObjectKind::grains) return sum;
+  for (std::uint32_t i = object.begin; i < object.end; ++i) {
+    const auto r = static_cast<double>(world.particles.radius[i]);
+    const double inertia =
+        static_cast<double>(world.particles.mass[i]) * r * r / static_cast<double>(inverse_inertia_factor);
+    sum += 0.5 * inertia * length_squared(Vec3d(world.particles.spin[i].xyz()));
+  }
   return sum;
 }
 

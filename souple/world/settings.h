@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/collision/segment_triangle/choice.h"
+#include "souple/collision/contact.h"
 #include "souple/fluid/foam_parameters.h"
 #include "souple/fluid/smoothing_shape.h"
 #include "souple/math/vec3.h"
@@ -68,7 +68,9 @@ struct Settings {
   SolverSettings solver{};
   FluidSettings fluid{};
   Sleeping sleeping{};
-  SegmentTest segment_test = default_segment_test;  ///< for rays against surfaces (docs/segment-triangle.md)
+  Detection detection = Detection::continuous;  ///< of contacts between surfaces
+  /// For rays against surfaces, and for the paths of discrete detection (docs/segment-triangle.md).
+  SegmentTest segment_test = default_segment_test;
   /// Does not change results; 0: the environment variable SOUPLE_THREADS, or one for each processor.
   int threads = 0;
   Threading threading = Threading::automatic;

@@ -1,7 +1,9 @@
 #include "souple/world/sleeping.h"
 
+#include "souple/assert.h"
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
+#include "souple/world/spin.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,10 +45,14 @@ void set_awake(WorldState& world, Object& object) {
 }
 
 void set_asleep(WorldState& world, Object& object, std::uint32_t island) {
+  SOUPLE_ASSERT(island != 0, "an island has a name");
   object.island = island;
   set_inverse_masses(world, object);
   std::fill(world.particles.velocity.begin() + object.begin, world.particles.velocity.begin() + object.end,
             Vec4f{});
+  if (object.kind == ObjectKind::grains)
+    std::fill(world.particles.spin.begin() + object.begin, world.particles.spin.begin() + object.end,
+              Vec4f{});
 }
 
 // --- proximity
@@ -186,7 +192,9 @@ bool measure_rest(WorldState& world, double dt) {
     const double limit =
         static_cast<double>(sleeping.speed * (is_obstacle(*object) ? carrier_speed_ratio : 1.0f)) * dt;
     const double before = object->rest_time;
-    object->rest_time = static_cast<double>(max_displacement(world, *object)) <= limit ? before + dt : 0;
+    const double motion = max(static_cast<double>(max_displacement(world, *object)),
+                              static_cast<double>(fastest_spin(world, *object)) * dt);
+    object->rest_time = motion <= limit ? before + dt : 0;
     ready = ready ||
             (!is_obstacle(*object) && std::floor(object->rest_time / seconds) > std::floor(before / seconds));
   }

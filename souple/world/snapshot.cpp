@@ -6,14 +6,15 @@
 
 // Layout of a snapshot: magic number, shape (a hash of the objects), time, steps, number of frictional
 // contacts, foam count and origin; then per particle position (with inverse mass), offset, velocity and
-// contact margin (how far contacts recently pushed it); then the friction cache of particle contacts; per
+// contact margin (how far contacts recently pushed it); then the angular velocities of grains, object by object;
+// the friction cache of particle contacts; per
 // object rest time, island, particle count and imbalance; state of emitters and drains; foam; the poses of the
 // colliders that move_collider moved; a checksum of all preceding bytes.
 
 namespace souple {
 namespace {
 
-constexpr std::uint64_t magic = 0x35304e53504c5553u;  // "SULPSN05"
+constexpr std::uint64_t magic = 0x36304e53504c5553u;  // "SULPSN06"
 
 template <class T>
 void put(std::vector<std::byte>& out, const T* values, std::size_t count) {
@@ -114,9 +115,23 @@ std::size_t bytes_of_particles(const WorldState& world) {
   return world.particles.size() * (3 * sizeof(Vec4f) + sizeof(float));
 }
 
+/// Calls f(array, count) for the angular velocities of each object that has them.
+template <class Array, class Function>
+void for_each_spin(const WorldState& world, Array& spin, const Function& f) {
+  for (const auto& object : world.objects)
+    if (object->kind == ObjectKind::grains) f(spin.data() + object->begin, object->particle_count());
+}
+
+std::size_t bytes_of_spins(const WorldState& world) {
+  std::size_t count = 0;
+  for_each_spin(world, world.particles.spin, [&count](const Vec4f*, std::size_t n) { count += n; });
+  return count * sizeof(Vec4f);
+}
+
 std::size_t size_for(const WorldState& world, std::size_t contacts, std::size_t foam) {
-  return sizeof(Header) + bytes_of_particles(world) + contacts * sizeof(CachedFriction) +
-         world.objects.size() * sizeof(Rest) + world.emitters.size() * sizeof(EmitterRecord::layers) +
+  return sizeof(Header) + bytes_of_particles(world) + bytes_of_spins(world) +
+         contacts * sizeof(CachedFriction) + world.objects.size() * sizeof(Rest) +
+         world.emitters.size() * sizeof(EmitterRecord::layers) +
          world.drains.size() * sizeof(DrainRecord::credit) + foam * foam_bytes + sizeof(std::uint64_t);
 }
 
@@ -175,6 +190,7 @@ Snapshot World::snapshot() const {
   put(out, particles.offset.data(), particles.size());
   put(out, particles.velocity.data(), particles.size());
   put(out, particles.contact_margin.data(), particles.size());
+  for_each_spin(world, particles.spin, [&out](const Vec4f* spin, std::size_t n) { put(out, spin, n); });
   put(out, friction.data(), friction.size());
   for (const auto& object : world.objects) {
     const Rest rest{object->rest_time, object->island, object->particle_count(), object->imbalance};
@@ -197,8 +213,8 @@ void World::restore(const Snapshot& snapshot) {
   Particles& particles = world.particles;
   world.time = header.time;
   world.steps = header.steps;
-  std::span<const std::byte> later =
-      in.subspan(bytes_of_particles(world) + header.contacts * sizeof(CachedFriction));
+  std::span<const std::byte> later = in.subspan(bytes_of_particles(world) + bytes_of_spins(world) +
+                                                header.contacts * sizeof(CachedFriction));
   resume_objects(world, later);
   const auto& origin = header.foam_origin;
   world.fluids.foam().set_state(get_foam(later, header.foam), {origin[0], origin[1], origin[2]});
@@ -207,6 +223,7 @@ void World::restore(const Snapshot& snapshot) {
   get(in, particles.offset.data(), particles.size());
   get(in, particles.velocity.data(), particles.size());
   get(in, particles.contact_margin.data(), particles.size());
+  for_each_spin(world, particles.spin, [&in](Vec4f* spin, std::size_t n) { get(in, spin, n); });
   std::vector<CachedFriction> friction(header.contacts);
   get(in, friction.data(), friction.size());
   world.particle_contacts.set_friction_cache(friction);

@@ -1,11 +1,14 @@
 #include "souple/world/stages.h"
 
+#include "souple/assert.h"
 #include "souple/solver/instruction_set.h"
 #include "souple/world/contacts.h"
 #include "souple/world/damping.h"
 #include "souple/world/forces.h"
 #include "souple/world/obstacles.h"
+#include "souple/world/spin.h"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -123,6 +126,10 @@ void find_non_finite(const WorldState& world, std::size_t begin, std::size_t end
       return first_non_finite.note(i);
 }
 
+bool has_no_mass(std::span<const Vec4f> displacements) {
+  return std::all_of(displacements.begin(), displacements.end(), [](const Vec4f& d) { return d.w == 0; });
+}
+
 void predict(WorldState& world, const Substep& substep) {
   const Settings& settings = world.settings;
   const Air air{accumulate_wind(world, substep.h), wind_at(settings, world.time)};
@@ -200,6 +207,7 @@ bool measures_balance(const WorldState& world) {
 void integrate(WorldState& world, const Substep& substep) {
   if (world.sleep.woken) find_candidates(world, static_cast<double>(substep.h) * substep.count);
   predict(world, substep);
+  predict_spin(world, substep);
   drive_pins(world, substep);
   drive_obstacles(world, substep);
   drive_attachments(world, substep);
@@ -212,6 +220,7 @@ void solve_incompressibility(WorldState& world, const Substep& substep) {
 
 void solve(WorldState& world, const Substep& substep) {
   if (world.sleep.all) return;
+  SOUPLE_ASSERT(!world.dirty_solver && !world.dirty_constraints, "a step prepares its solver");
   const ParticleView view = world.view();
   world.for_each_projector([&](Projector& projector) { projector.begin_substep(view, substep); });
   Substep solved = substep;
@@ -230,6 +239,8 @@ void solve(WorldState& world, const Substep& substep) {
 
 bool finish(WorldState& world, const Substep& substep) {
   const std::size_t count = world.particles.size();
+  SOUPLE_ASSERT(world.settings.form == Form::plain || has_no_mass(world.particles.offset),
+                "displacements have no mass in their last lane");
   const std::vector<Vec4f>& p = moving(world);
   FirstNonFinite first_non_finite;
   if (const kernels::MotionKernels* kernels = packed(world.settings)) {
@@ -250,6 +261,7 @@ bool finish(WorldState& world, const Substep& substep) {
 
 void update_velocities(WorldState& world, const Substep& substep) {
   apply_restitution(world, substep);
+  finish_spin(world, substep);
   damp_constraints(world, substep);
   if (!world.fluids.none() && !world.first_non_finite) world.fluids.update_velocities(world, substep);
   for (const auto& object : world.objects)

@@ -26,16 +26,22 @@ void UserConstraint::erase_particles(std::uint32_t begin, std::uint32_t end) {
   projector->erase_particles(begin, end);
 }
 
+Object* WorldState::find_object(ObjectId id) const {
+  const auto at = std::partition_point(objects.begin(), objects.end(),
+                                       [&](const auto& object) { return object->id.value < id.value; });
+  return at != objects.end() && (*at)->id == id ? at->get() : nullptr;
+}
+
 Object& WorldState::object(ObjectId id) {
-  for (const auto& object : objects)
-    if (object->id == id) return *object;
+  if (Object* const found = find_object(id)) return *found;
   throw Error(
       fmt::format("no object has the handle {}: it was removed, or belongs to another world", id.value));
 }
 
 ColliderRecord& WorldState::collider(ColliderId id) {
-  for (ColliderRecord& record : colliders)
-    if (record.id == id) return record;
+  const auto at = std::partition_point(colliders.begin(), colliders.end(),
+                                       [&](const ColliderRecord& c) { return c.id.value < id.value; });
+  if (at != colliders.end() && at->id == id) return *at;
   throw Error(
       fmt::format("no collider has the handle {}: it was removed, or belongs to another world", id.value));
 }
@@ -52,28 +58,10 @@ void WorldState::set_position(std::size_t i, const Vec3d& x) {
   if (settings.form == Form::displacement) particles.offset[i].set_xyz(Vec3f(x - Vec3d(rounded)));
 }
 
-void WorldState::require_free_name(std::string_view name) const {
-  for (const auto& object : objects)
-    if (object->name == name) throw Error("the name '" + std::string(name) + "' is taken by another object");
-  for (const ColliderRecord& record : colliders)
-    if (record.options.name == name)
-      throw Error("the name '" + std::string(name) + "' is taken by a collider");
-}
-
 std::string WorldState::unique_name(const std::string& wanted, std::string_view base) const {
-  if (!wanted.empty()) {
-    require_free_name(wanted);
-    return wanted;
-  }
-  const auto taken = [&](const std::string& name) {
-    return std::any_of(objects.begin(), objects.end(),
-                       [&](const auto& object) { return object->name == name; }) ||
-           std::any_of(colliders.begin(), colliders.end(),
-                       [&](const auto& c) { return c.options.name == name; });
-  };
-  std::string name(base);
-  for (int n = 2; taken(name); ++n) name = fmt::format("{}{}", base, n);
-  return name;
+  if (wanted.empty()) return names.first_free(base);
+  names.require_free(wanted);
+  return wanted;
 }
 
 void WorldState::require_between_steps(std::string_view what) const {

@@ -19,6 +19,7 @@
 #include "souple/world/balance.h"
 #include "souple/world/flow.h"
 #include "souple/world/fluids.h"
+#include "souple/world/name_registry.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/world.h"
 
@@ -104,8 +105,8 @@ struct Object {
 /// Copy of an object's state in user order, updated on demand.
 struct Mirror {
   std::uint64_t version = 0;  ///< WorldState::version of `positions`
-  std::uint64_t velocities_version = 0, normals_version = 0;
-  std::vector<Vec3f> positions, velocities, normals;
+  std::uint64_t velocities_version = 0, normals_version = 0, angular_velocities_version = 0;
+  std::vector<Vec3f> positions, velocities, normals, angular_velocities;
 
   // Data for the normals, built on first use.
   VertexTriangles triangles_of;
@@ -181,8 +182,9 @@ struct WorldState {
   std::vector<RigidSums> rigid_sums;  ///< per chunk of the object being damped
   std::vector<std::uint32_t> object_of;  ///< per particle: index into objects
 
-  std::vector<std::unique_ptr<Object>> objects;  ///< addresses are stable
-  std::vector<ColliderRecord> colliders;
+  std::vector<std::unique_ptr<Object>> objects;  ///< ascending by id; addresses are stable
+  std::vector<ColliderRecord> colliders;         ///< ascending by id
+  NameRegistry names;                            ///< of objects and colliders
   std::vector<EmitterRecord> emitters;
   std::vector<DrainRecord> drains;
   std::uint32_t next_id = 1;
@@ -228,13 +230,16 @@ struct WorldState {
   bool contacts_valid = false;  ///< the contact projectors hold the result of the last step and may be read
   bool events_valid = false;    ///< `events` match these contacts
   void invalidate_contacts() { contacts_valid = events_valid = false; }
-  std::vector<Vec4f> last_valid_position, last_valid_offset, last_valid_velocity;  ///< state before the step
-  mutable std::map<std::uint32_t, Mirror> mirrors;                                 ///< by object id
+  std::vector<Vec4f> last_valid_position, last_valid_offset, last_valid_velocity,
+      last_valid_spin;                              ///< state before the step
+  mutable std::map<std::uint32_t, Mirror> mirrors;  ///< by object id
 
   std::optional<std::size_t> first_non_finite;  ///< in this step: the lowest particle with a non-finite value
   /// Inside World::step: callbacks may read and apply forces, but not add or remove objects.
   bool stepping = false;
 
+  /// Null if the handle is stale.
+  Object* find_object(ObjectId id) const;
   /// Throws if the handle is stale.
   Object& object(ObjectId id);
   const Object& object(ObjectId id) const;
@@ -253,7 +258,6 @@ struct WorldState {
 
   /// `wanted` if it is free, else throws; empty: the first free name of `base`, base2, base3, ...
   std::string unique_name(const std::string& wanted, std::string_view base) const;
-  void require_free_name(std::string_view name) const;
   void require_between_steps(std::string_view what) const;
 
   /// Calls f(projector) for all projectors in order of solution: objects' constraints, user constraints,

@@ -113,6 +113,11 @@ void validate(const Transform& t, std::string_view owner) {
   if (!is_finite(t.translation)) throw Error(fmt::format("{}: the translation is not finite", owner));
 }
 
+template <class Material>
+double kinetic_friction_of(const Material& m) {
+  return double(m.kinetic_friction.value_or(m.friction));
+}
+
 void validate(const ClothMaterial& m, std::string_view owner) {
   check_all(owner, {{"areal_density", double(m.areal_density), min_positive, any},
                     {"membrane_stiffness", double(m.membrane_stiffness), 0,
@@ -124,6 +129,7 @@ void validate(const ClothMaterial& m, std::string_view owner) {
                      m.bending == BendingModel::distance ? infinite : any},
                     {"thickness", double(m.thickness), 0, any},
                     {"friction", double(m.friction), 0, any},
+                    {"kinetic_friction", kinetic_friction_of(m), 0, double(m.friction)},
                     {"restitution", double(m.restitution), 0, 1},
                     {"damping_time", double(m.damping_time), 0, any},
                     {"damping", double(m.damping), 0, any},
@@ -139,6 +145,7 @@ void validate(const SoftBodyMaterial& m, std::string_view owner) {
                     {"density", double(m.density), min_positive, any},
                     {"thickness", double(m.thickness), 0, any},
                     {"friction", double(m.friction), 0, any},
+                    {"kinetic_friction", kinetic_friction_of(m), 0, double(m.friction)},
                     {"restitution", double(m.restitution), 0, 1},
                     {"damping_time", double(m.damping_time), 0, any},
                     {"damping", double(m.damping), 0, any},
@@ -151,6 +158,7 @@ void validate(const RopeMaterial& m, std::string_view owner) {
                     {"density", double(m.density), min_positive, any},
                     {"bending_stiffness", double(m.bending_stiffness), 0, any},
                     {"friction", double(m.friction), 0, any},
+                    {"kinetic_friction", kinetic_friction_of(m), 0, double(m.friction)},
                     {"restitution", double(m.restitution), 0, 1},
                     {"damping_time", double(m.damping_time), 0, any},
                     {"damping", double(m.damping), 0, any},
@@ -162,6 +170,8 @@ void validate(const GrainsMaterial& m, std::string_view owner) {
   check_all(owner, {{"radius", double(m.radius), min_positive, any},
                     {"density", double(m.density), min_positive, any},
                     {"friction", double(m.friction), 0, any},
+                    {"kinetic_friction", kinetic_friction_of(m), 0, double(m.friction)},
+                    {"rolling_friction", double(m.rolling_friction), 0, any},
                     {"restitution", double(m.restitution), 0, 1},
                     {"damping", double(m.damping), 0, any}});
 }
@@ -183,6 +193,7 @@ void validate(const FluidMaterial& m, std::string_view owner) {
 void validate(const ObstacleMaterial& m, std::string_view owner) {
   check_all(owner, {{"thickness", double(m.thickness), 0, any},
                     {"friction", double(m.friction), 0, any},
+                    {"kinetic_friction", kinetic_friction_of(m), 0, double(m.friction)},
                     {"restitution", double(m.restitution), 0, 1}});
 }
 

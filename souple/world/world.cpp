@@ -4,6 +4,7 @@
 #include "souple/solver/instruction_set.h"
 #include "souple/world/add.h"
 #include "souple/world/build.h"
+#include "souple/world/contacts.h"
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/sleeping.h"
@@ -95,16 +96,14 @@ std::vector<ObjectId> World::objects() const {
 }
 
 bool World::contains(ObjectId id) const {
-  const auto& objects = impl_->state.objects;
-  return std::any_of(objects.begin(), objects.end(), [&](const auto& object) { return object->id == id; });
+  return impl_->state.find_object(id) != nullptr;
 }
 
 ObjectId World::find_object(std::string_view name) const {
+  const NameRegistry::Entry* const entry = impl_->state.names.find(name);
+  if (entry != nullptr && entry->owner == NameRegistry::Owner::object) return {entry->id};
   std::vector<std::string_view> names;
-  for (const auto& object : impl_->state.objects) {
-    if (object->name == name) return object->id;
-    names.push_back(object->name);
-  }
+  for (const auto& object : impl_->state.objects) names.push_back(object->name);
   throw Error("no object is named '" + std::string(name) + "'" + nearest_name(name, names));
 }
 
@@ -348,6 +347,21 @@ void World::set_velocities(ObjectId id, std::span<const Vec3f> velocities) {
   ++world.version;
 }
 
+void World::set_angular_velocities(ObjectId id, std::span<const Vec3f> angular_velocities) {
+  WorldState& world = impl_->state;
+  const Object& object = world.object(id);
+  if (object.kind != ObjectKind::grains)
+    throw Error(
+        fmt::format("set_angular_velocities: {} is not made of grains, which alone have angular velocities",
+                    object.name));
+  require_settable(object, angular_velocities, "set_angular_velocities");
+  wake_island(world, object);
+  for (std::uint32_t i = object.begin; i < object.end; ++i)
+    if (world.particles.position[i].w > 0)
+      world.particles.spin[i].set_xyz(angular_velocities[object.vertex_of[i - object.begin]]);
+  ++world.version;
+}
+
 void World::teleport(ObjectId id, const Transform& transform) {
   WorldState& world = impl_->state;
   const Object& object = world.object(id);
@@ -361,6 +375,9 @@ void World::teleport(ObjectId id, const Transform& transform) {
     world.teleport_particle(i, transform.point(x));
     Vec4f& velocity = world.particles.velocity[i];
     velocity.set_xyz(Vec3f(transform.direction(Vec3d(velocity.xyz()))));
+    if (object.kind != ObjectKind::grains) continue;
+    Vec4f& spin = world.particles.spin[i];
+    spin.set_xyz(Vec3f(transform.direction(Vec3d(spin.xyz()))));
   }
   ++world.version;
 }
@@ -424,8 +441,8 @@ ColliderId World::add_collider(const Shape& shape, const ColliderOptions& option
   ColliderRecord record{{world.next_id}, options, shape};
   record.options.name = world.unique_name(options.name, "collider");
   validate(shape, record.options.name);
-  validate(ContactMaterial{.friction = options.friction, .restitution = options.restitution},
-           record.options.name);
+  validate(contact_material_of(options), record.options.name);
+  world.names.add(record.options.name, {NameRegistry::Owner::collider, record.id.value});
   world.colliders.push_back(std::move(record));
   ++world.next_id;
   world.dirty_tables = true;
@@ -438,6 +455,7 @@ void World::remove(ColliderId id) {
   WorldState& world = impl_->state;
   world.require_between_steps("remove");
   const ColliderRecord& record = world.collider(id);
+  world.names.remove(record.options.name);
   world.colliders.erase(world.colliders.begin() + (&record - world.colliders.data()));
   world.dirty_tables = true;
   wake_all(world);
@@ -449,10 +467,13 @@ void World::set_collider(ColliderId id, const Shape& shape, const ColliderOption
   world.require_between_steps("set_collider");
   ColliderRecord& record = world.collider(id);
   validate(shape, record.options.name);
-  validate(ContactMaterial{.friction = options.friction, .restitution = options.restitution},
-           record.options.name);
+  validate(contact_material_of(options), record.options.name);
   const std::string name = record.options.name;
-  if (!options.name.empty() && options.name != name) world.require_free_name(options.name);
+  if (!options.name.empty() && options.name != name) {
+    world.names.require_free(options.name);
+    world.names.remove(name);
+    world.names.add(options.name, {NameRegistry::Owner::collider, id.value});
+  }
   record.shape = shape;
   record.options = options;
   record.arrival.reset();
@@ -495,10 +516,11 @@ Vec3d World::fluid_force(ColliderId id) const {
       fmt::format("no collider has the handle {}: it was removed, or belongs to another world", id.value));
 }
 
-void World::set_pair(std::string_view a, std::string_view b, float friction, float restitution) {
+void World::set_pair(std::string_view a, std::string_view b, float friction, float restitution,
+                     std::optional<float> kinetic_friction) {
   WorldState& world = impl_->state;
   world.require_between_steps("set_pair");
-  world.pairs.set(a, b, {friction, friction, restitution});
+  world.pairs.set(a, b, {friction, kinetic_friction.value_or(friction), restitution});
   world.dirty_tables = true;
   wake_all(world);
 }

@@ -54,7 +54,7 @@ struct ObjectOptions {
   std::string name{};        ///< unique; empty: the kind's name, then kind2, kind3, ...
   Transform transform{};     ///< applied to the mesh
   Vec3f velocity{};          ///< m/s
-  Vec3f angular_velocity{};  ///< rad/s about the center of mass
+  Vec3f angular_velocity{};  ///< rad/s about the center of mass; each grain also rotates with it
   /// Per vertex: factor of the stiffness; a constraint uses the mean of its vertices. Empty: 1.
   std::vector<float> stiffness_map{};
   std::vector<float> thickness_map{};  ///< per vertex: factor of the thickness; empty: 1
@@ -78,9 +78,10 @@ struct ObjectOptions {
 struct ColliderOptions {
   float friction = 0.5f;
   float restitution = 0;
-  std::string name{};                  ///< unique; empty: collider, collider2, ...
-  ColliderMotion motion{};             ///< static by default; its poses are applied to the shape
-  std::uint32_t collision_groups = 1;  ///< as in ObjectOptions
+  std::optional<float> kinetic_friction{};  ///< at most `friction`; none: `friction`
+  std::string name{};                       ///< unique; empty: collider, collider2, ...
+  ColliderMotion motion{};                  ///< static by default; its poses are applied to the shape
+  std::uint32_t collision_groups = 1;       ///< as in ObjectOptions
   std::uint32_t collision_mask = ~0u;
 };
 
@@ -238,6 +239,8 @@ class World {
   // until the object is removed. For a soft body made of a surface these are the surface's vertices.
   std::span<const Vec3f> positions(ObjectId object) const;   ///< m
   std::span<const Vec3f> velocities(ObjectId object) const;  ///< m/s
+  /// Of each grain about its center [rad/s]; empty for other kinds of objects.
+  std::span<const Vec3f> angular_velocities(ObjectId object) const;
   /// Unit; empty without triangles: ropes, grains, fluids.
   std::span<const Vec3f> normals(ObjectId object) const;
   std::span<const Triangle> triangles(ObjectId object) const;
@@ -262,6 +265,8 @@ class World {
   /// obstacles, and so do teleport, apply_impulse, pin and attach: only an obstacle's motion moves it.
   void set_positions(ObjectId object, std::span<const Vec3f> positions);
   void set_velocities(ObjectId object, std::span<const Vec3f> velocities);
+  /// Grains only; in user order [rad/s].
+  void set_angular_velocities(ObjectId grains, std::span<const Vec3f> angular_velocities);
   /// Moves a whole object rigidly. The jump adds no velocity; existing velocities rotate with the object.
   void teleport(ObjectId object, const Transform& transform);
   /// Total impulse [N s], distributed over the selected vertices in proportion to their mass.
@@ -335,8 +340,9 @@ class World {
   /// Force of the pressure of all fluids on a collider: mean over the last step [N].
   Vec3d fluid_force(ColliderId collider) const;
   /// Overrides the combined material of two names (by default: geometric mean of frictions, larger
-  /// restitution).
-  void set_pair(std::string_view a, std::string_view b, float friction, float restitution);
+  /// restitution). `kinetic_friction`: at most `friction`; none: `friction`.
+  void set_pair(std::string_view a, std::string_view b, float friction, float restitution,
+                std::optional<float> kinetic_friction = {});
   /// Switches collision between two names on or off, in addition to their groups; on by default. With the
   /// same name twice, false disables self-collision of that object; true only revokes that. Picking and
   /// queries ignore this setting.
@@ -365,7 +371,7 @@ class World {
   // --- queries -----------------------------------------------------------------------------------
   Hit ray_cast(const Vec3f& origin, const Vec3f& direction, double max_distance = 1e30) const;
   Hit closest_point(const Vec3f& point) const;
-  double kinetic_energy(ObjectId object) const;    ///< J
+  double kinetic_energy(ObjectId object) const;    ///< with the rotation of grains [J]
   double potential_energy(ObjectId object) const;  ///< of its weight; 0 at the origin [J]
   /// 1/2 C^T alpha^-1 C of all constraints with compliance > 0 [J].
   double elastic_energy() const;

@@ -50,7 +50,7 @@ class TestFolder {
 
 /// A window's size in units of the mouse, and pixels per unit: few, since the processor draws them.
 struct WindowSize {
-  int width = 1000, height = 1800;
+  int width = 1000, height = 2000;
   float scale = 0.2f;
 };
 

@@ -202,7 +202,7 @@ class OriginalObject(Case):
 
 
 class UnitsAndNames(Case):
-    """FBX in centimeters, STL and PLY with Z up, and one object of a file of two."""
+    """FBX in centimeters, with Y or Z up, STL and PLY with Z up, and one object of a file of two."""
 
     MODEL = """
 import bpy
@@ -215,6 +215,7 @@ bpy.ops.mesh.primitive_cube_add(size=1, location=(3, 0, 0))
 bpy.context.object.name = "Shirt"
 bpy.ops.wm.obj_export(filepath={folder!r} + "/two.obj")
 bpy.ops.export_scene.fbx(filepath={folder!r} + "/two.fbx")
+bpy.ops.export_scene.fbx(filepath={folder!r} + "/z_up.fbx", axis_forward="Y", axis_up="Z")
 try:
     bpy.ops.export_scene.gltf(filepath={folder!r} + "/two.glb")
 except RuntimeError:
@@ -229,7 +230,7 @@ bpy.ops.export_mesh.ply(filepath={folder!r} + "/one.ply")
         has_assimp = "through assimp: yes" in self.souple("info").stdout
         meshes = [{"file": "two.obj", "node": "Body"}, {"file": "one.stl", "up": "z"}, {"file": "one.ply", "up": "z"}]
         if has_assimp:
-            meshes += [{"file": name, "node": "Body"} for name in ("two.fbx", "two.glb")
+            meshes += [{"file": name, "node": "Body"} for name in ("two.fbx", "z_up.fbx", "two.glb")
                        if (self.folder / name).exists()]
         for mesh in meshes:
             out = self.souple("check", self.write_scene({"souple": 1, "objects": [

@@ -151,6 +151,22 @@ class Talking(Case):
         self.assertRegex(out, r"bar: soft_body, .*, 40 tets, 0\.2 x 0\.3 x 0\.4 m")
         self.assertRegex(out, r"total: \d+ particles, [\d.]+ kg")
 
+    def test_check_prints_sizes_of_colliders(self):
+        shapes = [{"plane": {"normal": [0, 2, 0]}}, {"sphere": {"radius": 0.25}},
+                  {"box": {"half_extents": [0.5, 1, 1.5]}}, {"capsule": {"radius": 0.1, "half_height": 0.4}},
+                  {"cylinder": {"radius": 0.1, "half_height": 0.4}},
+                  {"signed_distance_field": {"mesh": {"box": {"size": [0.2, 0.4, 0.6]}}, "spacing": 0.05}}]
+        colliders = [{"name": f"c{i}", "shape": shape} for i, shape in enumerate(shapes)]
+        colliders[0]["transform"] = {"rotate": [0, 0, 90]}
+        colliders[1]["keyframes"] = [{"time": 0}, {"time": 1, "translate": [1, 0, 0]}]
+        out = self.souple("check", self.scene({"souple": 1, "colliders": colliders})).stdout
+        self.assertIn("colliders:\n  c0: plane, normal (-1, 0, 0)\n"
+                      "  c1: sphere, radius 0.25 m, moving\n"
+                      "  c2: box, 1 x 2 x 3 m\n"
+                      "  c3: capsule, radius 0.1 m, length 1 m with its caps\n"
+                      "  c4: cylinder, radius 0.1 m, length 0.8 m\n"
+                      "  c5: signed_distance_field, 12 triangles, 0.2 x 0.4 x 0.6 m, spacing 0.05 m\n", out)
+
     def test_check_and_run_remark_on_a_huge_mesh(self):
         self.scene("v 0 0 0\nv 180 0 0\nv 0 60 0\nf 1 2 3\n", "big.obj")
         scene = self.scene({"souple": 1, "frames": 1,

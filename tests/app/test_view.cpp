@@ -11,6 +11,8 @@
 #include <iterator>
 #include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -156,7 +158,7 @@ TEST_F(View, HidesItsPanels) {
   view.picture();
   EXPECT_EQ(view.viewer().area().x, 0);
   EXPECT_EQ(view.viewer().area().width, 200);
-  EXPECT_EQ(view.viewer().area().height, 360);
+  EXPECT_EQ(view.viewer().area().height, 400);
   view.type("h");
   view.picture();
   EXPECT_EQ(view.viewer().area().x, before.x);
@@ -349,6 +351,137 @@ TEST_F(View, DoubleClickPinsAndUnpins) {
   view.double_click(at.x, at.y);
   EXPECT_FALSE(view.simulation().is_pinned(object, 60));
   EXPECT_EQ(world().pinned(object).size(), 3u);
+}
+
+// --- the past, and additions
+
+TEST_F(View, BGoesBackInTimeAndSpaceGoesOnFromThere) {
+  pause();
+  view.type("r");
+  view.type("b");
+  EXPECT_TRUE(said("this is the start"));
+  view.type("....");
+  const std::uint64_t hash = world().hash();
+  view.type(".");
+  view.type(" ");
+  view.picture();
+  view.type("b");
+  EXPECT_FALSE(view.viewer().session().playing());
+  while (view.viewer().session().frame() > 4) view.type("B");
+  EXPECT_EQ(world().hash(), hash);
+  view.type("bb..");
+  EXPECT_EQ(world().hash(), hash);
+  view.type(" ");
+  view.pictures(3);
+  EXPECT_GT(view.viewer().session().frame(), 5u);
+}
+
+TEST_F(View, BReleasesWhatIsGrabbed) {
+  view.pictures(5);
+  const ImVec2 start = view.seen(vertex(60));
+  view.move(start.x, start.y);
+  view.press();
+  ASSERT_TRUE(view.viewer().mouse().grabbing());
+  view.type("b");
+  EXPECT_FALSE(view.viewer().mouse().grabbing());
+  view.release();
+}
+
+TEST_F(View, TheRewindSliderGoesAnywhere) {
+  view.pictures(20);
+  const double end = view.viewer().session().time();
+  const ImVec2 slider = view.control("##rewind");
+  ASSERT_GT(slider.x, 0);
+  view.click(20, slider.y);
+  EXPECT_FALSE(view.viewer().session().playing());
+  EXPECT_EQ(view.viewer().session().time(), 0);
+  view.click(300, slider.y);
+  EXPECT_GE(view.viewer().session().time(), end);
+  view.click(150, slider.y);
+  EXPECT_LT(view.viewer().session().time(), end);
+  EXPECT_GT(view.viewer().session().time(), 0);
+}
+
+TEST_F(View, ABallIsThrownAlongTheCursor) {
+  view.pictures(5);
+  const Vec3f aim = vertex(82);
+  const ImVec2 cursor = view.seen(aim);
+  view.move(cursor.x, cursor.y);
+  view.type("t");
+  EXPECT_TRUE(said("ball: radius 0.1 m, 2.09 kg, 9.9 m/s")) << view.viewer().notices().back();
+  const ObjectId ball = world().find_object("ball");
+  const Vec3f from(world().center_of_mass(ball)), way = view.viewer().camera().from - from;
+  EXPECT_LT(length(way), 0.5f);
+  EXPECT_GT(dot(normalized(Vec3f(world().momentum(ball))), normalized(aim - from)), 0.97f);
+  const double depth = world().center_of_mass(world().find_object("cloth")).z;
+  view.pictures(30);
+  EXPECT_FALSE(view.viewer().session().failure());
+  EXPECT_LT(world().center_of_mass(world().find_object("cloth")).z, depth - 0.1);  // the cloth is hit
+  view.type("t");
+  EXPECT_EQ(world().objects().size(), 3u);
+  view.type("r");
+  EXPECT_EQ(world().objects().size(), 1u);
+}
+
+TEST_F(View, ABallNeedsRoom) {
+  pause();
+  view.viewer().camera().from = vertex(60) + Vec3f{0, 0, 0.2f};
+  view.viewer().camera().to = vertex(60);
+  view.type("t");
+  EXPECT_TRUE(said("no room for a ball"));
+  EXPECT_EQ(world().objects().size(), 1u);
+}
+
+/// Chooses from the menu that the key A opens.
+void choose(OffscreenViewer& view, const char* item) {
+  view.type("a");
+  view.pictures(2);
+  const auto& open = ImGui::GetCurrentContext()->OpenPopupStack;
+  ASSERT_EQ(open.size(), 1);
+  ASSERT_NE(open.back().Window, nullptr);
+  const ImGuiWindow& menu = *open.back().Window;
+  const ImVec2 at = view.control(item, menu.Name, menu.Pos.x + 20);
+  ASSERT_GT(at.x, 0) << item;
+  view.click(at.x, at.y);
+}
+
+TEST_F(View, TheMenuAddsAtTheCursor) {
+  pause();
+  const std::vector<std::pair<const char*, ObjectKind>> items{{"Cloth", ObjectKind::cloth},
+                                                              {"Soft ball", ObjectKind::soft_body},
+                                                              {"Stiff box", ObjectKind::soft_body},
+                                                              {"Rope", ObjectKind::rope},
+                                                              {"Grains", ObjectKind::grains}};
+  std::size_t objects = 1;
+  for (const auto& [item, kind] : items) {
+    const ImVec2 cursor = view.seen(vertex(5));
+    view.move(cursor.x, cursor.y + 2);
+    choose(view, item);
+    ASSERT_EQ(world().objects().size(), ++objects) << item;
+    const ObjectId added = world().objects().back();
+    EXPECT_EQ(world().kind(added), kind) << item;
+    const Vec3f center(world().center_of_mass(added));
+    EXPECT_NEAR(center.x, vertex(5).x, 0.05f) << item;
+    EXPECT_NEAR(center.z, vertex(5).z, 0.05f) << item;
+    EXPECT_GT(center.y, vertex(5).y) << item;
+    EXPECT_TRUE(said("added " + world().name(added)));
+  }
+  view.type("a");
+  view.pictures(2);
+  view.type("\x1b");  // closes the menu
+  view.pictures(2);
+  EXPECT_TRUE(ImGui::GetCurrentContext()->OpenPopupStack.empty());
+  EXPECT_EQ(world().objects().size(), objects);
+}
+
+TEST_F(View, ADroppedMeshIsAdded) {
+  pause();
+  view.viewer().open(scenes.folder.write("kite.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"));
+  EXPECT_EQ(world().kind(world().find_object("kite")), ObjectKind::cloth);
+  EXPECT_EQ(view.viewer().session().name(), "cloth");
+  view.viewer().open(scenes.folder.write("bad.obj", "v 0 0\n"));
+  EXPECT_TRUE(said("bad.obj"));
+  EXPECT_EQ(world().objects().size(), 2u);
 }
 
 // --- the panel
@@ -575,8 +708,7 @@ TEST(ViewResolution, OfHalfHasTheSameLegends) {
     view.picture();
     render::Image image = view.image();
     std::vector<std::uint8_t> title;  // the first line of the legend, on its own background
-    for (int y = 16; y < 28; ++y)
-      title.insert(title.end(), image.at(18, y), image.at(18 + 50, y));
+    for (int y = 16; y < 28; ++y) title.insert(title.end(), image.at(18, y), image.at(18 + 50, y));
     return title;
   };
   const std::vector<std::uint8_t> full = legend(false), half = legend(true);
@@ -648,6 +780,18 @@ TEST_F(ViewRecording, KeysGoFrameByFrame) {
   EXPECT_EQ(view.viewer().session().frame(), 1u);
 }
 
+TEST_F(ViewRecording, GoesBackButTakesNoBalls) {
+  view.type(".r..b");
+  EXPECT_EQ(view.viewer().session().frame(), 2u);
+  view.type("bb");
+  EXPECT_TRUE(said("this is the first frame"));
+  EXPECT_EQ(view.viewer().session().frame(), 1u);
+  for (const char* key : {"t", "a"}) {
+    view.type(key);
+    EXPECT_TRUE(said("a recording cannot be changed"));
+  }
+}
+
 TEST_F(ViewRecording, TheSliderGoesAnywhere) {
   view.pictures(2);
   const ImVec2 slider = view.control("##frame_shown", "##time", 670);
@@ -690,7 +834,7 @@ TEST(ViewPicture, OfTheManual) {
   view.viewer().rendering().shadows = view.viewer().rendering().ambient_occlusion = true;
   view.resize(size);
   view.pictures(2);
-  render::write_png(file, view.image(), 128);
+  render::write_png(file, view.image(), 96);
   EXPECT_TRUE(view.viewer().mouse().grabbing());
   EXPECT_LT(std::filesystem::file_size(file), 150'000u);
 }

@@ -1,14 +1,19 @@
+#include "app/view/additions.h"
 #include "app/view/clock.h"
 #include "app/view/keys.h"
 #include "app/view/simulation.h"
 #include "tests/expect_error.h"
 #include "tests/paths.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <set>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -227,6 +232,247 @@ TEST(ViewerSimulation, TheCopiedSceneIsWhatRuns) {
   EXPECT_EQ(simulation.world().hash(), copy.world().hash());
 }
 
+// --- the past
+
+std::vector<std::uint64_t> hashes_of(Simulation& simulation, int frames) {
+  std::vector<std::uint64_t> hashes;
+  for (int i = 0; i < frames; ++i) {
+    simulation.step_frame();
+    hashes.push_back(simulation.world().hash());
+  }
+  return hashes;
+}
+
+TEST(ViewerPast, TwoSecondsBackAndForthAreTheSameBits) {
+  Simulation simulation(scene(falling), "falling");
+  const std::vector<std::uint64_t> first = hashes_of(simulation, 130);
+  const double end = simulation.time();
+  for (int i = 0; i < 100; ++i) simulation.step_back();
+  EXPECT_NEAR(simulation.time(), end - 2, 1e-9);
+  EXPECT_EQ(simulation.world().hash(), first[29]);
+  // Forth along the states, then by steps.
+  simulation.rewind(50);
+  EXPECT_EQ(simulation.world().hash(), first[49]);
+  simulation.rewind(30);
+  EXPECT_EQ(hashes_of(simulation, 100), std::vector<std::uint64_t>(first.begin() + 30, first.end()));
+  EXPECT_EQ(simulation.time(), end);
+}
+
+TEST(ViewerPast, PlaysOnFromThere) {
+  Simulation simulation(scene(falling), "falling");
+  hashes_of(simulation, 20);
+  for (int i = 0; i < 5; ++i) simulation.step_back();
+  EXPECT_FALSE(simulation.playing());
+  EXPECT_EQ(simulation.state_count(), 21u);
+  simulation.set_playing(true);
+  simulation.advance(1.01 / 50);
+  EXPECT_EQ(simulation.frame(), 16u);
+  EXPECT_EQ(simulation.state_count(), 17u);  // what came later is forgotten
+  EXPECT_EQ(simulation.state(), 16u);
+}
+
+TEST(ViewerPast, ABallThrownMeanwhileWasNeverThere) {
+  Simulation untouched(scene(falling), "falling"), simulation(scene(falling), "falling");
+  const std::vector<std::uint64_t> without = hashes_of(untouched, 40);
+  hashes_of(simulation, 20);
+  simulation.add(thrown({0.1f, 2, 10}, {0, 1.8f, 1}, {0, 0, -1}), true);
+  const std::vector<std::uint64_t> with = hashes_of(simulation, 20);
+  EXPECT_EQ(simulation.scene().objects.size(), 4u);
+  for (int i = 0; i < 30; ++i) simulation.step_back();
+  EXPECT_EQ(simulation.scene().objects.size(), 3u);
+  EXPECT_EQ(simulation.world().objects().size(), 3u);
+  EXPECT_EQ(simulation.world().hash(), without[9]);
+  // Forth, to where it flies.
+  simulation.rewind(35);
+  EXPECT_EQ(simulation.world().objects().size(), 4u);
+  EXPECT_EQ(simulation.world().hash(), with[14]);
+  EXPECT_EQ(hashes_of(simulation, 5).back(), with[19]);
+  simulation.rewind(10);
+  EXPECT_EQ(hashes_of(simulation, 30), std::vector<std::uint64_t>(without.begin() + 10, without.end()));
+}
+
+TEST(ViewerPast, ChangesAreTakenBack) {
+  Simulation simulation(scene(falling), "falling");
+  const ObjectId cloth = simulation.world().find_object("cloth");
+  hashes_of(simulation, 10);
+  const std::vector<std::uint64_t> first = hashes_of(simulation, 10);
+  for (int i = 0; i < 10; ++i) simulation.step_back();
+  Settings settings = simulation.scene().settings;
+  settings.gravity = {0, -1, 0};
+  simulation.set_settings(settings);
+  auto material = std::get<ClothDescription>(simulation.scene().objects[0]).material;
+  material.areal_density *= 3;
+  simulation.set_material(0, material);
+  simulation.toggle_pin(cloth, 19);
+  EXPECT_NE(hashes_of(simulation, 10), first);
+  for (int i = 0; i < 10; ++i) simulation.step_back();
+  EXPECT_EQ(simulation.scene().settings.gravity.y, -9.81f);
+  EXPECT_FALSE(simulation.is_pinned(simulation.world().find_object("cloth"), 19));
+  EXPECT_EQ(hashes_of(simulation, 10), first);
+}
+
+TEST(ViewerPast, EndsAtTheStartOrAtTheLimitOfMemory) {
+  Simulation simulation(scene(falling), "falling");
+  expect_error([&] { simulation.step_back(); }, {"this is the start"});
+  hashes_of(simulation, 3);
+  for (int i = 0; i < 3; ++i) simulation.step_back();
+  EXPECT_EQ(simulation.time(), 0);
+  expect_error([&] { simulation.step_back(); }, {"this is the start"});
+
+  const std::size_t bytes = simulation.world().snapshot().bytes.size();
+  simulation.limit_past(10 * bytes + bytes / 2);
+  const std::vector<std::uint64_t> hashes = hashes_of(simulation, 50);
+  EXPECT_EQ(simulation.state_count(), 11u);
+  for (int i = 0; i < 9; ++i) simulation.step_back();
+  EXPECT_EQ(simulation.world().hash(), hashes[40]);
+  expect_error([&] { simulation.step_back(); }, {"no state before 0.82 s", "0.18 s", "MB"});
+  EXPECT_EQ(simulation.world().hash(), hashes[40]);
+}
+
+TEST(ViewerPast, LargeStatesAreKeptAtEverySecondStep) {
+  Past past(std::size_t{100} << 20);
+  const auto large = [](double time) {
+    return PastState{time, {std::vector<std::byte>(3 << 19)}, {}, 3 << 19};
+  };
+  std::vector<double> kept;
+  for (int step = 0; step < 10; ++step) {
+    if (past.is_due()) past.add(large(step)), kept.push_back(step);
+    past.move_on();
+    past.count_step();
+  }
+  EXPECT_EQ(kept, (std::vector<double>{0, 2, 4, 6, 8}));
+  EXPECT_EQ(past.bytes(), 5u * (3 << 19));
+}
+
+TEST(ViewerPast, TroubleIsPastToo) {
+  Simulation simulation(scene(exploding), "exploding");
+  for (int i = 0; i < 200 && simulation.playing(); ++i) simulation.advance(1 / 60.0);
+  ASSERT_TRUE(simulation.failure().has_value());
+  simulation.step_back();
+  EXPECT_FALSE(simulation.failure().has_value());
+}
+
+// --- additions
+
+TEST(ViewerAdditions, AThrownBallHasTheMassAndTheSpeedThatWereStated) {
+  Simulation simulation(scene(R"({"souple": 1, "gravity": [0, 0, 0]})"), "empty");
+  const ObjectId ball = simulation.add(thrown({0.2f, 3, 12}, {1, 2, 3}, {0, 0.6f, -0.8f}), true);
+  EXPECT_EQ(simulation.world().name(ball), "ball");
+  EXPECT_NEAR(simulation.world().total_mass(ball), 3, 1e-4);
+  for (int i = 0; i < 30; ++i) simulation.step_frame();
+  const Vec3d center = simulation.world().center_of_mass(ball),
+              velocity = simulation.world().momentum(ball) / 3;
+  EXPECT_LT(length(center - Vec3d{1, 2 + 3.6, 3 - 4.8}), 1e-3);
+  EXPECT_LT(length(velocity - Vec3d{0, 7.2, -9.6}), 1e-3);
+  for (const Vec3f& x : simulation.world().positions(ball)) EXPECT_LT(length(Vec3d(x) - center), 0.2001);
+  EXPECT_EQ(simulation.world().name(simulation.add(thrown({}, {}, {1, 0, 0}), true)), "ball2");
+}
+
+TEST(ViewerAdditions, ABallSuitsTheView) {
+  for (const float distance : {0.02f, 1.0f, 50.0f}) {
+    const Ball ball = ball_for(distance, 9.81f);
+    const float time = distance / ball.speed;
+    EXPECT_LT(0.5f * 9.81f * time * time, 0.21f * distance);
+    EXPECT_GT(ball.radius, 0.01f * distance);
+    EXPECT_LT(ball.radius, 0.1f * distance);
+    EXPECT_GT(ball_for(distance, 0).speed, distance);
+  }
+}
+
+TEST(ViewerAdditions, ABallMeetsThePointItWasAimedAt) {
+  for (const Vec3f& target : {Vec3f{0, 1, 0}, Vec3f{1, 2.5f, -1}, Vec3f{-2, 0, 1}}) {
+    Simulation simulation(scene(R"({"souple": 1, "frame_rate": 500})"), "empty");
+    const Vec3f from{0, 1, 4};
+    const Ball ball = ball_for(4, 9.81f);
+    const ObjectId id =
+        simulation.add(thrown(ball, from, aim(from, target, ball.speed, {0, -9.81f, 0})), true);
+    double nearest = 1;
+    for (int i = 0; i < 500; ++i) {
+      simulation.step_frame();
+      nearest = std::min(nearest, length(simulation.world().center_of_mass(id) - Vec3d(target)));
+    }
+    EXPECT_LT(nearest, 0.02);
+  }
+  // Out of reach: straight.
+  EXPECT_LT(length(aim({}, {100, 0, 0}, 1, {0, -9.81f, 0}) - Vec3f{1, 0, 0}), 1e-6f);
+}
+
+constexpr const char* floor_only = R"({
+  "souple": 1, "frame_rate": 60, "colliders": [{"name": "floor", "shape": {"plane": {}}, "friction": 0.5}]
+})";
+
+TEST(ViewerAdditions, EachIsAddedFreelyAndFallsToRest) {
+  for (const double size : {0.05, 0.5, 5.0})
+    for (const Addition addition : all_additions) {
+      SCOPED_TRACE(std::string(label(addition)) + " of " + std::to_string(size));
+      Simulation simulation(scene(floor_only), "floor");
+      const ObjectId id =
+          simulation.add(placed_above({1, 0, 2}, simulation.world(), described(addition, size)));
+      const Vec3d start = simulation.world().center_of_mass(id);
+      EXPECT_NEAR(start.x, 1, 0.01 * size);
+      EXPECT_NEAR(start.z, 2, 0.01 * size);
+      for (const Vec3f& x : simulation.world().positions(id)) EXPECT_GT(x.y, 0);
+      EXPECT_GT(simulation.world().total_mass(id), 0);
+      for (int i = 0; i < 90; ++i) simulation.step_frame();
+      EXPECT_FALSE(simulation.failure());
+      const Vec3d end = simulation.world().center_of_mass(id);
+      EXPECT_LT(end.y, start.y);
+      EXPECT_GT(end.y, 0);
+      EXPECT_LT(length(end - start), 2 * size);
+    }
+}
+
+TEST(ViewerAdditions, OneLiesAboveAnother) {
+  Simulation simulation(scene(floor_only), "floor");
+  const auto add = [&] {
+    return simulation.add(placed_above({0, 0, 0}, simulation.world(), described(Addition::stiff_box, 1)));
+  };
+  const ObjectId first = add(), second = add();
+  EXPECT_EQ(simulation.world().name(second), "box2");
+  float top = 0, bottom = 100;
+  for (const Vec3f& x : simulation.world().positions(first)) top = std::max(top, x.y);
+  for (const Vec3f& x : simulation.world().positions(second)) bottom = std::min(bottom, x.y);
+  EXPECT_GT(bottom, top);
+  EXPECT_LT(bottom, top + 1);
+}
+
+TEST(ViewerAdditions, StayAfterAResetButForThrownBalls) {
+  Simulation simulation(scene(falling), "falling");
+  simulation.step_frame();
+  simulation.add(thrown({}, {0, 5, 0}, {1, 0, 0}), true);
+  simulation.add(placed_above({0, 0, 0}, simulation.world(), described(Addition::rope, 1)));
+  EXPECT_EQ(simulation.scene().objects.size(), 5u);
+  const auto copied = [&] { return parse_scene(simulation.scene_text(), source_path(), "copy.json"); };
+  EXPECT_EQ(copied().objects.size(), 4u);
+  simulation.reset();
+  ASSERT_EQ(simulation.scene().objects.size(), 4u);
+  EXPECT_EQ(common(simulation.scene().objects[3]).name, "rope2");
+  Simulation copy(copied(), "copy");
+  for (int i = 0; i < 10; ++i) simulation.step_frame(), copy.step_frame();
+  EXPECT_EQ(simulation.world().hash(), copy.world().hash());
+}
+
+TEST(ViewerAdditions, OfAMeshFileDependOnItsSurface) {
+  const auto file = [](const char* name, const std::string& text) {
+    std::filesystem::path path = std::filesystem::path(::testing::TempDir()) / name;
+    std::ofstream(path) << text;
+    return path;
+  };
+  const std::string corners = "v 5 0 0\nv 6 0 0\nv 5 1 0\nv 5 0 1\n";
+  const std::filesystem::path closed = file("a b.obj", corners + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"),
+                              open = file("sheet.obj", corners + "f 1 3 2\nf 1 2 4\n");
+  Simulation simulation(scene(floor_only), "floor");
+  const ObjectId body = simulation.add(placed_above({0, 0, 0}, simulation.world(), described(closed)));
+  const ObjectId sheet = simulation.add(placed_above({9, 0, 0}, simulation.world(), described(open)));
+  EXPECT_EQ(simulation.world().kind(body), ObjectKind::soft_body);
+  EXPECT_EQ(simulation.world().name(body), "a_b");
+  EXPECT_EQ(simulation.world().kind(sheet), ObjectKind::cloth);
+  EXPECT_LT(length(simulation.world().positions(sheet)[0] - Vec3f{8.5f, 0.4f, -0.5f}), 0.1f);
+  Simulation copy(parse_scene(simulation.scene_text(), source_path(), "copy.json"), "copy");
+  EXPECT_EQ(copy.world().objects().size(), 2u);
+  expect_error([&] { described(file("text.obj", "nothing")); }, {"text.obj"});
+}
+
 TEST(ViewerSimulation, TroublePausesAndNamesTheParticle) {
   Simulation simulation(scene(exploding), "exploding");
   for (int i = 0; i < 200 && simulation.playing(); ++i) simulation.advance(1 / 60.0);
@@ -255,6 +501,13 @@ TEST(ViewerSimulation, EveryShippedSceneRunsAndCopies) {
     EXPECT_FALSE(simulation.failure());
     EXPECT_EQ(simulation.frame(), 1u);
     EXPECT_NO_THROW(parse_scene(simulation.scene_text(), source_path("scenes"), "copy.json"));
+    // A ball is thrown and taken back, and the frame repeated.
+    const std::uint64_t hash = simulation.world().hash();
+    simulation.add(thrown(ball_for(1, 9.81f), {0, 50, 0}, {1, 0, 0}), true);
+    simulation.step_frame();
+    simulation.rewind(0);
+    simulation.step_frame();
+    EXPECT_EQ(simulation.world().hash(), hash);
   }
 }
 

@@ -57,7 +57,7 @@ bool counts(const SurfaceScene& scene, std::span<const std::uint32_t> a, std::sp
       finite = finite && is_finite(scene.boxes[i].lo) && is_finite(scene.boxes[i].hi);
     }
   for (const std::uint32_t i : a) shared = shared || std::find(b.begin(), b.end(), i) != b.end();
-  return moves && !shared && finite && scene.matrix.at(object_a, object_b) &&
+  return moves && !shared && finite && scene.compared.contains(object_a, object_b) &&
          overlap(around(scene, a), around(scene, b));
 }
 
@@ -94,7 +94,7 @@ std::vector<NearPair> find_both(const SurfaceScene& scene, int threads, std::vec
   NearPairFinder finder;
   NearPairs pairs;
   const auto pool = make_threads(Threading::pool, threads);
-  finder.find(scene.elements, scene.boxes, scene.matrix, scene.position_w, pairs, *pool);
+  finder.find(scene.elements, scene.boxes, scene.compared, scene.position_w, pairs, *pool);
   edge_edge = pairs.edge_edge;
   return pairs.vertex_triangle;
 }
@@ -168,10 +168,10 @@ TEST(NearPairs, MixturesOfEverything) {
 
 TEST(NearPairs, OnlyObjectsThatMeet) {
   SurfaceScene scene = mixture(5);
-  scene.matrix = ObjectMatrix(scene.objects);
-  scene.matrix.set(0, 0, true);
-  scene.matrix.set(0, 3, true);
-  scene.matrix.set(1, scene.objects - 1, true);
+  scene.compared.clear();
+  scene.compared.add(0, 0);
+  scene.compared.add(0, 3);
+  scene.compared.add(1, scene.objects - 1);
   expect_all_pairs(scene, 200);
 }
 
@@ -270,7 +270,7 @@ TEST(NearPairs, WhatIsNotFiniteIsLeftOutAndCounted) {
   expect_all_pairs(scene, 1000);
   NearPairFinder finder;
   NearPairs pairs;
-  finder.find(scene.elements, scene.boxes, scene.matrix, scene.position_w, pairs,
+  finder.find(scene.elements, scene.boxes, scene.compared, scene.position_w, pairs,
               *make_threads(Threading::serial, 1));
   EXPECT_EQ(finder.left_out(), 4u + 3u + 7u);  // vertices, triangles, edges: 72 and 73 are of one triangle
 }
@@ -291,10 +291,10 @@ TEST(NearPairs, AWarmFindAllocatesNothing) {
   NearPairFinder finder;
   NearPairs pairs;
   for (int step = 0; step < 3; ++step)
-    finder.find(scene.elements, scene.boxes, scene.matrix, scene.position_w, pairs, *pool);
+    finder.find(scene.elements, scene.boxes, scene.compared, scene.position_w, pairs, *pool);
   for (Bounds& box : scene.boxes) box.lo.x += 1e-3f * (box.hi.x - box.lo.x);
   const long before = test::allocations();
-  finder.find(scene.elements, scene.boxes, scene.matrix, scene.position_w, pairs, *pool);
+  finder.find(scene.elements, scene.boxes, scene.compared, scene.position_w, pairs, *pool);
   EXPECT_EQ(test::allocations() - before, 0);
   EXPECT_GT(pairs.edge_edge.size(), 100u);
 }
@@ -307,7 +307,7 @@ TEST(NearPairs, WhatMovedIsFoundAgainAlone) {
     const auto pool = make_threads(Threading::pool, 2);
     NearPairFinder finder;
     NearPairs pairs;
-    finder.find(scene.elements, scene.boxes, scene.matrix, scene.position_w, pairs, *pool);
+    finder.find(scene.elements, scene.boxes, scene.compared, scene.position_w, pairs, *pool);
     Random random(stride);
     std::vector<std::uint32_t> moved;
     for (std::uint32_t i = 3; i < scene.boxes.size(); i += static_cast<std::uint32_t>(stride)) {
@@ -315,7 +315,7 @@ TEST(NearPairs, WhatMovedIsFoundAgainAlone) {
       scene.boxes[i] = {scene.boxes[i].lo + by, scene.boxes[i].hi + by};
       moved.push_back(i);
     }
-    finder.find_moved(moved, scene.boxes, scene.position_w, pairs, *pool);
+    finder.find_moved(moved, scene.boxes, scene.compared, scene.position_w, pairs, *pool);
     NearPairs expected = brute_force(scene);
     for (std::vector<NearPair>* list : {&expected.vertex_triangle, &expected.edge_edge})
       std::erase_if(*list, [&](const NearPair& pair) {
@@ -336,9 +336,7 @@ TEST(NearPairs, TooFewBoxesAreAnError) {
   NearPairs pairs;
   const auto threads = make_threads(Threading::serial, 1);
   const std::span<const Bounds> few = std::span<const Bounds>(scene.boxes).first(100);
-  EXPECT_THROW(finder.find(scene.elements, few, scene.matrix, scene.position_w, pairs, *threads), Error);
-  EXPECT_THROW(finder.find(scene.elements, scene.boxes, ObjectMatrix(1), scene.position_w, pairs, *threads),
-               Error);
+  EXPECT_THROW(finder.find(scene.elements, few, scene.compared, scene.position_w, pairs, *threads), Error);
 }
 
 }  // namespace

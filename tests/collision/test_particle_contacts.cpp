@@ -131,7 +131,8 @@ TEST(ParticleContacts, MemoryCarriesARunOnBitForBit) {
 
 TEST(ParticleContacts, ErasingParticlesRenumbersTheMemory) {
   ParticleContacts contacts;
-  const CachedFriction friction[] = {{0, 4, {1, 0, 0}}, {2, 5, {0, 1, 0}}, {4, 7, {0, 0, 1}}};
+  const CachedFriction friction[] = {
+      {0, 4, {{1, 0, 0}, {}}}, {2, 5, {{0, 1, 0}, {}}}, {4, 7, {{0, 0, 1}, {1, 2, 3}}}};
   contacts.set_friction_cache(friction);
   contacts.erase_particles(1, 4);
   ASSERT_EQ(contacts.friction_cache().size(), 2u);

@@ -2,6 +2,8 @@
 #include "souple/io/mesh_file.h"
 
 #include <fstream>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace souple {
@@ -38,13 +40,11 @@ TEST(AssimpReader, KeepsVerticesAndTheirOrder) {
   EXPECT_EQ(read_triangle_mesh(write("souple_square.off", square_off)).faces.size(), 1u);
 }
 
-// A triangle whose unit is `centimeters`, as ASCII FBX.
-std::string triangle_fbx(const std::string& centimeters) {
+// A triangle (0, 0, 0), (100, 0, 0), (0, 100, 0) whose unit is `centimeters`, as ASCII FBX; `axes`: further settings.
+std::string triangle_fbx(const std::string& centimeters, const std::string& axes = "") {
   return "; FBX 7.3.0 project file\nFBXHeaderExtension:  {\n\tFBXHeaderVersion: 1003\n\tFBXVersion: 7300\n}\n"
-         "GlobalSettings:  {\n\tVersion: 1000\n\tProperties70:  {\n"
-         "\t\tP: \"UpAxis\", \"int\", \"Integer\", \"\",1\n"
-         "\t\tP: \"UnitScaleFactor\", \"double\", \"Number\", \"\"," +
-         centimeters +
+         "GlobalSettings:  {\n\tVersion: 1000\n\tProperties70:  {\n" +
+         axes + "\t\tP: \"UnitScaleFactor\", \"double\", \"Number\", \"\"," + centimeters +
          "\n\t}\n}\n"
          "Objects:  {\n\tGeometry: 1000, \"Geometry::\", \"Mesh\" {\n"
          "\t\tVertices: *9 {\n\t\t\ta: 0,0,0,100,0,0,0,100,0\n\t\t}\n"
@@ -62,6 +62,38 @@ TEST(AssimpReader, HeedsTheUnitOfFbx) {
   EXPECT_NEAR(read_triangle_mesh(write("souple_m.fbx", triangle_fbx("100"))).positions[1].x, 100, 1e-4);
   EXPECT_NEAR(read_triangle_mesh(write("souple_in.fbx", triangle_fbx("2.54")), {.scale = 2}).positions[2].y,
               5.08, 1e-5);
+}
+
+std::string axis(const std::string& name, int value) {
+  return "\t\tP: \"" + name + "\", \"int\", \"Integer\", \"\"," + std::to_string(value) + "\n";
+}
+
+std::string axes(int up, int up_sign, int front, int front_sign, int right, int right_sign) {
+  return axis("UpAxis", up) + axis("UpAxisSign", up_sign) + axis("FrontAxis", front) +
+         axis("FrontAxisSign", front_sign) + axis("CoordAxis", right) + axis("CoordAxisSign", right_sign);
+}
+
+// What lies along the stated up comes to lie along Y, what faces the stated front along Z.
+TEST(AssimpReader, HeedsTheAxesOfFbx) {
+  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+  const auto corners = [](const std::string& stated) {
+    const TriangleMesh mesh = read_triangle_mesh(write("souple_axes.fbx", triangle_fbx("1", stated)));
+    return std::pair(mesh.positions.at(1), mesh.positions.at(2));  // the file's X and Y
+  };
+  const auto expect_axes = [&](const std::string& stated, const Vec3d& x, const Vec3d& y) {
+    const auto [of_x, of_y] = corners(stated);
+    EXPECT_LT(length(of_x - x), 1e-6) << stated;
+    EXPECT_LT(length(of_y - y), 1e-6) << stated;
+  };
+  expect_axes("", {1, 0, 0}, {0, 1, 0});
+  expect_axes(axes(1, 1, 2, 1, 0, 1), {1, 0, 0}, {0, 1, 0});    // Maya, Blender
+  expect_axes(axes(2, 1, 1, -1, 0, 1), {1, 0, 0}, {0, 0, -1});  // 3ds Max
+  expect_axes(axes(2, 1, 0, 1, 1, 1), {0, 0, 1}, {1, 0, 0});    // Unreal: X to the front
+  expect_axes(axes(0, 1, 2, 1, 1, -1), {0, 1, 0}, {-1, 0, 0});  // X up
+  expect_axes(axes(1, -1, 2, 1, 0, -1), {-1, 0, 0}, {0, -1, 0});
+  expect_axes(axis("UpAxis", 2), {1, 0, 0}, {0, 0, -1});  // no front: as "up": "z"
+  expect_axes(axis("UpAxis", 0), {0, 1, 0}, {-1, 0, 0});
+  expect_axes(axis("UpAxis", 7), {1, 0, 0}, {0, 1, 0});
 }
 
 TEST(AssimpReader, ReadsOneNodeOfSeveral) {

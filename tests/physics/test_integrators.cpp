@@ -108,6 +108,47 @@ TEST(Integrators, EnergyDriftOnASpring) {
   }
 }
 
+// --- the same force on a cloth and a soft body ---------------------------------------------------
+
+// 1/2 v^2 + 1/2 omega^2 z^2 of the mean motion after `frames` frames, relative to the start. The elasticity of
+// the object does not resist a motion in which all its particles take part alike.
+double energy_of_mean_motion(World& world, ObjectId object, double omega, int frames) {
+  Settings settings = world.settings();
+  settings.gravity = {};
+  world.set_settings(settings);
+  world.teleport(object, {.translation = {0, 0, 1}});
+  const auto k = static_cast<float>(omega * omega);
+  world.add_force_field([k](const Vec3f& x, const Vec3f&, float mass, double) {
+    return Vec3f{0, 0, -k * mass * x.z};
+  });
+  const auto energy = [&] {
+    const double z = world.center_of_mass(object).z, v = world.momentum(object).z / world.total_mass(object);
+    return v * v + omega * omega * z * z;
+  };
+  const double before = energy();
+  EXPECT_TRUE(run(world, frames, 1.0 / 60));
+  return energy() / before;
+}
+
+TEST(Integrators, ActOnClothAndSoftBodiesAsOnAParticle) {
+  constexpr double omega_h = 0.1, h = 1.0 / 600;
+  constexpr int frames = 10, steps = 100;
+  for (const bool soft_body : {false, true})
+    for (const Integrator integrator : every_integrator) {
+      World world({.integrator = integrator});
+      const ObjectId object = soft_body ? world.add_soft_body(tet_bar(5, 2, 2, {0.5, 0.2, 0.2}))
+                                        : world.add_cloth(grid(12, 12, 0.5));
+      const double left = energy_of_mean_motion(world, object, omega_h / h, frames);
+      const double growth = std::pow(1 + omega_h * omega_h, steps);
+      const double expected = integrator == Integrator::semi_implicit    ? 1
+                              : integrator == Integrator::explicit_euler ? growth
+                                                                         : 1 / growth;
+      const double bound = integrator == Integrator::semi_implicit ? omega_h : 0.01;
+      EXPECT_NEAR(left, expected, bound * expected)
+          << words(integrator) << (soft_body ? ", soft body" : ", cloth");
+    }
+}
+
 // --- drag, f = -c m v ----------------------------------------------------------------------------
 
 double speed_left(Integrator integrator, double drag_h, int steps, Curves* curves = nullptr) {

@@ -307,6 +307,24 @@ TEST_F(Behavior, PairsDecideFrictionAndRestitution) {
   EXPECT_NEAR(top, 0.25, 0.02);
 }
 
+// Slides v^2 / (2 mu g) with the kinetic coefficient, of the material or of the pair.
+TEST_F(Behavior, KineticFrictionBrakesWhatSlides) {
+  const std::string objects = R"({"souple": 1, "substeps": 20, "objects": [{"name": "puck", "kind": "cloth",
+      "mesh": {"grid": {"columns": 3, "rows": 3, "size": 0.2}}, "velocity": [1, 0, 0], "transform": {"translate": [0, 0.0051, 0]},
+      "material": {"thickness": 0.01, "friction": 2, "kinetic_friction": )";
+  const std::string floor = R"(}}], "colliders": [{"name": "floor", "shape": {"plane": {}}, "friction": 2,
+      "kinetic_friction": )";
+  for (const std::string& scene :
+       {objects + "0.2" + floor + "0.2}]}",
+        objects + "1" + floor + R"(1}], "pairs": [{"between": ["puck", "floor"], "friction": 2,
+            "kinetic_friction": 0.2}]})"}) {
+    World world = built(scene);
+    const double start = static_cast<double>(positions_of_only(world)[4].x);
+    run(world, 90);
+    EXPECT_NEAR(static_cast<double>(positions_of_only(world)[4].x) - start, 1 / (2 * 0.2 * g), 0.008);
+  }
+}
+
 TEST_F(Behavior, GroupsAndPairsDecideWhatMeets) {
   const auto height = [&](const std::string& object, const std::string& collider,
                           const std::string& collide) {
@@ -323,6 +341,28 @@ TEST_F(Behavior, GroupsAndPairsDecideWhatMeets) {
   EXPECT_LT(height(R"(, "collision_groups": [1])", R"(, "collision_mask": [0])", "true"), -1);
   EXPECT_LT(height(R"(, "collision_mask": [2])", "", "true"), -1);
   EXPECT_NEAR(height(R"(, "collision_groups": [1])", R"(, "collision_mask": [1, 7])", "true"), 0.05f, 1e-3f);
+}
+
+// A drop and a grain drift with the wind that reaches them: drag c brings them to its velocity as 1 - exp(-c t).
+TEST_F(Behavior, WindReachesEachObjectByItsExposure) {
+  const std::string grain = R"("kind": "grains", "points": [[0, 0, 0]], "material": {"radius": 0.01})";
+  const std::string drop =
+      R"("kind": "fluid", "points": [[5, 0, 0]], "material": {"spacing": 0.02, "air_drag": 1000})";
+  World world = built(
+      R"({"souple": 1, "substeps": 20, "gravity": [0, 0, 0], "drag": 2,
+    "wind": {"velocity": [3, 0, 0]}, "objects": [{"name": "open", )" +
+      grain + R"(}, {"name": "half", "wind_exposure": 0.5, "transform": {"translate": [0, 1, 0]}, )" + grain +
+      R"(}, {"name": "still", "wind_exposure": 0, "transform": {"translate": [0, 2, 0]}, )" + grain +
+      R"(}, {"name": "spray", )" + drop +
+      R"(}, {"name": "draft", "wind_exposure": 2, "transform": {"translate": [0, 1, 0]}, )" + drop + "}]}");
+  EXPECT_EQ(world.wind_exposure(world.find_object("half")), 0.5f);
+  run(world, 60);
+  const auto speed = [&](const char* name) { return world.velocities(world.find_object(name))[0].x; };
+  EXPECT_NEAR(speed("open"), 3 * (1 - std::exp(-2)), 0.05);
+  EXPECT_NEAR(speed("half"), speed("open") / 2, 1e-5);
+  EXPECT_EQ(speed("still"), 0);
+  EXPECT_NEAR(speed("spray"), 3, 0.05);
+  EXPECT_NEAR(speed("draft"), 6, 0.05);
 }
 
 TEST_F(Behavior, WhatLiesFallsAsleepWhenTheSceneSaysSo) {

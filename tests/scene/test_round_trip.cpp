@@ -16,7 +16,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
       {"name": "flag", "kind": "cloth", "mesh": {"grid": {"columns": 80, "rows": 48, "size": 2.0, "diagonals": "one_way"}},
        "transform": {"translate": [0, 2, 0], "rotate": [90, 0, 0], "scale": 1.5}, "velocity": [1, 2, 3],
        "angular_velocity": [4, 5, 6], "collision_groups": [0, 31], "collision_mask": [], "color": "#0aF0c8", "pressure": -20, "enclosed_volume": {"factor": 1.5, "compliance": 1e-6},
-       "tethers": {"slack": 0.1}, "layer": 2,
+       "tethers": {"slack": 0.1}, "layer": 2, "wind_exposure": 0.25,
        "material": {"preset": "silk", "areal_density": 0.08, "stretch": "membrane", "bending": "dihedral"},
        "pins": [{"in_box": [[-1.01, 1, -1], [-0.99, 3, 1]]}, {"nearest": [1, 2, 3], "about": [0, 1, 0], "loop": true,
                  "keyframes": [{"time": 0}, {"time": 1, "translate": [1, 0, 0], "rotate": [0, 90, 0]}]}],
@@ -77,6 +77,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(flag.pressure, -20.0f);
   EXPECT_EQ(flag.enclosed_volume->factor, 1.5f);
   EXPECT_EQ(flag.tethers->slack, 0.1f);
+  EXPECT_EQ(flag.wind_exposure, 0.25f);
   EXPECT_EQ(flag.material.areal_density, 0.08f);
   EXPECT_EQ(flag.material.stretch, StretchModel::membrane);
   EXPECT_EQ(flag.material.bending, BendingModel::dihedral);

@@ -21,6 +21,25 @@ TEST(Objects, NamesAreUniqueAndFollowTheKind) {
   EXPECT_EQ(world.find_collider("floor"), floor);
 }
 
+TEST(Objects, ANameIsFreeAgainAfterItsOwner) {
+  World world;
+  std::vector<ObjectId> cloths;
+  for (int k = 0; k < 5; ++k) cloths.push_back(world.add_cloth(grid(3, 3, 1)));
+  world.add_cloth(grid(3, 3, 1), {}, {.name = "cloth7"});
+  world.remove(cloths[1]), world.remove(cloths[3]);
+  const auto next = [&] { return world.name(world.add_cloth(grid(3, 3, 1))); };
+  EXPECT_EQ(next(), "cloth2");
+  EXPECT_EQ(next(), "cloth4");
+  EXPECT_EQ(next(), "cloth6");
+  EXPECT_EQ(next(), "cloth8");
+  const ColliderId floor = world.add_collider(Plane{}, {.name = "floor"});
+  world.set_collider(floor, Plane{}, {.name = "ground"});
+  EXPECT_NO_THROW(world.add_cloth(grid(3, 3, 1), {}, {.name = "floor"}));
+  expect_error([&] { world.add_cloth(grid(3, 3, 1), {}, {.name = "ground"}); }, {"ground", "a collider"});
+  world.remove(floor);
+  EXPECT_NO_THROW(world.add_cloth(grid(3, 3, 1), {}, {.name = "ground"}));
+}
+
 TEST(Objects, AFailedAddChangesNothing) {
   World world;
   TriangleMesh mesh = grid(3, 3, 1);

@@ -1,6 +1,8 @@
 #include "souple/souple.h"
 #include "tests/expect_error.h"
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
 namespace souple {
@@ -25,6 +27,10 @@ TEST(Snapshot, ContinuesBitwiseTheSame) {
     ASSERT_GT(a.report().contacts, 20u) << "the heap has to touch, or friction is not tested";
     const Snapshot snapshot = a.snapshot();
     b.restore(snapshot);
+    const auto spin_a = a.angular_velocities(a.objects()[2]), spin_b = b.angular_velocities(b.objects()[2]);
+    ASSERT_EQ(spin_a.size(), 60u);
+    EXPECT_TRUE(std::equal(spin_a.begin(), spin_a.end(), spin_b.begin()));
+    EXPECT_TRUE(std::any_of(spin_a.begin(), spin_a.end(), [](const Vec3f& w) { return length(w) > 0; }));
     for (int i = 0; i < 20; ++i) {
       a.step(1.0 / 60);
       b.step(1.0 / 60);

@@ -52,6 +52,7 @@ struct ColliderBody {
   /// Displacement of the surface point s (in the frame): turn s + shift. Columns of a matrix; m.
   float turn[3][3] = {};
   float shift[3] = {};
+  float rotation[3] = {};  ///< rotation vector of the substep, in the world
   bool moves = false;
 };
 
@@ -62,6 +63,7 @@ struct ColliderParticles {
   const float* start = nullptr;     ///< `moving` at the substep's start
   float* corrected = nullptr;       ///< project adds to it
   float* velocity = nullptr;        ///< apply_restitution changes it [m/s]
+  float* turn = nullptr;            ///< see Particles::turn; null: no particle rolls
 };
 
 /// Contacts of one body as columns.
@@ -86,6 +88,11 @@ struct ColliderContactColumns {
   float* restitution_velocity;  ///< normal velocity that apply_restitution added [m/s]
   float* depth;                 ///< remaining overlap, of contacts with a normal impulse [m]
   float* plane_gap;             ///< C - normal . motion in the last projection [m]
+  // Only where particles roll (contact_law.h).
+  float* share;  ///< 5/2 of a ball that rotates, else 0
+  float* radius;
+  float* rolling_friction;
+  float* moment_sum[3];  ///< G [m]
 };
 
 struct ColliderContactLimits {
@@ -108,6 +115,11 @@ struct ColliderContactKernels {
   /// No two contacts may have the same particle.
   void (*project)(const ColliderParticles&, const ColliderBody&, const ColliderContactColumns&,
                   std::size_t begin, std::size_t end);
+  /// With the planes of the last projection, after small motions. A contact that touches for the first time now takes the
+  /// surface motion of a plane that has not been projected, 0: on a moving collider the exact projections that follow
+  /// correct its friction.
+  void (*project_again)(const ColliderParticles&, const ColliderContactColumns&, std::size_t begin,
+                        std::size_t end);
   void (*apply_restitution)(const ColliderParticles&, const ColliderBody&, const ColliderContactLimits&,
                             const ColliderContactColumns&, std::size_t begin, std::size_t end);
   /// C of contacts: distance beyond the one to keep [m]. Null or per contact: the surface point, in the frame.

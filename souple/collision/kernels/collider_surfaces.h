@@ -79,12 +79,6 @@ SOUPLE_INLINE inline Vectors<Isa> end_in_frame(const ColliderParticles& particle
                        plain ? zero : Records<Isa>(particles.moving, pack.first_float).components());
 }
 
-template <class Isa>
-SOUPLE_INLINE inline Vectors<Isa> selected(typename Numbers<Isa>::Mask mask, const Vectors<Isa>& a,
-                                           const Vectors<Isa>& b) {
-  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
-}
-
 /// The surface at distance `radius` around a point. `fallback`: the normal at that point itself.
 template <class Isa>
 SOUPLE_INLINE inline Surface<Isa> around_point(const Vectors<Isa>& offset, float radius,

@@ -2,6 +2,7 @@
 
 #include "souple/collision/contact_law.h"
 #include "souple/collision/kernels/collider_surfaces.h"
+#include "souple/collision/kernels/rolling_balls.h"
 
 // Include this only in translation units that are compiled for one instruction set. Every template here has
 // the tag of its instruction set as an argument.
@@ -148,6 +149,15 @@ struct Gap {
   }
 };
 
+/// Rotation of balls relative to the body, times the radius [m].
+template <class Isa>
+SOUPLE_INLINE inline Vectors<Isa> relative_rotation(const RollingBalls<Isa>& balls, const ColliderBody& body,
+                                                    const ColliderContactColumns& columns, std::size_t i,
+                                                    int count) {
+  if (!body.moves) return balls.turned;
+  return balls.turned - vector_of<Isa>(body.rotation) * load<Isa>(columns.radius + i, count);
+}
+
 // dn = max(slop - C, -N)                        N, the normal sum: never negative, later iterations may reduce it
 // t  = (I - n n^T) (p - x - surface motion)     tangential displacement relative to the surface
 // T' = T - t                                    T, the tangent sum, cancels t; beyond mu_s N it is cut to mu_k N
@@ -176,15 +186,61 @@ template <class Isa>
                   columns.surface_motion, i, count);
     }
     const ContactSums<T> before = sums;
-    const Vectors<Isa> change =
-        solve_contact(sums, gap.C, slop, n, moved, load<Isa>(columns.static_friction + i, count),
-                      load<Isa>(columns.kinetic_friction + i, count));
+    const T static_friction = load<Isa>(columns.static_friction + i, count);
+    const T kinetic_friction = load<Isa>(columns.kinetic_friction + i, count);
+    Vectors<Isa> change = solve_contact(sums, gap.C, slop, n, moved, static_friction, kinetic_friction);
+    if (particles.turn) {
+      const RollingBalls<Isa> balls(particles.turn, columns, pack.first_float, i, count);
+      const auto rolls = balls.rolls && acts;
+      if (any_lane(rolls)) {
+        ContactSums<T> rolling_sums = before;
+        Vectors<Isa> moment_sum = balls.moment_sum;
+        const auto rolling =
+            solve_rolling_contact(rolling_sums, moment_sum, gap.C, slop, n, balls.slip(moved, n),
+                                  relative_rotation<Isa>(balls, body, columns, i, count), balls.response(),
+                                  static_friction, kinetic_friction, balls.rolling_friction);
+        change = selected<Isa>(rolls, rolling.position, change);
+        sums.tangent_sum = selected<Isa>(rolls, rolling_sums.tangent_sum, sums.tangent_sum);
+        balls.store_sum(moment_sum, rolls, columns, i, count);
+        balls.turn(rolling.friction, rolling.moment, rolls, particles.turn, pack.first_float, count);
+      }
+    }
     store<Isa>(select(acts, sums.normal_sum, before.normal_sum), columns.normal_sum + i, count);
     store3<Isa>(selected<Isa>(acts, sums.tangent_sum, before.tangent_sum), columns.tangent_sum, i, count);
     Records<Isa> records(particles.corrected, pack.first_float);
     records.transpose();
     for (int axis = 0; axis < 3; ++axis)
       records.r[axis] = (Numbers<Isa>(records.r[axis]) + select(acts, change[axis], zero)).v;
+    records.write(particles.corrected, pack.first_float);
+  }
+}
+
+template <class Isa>
+[[gnu::flatten]] void project_again(const ColliderParticles& particles, const ColliderContactColumns& columns,
+                                    std::size_t begin, std::size_t end) {
+  using T = Numbers<Isa>;
+  const T nothing(-0.f);  // what is added to it keeps its sign
+  for (std::size_t i = begin; i < end; i += Isa::lanes) {
+    const ParticlePack<Isa> pack(columns.particle, i, end);
+    const int count = pack.count;
+    Vectors<Isa> moved = Records<Isa>(particles.moving, pack.first_float).components();
+    moved -= Records<Isa>(particles.start, pack.first_float).components();
+    const Vectors<Isa> n = load3<Isa>(columns.normal, i, count);
+    const T C = load<Isa>(columns.plane_gap + i, count) + dot(n, moved);
+    const T slop = load<Isa>(columns.slop + i, count);
+    ContactSums<T> sums{load<Isa>(columns.normal_sum + i, count), load3<Isa>(columns.tangent_sum, i, count)};
+    const auto acts = slop > C || sums.normal_sum > T(0.f);
+    if (!any_lane(acts)) continue;
+    const ContactSums<T> before = sums;
+    const Vectors<Isa> change = solve_contact(
+        sums, C, slop, n, moved - load3<Isa>(columns.surface_motion, i, count),
+        load<Isa>(columns.static_friction + i, count), load<Isa>(columns.kinetic_friction + i, count));
+    store<Isa>(select(acts, sums.normal_sum, before.normal_sum), columns.normal_sum + i, count);
+    store3<Isa>(selected<Isa>(acts, sums.tangent_sum, before.tangent_sum), columns.tangent_sum, i, count);
+    Records<Isa> records(particles.corrected, pack.first_float);
+    records.transpose();
+    for (int axis = 0; axis < 3; ++axis)
+      records.r[axis] = (T(records.r[axis]) + select(acts, change[axis], nothing)).v;
     records.write(particles.corrected, pack.first_float);
   }
 }
@@ -208,11 +264,28 @@ template <class Isa>
     records.transpose();
     const Vectors<Isa> v{T(records.r[0]), T(records.r[1]), T(records.r[2])};
     const Vectors<Isa> u = v - load3<Isa>(columns.surface_motion, i, count) * inverse_h;
-    const auto [change, restitution_velocity] =
-        solve_restitution(sums, n, u, -dot(n, load3<Isa>(columns.predicted, i, count)) * inverse_h,
-                          T(limits.restitution_threshold), load<Isa>(columns.restitution + i, count),
-                          load<Isa>(columns.static_friction + i, count),
-                          load<Isa>(columns.kinetic_friction + i, count), inverse_h);
+    const T approach = -dot(n, load3<Isa>(columns.predicted, i, count)) * inverse_h;
+    const T restitution = load<Isa>(columns.restitution + i, count);
+    const T static_friction = load<Isa>(columns.static_friction + i, count);
+    const T kinetic_friction = load<Isa>(columns.kinetic_friction + i, count);
+    auto [change, restitution_velocity] =
+        solve_restitution(sums, n, u, approach, T(limits.restitution_threshold), restitution, static_friction,
+                          kinetic_friction, inverse_h);
+    if (particles.turn) {
+      const RollingBalls<Isa> balls(particles.turn, columns, pack.first_float, i, count);
+      const auto rolls = balls.rolls && acts;
+      if (any_lane(rolls)) {
+        const T h = T(1.f) / inverse_h;
+        const auto rolling = solve_rolling_restitution(
+            sums, balls.moment_sum, n, dot(n, u), balls.slip(u * h, n) * inverse_h,
+            relative_rotation<Isa>(balls, body, columns, i, count) * inverse_h, balls.response(), approach,
+            T(limits.restitution_threshold), restitution, static_friction, kinetic_friction,
+            balls.rolling_friction, inverse_h);
+        change = selected<Isa>(rolls, rolling.change.position, change);
+        balls.turn(rolling.change.friction * h, rolling.change.moment * h, rolls, particles.turn,
+                   pack.first_float, count);
+      }
+    }
     for (int axis = 0; axis < 3; ++axis)
       records.r[axis] = (Numbers<Isa>(records.r[axis]) + select(acts, change[axis], zero)).v;
     records.write(particles.velocity, pack.first_float);
@@ -252,8 +325,9 @@ bool left(const ColliderParticles& particles, const std::uint32_t* particle, con
 
 template <class Isa>
 const ColliderContactKernels& collider_contact_kernels() {
-  static constexpr ColliderContactKernels kernels{
-      distances<Isa>, find<Isa>, describe<Isa>, project<Isa>, apply_restitution<Isa>, gaps<Isa>, left<Isa>};
+  static constexpr ColliderContactKernels kernels{distances<Isa>, find<Isa>,          describe<Isa>,
+                                                  project<Isa>,   project_again<Isa>, apply_restitution<Isa>,
+                                                  gaps<Isa>,      left<Isa>};
   return kernels;
 }
 

@@ -3,6 +3,7 @@
 #include "souple/collision/contact_law.h"
 #include "souple/collision/kernels/element_pairs.h"
 #include "souple/collision/kernels/registers.h"
+#include "souple/collision/kernels/rolling_balls.h"
 #include "souple/collision/nearest.h"
 
 // Include this only in translation units that are compiled for one instruction set. Every template here has
@@ -405,9 +406,25 @@ SOUPLE_INLINE inline void project_pack(const ParticleRecords& particles, const C
   const T slop = load<Isa>(columns.slop + i, pack.count);
   const auto acts = slop > C || sums.normal_sum > zero;
   if (!any_lane(acts)) return;
-  const Vectors<Isa> change =
-      solve_contact(sums, C, slop, pack.n, moved, load<Isa>(columns.static_friction + i, pack.count),
-                    load<Isa>(columns.kinetic_friction + i, pack.count));
+  const T static_friction = load<Isa>(columns.static_friction + i, pack.count);
+  const T kinetic_friction = load<Isa>(columns.kinetic_friction + i, pack.count);
+  const ContactSums<T> before = sums;
+  Vectors<Isa> change = solve_contact(sums, C, slop, pack.n, moved, static_friction, kinetic_friction);
+  if (particles.turn) {
+    const RollingBalls<Isa> balls(particles.turn, columns, pack.first_float[0], i, pack.count);
+    const auto rolls = balls.rolls && acts;
+    if (any_lane(rolls)) {
+      ContactSums<T> rolling_sums = before;
+      Vectors<Isa> moment_sum = balls.moment_sum;
+      const auto rolling = solve_rolling_contact(rolling_sums, moment_sum, C, slop, pack.n,
+                                                 balls.slip(moved, pack.n), balls.turned, balls.response(),
+                                                 static_friction, kinetic_friction, balls.rolling_friction);
+      change = selected<Isa>(rolls, rolling.position, change);
+      sums.tangent_sum = selected<Isa>(rolls, rolling_sums.tangent_sum, sums.tangent_sum);
+      balls.store_sum(moment_sum, rolls, columns, i, pack.count);
+      balls.turn(rolling.friction, rolling.moment, rolls, particles.turn, pack.first_float[0], pack.count);
+    }
+  }
   store<Isa>(sums.normal_sum, columns.normal_sum + i, pack.count);
   for (int axis = 0; axis < 3; ++axis)
     store<Isa>(sums.tangent_sum[axis], columns.tangent_sum[axis] + i, pack.count);
@@ -461,10 +478,25 @@ template <class Isa>
     const ContactSums<T> sums{
         normal_sum,
         {column(columns.tangent_sum[0]), column(columns.tangent_sum[1]), column(columns.tangent_sum[2])}};
-    const auto [change, restitution_velocity] =
+    auto [change, restitution_velocity] =
         solve_restitution(sums, pack.n, u, column(columns.approach) * inverse_h,
                           T(limits.restitution_threshold), column(columns.restitution),
                           column(columns.static_friction), column(columns.kinetic_friction), inverse_h);
+    if (particles.turn) {
+      const RollingBalls<Isa> balls(particles.turn, columns, pack.first_float[0], i, pack.count);
+      const auto rolls = balls.rolls && acts;
+      if (any_lane(rolls)) {
+        const T h = T(1.f) / inverse_h;
+        const auto rolling = solve_rolling_restitution(
+            sums, balls.moment_sum, pack.n, dot(pack.n, u), balls.slip(u * h, pack.n) * inverse_h,
+            balls.turned * inverse_h, balls.response(), column(columns.approach) * inverse_h,
+            T(limits.restitution_threshold), column(columns.restitution), column(columns.static_friction),
+            column(columns.kinetic_friction), balls.rolling_friction, inverse_h);
+        change = selected<Isa>(rolls, rolling.change.position, change);
+        balls.turn(rolling.change.friction * h, rolling.change.moment * h, rolls, particles.turn,
+                   pack.first_float[0], pack.count);
+      }
+    }
     corners.add(change * (T(1.f) / column(columns.inverse_mass)), pack.c, acts, velocity, pack.first_float);
     store<Isa>(select(acts, restitution_velocity, zero), columns.restitution_velocity + i, count);
     const T depth = max(zero, column(columns.thickness) - dot(pack.n, weighted(x, pack.c)));

@@ -17,6 +17,8 @@ struct ParticleRecords {
   const float* moved = nullptr;     ///< moving - start; read by ranges, find_near, classify and describe
   /// Per particle: additional distance at which its contacts begin [m]; read by ranges and classify.
   const float* contact_margin = nullptr;
+  /// See Particles::turn; read and written by project and apply_restitution. Null: no particle rolls.
+  float* turn = nullptr;
 };
 
 /// Pairs of a vertex and a triangle, or of two edges, as columns.
@@ -76,6 +78,10 @@ struct ContactColumns {
   float* tangent_sum[3];        ///< sum of tangential corrections of the distance [m]
   float* restitution_velocity;  ///< relative normal velocity added by apply_restitution [m/s]
   float* depth;                 ///< remaining overlap, of contacts with a normal impulse [m]
+  // Only where particles roll (contact_law.h). Such a particle is the first one.
+  float* share;  ///< 5/2 w_0 / inverse_mass of a ball that rotates, else 0
+  float* rolling_friction;
+  float* moment_sum[3];  ///< G [m]
 };
 
 /// Parameters of all contacts of a substep.

@@ -98,4 +98,10 @@ SOUPLE_INLINE inline void store(Numbers<Isa> a, float* column, int count) {
   for (int lane = 0; lane < count; ++lane) column[lane] = lanes[lane];
 }
 
+template <class Isa>
+SOUPLE_INLINE inline Vectors<Isa> selected(typename Numbers<Isa>::Mask mask, const Vectors<Isa>& a,
+                                           const Vectors<Isa>& b) {
+  return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};
+}
+
 }  // namespace souple::kernels

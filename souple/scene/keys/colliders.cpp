@@ -69,6 +69,9 @@ CodecPtr<ColliderDescription> collider_codec() {
       .required<&C::shape>("shape", shape_codec(), "the collider's solid")
       .key<&C::friction>("friction", number<float>(friction_range),
                          "Coulomb friction coefficient; a contact uses the geometric mean of both sides")
+      .key<&C::kinetic_friction>(
+          "kinetic_friction", maybe(number<float>(friction_range)),
+          "friction coefficient while sliding, at most `friction`; if not given: `friction`")
       .key<&C::restitution>("restitution", number<float>(unit),
                             "coefficient of restitution, the fraction of the speed that a bounce keeps; a "
                             "contact uses the larger of both sides")
@@ -79,6 +82,7 @@ CodecPtr<ColliderDescription> collider_codec() {
       .key<&C::loop>("loop", boolean(), "repeats the keyframes after the last")
       .needs("loop", "keyframes")
       .excludes("transform", "keyframes")
+      .check(check_kinetic_friction<C>)
       .check([](const C& collider, const JsonPath& path) { check_times(collider.keyframes, path); });
   add_collision_keys(*keys);
   return keys;

@@ -39,9 +39,14 @@ CodecPtr<PairDescription> pair_codec() {
                               "names of objects or colliders")
       .key<&P::collide>("collide", boolean(), "false: they pass through each other")
       .key<&P::friction>("friction", maybe(number<float>(friction_range)), "Coulomb friction coefficient")
+      .key<&P::kinetic_friction>(
+          "kinetic_friction", maybe(number<float>(friction_range)),
+          "friction coefficient while sliding, at most `friction`; if not given: `friction`")
       .key<&P::restitution>("restitution", number<float>(unit),
                             "coefficient of restitution, the fraction of the speed that a bounce keeps")
       .needs("restitution", "friction")
+      .needs("kinetic_friction", "friction")
+      .check(check_kinetic_friction<P>)
       .check([](const P& pair, const JsonPath& path) {
         if (pair.collide && !pair.friction) path.fail("needs \"friction\", or \"collide\": false");
       });

@@ -64,9 +64,13 @@ auto material_table(const char* heading, const char* doc, Find find) {
 template <class T>
 void add_surface_keys(Table<T>& keys) {
   keys.template key<&T::friction>("friction", number<float>(friction_range), "Coulomb friction coefficient")
+      .template key<&T::kinetic_friction>(
+          "kinetic_friction", maybe(number<float>(friction_range)),
+          "friction coefficient while sliding, at most `friction`; if not given: `friction`")
       .template key<&T::restitution>(
           "restitution", number<float>(unit),
-          "coefficient of restitution, the fraction of the speed that a bounce keeps");
+          "coefficient of restitution, the fraction of the speed that a bounce keeps")
+      .check(check_kinetic_friction<T>);
 }
 
 template <class T>
@@ -172,8 +176,12 @@ CodecPtr<MaterialDescription<GrainsMaterial>> grains_material_codec() {
   keys->key<&M::radius>("radius", number<float>(positive(100)), "radius [m]")
       .key<&M::density>("density", number<float>(positive(1e6)), "density of one grain [kg/m^3]");
   add_surface_keys(*keys);
-  keys->key<&M::damping>("damping", number<float>(from_zero(1e4)),
-                         "damping rate of motion relative to the whole object [1/s]");
+  keys->key<&M::rolling_friction>(
+          "rolling_friction", number<float>(friction_range),
+          "largest moment of a contact against rolling, as a part of radius times normal "
+          "force; 0: perfect spheres, from about 1 on grains slide but do not roll")
+      .key<&M::damping>("damping", number<float>(from_zero(1e4)),
+                        "damping rate of motion relative to the whole object [1/s]");
   return keys;
 }
 

@@ -54,6 +54,14 @@ std::shared_ptr<Table<T>> object_table(const char* kind, const char* doc) {
 }
 
 template <class T>
+void add_wind_key(Table<T>& keys) {
+  keys.template key<&T::wind_exposure>(
+      "wind_exposure", number<float>(from_zero(100)),
+      "share of the wind's velocity that reaches it: 0 in the lee, where air "
+      "is still; more than 1 in a draft");
+}
+
+template <class T>
 void add_object_keys(Table<T>& keys) {
   keys.template key<&T::transform>("transform", transform_codec(), "initial position, rotation and scale")
       .template key<&T::velocity>("velocity", vector3<float>(signed_range(fast)), "initial velocity [m/s]")
@@ -65,6 +73,7 @@ void add_object_keys(Table<T>& keys) {
                               "vertices that are fixed, or moved by keyframes or a sequence")
       .template key<&T::attachments>("attachments", list(attachment_codec(), 0, 10000),
                                      "vertices attached by springs");
+  add_wind_key(keys);
   add_collision_keys(keys);
 }
 
@@ -214,6 +223,7 @@ std::shared_ptr<Table<FluidDescription>> fluid_table() {
         if (!fluid.emitters.empty() && fluid.max_particles == 0)
           path.fail("\"emitters\" need \"max_particles\", the maximum number of particles");
       });
+  add_wind_key(*keys);
   add_collision_keys(*keys);
   return keys;
 }

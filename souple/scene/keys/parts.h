@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,14 @@ void add_collision_keys(Table<T>& keys) {
       .template key<&T::collision, &CollisionFilter::mask>(
           "collision_mask", listed,
           "groups it collides with; two objects collide if each is in a group of the other's mask");
+}
+
+/// Keys of the friction of a surface or a pair.
+template <class T>
+void check_kinetic_friction(const T& value, const JsonPath& path) {
+  const std::optional<float> friction = value.friction, kinetic = value.kinetic_friction;
+  if (kinetic && friction && *kinetic > *friction)
+    path.key("kinetic_friction").fail("must not be above \"friction\"");
 }
 
 // --- motion.cpp ------------------------------------------------------------------------------------------

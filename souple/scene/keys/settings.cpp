@@ -133,7 +133,13 @@ void add_setting_keys(Table<SceneDescription>& keys) {
       .key<&S::settings, &Settings::segment_test>(
           "segment_test",
           enumeration<SegmentTest>({std::begin(segment_test_names), std::end(segment_test_names)}),
-          "intersection test of picking rays with triangles")
+          "intersection test with triangles: of picking rays, and of paths with `detection` discrete")
+      .key<&S::settings, &Settings::detection>(
+          "detection",
+          enumeration<Detection>({{"continuous", Detection::continuous}, {"discrete", Detection::discrete}}),
+          "how contacts between surfaces are found: discrete tests the paths of vertices alone and serves "
+          "for "
+          "comparison")
       .key<&S::settings, &Settings::fluid>("fluid", fluid_settings_codec(),
                                            "pressure solver and foam of fluids")
       .key<&S::settings, &Settings::sleeping>("sleeping", sleeping_codec(),

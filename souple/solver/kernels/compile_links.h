@@ -16,17 +16,26 @@ template <class Isa>
   r[2] = Isa::load_records(records, i + 2), r[3] = Isa::load_records(records, i + 3);
 }
 
+/// Differences of the records of a and b.
+template <class Isa>
+[[gnu::always_inline]] inline void subtract_records(const float* records, const std::uint32_t* a,
+                                                    const std::uint32_t* b,
+                                                    typename Isa::Vector (&difference)[4]) {
+  typename Isa::Vector of_b[4];
+  load_four<Isa>(records, a, difference), load_four<Isa>(records, b, of_b);
+  for (int j = 0; j < 4; ++j) difference[j] = difference[j] - of_b[j];
+}
+
 /// Differences of the records of a and b, transposed.
 template <class Isa>
 [[gnu::always_inline]] inline Vec3<simd::Pack<Isa>> difference_of(const float* records,
                                                                   const std::uint32_t* a,
                                                                   const std::uint32_t* b) {
   using T = simd::Pack<Isa>;
-  typename Isa::Vector of_a[4], of_b[4];
-  load_four<Isa>(records, a, of_a), load_four<Isa>(records, b, of_b);
-  for (int j = 0; j < 4; ++j) of_a[j] = of_a[j] - of_b[j];
-  simd::transpose<Isa>(of_a);
-  return {T(of_a[0]), T(of_a[1]), T(of_a[2])};
+  typename Isa::Vector r[4];
+  subtract_records<Isa>(records, a, b, r);
+  simd::transpose<Isa>(r);
+  return {T(r[0]), T(r[1]), T(r[2])};
 }
 
 template <class Isa, bool with_path>
@@ -83,9 +92,73 @@ template <class Isa>
   }
 }
 
+template <class Isa, bool displaced>
+[[gnu::flatten]] void find_stretched(const ParticleLinks& of, const float* position, const float* moving,
+                                     std::uint16_t* stretched, std::size_t begin, std::size_t end) {
+  using T = simd::Pack<Isa>;
+  constexpr std::size_t block = 16;
+  const ParticleLinks links = of;
+  for (std::size_t k = begin; k < end; ++k) {
+    unsigned bits = 0;
+    for (std::size_t lane = 0; lane < block; lane += Isa::lanes) {
+      const std::size_t i = block * k + lane;
+      typename Isa::Vector r[4], d[4];
+      subtract_records<Isa>(position, links.a + i, links.b + i, r);
+      if constexpr (displaced) {
+        subtract_records<Isa>(moving, links.a + i, links.b + i, d);
+        for (int j = 0; j < 4; ++j) r[j] = r[j] + d[j];
+      }
+      simd::transpose<Isa>(r);
+      const Vec3<T> u{T(r[0]), T(r[1]), T(r[2])};
+      const T longest = T::load(links.longest + i);
+      const auto longer = dot(u, u) > longest * longest;
+      if (!any_lane(longer)) continue;
+      float is[Isa::lanes];
+      select(longer, T(1.f), T(0.f)).store(is);
+      for (std::size_t j = 0; j < Isa::lanes; ++j) bits |= is[j] > 0 ? 1u << (lane + j) : 0u;
+    }
+    stretched[k] = static_cast<std::uint16_t>(bits);
+  }
+}
+
+template <class Isa>
+void find_any_stretched(const ParticleLinks& links, const float* position, const float* moving,
+                        std::uint16_t* stretched, std::size_t begin, std::size_t end) {
+  (moving ? find_stretched<Isa, true> : find_stretched<Isa, false>)(links, position, moving, stretched, begin,
+                                                                    end);
+}
+
+template <class Isa, bool displaced>
+[[gnu::flatten]] void measure_stretched(const LinkArrays& of, const StretchedMeasures& from,
+                                        const float* position, const float* moving, float* gain,
+                                        std::size_t begin, std::size_t end) {
+  using T = simd::Pack<Isa>;
+  const LinkArrays links = of;
+  const StretchedMeasures m = from;
+  for (std::size_t i = begin; i < end; i += Isa::lanes) {
+    Vec3<T> X{T(0.f), T(0.f), T(0.f)};
+    if constexpr (displaced) X = difference_of<Isa>(position, links.a + i, links.b + i);
+    const Vec3<T> u = X + difference_of<Isa>(moving, links.a + i, links.b + i);
+    const T longest = T::load(m.longest + i);
+    X.x.store(links.x + i), X.y.store(links.y + i), X.z.store(links.z + i);
+    longest.store(links.max_length + i);
+    min(longest * T(m.shortest_part), sqrt(dot(u, u))).store(links.min_length + i);
+    stretched_gain(T::load(m.compliance + i), T::load(m.inverse_mass + i), T(m.softest), T(m.sweeps_over_h2))
+        .store(gain + i);
+  }
+}
+
+template <class Isa>
+void measure_any_stretched(const LinkArrays& links, const StretchedMeasures& from, const float* position,
+                           const float* moving, float* gain, std::size_t begin, std::size_t end) {
+  (position ? measure_stretched<Isa, true> : measure_stretched<Isa, false>)(links, from, position, moving,
+                                                                            gain, begin, end);
+}
+
 template <class Isa>
 const LinkKernels& link_kernels() {
-  static constexpr LinkKernels kernels{measure_any_links<Isa>, sweep_links<Isa>};
+  static constexpr LinkKernels kernels{measure_any_links<Isa>, sweep_links<Isa>, find_any_stretched<Isa>,
+                                       measure_any_stretched<Isa>};
   return kernels;
 }
 

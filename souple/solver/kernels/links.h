@@ -47,9 +47,39 @@ using MeasureLinks = void (*)(const LinkArrays&, const LinkMeasures&, std::size_
 using SweepLinks = void (*)(const LinkArrays&, float* moving, std::size_t begin, std::size_t end,
                             float relaxation);
 
+/// Links between particles of the world, one array per number. Links are taken 16 at a time.
+struct ParticleLinks {
+  const std::uint32_t* a = nullptr;  ///< 4 times the end: the index of its record's first float
+  const std::uint32_t* b = nullptr;
+  const float* longest = nullptr;  ///< the length above which a link is stretched [m]
+};
+
+/// Sets bit k of stretched[i] where link 16 i + k is stretched; blocks [begin, end) of 16 links. The length is
+/// that of x_a - x_b, plus d_a - d_b where `moving` is not null.
+using FindStretched = void (*)(const ParticleLinks&, const float* position, const float* moving,
+                               std::uint16_t* stretched, std::size_t begin, std::size_t end);
+
+/// What the sweeps of stretched links know of a link besides its ends.
+struct StretchedMeasures {
+  const float* longest = nullptr;       ///< the length it is shortened to [m]
+  const float* compliance = nullptr;    ///< alpha [m/N]
+  const float* inverse_mass = nullptr;  ///< w_a + w_b [1/kg]
+  float shortest_part = 0;              ///< a link is lengthened to this part of `longest`
+  float softest = 0;  ///< a link of this compliance per inverse mass or more has no correction [m kg/N]
+  float sweeps_over_h2 = 0;  ///< number of sweeps n over h^2 [1/s^2]
+};
+/// Fills x, y, z, min_length, max_length and `gain` of links [begin, end), whole registers, from records x and d of the
+/// world's particles. Position null: x_a - x_b is 0.
+///
+///   L = longest,  l = min(|u|, shortest part L),  g = 1 / (w + n alpha / (r h^2)),  r = 1 - alpha / (softest w)
+using MeasureStretched = void (*)(const LinkArrays&, const StretchedMeasures&, const float* position,
+                                  const float* moving, float* gain, std::size_t begin, std::size_t end);
+
 struct LinkKernels {
   MeasureLinks measure;
   SweepLinks sweep;
+  FindStretched find_stretched;
+  MeasureStretched measure_stretched;
 };
 
 /// Compiled in one translation unit per instruction set (compile_links.h).
@@ -76,6 +106,15 @@ struct LinkLimits {
     min_length = min(max_length, min(now, sqrt(dot(moved, moved))));
   }
 };
+
+/// The gain g of a stretched link. Levels and the finest sweep supply the stiffness of soft links, so that these sweeps
+/// add less the softer the link is.
+template <class T>
+T stretched_gain(const T& alpha, const T& inverse_mass, const T& softest, const T& sweeps_over_h2) {
+  const T one(1), zero(0), rest = one - alpha / (softest * inverse_mass);
+  const auto acts = rest > zero;
+  return select(acts, one / (inverse_mass + sweeps_over_h2 * alpha / select(acts, rest, one)), zero);
+}
 
 /// A link's ratio L / |X| without the path. `now`: |x|.
 template <class T>

@@ -1,0 +1,297 @@
+#include "benchmarks/elastic_forces.h"
+
+#include "souple/geometry/adjacency.h"
+#include "souple/math/mat3.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <Eigen/Sparse>
+
+namespace souple::benchmarks {
+
+/// (M (1 + h c) + h^2 K) dv = rhs of the free particles; blocks of 3 x 3, column by column.
+struct ElasticModel::System {
+  using Matrix = Eigen::SparseMatrix<double>;
+  Matrix matrix;
+  Eigen::VectorXd rhs, solution;
+  std::vector<int> unknown;  // per particle: its first unknown, -1 if it is pinned
+  /// Per element and pair of its particles, and last per particle: the value of the block's first entry, -1 if
+  /// there is none; the same entry of the block's next column comes `stride` later.
+  struct Block {
+    int first, stride;
+  };
+  std::vector<Block> blocks;
+  Eigen::ConjugateGradient<Matrix, Eigen::Lower | Eigen::Upper> gradient;
+  Eigen::SimplicialLDLT<Matrix> ldlt;
+  bool ordered = false;
+};
+
+namespace {
+
+using Pair = std::array<std::uint32_t, 2>;
+
+template <std::size_t n>
+void append_pairs(const std::array<std::uint32_t, n>& particle, std::vector<Pair>& out) {
+  for (const std::uint32_t i : particle)
+    for (const std::uint32_t j : particle) out.push_back({i, j});
+}
+
+}  // namespace
+
+ElasticModel::ElasticModel(const TriangleMesh& mesh, const ClothMaterial& material)
+    : x(mesh.positions), v(mesh.positions.size()), mass_(mesh.positions.size()) {
+  const TriangleEdges edges = triangle_edges(mesh.triangles);
+  std::vector<double> area(edges.edges.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    const double A = 0.5 * length(cross(x[b] - x[a], x[c] - x[a]));
+    for (const std::uint32_t edge : edges.of_triangle[t])
+      if (edge != TriangleEdges::no_edge) area[edge] += A;
+    for (const std::uint32_t i : mesh.triangles[t])
+      mass_[i] += static_cast<double>(material.areal_density) * A / 3;
+  }
+  for (std::size_t e = 0; e < edges.edges.size(); ++e) {
+    const Edge& edge = edges.edges[e];
+    const double l = length(x[edge[0]] - x[edge[1]]);
+    const auto Y = static_cast<double>(material.membrane_stiffness);
+    springs_.push_back({{edge[0], edge[1]}, l, Y * area[e] / (l * l)});
+  }
+  pinned_.resize(x.size()), force_.resize(x.size());
+}
+
+ElasticModel::ElasticModel(const TetMesh& mesh, const SoftBodyMaterial& material)
+    : x(mesh.positions), v(mesh.positions.size()), mass_(mesh.positions.size()) {
+  const auto E = static_cast<double>(material.young_modulus),
+             nu = static_cast<double>(material.poisson_ratio);
+  const double mu = E / (2 * (1 + nu)), lambda = 2 * mu * nu / (1 - 2 * nu);
+  for (const auto& tet : mesh.tets) {
+    const Mat3d edges{x[tet[1]] - x[tet[0]], x[tet[2]] - x[tet[0]], x[tet[3]] - x[tet[0]]};
+    const double V = determinant(edges) / 6;
+    const Mat3d B = inverse(edges);
+    Tet one{tet, {}, V * mu, V * lambda};
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int k = 0; k < 3; ++k) one.b[k + 1][axis] = B(k, axis);
+      one.b[0][axis] = -B(0, axis) - B(1, axis) - B(2, axis);
+    }
+    tets_.push_back(one);
+    for (const std::uint32_t i : tet) mass_[i] += static_cast<double>(material.density) * V / 4;
+  }
+  pinned_.resize(x.size()), force_.resize(x.size());
+}
+
+ElasticModel::~ElasticModel() = default;
+
+void ElasticModel::pin(std::span<const std::uint32_t> particles) {
+  for (const std::uint32_t i : particles) pinned_[i] = true;
+}
+
+bool ElasticModel::is_finite() const {
+  return std::all_of(x.begin(), x.end(), [](const Vec3d& p) { return length_squared(p) < 1e6; });
+}
+
+// --- energies and forces
+
+namespace {
+
+struct Strain {
+  Mat3d F, cof;
+  double J;
+};
+
+template <class Tet>
+Strain strain_of(const Tet& tet, std::span<const Vec3d> x) {
+  Strain s;
+  for (int axis = 0; axis < 3; ++axis)
+    for (int k = 0; k < 4; ++k)
+      s.F.column[axis] += x[tet.particle[static_cast<std::size_t>(k)]] * tet.b[k][axis];
+  s.cof = cofactor(s.F);
+  s.J = dot(s.F.column[0], s.cof.column[0]);
+  return s;
+}
+
+Vec3d vector(const double (&b)[3]) {
+  return {b[0], b[1], b[2]};
+}
+
+}  // namespace
+
+double ElasticModel::elastic_energy() const {
+  double sum = 0;
+  for (const Spring& spring : springs_) {
+    const double C = length(x[spring.particle[0]] - x[spring.particle[1]]) - spring.length;
+    sum += 0.5 * spring.stiffness * C * C;
+  }
+  for (const Tet& tet : tets_) {
+    const Strain s = strain_of(tet, x);
+    const double j = s.J - 1;
+    sum += 0.5 * tet.mu * (frobenius_squared(s.F) - 3) - tet.mu * j + 0.5 * (tet.lambda + tet.mu) * j * j;
+  }
+  return sum;
+}
+
+double ElasticModel::kinetic_energy() const {
+  double sum = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) sum += 0.5 * mass_[i] * length_squared(v[i]);
+  return sum;
+}
+
+double ElasticModel::potential_energy() const {
+  double sum = 0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (!pinned_[i]) sum -= mass_[i] * dot(gravity, x[i]);
+  return sum;
+}
+
+// Without drag.
+void ElasticModel::find_forces() {
+  for (std::size_t i = 0; i < x.size(); ++i) force_[i] = gravity * mass_[i];
+  for (const Spring& spring : springs_) {
+    const auto [a, b] = spring.particle;
+    const Vec3d d = x[a] - x[b];
+    const double l = length(d);
+    const Vec3d f = d * (spring.stiffness * (spring.length - l) / l);
+    force_[a] += f, force_[b] -= f;
+  }
+  for (const Tet& tet : tets_) {
+    const Strain s = strain_of(tet, x);
+    const Mat3d P = s.F * tet.mu + s.cof * ((tet.lambda + tet.mu) * (s.J - 1) - tet.mu);
+    for (std::size_t k = 0; k < 4; ++k) force_[tet.particle[k]] -= P * vector(tet.b[k]);
+  }
+}
+
+// --- integrators
+
+void ElasticModel::step(Method method, double h, LinearSolver solver) {
+  if (method == Method::implicit_euler || method == Method::implicit_midpoint) {
+    const bool midpoint = method == Method::implicit_midpoint;
+    const double part = midpoint ? h / 2 : h;
+    before_ = v;
+    implicit_step(part, solver);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      if (pinned_[i]) continue;
+      x[i] += v[i] * h;
+      if (midpoint) v[i] = v[i] * 2 - before_[i];
+    }
+    return;
+  }
+  find_forces();
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (pinned_[i]) continue;
+    const Vec3d a = force_[i] / mass_[i] - v[i] * drag;
+    if (method == Method::explicit_euler) x[i] += v[i] * h;
+    v[i] += a * h;
+    if (method == Method::semi_implicit) x[i] += v[i] * h;
+  }
+}
+
+// Finds v' = v + h (M^-1 f(x + h v') - c v') by one Newton step from v' = v; leaves x.
+//   (M (1 + h c) + h^2 K) (v' - v) = h (f(x + h v) - c M v)
+void ElasticModel::implicit_step(double h, LinearSolver solver) {
+  if (!system_) allocate();
+  System& system = *system_;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (!pinned_[i]) x[i] += v[i] * h;
+  find_forces();
+  find_matrix(h * h);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const int u = system.unknown[i];
+    if (u < 0) continue;
+    const Vec3d r = (force_[i] - v[i] * (drag * mass_[i])) * h;
+    for (int k = 0; k < 3; ++k) system.rhs[u + k] = r[k];
+    const System::Block& diagonal = system.blocks[system.blocks.size() - x.size() + i];
+    for (int k = 0; k < 3; ++k)
+      system.matrix.valuePtr()[diagonal.first + k * (diagonal.stride + 1)] += mass_[i] * (1 + h * drag);
+  }
+  if (solver == LinearSolver::ldlt) {
+    if (!system.ordered) system.ldlt.analyzePattern(system.matrix);
+    system.ordered = true;
+    system.ldlt.factorize(system.matrix);
+    system.solution = system.ldlt.solve(system.rhs);
+  } else {
+    system.gradient.setTolerance(1e-4);
+    system.gradient.compute(system.matrix);
+    system.solution = system.gradient.solveWithGuess(system.rhs, system.solution);
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const int u = system.unknown[i];
+    if (u < 0) continue;
+    x[i] -= v[i] * h;
+    v[i] += {system.solution[u], system.solution[u + 1], system.solution[u + 2]};
+  }
+}
+
+// --- matrix
+
+void ElasticModel::allocate() {
+  system_ = std::make_unique<System>();
+  System& system = *system_;
+  int count = 0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    system.unknown.push_back(pinned_[i] ? -1 : count);
+    if (!pinned_[i]) count += 3;
+  }
+  std::vector<Pair> pairs;
+  for (const Spring& spring : springs_) append_pairs(spring.particle, pairs);
+  for (const Tet& tet : tets_) append_pairs(tet.particle, pairs);
+  for (std::uint32_t i = 0; i < x.size(); ++i) pairs.push_back({i, i});
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const auto& [i, j] : pairs)
+    for (int r = 0; system.unknown[i] >= 0 && system.unknown[j] >= 0 && r < 3; ++r)
+      for (int c = 0; c < 3; ++c) entries.emplace_back(system.unknown[i] + r, system.unknown[j] + c, 0.0);
+  system.matrix.resize(count, count);
+  system.matrix.setFromTriplets(entries.begin(), entries.end());
+  const int *const begin = system.matrix.outerIndexPtr(), *const row = system.matrix.innerIndexPtr();
+  for (const auto& [i, j] : pairs) {
+    const int r = system.unknown[i], c = system.unknown[j];
+    if (r < 0 || c < 0)
+      system.blocks.push_back({-1, 0});
+    else
+      system.blocks.push_back(
+          {static_cast<int>(std::lower_bound(row + begin[c], row + begin[c + 1], r) - row),
+           begin[c + 1] - begin[c]});
+  }
+  system.rhs.resize(count);
+  system.solution.setZero(count);
+}
+
+/// block(a, b): the second derivative of the element's energy by its particles a and b.
+template <std::size_t n, class Block>
+void ElasticModel::add_blocks(std::size_t& next, double factor, const Block& block) {
+  double* const values = system_->matrix.valuePtr();
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = 0; b < n; ++b) {
+      const auto [first, stride] = system_->blocks[next++];
+      if (first < 0) continue;
+      const Mat3d m = block(a, b);
+      for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r) values[first + c * stride + r] += factor * m(r, c);
+    }
+}
+
+// `factor` times the second derivative K. That of a compressed spring across its direction is left out: it is
+// negative (Choi and Ko 2002).
+void ElasticModel::find_matrix(double factor) {
+  std::fill_n(system_->matrix.valuePtr(), system_->matrix.nonZeros(), 0.0);
+  std::size_t next = 0;
+  for (const Spring& spring : springs_) {
+    const Vec3d d = x[spring.particle[0]] - x[spring.particle[1]];
+    const double l = length(d), across = std::max(0.0, 1 - spring.length / l);
+    const Mat3d along = outer(d, d) * (1 / (l * l));
+    const Mat3d k = (along + (Mat3d::identity() - along) * across) * spring.stiffness;
+    add_blocks<2>(next, factor, [&](std::size_t a, std::size_t b) { return a == b ? k : k * -1.0; });
+  }
+  for (const Tet& tet : tets_) {
+    const Strain s = strain_of(tet, x);
+    const double pressure = (tet.lambda + tet.mu) * (s.J - 1) - tet.mu;
+    add_blocks<4>(next, factor, [&](std::size_t a, std::size_t b) {
+      const Vec3d p = vector(tet.b[a]), q = vector(tet.b[b]), w = s.F * cross(p, q) * pressure;
+      const double diagonal = tet.mu * dot(p, q);
+      const Mat3d turned{{diagonal, -w.z, w.y}, {w.z, diagonal, -w.x}, {-w.y, w.x, diagonal}};  // u x w
+      return turned + outer(s.cof * p, s.cof * q) * (tet.lambda + tet.mu);
+    });
+  }
+}
+
+}  // namespace souple::benchmarks

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "souple/math/vec3.h"
+
+namespace souple {
+
+/// An axis-aligned box: all points between two corners, which belong to it [m].
+struct Bounds {
+  Vec3f lo, hi;
+};
+
+/// Whether the box is valid: all numbers finite, lo <= hi.
+inline bool is_finite(const Bounds& box) {
+  return box.lo.x <= box.hi.x && box.lo.y <= box.hi.y && box.lo.z <= box.hi.z && is_finite(box.lo) &&
+         is_finite(box.hi);
+}
+
+/// The smallest box around both.
+inline Bounds united(const Bounds& a, const Bounds& b) {
+  return {{min(a.lo.x, b.lo.x), min(a.lo.y, b.lo.y), min(a.lo.z, b.lo.z)},
+          {max(a.hi.x, b.hi.x), max(a.hi.y, b.hi.y), max(a.hi.z, b.hi.z)}};
+}
+
+/// Whether the boxes share a point.
+inline bool overlap(const Bounds& a, const Bounds& b) {
+  return a.lo.x <= b.hi.x && b.lo.x <= a.hi.x && a.lo.y <= b.hi.y && b.lo.y <= a.hi.y && a.lo.z <= b.hi.z &&
+         b.lo.z <= a.hi.z;
+}
+
+}  // namespace souple
