@@ -249,21 +249,19 @@ void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, 
             kinetic_friction_at(material, relative_motion(body, columns.particle[contact], particles),
                                 2 * step_.gravity * last_h_ * last_h_);
       columns.restitution[contact] = material.restitution;
+      columns.slop[contact] = step_.depenetration_speed(material.radius) * last_h_;
       if (step_.turn.empty()) continue;
       columns.share[contact] = objects_[candidates_.object[candidate]].rolls ? inverse_inertia_factor : 0.0f;
       columns.radius[contact] = radius_[candidates_.particle[candidate]];
       columns.rolling_friction[contact] = material.rolling_friction;
       for (float* const sum : columns.moment_sum) sum[contact] = 0;
     }
-    kernels_->describe(packed, body.packed, limits(), columns, body.contact_begin + begin,
-                       body.contact_begin + end);
+    kernels_->describe(packed, body.packed, columns, body.contact_begin + begin, body.contact_begin + end);
   });
 }
 
 kernels::ColliderContactLimits ColliderContacts::limits() const {
-  return {.inverse_h = 1 / last_h_,
-          .restitution_threshold = 2 * step_.gravity * last_h_,
-          .depenetration = step_.depenetration_speed * last_h_};
+  return {.inverse_h = 1 / last_h_, .restitution_threshold = 2 * step_.gravity * last_h_};
 }
 
 kernels::ColliderParticles ColliderContacts::rolling_particles(const ParticleView& particles) const {

@@ -461,7 +461,9 @@ bool ColliderElementContacts::contact_of(const Body& body, const kernels::Collid
   contact.material.kinetic_friction = kinetic_friction_at(
       contact.material, Vec3f(end - start) - contact.surface_motion, 2 * step_.gravity * h * h);
   const double overlap = double(found.start_distance[candidate]) - target;
-  contact.slop = overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed * h))) : 0.0f;
+  contact.slop =
+      overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed(contact.material.radius) * h)))
+                  : 0.0f;
   return contact.inverse_mass > 0;
 }
 

@@ -4,6 +4,7 @@
 #include "souple/math/vec3.h"
 #include "souple/state/particles.h"
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 
@@ -38,13 +39,21 @@ struct ContactStep {
   double time = 0;        ///< at the start of the step [s]
   float dt = 0;           ///< length of the step [s]
   float gravity = 9.81f;  ///< |g| [m/s^2]: contacts that approach slower than 2 |g| h do not bounce
-  /// Speed at which an overlap older than the substep is removed [m/s].
-  float depenetration_speed = 3.f;
-  float h = 0;                                      ///< length of a substep; 0: the step has only one [s]
+  float h = 0;            ///< length of a substep; 0: the step has only one [s]
   Detection detection = Detection::continuous;      ///< between surfaces
   SegmentTest segment_test = default_segment_test;  ///< of discrete detection
   /// Rotation of the particles of objects that roll (Particles::turn); empty: none rolls.
   std::span<Vec4f> turn{};
+
+  /// Speed at which an overlap older than the substep is removed, if the smaller side has the radius R [m/s]: that of
+  /// a fall by R. So no side gains more energy than m |g| R, and scenes of every size leave an overlap alike. Without
+  /// gravity: that of a fall on Earth.
+  float depenetration_speed(float R) const { return std::sqrt(2 * pull() * R); }
+  /// Duration of such a fall [s].
+  float fall_time(float R) const { return std::sqrt(2 * R / pull()); }
+
+ private:
+  float pull() const { return gravity > 0 ? gravity : 9.81f; }
 };
 
 /// One contact that applied a normal impulse during the last substep.

@@ -83,9 +83,12 @@ bool PairOverrides::collide(const NamedContactMaterial& a, const NamedContactMat
 }
 
 ContactMaterialTable::Side ContactMaterialTable::side_of(const NamedContactMaterial& of) {
-  return {of.material, std::sqrt(of.material.friction),
+  return {of.material,
+          std::sqrt(of.material.friction),
           std::sqrt(of.material.kinetic_friction.value_or(of.material.friction)),
-          std::sqrt(of.material.rolling_friction.value_or(0.0f)), of.filter};
+          std::sqrt(of.material.rolling_friction.value_or(0.0f)),
+          of.filter,
+          of.radius};
 }
 
 // Root of each factor: the product cannot overflow. Equal frictions are returned unchanged.
@@ -106,7 +109,8 @@ ContactMaterialPair ContactMaterialTable::combined(const Side& a, const Side& b)
                                       b.material.kinetic_friction.value_or(b.material.friction),
                                       a.root_of_kinetic_friction, b.root_of_kinetic_friction);
   return {static_friction, std::min(kinetic_friction, static_friction),
-          std::max(a.material.restitution, b.material.restitution), combined_rolling(a, b)};
+          std::max(a.material.restitution, b.material.restitution), combined_rolling(a, b),
+          std::min(a.radius, b.radius)};
 }
 
 ContactMaterialTable::ContactMaterialTable(std::span<const NamedContactMaterial> rows,
@@ -160,6 +164,7 @@ ContactMaterialPair ContactMaterialTable::at(std::size_t row, std::size_t column
   if (exception == nullptr || !exception->pair) return usual;
   ContactMaterialPair result = *exception->pair;
   result.rolling_friction = usual.rolling_friction;
+  result.radius = usual.radius;
   return result;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -28,6 +30,7 @@ struct ContactMaterialPair {
   float kinetic_friction = 0;  ///< never above static_friction
   float restitution = 0;
   float rolling_friction = 0;
+  float radius = std::numeric_limits<float>::infinity();  ///< of the smaller side [m]
 };
 
 /// Throws Error when a coefficient is negative or not finite, the kinetic friction is above the static one or
@@ -56,6 +59,8 @@ struct NamedContactMaterial {
   std::string_view name;
   ContactMaterial material;
   CollisionFilter filter{};
+  /// Of the object at rest, which determines how fast overlaps are removed [m]. Colliders: infinite.
+  float radius = std::numeric_limits<float>::infinity();
 };
 
 /// Pairs of objects or colliders that deviate from the default rule, by name. The order of the two names does
@@ -98,6 +103,10 @@ class ContactMaterialTable {
                        std::span<const NamedContactMaterial> columns, const PairOverrides& table);
 
   ContactMaterialPair at(std::size_t row, std::size_t column) const;
+  /// `at(row, column).radius`.
+  float radius(std::size_t row, std::size_t column) const {
+    return std::min(rows_[row].radius, columns_[column].radius);
+  }
   /// False: row and column pass through each other.
   bool collide(std::size_t row, std::size_t column) const;
   std::size_t rows() const { return columns_.empty() ? 0 : rows_.size(); }
@@ -115,6 +124,7 @@ class ContactMaterialTable {
     ContactMaterial material;
     float root_of_friction = 0, root_of_kinetic_friction = 0, root_of_rolling_friction = 0;
     CollisionFilter filter;
+    float radius = 0;
   };
   struct Exception {
     std::uint32_t row = 0, column = 0;

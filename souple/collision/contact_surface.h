@@ -28,6 +28,7 @@ struct ContactSurface {
   /// Rest position of each particle [m]: elements that are near at rest may stay as near.
   std::span<const Vec3d> rest{};
   bool rolls = false;  ///< its particles are solid balls that rotate; only with particles_only
+  float radius = 1;    ///< of the object at rest, see ContactStep::depenetration_speed [m]
 };
 
 /// Whether any of them collides with another one or with itself.

@@ -29,14 +29,14 @@ constexpr Vec3f directions[] = {{0, 1, 0},
                                 {third, third, -third},
                                 {-third, -third, third}};
 constexpr std::uint32_t fixed_directions = 14, all_directions = 16;
-constexpr int distances = 10;            // tested for each direction
-constexpr float distance_ratio = 1.5f;   // of a distance to the one before
-constexpr float separation_time = 0.4f;  // target duration of a separation, if the speed limit allows [s]
-constexpr float min_speed = 0.1f;        // m/s
-// A new direction may take deadline_factor times its expected time plus stall_time. After each improvement
-// and each escalation the deadline is stall_time.
+constexpr int distances = 10;           // tested for each direction
+constexpr float distance_ratio = 1.5f;  // of a distance to the one before
+// Target duration of a separation if the speed limit allows, in times of a fall by the smaller object's radius.
+constexpr float separation_falls = 1.3f;
+constexpr float slowest_part = 1.0f / 30;  // lower limit of speeds, as a part of the upper limit
+// A new direction may take deadline_factor times its expected time plus the time of such a fall. After each
+// improvement and each escalation the deadline is the time of a fall.
 constexpr double deadline_factor = 1.5;
-constexpr double stall_time = 0.3;        // s
 constexpr int max_escalations = 3;        // doublings of the speed before another direction is chosen
 constexpr int max_range_doublings = 6;    // each attempt doubles the search range of the one before
 constexpr int max_searches_per_step = 4;  // further components wait for the next step
@@ -78,12 +78,26 @@ void IntersectionResolver::set_surfaces(std::span<const ContactSurface> surfaces
   finder_.set_surfaces(surfaces);
   layers_.set_surfaces(surfaces);
   if (!finder_.any_pair()) return;
+  for (const ContactSurface& surface : surfaces) radius_.push_back(surface.radius);
   std::uint32_t end = 0;
   for (const ContactSurface& surface : surfaces) end = std::max(end, surface.end);
   is_intersecting_.assign(end, 0);
   inside_.assign(end, none);
   last_of_.assign(end, none);
   old_component_of_.assign(end, none);
+}
+
+// How fast two objects may be separated.
+IntersectionResolver::Pace IntersectionResolver::pace_of(std::uint32_t a, std::uint32_t b,
+                                                         const ContactStep& step) const {
+  const float R = min(radius_[a], radius_[b]);
+  return {step.depenetration_speed(R), static_cast<double>(step.fall_time(R))};
+}
+
+// As long as `separation_falls` falls for the whole distance, between slowest and fastest.
+float IntersectionResolver::Pace::speed(float distance) const {
+  return min(fastest,
+             max(fastest * slowest_part, distance / (separation_falls * static_cast<float>(fall_time))));
 }
 
 // --- components
@@ -290,7 +304,7 @@ float IntersectionResolver::find_direction(Component& component, const ParticleV
 // A component of two layers moves outward, and by its contour where that stalls, alternately: the lower
 // object's normals would move a fold that passes through the upper object to both sides.
 void IntersectionResolver::alternate_strategies(Component& component, const ParticleView& particles,
-                                                double time, float max_speed) {
+                                                double time, const Pace& pace) {
   if (component.chosen) ++component.attempt;
   component.chosen = true;
   float longest = 0;
@@ -299,13 +313,13 @@ void IntersectionResolver::alternate_strategies(Component& component, const Part
     longest = max(longest, length(particles.difference(i[1], i[0])));
   }
   const auto escalation = static_cast<float>(1 << std::min(component.attempt / 2, max_escalations));
-  component.speed = min(max_speed, max(min_speed, longest / separation_time) * escalation);
-  component.deadline = time + stall_time;
+  component.speed = min(pace.fastest, pace.speed(longest) * escalation);
+  component.deadline = time + pace.fall_time;
   component.min_count = component.count;
 }
 
 void IntersectionResolver::choose_direction(Component& component, const ParticleView& particles, double time,
-                                            float max_speed) {
+                                            const Pace& pace) {
   if (component.chosen) {
     ++component.attempt;
     if (length_squared(component.direction) > 0) component.tried |= 1u << component.current;
@@ -317,28 +331,29 @@ void IntersectionResolver::choose_direction(Component& component, const Particle
   const float range = size * static_cast<float>(1 << std::min(component.attempt, max_range_doublings));
   const float found = component.a != component.b ? find_direction(component, particles, range) : 0.0f;
   const float distance = found > 0 ? found : size;
-  component.speed = min(max_speed, max(min_speed, distance / separation_time));
-  component.deadline = time + deadline_factor * static_cast<double>(distance / component.speed) + stall_time;
+  component.speed = pace.speed(distance);
+  component.deadline =
+      time + deadline_factor * static_cast<double>(distance / component.speed) + pace.fall_time;
   component.min_count = component.count;
   component.escalations = 0;
 }
 
 // A component that does not become smaller in time gets a higher speed, then another direction.
 void IntersectionResolver::update_strategy(Component& component, const ParticleView& particles, double time,
-                                           float max_speed, int& searches) {
+                                           const Pace& pace, int& searches) {
   if (component.count < component.min_count) {
     component.min_count = component.count;
-    component.deadline = time + stall_time;
+    component.deadline = time + pace.fall_time;
   }
   if (component.chosen && time <= component.deadline) return;
   if (layers_.ordered(component.a, component.b))
-    return alternate_strategies(component, particles, time, max_speed);
-  if (component.chosen && component.escalations < max_escalations && component.speed < max_speed) {
+    return alternate_strategies(component, particles, time, pace);
+  if (component.chosen && component.escalations < max_escalations && component.speed < pace.fastest) {
     ++component.escalations;
-    component.speed = min(max_speed, 2 * component.speed);
-    component.deadline = time + stall_time;
+    component.speed = min(pace.fastest, 2 * component.speed);
+    component.deadline = time + pace.fall_time;
   } else if (searches++ < max_searches_per_step) {
-    choose_direction(component, particles, time, max_speed);
+    choose_direction(component, particles, time, pace);
   }
 }
 
@@ -444,6 +459,10 @@ void IntersectionResolver::constrain_inside(const Component& component, const Pa
 // number does not fall.
 void IntersectionResolver::constrain_layers(const ContactStep& step, const ParticleView& particles) {
   const std::size_t count = layers_.found().size();
+  double stall_time = 0;
+  for (const LayerViolation& violation : layers_.found())
+    stall_time =
+        max(stall_time, pace_of(finder_.surface_of(violation.vertex), violation.surface, step).fall_time);
   if (count == 0 || min_layer_violations_ == 0) layer_escalations_ = 0;
   if (count < min_layer_violations_ || min_layer_violations_ == 0) {
     min_layer_violations_ = count;
@@ -454,12 +473,12 @@ void IntersectionResolver::constrain_layers(const ContactStep& step, const Parti
   }
   for (const LayerViolation& violation : layers_.found()) {
     const auto& i = violation.particle;
-    const float speed =
-        max(min_speed, violation.depth / separation_time) * static_cast<float>(1 << layer_escalations_);
+    const Pace pace = pace_of(finder_.surface_of(violation.vertex), violation.surface, step);
+    const float speed = pace.speed(violation.depth) * static_cast<float>(1 << layer_escalations_);
     add_constraint({{i[0], i[0], i[1], i[2], i[3]},
                     {violation.c[0], 0, violation.c[1], violation.c[2], violation.c[3]},
                     violation.direction,
-                    min(step.depenetration_speed, speed)},
+                    min(pace.fastest, speed)},
                    particles);
   }
 }
@@ -502,7 +521,7 @@ void IntersectionResolver::begin_step(const ParticleView& particles, const Conta
   int searches = 0;
   for (Component& component : components_) {
     inherit_strategy(component);
-    update_strategy(component, particles, step.time, step.depenetration_speed, searches);
+    update_strategy(component, particles, step.time, pace_of(component.a, component.b, step), searches);
     constrain_component(component, particles);
     constrain_inside(component, particles, false, threads);
     constrain_inside(component, particles, true, threads);
@@ -546,7 +565,7 @@ bool IntersectionResolver::exempts(const NearPair& pair, bool edges) const {
 
 std::size_t IntersectionResolver::bytes() const {
   return finder_.bytes() + layers_.bytes() +
-         bytes_of(order_, pairs_, components_, old_components_, root_, last_of_, component_of_,
+         bytes_of(radius_, order_, pairs_, components_, old_components_, root_, last_of_, component_of_,
                   old_component_of_, is_intersecting_, inside_, edges_a_, edges_b_, hits_, constraints_);
 }
 

@@ -32,7 +32,7 @@ struct IntersectingPair {
 /// The correction is a bound on velocities: the points of the edge and of the triangle at their intersection
 /// separate by at least
 ///
-///   n . sum_k c_k (p_k - x_k) >= u h,   u <= ContactStep::depenetration_speed.
+///   n . sum_k c_k (p_k - x_k) >= u h,   u <= ContactStep::depenetration_speed of the smaller object.
 ///
 /// The same bound applies to a vertex inside a closed surface and the point where the direction leaves this
 /// surface. Corrections are w_k c_k n: equal, opposite and along one line. So no depth makes them violent.
@@ -82,6 +82,12 @@ class IntersectionResolver {
     std::size_t first = 0, count = 0;  // order_[first, first + count)
     Bounds bounds{};                   // of all their particles
   };
+  /// How fast two objects may be separated.
+  struct Pace {
+    float fastest = 0;     // m/s
+    double fall_time = 0;  // s
+    float speed(float distance) const;
+  };
   /// direction . sum_k c_k (p_k - x_k) >= speed h.
   struct VelocityConstraint {
     std::array<std::uint32_t, 5> particle;
@@ -91,6 +97,7 @@ class IntersectionResolver {
   };
 
   const EdgeIntersection& intersection(std::size_t k) const { return finder_.intersections()[order_[k]]; }
+  Pace pace_of(std::uint32_t a, std::uint32_t b, const ContactStep& step) const;
   void sort_by_pairs();
   void count_pairs(const ParticleView& particles);
   void find_components(const ParticleView& particles);
@@ -103,9 +110,9 @@ class IntersectionResolver {
   void collect_edges(const Component& component, const ParticleView& particles, const Bounds& region);
   float find_direction(Component& component, const ParticleView& particles, float range);
   void alternate_strategies(Component& component, const ParticleView& particles, double time,
-                            float max_speed);
-  void choose_direction(Component& component, const ParticleView& particles, double time, float max_speed);
-  void update_strategy(Component& component, const ParticleView& particles, double time, float max_speed,
+                            const Pace& pace);
+  void choose_direction(Component& component, const ParticleView& particles, double time, const Pace& pace);
+  void update_strategy(Component& component, const ParticleView& particles, double time, const Pace& pace,
                        int& searches);
   bool is_separated(const Component& component, const ParticleView& particles, const Bounds& region,
                     const Vec3f& shift) const;
@@ -121,6 +128,7 @@ class IntersectionResolver {
 
   IntersectionFinder finder_;
   Layers layers_;
+  std::vector<float> radius_;         // per surface, at rest [m]
   std::vector<std::uint32_t> order_;  // indices of finder_.intersections(), by pair, then component
   std::vector<IntersectingPair> pairs_;
   std::vector<Component> components_, old_components_;  // of this step, of the last search

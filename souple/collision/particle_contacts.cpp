@@ -384,7 +384,7 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
       kinetic_friction_at(contact.material, motion + slip, 2 * step_.gravity * h * h);
   const float overlap = start_distance - radius_sum;
   if (overlap < 0) {
-    contact.slop = min(0.0f, overlap + step_.depenetration_speed * h);
+    contact.slop = min(0.0f, overlap + step_.depenetration_speed(contact.material.radius) * h);
     // Where the centers passed each other, separate them along the old normal.
     contact.fixed_normal = dot(from, to) < 0;
   } else if (length(motion) > 0.25f * radius_sum) {

@@ -254,7 +254,7 @@ void SurfaceContacts::find(std::vector<PairToi>& found, Threads& threads, const 
 void SurfaceContacts::refresh(const ParticleView& particles, const Substep& substep, Threads& threads) {
   clear_contacts();
   if (!pairs_.any()) return;
-  limits_ = {1 / substep.h, 2 * step_.gravity * substep.h, step_.depenetration_speed * substep.h};
+  limits_ = {1 / substep.h, 2 * step_.gravity * substep.h};
   pairs_.begin_substep(substep.h);
   reset_colors_from(pairs_.update(particles, substep.h, threads));
   pairs_.measure(particles, threads);
@@ -407,8 +407,14 @@ void SurfaceContacts::describe(bool edges, std::size_t begin, std::size_t end, c
                                const std::vector<std::uint32_t>& pairs, const std::vector<float>& tois,
                                const kernels::ContactColumns& out) {
   if (begin >= end) return;
-  simd_kernels().describe[edges ? 1 : 0](pairs_.particle_records(particles), pairs_.columns(), limits_,
-                                         pairs.data(), tois.data(), begin, end, out);
+  for (std::size_t c = begin; c < end; ++c) {
+    const NearPair& pair = pairs_.pair(pairs[c]);
+    const float radius =
+        materials_->radius(pairs_.surface_of(pair.particle[0]), pairs_.surface_of(pair.particle[3]));
+    out.slop[c] = step_.depenetration_speed(radius) / limits_.inverse_h;
+  }
+  simd_kernels().describe[edges ? 1 : 0](pairs_.particle_records(particles), pairs_.columns(), pairs.data(),
+                                         tois.data(), begin, end, out);
   for (std::size_t c = begin; c < end; ++c) {
     const NearPair& pair = pairs_.pair(pairs[c]);
     const ContactMaterialPair& surface =

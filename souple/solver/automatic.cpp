@@ -42,6 +42,18 @@ void Automatic::find_left_out() {
   left_out_changed_ = false;
 }
 
+int Automatic::sweep_count(const Projector& projector, const Substep& substep) const {
+  return substep.iterations * (substep.stores_multipliers() ? 1 : projector.sweeps_needed(substep));
+}
+
+LeftOut Automatic::solved_exactly(const Substep& substep) const {
+  LeftOut exact;
+  if (substep.mode != Mode::small_steps) return exact;
+  stiff_bending_.leave_out(exact);
+  trees_.leave_out(exact);
+  return exact;
+}
+
 void Automatic::solve(std::span<Projector* const> projectors, const ParticleView& particles,
                       const Substep& substep, Threads& threads) {
   tet_levels_.choose(substep);

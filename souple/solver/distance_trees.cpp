@@ -151,14 +151,14 @@ void grow(std::uint32_t root, std::span<const TreeLink> links, const LinksOf& li
 DistanceTrees find_trees(std::span<const TreeLink> links, std::size_t particle_count) {
   const std::vector<std::uint32_t> chosen = Chooser(links, particle_count).choose();
   DistanceTrees trees;
-  if (chosen.size() < 2) return trees;
+  if (chosen.empty()) return trees;
   const LinksOf links_of(links, chosen, particle_count);
   std::vector<bool> seen(particle_count);
   std::vector<TreeNode> tree;
   for (std::uint32_t root = 0; root < particle_count; ++root) {
     if (seen[root] || links_of(root).empty()) continue;
     grow(root, links, links_of, seen, tree);
-    if (tree.size() < 3) continue;
+    if (tree.size() == 2 && !links[links_of(root)[0]].has_length) continue;
     const auto last = static_cast<std::uint32_t>(trees.nodes.size() + tree.size() - 1);
     for (auto node = tree.rbegin(); node != tree.rend(); ++node) {
       trees.nodes.push_back(*node);

@@ -10,6 +10,7 @@ namespace souple {
 struct TreeLink {
   std::uint32_t a = 0, b = 0;             ///< particles
   std::uint32_t set = 0, constraint = 0;  ///< its set and its number there, as the caller counts them
+  bool has_length = true;                 ///< false: its ends coincide at rest
 };
 
 /// A particle of a tree. Children come before their parents.
@@ -31,7 +32,7 @@ struct DistanceTrees {
 ///   what hangs on them, up to the body that they are tied to;
 /// - among the links that remain, each of which is part of a cycle or connects cycles, all unbranched paths of three
 ///   links or more, such as a rope between two points of a cloth. A ring of at least eight links is cut at one.
-/// Trees of a single link are omitted.
+/// A single link without length is omitted: sweeps and levels treat it as a tie (TiedParticles).
 DistanceTrees find_trees(std::span<const TreeLink> links, std::size_t particle_count);
 
 }  // namespace souple

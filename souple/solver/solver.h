@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/solver/left_out.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/threads.h"
 
@@ -63,6 +64,10 @@ class Solver {
   /// each has been called.
   virtual void solve(std::span<Projector* const> projectors, const ParticleView& particles,
                      const Substep& substep, Threads& threads) = 0;
+  /// Number of sweeps of a substep that supply the stiffness of a projector's constraints; 0: they are solved exactly.
+  virtual int sweep_count(const Projector&, const Substep& substep) const { return substep.iterations; }
+  /// Constraints that are solved exactly although sweeps supply others of their projector.
+  virtual LeftOut solved_exactly(const Substep&) const { return {}; }
   /// Information for users about the solution (a floor on alpha, iterations of conjugate gradients), or
   /// empty.
   virtual std::string diagnostic() const { return {}; }

@@ -23,14 +23,22 @@ class SetProjector;
 ///
 /// From y, the positions without the constraints of the tree, a substep ends at x and lambda with
 ///
-///   M (x - y) = sum_j f_j lambda_j,   C_j + alpha~_j lambda_j = 0,   f_j = (g_j + g0_j) / 2
+///   M (x - y) = sum_j f_j lambda_j,   C_j + alpha~_j lambda_j = 0,   f_j = a g_j + b g0_j + c g-_j,   a + b + c = 1
 ///
-/// g_j is the direction of link j at x and g0_j at the start of the substep. With f_j = g_j this is implicit Euler; the
-/// mean of both directions brakes a swing half as much. A link that turns far in one substep has f_j = g_j. Newton's
-/// method solves, until no particle moves further than a hundredth of its link relative to its parent,
+/// g_j is the direction of link j at x, g0_j at the start of the substep, and g-_j one substep before, as the velocities
+/// of the substep's start place it: that of 2 d0 - d*, with d0 the difference of the link's ends then and d* the
+/// predicted one. A link that swings at omega turns according to
+///
+///   theta_n+1 - 2 theta_n + theta_n-1 = -(omega h)^2 (a theta_n+1 + b theta_n + c theta_n-1)
+///
+/// whose solutions shrink by sqrt((1 + c (omega h)^2) / (1 + a (omega h)^2)) per substep: a swing loses (a - c) omega^2 h
+/// of its energy per second. a = 1 is implicit Euler, a = c loses nothing (a = b = 1/2: half as much as a = 1). a - c is
+/// small here, and positive: what swings faster than substeps can follow loses sqrt(c / a) per substep. Links that turn
+/// fast (whips, jerks) have c = 0, and a link that turns far in one substep has f_j = g_j. Newton's method solves, until
+/// no particle moves further than a hundredth of its link relative to its parent,
 ///
 ///   (M + T) dx - f lambda = M (y - x),   g . dx + alpha~ lambda = -C,
-///   T = sum_j t_j / 2 (I - g_j g_j^T) on the difference of the ends,   t_j = max(0, -lambda_j) / |d_j|
+///   T = sum_j a t_j (I - g_j g_j^T) on the difference of the ends,   t_j = max(0, -lambda_j) / |d_j|
 ///
 /// T is what follows from the turning of the links, under tension only: without it a swinging load of many times the
 /// rope's mass explodes, with compression the matrix would be indefinite (Tournier et al. 2015, "Stable constrained
@@ -79,6 +87,8 @@ class TreeElimination final : public Projector {
     Vec3d dx, r;             ///< unknown and right side
     Mat3d D;                 ///< the node's block; once eliminated, the inverse N^-1
     Vec3d g0, g;             ///< direction of the link at the substep's start and now
+    double a = 1;            ///< weight of g in f
+    Vec3d others;            ///< b g0 + c g-
     Vec3d f, p;              ///< direction of its force; see `eliminate`
     double C = 0;            ///< of the link [m]
     double t = 0, turn = 0;  ///< tension / length, and the part of it that turns with g
@@ -115,6 +125,7 @@ class TreeElimination final : public Projector {
   }
   void load(const Work& work, const ParticleView& particles, bool begun);
   void load_link(Node& node, const Node& parent, const TreeNode& link, double h2) const;
+  static void weigh_directions(Node& node, const Vec3d& before);
   void store(const Work& work, const ParticleView& particles, bool with_forces);
   void solve(std::size_t tree, const Work& work);
   void assemble(std::size_t tree, const Work& work);
@@ -125,9 +136,10 @@ class TreeElimination final : public Projector {
   Change substitute(const Work& work) const;
 
   DistanceTrees trees_;
-  std::vector<Node> nodes_;  ///< work space
-  std::vector<Kept> kept_;   ///< as trees_.nodes
-  std::vector<char> begun_;  ///< per tree: whether it was projected in this substep
+  std::vector<Node> nodes_;       ///< work space
+  std::vector<Kept> kept_;        ///< as trees_.nodes
+  std::vector<Vec3d> predicted_;  ///< as trees_.nodes: position before any projection of the substep [m]
+  std::vector<char> begun_;       ///< per tree: whether it was projected in this substep
   std::vector<const SetProjector<Distance>*> distances_;
   std::vector<const SetProjector<Attachment>*> attachments_;
   std::vector<std::pair<const Projector*, std::uint64_t>> revisions_;  ///< of distances_

@@ -25,6 +25,21 @@ ContactObject contact_object(const Object& object) {
   return result;
 }
 
+// R of ContactStep::depenetration_speed [m]: of grains, which are bodies of their own, the radius of a grain; of others
+// two thirds of that of the ball around the center that holds all rest positions (3 m/s for a sheet of 1 m).
+float radius_at_rest(const WorldState& world, const Object& object) {
+  float radius = 0;
+  if (object.kind == ObjectKind::grains) {
+    for (std::uint32_t i = object.begin; i < object.end; ++i) radius = max(radius, world.particles.radius[i]);
+    return radius;
+  }
+  Vec3d center;
+  for (const Vec3d& x : object.rest) center += x * (1 / static_cast<double>(object.rest.size()));
+  double square = 0;
+  for (const Vec3d& x : object.rest) square = max(square, length_squared(x - center));
+  return static_cast<float>(2 * std::sqrt(square) / 3);
+}
+
 std::vector<Edge> edges_of_rope(const Object& object) {
   std::vector<Edge> edges;
   for (std::uint32_t i = 0; object.kind == ObjectKind::rope && i + 1 < object.particle_count(); ++i)
@@ -32,7 +47,7 @@ std::vector<Edge> edges_of_rope(const Object& object) {
   return edges;
 }
 
-ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
+ContactSurface contact_surface(const WorldState& world, std::uint32_t index, float radius) {
   const Object& object = *world.objects[index];
   const ContactMaterialTable& matrix = world.tables.against_objects;
   ContactSurface result{
@@ -48,7 +63,8 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index) {
       .immovable = object.kind == ObjectKind::obstacle,
       .layer = object.layer,
       .rest = object.rest,
-      .rolls = object.kind == ObjectKind::grains};
+      .rolls = object.kind == ObjectKind::grains,
+      .radius = radius};
   matrix.for_each_ignored(index, [&](std::uint32_t other) {
     if (other != index) result.ignored_surfaces.push_back(other);
   });
@@ -130,7 +146,8 @@ void build_contact_tables(WorldState& world) {
   std::vector<NamedContactMaterial> object_materials, collider_materials;
   for (const auto& object : world.objects) {
     tables.objects.push_back(contact_object(*object));
-    object_materials.push_back({object->name, contact_material_of(object->material), object->filter});
+    object_materials.push_back({object->name, contact_material_of(object->material), object->filter,
+                                radius_at_rest(world, *object)});
   }
   for (const ColliderRecord& record : world.colliders) {
     const ContactMaterial material = contact_material_of(record.options);
@@ -152,7 +169,8 @@ void build_contact_tables(WorldState& world) {
   tables.rope_edges.clear();
   for (const auto& object : world.objects) tables.rope_edges.push_back(edges_of_rope(*object));
   std::vector<ContactSurface> surfaces;
-  for (std::uint32_t a = 0; a < world.objects.size(); ++a) surfaces.push_back(contact_surface(world, a));
+  for (std::uint32_t a = 0; a < world.objects.size(); ++a)
+    surfaces.push_back(contact_surface(world, a, object_materials[a].radius));
   world.intersection_resolver.set_surfaces(surfaces);
   world.check_intersections = true;
   world.surface_contacts.set_surfaces(std::move(surfaces));

@@ -153,15 +153,6 @@ double World::potential_energy(ObjectId id) const {
   return sum;
 }
 
-double World::elastic_energy() const {
-  WorldState& world = impl_->state;
-  if (!world.stepping) bring_constraints_up_to_date(world);
-  double sum = 0;
-  world.for_each_constraint_projector(
-      [&](const Projector& projector) { sum += projector.residual(world.view()).energy; });
-  return sum;
-}
-
 Vec3d World::momentum(ObjectId id) const {
   const WorldState& world = impl_->state;
   const Object& object = world.object(id);

@@ -373,7 +373,11 @@ class World {
   Hit closest_point(const Vec3f& point) const;
   double kinetic_energy(ObjectId object) const;    ///< with the rotation of grains [J]
   double potential_energy(ObjectId object) const;  ///< of its weight; 0 at the origin [J]
-  double elastic_energy() const;                   ///< of all constraints with compliance > 0 [J]
+  /// 1/2 C^T alpha^-1 C of all constraints with compliance > 0 [J].
+  double elastic_energy() const;
+  /// The part of elastic_energy that steps of dt can neither store nor return, because the solver does not converge:
+  /// a spring stiffer than its sweeps acts as the softer spring that they make (docs/solvers.md, "Energy") [J].
+  double unconverged_energy(double dt) const;
   Vec3d momentum(ObjectId object) const;           ///< kg m/s
   Vec3d center_of_mass(ObjectId object) const;     ///< m; for obstacles the mean of the vertices
 

@@ -11,6 +11,9 @@
 
 namespace souple::test {
 
+/// Radius of an object whose old overlaps are removed at 3 m/s [m]: a fall by it takes it to that speed.
+constexpr float radius_at_3_mps = 9.0f / (2 * 9.81f);
+
 /// A simulation loop with contacts only, in both forms of time integration.
 struct MiniWorld {
   explicit MiniWorld(Form form_) : form(form_) {}
@@ -40,11 +43,12 @@ struct MiniWorld {
 
   void step(double dt, int substeps, int iterations = 1) {
     std::vector<NamedContactMaterial> named, obstacles;
-    for (std::size_t k = 0; k < objects.size(); ++k) named.push_back({names(k), materials[k].second});
+    for (std::size_t k = 0; k < objects.size(); ++k)
+      named.push_back({names(k), materials[k].second, {}, radius_at_3_mps});
     for (const Collider& collider : colliders) obstacles.push_back({collider.name, collider.material});
     const ContactMaterialTable with_colliders(named, obstacles, table), with_objects(named, named, table);
     start = moving();
-    const ContactStep contact_step{time, float(dt), length(gravity), 3.0f};
+    const ContactStep contact_step{time, float(dt), length(gravity)};
     on_colliders.begin_step(view(), velocity, radius, element_radius, objects, colliders, with_colliders,
                             contact_step, *threads);
     on_particles.begin_step(view(), velocity, radius, objects, with_objects, contact_step, *threads);

@@ -24,7 +24,7 @@ TEST(Contacts, AWarmStepAllocatesNothing) {
 
   const std::vector<NamedContactMaterial> materials(2);
   const ContactMaterialTable matrix(materials, materials, {});
-  const ContactStep step{world.time, 1.0f / 60, 9.81f, 3.0f};
+  const ContactStep step{world.time, 1.0f / 60, 9.81f};
   const Substep substep{1.0f / 600, 1, Mode::small_steps, Form::displacement};
   world.start = world.moving();
   const ParticleView view = world.view();

@@ -98,9 +98,9 @@ std::vector<float> everything(const ElementPairKernels& kernels, bool plain, std
   ContactArrays arrays;
   arrays.resize(found.size());
   const kernels::ContactColumns contacts = arrays.columns();
-  const kernels::ContactLimits limits{600, 0.03f, 0.005f};
-  kernels.describe[kind](crowd.records(), columns, limits, found.data(), part.data(), 0, found.size(),
-                         contacts);
+  const kernels::ContactLimits limits{600, 0.03f};
+  for (std::size_t k = 0; k < found.size(); ++k) contacts.slop[k] = 0.005f;
+  kernels.describe[kind](crowd.records(), columns, found.data(), part.data(), 0, found.size(), contacts);
   for (std::size_t k = 0; k < found.size(); ++k)
     contacts.static_friction[k] = 0.5f, contacts.kinetic_friction[k] = 0.3f, contacts.restitution[k] = 0.2f;
   for (int sweep = 0; sweep < 3; ++sweep) kernels.project(crowd.records(), contacts, 0, found.size());
@@ -164,7 +164,8 @@ void project_one(const ElementPairKernels& kernels, Crowd& crowd, int kind) {
   ContactArrays arrays;
   arrays.resize(1);
   const kernels::ContactColumns contacts = arrays.columns();
-  kernels.describe[kind](crowd.records(), columns, {600, 0, 0}, &found, &part, 0, 1, contacts);
+  contacts.slop[0] = 0;
+  kernels.describe[kind](crowd.records(), columns, &found, &part, 0, 1, contacts);
   contacts.static_friction[0] = contacts.kinetic_friction[0] = 0;
   kernels.project(crowd.records(), contacts, 0, 1);
 }

@@ -108,6 +108,79 @@ TEST(Pendulum, AmplitudeLossHalvesWithTheStep) {
   curves.add("theory: a line through the finest", {0, coarsest}, {0, 8 * before * 180 / pi});
 }
 
+enum class Swinging { link, rope, cloth };
+
+/// What swings, 1 m long, hangs from the origin at 40 degrees.
+ObjectId add_swinging(World& world, Swinging what) {
+  const double angle = 40 * pi / 180;
+  const Vec3d down{std::sin(angle), -std::cos(angle), 0}, ends[] = {{0, 0, 0}, down};
+  if (what == Swinging::cloth) {
+    TriangleMesh mesh = grid(20, 20, 1);
+    for (Vec3d& x : mesh.positions) x = down * (x.z + 0.5) + Vec3d{0, 0, x.x};
+    const ObjectId cloth = world.add_cloth(mesh, material::cotton);
+    world.pin(cloth, in_box({-0.01f, -0.01f, -1}, {0.01f, 0.01f, 1}));
+    return cloth;
+  }
+  const ObjectId object = what == Swinging::rope
+                              ? world.add_rope(ends, 20, {.radius = 0.005f, .young_modulus = 1e9f})
+                              : world.add_grains(ends, grain_of_mass(1));
+  world.pin(object, vertices({0}));
+  if (what == Swinging::link)
+    world.connect(std::vector<std::pair<VertexRef, VertexRef>>{{{object, 0}, {object, 1}}}, -1);
+  return object;
+}
+
+/// Parts of the energy above the lowest state that are lost after 3 s and 10 s.
+struct Lost {
+  double after_3 = 0, after_10 = 0;
+};
+Lost swing_and_lose(Swinging what, const Settings& settings) {
+  World world(settings);
+  const ObjectId object = add_swinging(world, what);
+  const double low = -world.total_mass(object) * g * length(world.center_of_mass(object));
+  const double start = world.potential_energy(object) - low;
+  const auto lost = [&] {
+    return 1 - (world.kinetic_energy(object) + world.potential_energy(object) - low) / start;
+  };
+  EXPECT_TRUE(run(world, 180, 1.0 / 60));
+  const double after_3 = lost();
+  EXPECT_TRUE(run(world, 420, 1.0 / 60));
+  return {after_3, lost()};
+}
+
+// The figures of docs/integrators.md. The integrators differ in the forces from outside alone: gravity has no say in
+// what a swing loses.
+TEST(Pendulum, LosesLittleAtDefaultSettings) {
+  const std::string name = "swings from 40 degrees";
+  const auto lose = [&](Swinging what, const std::string& words, const Settings& settings) {
+    const Lost lost = swing_and_lose(what, settings);
+    state(name, words + ": energy lost after 3 s [%]", 100 * lost.after_3);
+    state(name, words + ": after 10 s [%]", 100 * lost.after_10);
+    return lost;
+  };
+  SolverSettings sweeps;
+  sweeps.kind = SolverKind::gauss_seidel;
+  for (const auto& [integrator, word] : {std::pair{Integrator::semi_implicit, "semi_implicit"},
+                                         {Integrator::explicit_euler, "explicit_euler"},
+                                         {Integrator::implicit_euler, "implicit_euler"}}) {
+    const Lost lost = lose(Swinging::link, std::string("1 link, ") + word, {.integrator = integrator});
+    EXPECT_LT(std::abs(lost.after_3), 0.01) << word;
+    EXPECT_LT(std::abs(lost.after_10), 0.03) << word;
+  }
+  for (const int substeps : {10, 20, 40}) {
+    const std::string at = ", " + std::to_string(substeps) + " substeps";
+    const double coarser = 10.0 / substeps;
+    EXPECT_LT(lose(Swinging::link, "1 link" + at, {.substeps = substeps}).after_10, 0.03 * coarser);
+    EXPECT_NEAR(
+        lose(Swinging::link, "1 link, gauss_seidel" + at, {.substeps = substeps, .solver = sweeps}).after_3,
+        0.06 * coarser, 0.01 * coarser);
+    EXPECT_LT(lose(Swinging::rope, "rope of 20 segments" + at, {.substeps = substeps}).after_10,
+              0.06 * coarser);
+    EXPECT_LT(lose(Swinging::cloth, "cotton of 20 x 20" + at, {.substeps = substeps}).after_3,
+              0.03 + 0.12 * coarser);
+  }
+}
+
 // 10 m from the origin and small steps: a swing of 0.01 rad must not freeze (floats have a resolution of 1e-6
 // m there).
 TEST(Pendulum, SwingsFarFromTheOrigin) {

@@ -76,14 +76,15 @@ struct ColliderContactColumns {
   float* end_distance;  ///< from the surface at the end of the predicted motion [m]
   /// Not 0: the plane below serves for the whole substep.
   float* fixed_plane;
-  float* start_normal[3];    ///< of the surface at the substep's start, or at the first touch; in the frame
-  float* plane_offset;       ///< of the plane with that normal [m]
-  float* slop;               ///< target of C, at most 0: old overlaps are removed slowly [m]
-  float* predicted[3];       ///< motion relative to the surface before any projection, in the world [m]
-  float* normal_sum;         ///< sum of normal corrections [m]
-  float* tangent_sum[3];     ///< sum of tangential corrections [m]
-  float* normal[3];          ///< of the last projection, in the world
-  float* surface_motion[3];  ///< displacement of the surface at the contact in the substep [m]
+  float* start_normal[3];  ///< of the surface at the substep's start, or at the first touch; in the frame
+  float* plane_offset;     ///< of the plane with that normal [m]
+  /// Target of C, at most 0 [m]: old overlaps are removed slowly. Before `describe`: by how much at most.
+  float* slop;
+  float* predicted[3];          ///< motion relative to the surface before any projection, in the world [m]
+  float* normal_sum;            ///< sum of normal corrections [m]
+  float* tangent_sum[3];        ///< sum of tangential corrections [m]
+  float* normal[3];             ///< of the last projection, in the world
+  float* surface_motion[3];     ///< displacement of the surface at the contact in the substep [m]
   float* restitution_velocity;  ///< normal velocity that apply_restitution added [m/s]
   float* depth;                 ///< remaining overlap, of contacts with a normal impulse [m]
   float* plane_gap;             ///< C - normal . motion in the last projection [m]
@@ -97,7 +98,6 @@ struct ColliderContactColumns {
 struct ColliderContactLimits {
   float inverse_h = 0;              ///< 1/s
   float restitution_threshold = 0;  ///< contacts that approach slower do not bounce [m/s]
-  float depenetration = 0;          ///< largest reduction of an old overlap in this substep [m]
 };
 
 struct ColliderContactKernels {
@@ -109,9 +109,9 @@ struct ColliderContactKernels {
   /// keeps from the surface [m].
   void (*find)(const ColliderParticles&, const ColliderBody&, const std::uint32_t* particle,
                const float* keeps, std::size_t begin, std::size_t end, float* distance);
-  /// Fills contacts [begin, end) from particle, distance and end_distance.
-  void (*describe)(const ColliderParticles&, const ColliderBody&, const ColliderContactLimits&,
-                   const ColliderContactColumns&, std::size_t begin, std::size_t end);
+  /// Fills contacts [begin, end) from particle, distance, end_distance and slop.
+  void (*describe)(const ColliderParticles&, const ColliderBody&, const ColliderContactColumns&,
+                   std::size_t begin, std::size_t end);
   /// No two contacts may have the same particle.
   void (*project)(const ColliderParticles&, const ColliderBody&, const ColliderContactColumns&,
                   std::size_t begin, std::size_t end);

@@ -96,8 +96,7 @@ SOUPLE_INLINE inline FirstTouch<Isa> first_touch(const ColliderShape& shape, con
 
 template <class Isa>
 [[gnu::flatten]] void describe(const ColliderParticles& particles, const ColliderBody& body,
-                               const ColliderContactLimits& limits, const ColliderContactColumns& out,
-                               std::size_t begin, std::size_t end) {
+                               const ColliderContactColumns& out, std::size_t begin, std::size_t end) {
   using T = Numbers<Isa>;
   const T zero(0.f), one(1.f);
   const Vectors<Isa> none{zero, zero, zero};
@@ -116,8 +115,8 @@ template <class Isa>
       touch = first_touch<Isa>(body.shape, start, motion.from, motion.to - motion.from, r, casts, count);
     store<Isa>(select(inside, one, select(fast, touch.hits, zero)), out.fixed_plane + i, count);
     store<Isa>(dot(touch.surface.normal, touch.point) - touch.surface.distance, out.plane_offset + i, count);
-    store<Isa>(select(overlap < zero, min(zero, overlap + T(limits.depenetration)), zero), out.slop + i,
-               count);
+    const T slop = min(zero, overlap + load<Isa>(out.slop + i, count));
+    store<Isa>(select(overlap < zero, slop, zero), out.slop + i, count);
     store3<Isa>(touch.surface.normal, out.start_normal, i, count);
     store3<Isa>(product<Isa>(body.after.axis, motion.to - motion.from), out.predicted, i, count);
     store3<Isa>(none, out.tangent_sum, i, count);

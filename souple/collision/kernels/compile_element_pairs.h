@@ -259,8 +259,8 @@ template <class Isa, bool edges>
 
 template <class Isa, bool edges>
 [[gnu::flatten]] void describe(const ParticleRecords& particles, const ElementPairColumns& pairs,
-                               const ContactLimits& limits, const std::uint32_t* found, const float* part,
-                               std::size_t begin, std::size_t end, const ContactColumns& out) {
+                               const std::uint32_t* found, const float* part, std::size_t begin,
+                               std::size_t end, const ContactColumns& out) {
   using T = Numbers<Isa>;
   const T zero(0.f);
   for (std::size_t i = begin; i < end; i += Isa::lanes) {
@@ -289,8 +289,8 @@ template <class Isa, bool edges>
       store<Isa>(zero, out.tangent_sum[axis] + i, count);
     }
     store<Isa>(thickness, out.thickness + i, count);
-    store<Isa>(select(overlap < zero, min(zero, overlap + T(limits.depenetration)), zero), out.slop + i,
-               count);
+    const T slop = min(zero, overlap + load<Isa>(out.slop + i, count));
+    store<Isa>(select(overlap < zero, slop, zero), out.slop + i, count);
     store<Isa>(effective_inverse_mass(particles, corners, c), out.inverse_mass + i, count);
     store<Isa>(-dot(n, weighted(m, c)), out.approach + i, count);
     store<Isa>(zero, out.normal_sum + i, count);

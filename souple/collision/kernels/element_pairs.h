@@ -64,10 +64,11 @@ struct Classification {
 /// Contacts as columns.
 struct ContactColumns {
   std::uint32_t* particle[4];
-  float* c[4];          ///< weights: the distance is between points whose difference is sum_k c_k x_k
-  float* normal[3];     ///< unit, from the second point to the first
-  float* thickness;     ///< m
-  float* slop;          ///< target of C, at most 0: old overlaps are removed slowly [m]
+  float* c[4];       ///< weights: the distance is between points whose difference is sum_k c_k x_k
+  float* normal[3];  ///< unit, from the second point to the first
+  float* thickness;  ///< m
+  /// Target of C, at most 0 [m]: old overlaps are removed slowly. Before `describe`: by how much at most.
+  float* slop;
   float* inverse_mass;  ///< sum_k w_k c_k^2 [1/kg]
   float* approach;      ///< predicted motion of the two points towards each other, along the normal [m]
   float* static_friction;
@@ -87,7 +88,6 @@ struct ContactColumns {
 struct ContactLimits {
   float inverse_h;              ///< 1/s
   float restitution_threshold;  ///< contacts that approach slower do not bounce [m/s]
-  float depenetration;          ///< largest reduction of an old overlap in this substep [m]
 };
 
 /// Each function processes [begin, end). Index 0: vertex and triangle; 1: edge and edge.
@@ -111,9 +111,8 @@ struct ElementPairKernels {
   void (*classify[2])(const ParticleRecords&, const ElementPairColumns&, float speculative_part,
                       const std::uint32_t* found, std::size_t begin, std::size_t end, float* classification);
   /// Contacts [begin, end) of the pairs found[begin, end), at `part` of their motion.
-  void (*describe[2])(const ParticleRecords&, const ElementPairColumns&, const ContactLimits&,
-                      const std::uint32_t* found, const float* part, std::size_t begin, std::size_t end,
-                      const ContactColumns&);
+  void (*describe[2])(const ParticleRecords&, const ElementPairColumns&, const std::uint32_t* found,
+                      const float* part, std::size_t begin, std::size_t end, const ContactColumns&);
   /// Contacts [begin, end); they share no particle that can move.
   void (*project)(const ParticleRecords&, const ContactColumns&, std::size_t begin, std::size_t end);
   void (*apply_restitution)(const ParticleRecords&, const ContactColumns&, const ContactLimits&,
