@@ -373,13 +373,13 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   const Vec3f to = particles.difference(i, j);
   const Vec3f from = to - motion;
   const float start_distance = length(from);
-  Contact contact{
-      i,     j, pair,   radius_sum, &materials_->at(a.object, b.object), balls_of(a, b, particles),
-      false, 0, motion, {0, 1, 0}};
+  Contact contact{i,     j, pair,   radius_sum, materials_->at(a.object, b.object), balls_of(a, b, particles),
+                  false, 0, motion, {0, 1, 0}};
   contact.displacement = displacement_[pair];
   if (start_distance > 0) contact.normal = from * (1 / start_distance);
-  const Vec3f slip =
-      contact.balls.any() ? cross(contact.normal, step_.turn[i].xyz() + step_.turn[j].xyz()) : Vec3f{};
+  const Vec3f slip = contact.balls == Balls::none
+                         ? Vec3f{}
+                         : cross(contact.normal, step_.turn[i].xyz() + step_.turn[j].xyz());
   contact.material.kinetic_friction =
       kinetic_friction_at(contact.material, motion + slip, 2 * step_.gravity * h * h);
   const float overlap = start_distance - radius_sum;
@@ -427,7 +427,7 @@ void ParticleContacts::project_one(Contact& contact, const ParticleView& particl
   if (contact.balls != Balls::none) return project_rolling(contact, C, n, particles);
   ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
   const Vec3f moved = particles.moved(i) - particles.moved(j) + contact.displacement.sliding;
-  const Vec3f dx = solve_contact(sums, C, contact.slop, n, moved, *contact.material);
+  const Vec3f dx = solve_contact(sums, C, contact.slop, n, moved, contact.material);
   contact.normal_sum = sums.normal_sum;
   contact.tangent_sum = sums.tangent_sum;
   contact.normal = n;
@@ -540,8 +540,8 @@ void ParticleContacts::project_rolling(Contact& contact, float C, const Vec3f& n
   const PairFriction before{contact.tangent_sum, contact.moment_sum};
   PairFriction after{};
   if (normal_sum > 0)
-    after = solve_pair(before, balls, n, moved + slip, roll + displacement.rolling, *contact.material,
-                       normal_sum);
+    after =
+        solve_pair(before, balls, n, moved + slip, roll + displacement.rolling, contact.material, normal_sum);
   contact.normal_sum = max(normal_sum, 0.0f);
   contact.tangent_sum = after.tangent;
   contact.moment_sum = after.moment;
@@ -579,7 +579,7 @@ void ParticleContacts::apply_restitution_to(Contact& contact, const ParticleView
   const float inverse_h = 1 / h;
   const auto [change, restitution_velocity] = solve_restitution(
       {contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
-      2 * step_.gravity * h, *contact.material, inverse_h);
+      2 * step_.gravity * h, contact.material, inverse_h);
   contact.restitution_velocity = restitution_velocity;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
   if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i / (w_i + w_j)));
@@ -601,11 +601,11 @@ void ParticleContacts::apply_rolling_restitution(Contact& contact, const Particl
   update_friction_displacement(contact, C, {(u - n * u_n) * h + slip, roll});
   if (!(contact.normal_sum > 0)) return;
   const float approach = -dot(n, contact.predicted) * inverse_h, normal_sum = contact.normal_sum * inverse_h;
-  const float target = approach > 2 * step_.gravity * h ? contact.material->restitution * approach : 0.0f;
+  const float target = approach > 2 * step_.gravity * h ? contact.material.restitution * approach : 0.0f;
   contact.restitution_velocity = max(target - u_n, -normal_sum);
   const PairFriction before{contact.tangent_sum * inverse_h, contact.moment_sum * inverse_h};
   const PairFriction after = solve_pair(before, balls, n, u + slip * inverse_h, roll * inverse_h,
-                                        *contact.material, normal_sum + contact.restitution_velocity);
+                                        contact.material, normal_sum + contact.restitution_velocity);
   const Vec3f tangent = after.tangent - before.tangent, change = n * contact.restitution_velocity + tangent;
   const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
   const float share = 1 / (w_i + w_j);
@@ -629,9 +629,9 @@ void ParticleContacts::update_friction_displacement(const Contact& contact, floa
     return contact.normal_sum > 0 && dot(sum, sum) > limit * limit;
   };
   auto& [sliding, rolling] = displacement_[contact.pair];
-  const bool slides = at_limit(contact.tangent_sum, contact.material->kinetic_friction);
-  const bool rolls = at_limit(contact.moment_sum, contact.material->rolling_friction) ||
-                     !(contact.material->rolling_friction > 0);
+  const bool slides = at_limit(contact.tangent_sum, contact.material.kinetic_friction);
+  const bool rolls = at_limit(contact.moment_sum, contact.material.rolling_friction) ||
+                     !(contact.material.rolling_friction > 0);
   sliding = near && !slides ? sliding + change.sliding : Vec3f{};
   rolling = near && !rolls ? rolling + change.rolling : Vec3f{};
 }

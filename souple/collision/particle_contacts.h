@@ -127,7 +127,7 @@ class ParticleContacts final : public Projector {
   struct Contact {
     std::uint32_t i, j, pair;
     float radius_sum;  // r_i + r_j [m]
-    const ContactMaterialPair* material;
+    ContactMaterialPair material;
     Balls balls;
     bool fixed_normal;                    // the normal does not change in the substep
     float slop;                           // target of C, at most 0: old overlaps are removed slowly [m]
