@@ -273,9 +273,9 @@ void StretchedLinks::sweep(std::span<const Link> of_level, const TiedParticles& 
                            std::span<Projector* const> projectors, const ParticleView& particles,
                            const Substep& substep, Threads& threads) {
   if (substep.mode != Mode::small_steps || removes_overlaps(projectors)) return;
-  if (stretched_.empty()) prepare_search(of_level);
+  // At once, not when the first link is stretched: that may be late, and warm steps allocate nothing.
+  if (number_.size() != particles.position.size()) prepare_search(of_level), build(of_level, tied, particles);
   if (!find_stretched(of_level, particles, threads)) return;
-  if (number_.size() != particles.position.size()) build(of_level, tied, particles);
   bar(projectors, particles);
   const float h2 = substep.h * substep.h;
   if (!choose_particles(of_level, h2, with_contacts.radius)) return;
