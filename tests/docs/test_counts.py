@@ -167,8 +167,6 @@ COUNTS = [
     ("docs/collisions.md", r"every (\w+) step if driven", lambda: find("souple/world/contacts.cpp", r"interval = (\d+);")),
     ("docs/collisions.md", r"objects (\d+) directions and", lambda: constant(RESOLVER, "all_directions")),
     ("docs/collisions.md", r"directions and (\d+) distances are", lambda: constant(RESOLVER, "distances")),
-    ("docs/collisions.md", r"([\d.]+) to 3 m/s", lambda: constant(RESOLVER, "min_speed")),
-    ("docs/collisions.md", r"0.1 to (\d+) m/s", lambda: constant("souple/collision/contact.h", "depenetration_speed")),
     ("docs/collisions.md", r"within a (\w+) of the lower object's size",
      lambda: 1 / constant("souple/collision/layers.cpp", "range_part")),
     ("docs/collisions.md", r"exact at grid points within (\d+) spacings",
