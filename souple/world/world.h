@@ -378,8 +378,8 @@ class World {
   /// The part of elastic_energy that steps of dt can neither store nor return, because the solver does not converge:
   /// a spring stiffer than its sweeps acts as the softer spring that they make (docs/solvers.md, "Energy") [J].
   double unconverged_energy(double dt) const;
-  Vec3d momentum(ObjectId object) const;           ///< kg m/s
-  Vec3d center_of_mass(ObjectId object) const;     ///< m; for obstacles the mean of the vertices
+  Vec3d momentum(ObjectId object) const;        ///< kg m/s
+  Vec3d center_of_mass(ObjectId object) const;  ///< m; for obstacles the mean of the vertices
 
   // --- for renderers -----------------------------------------------------------------------------
   /// Calls the callbacks of `draw` with internal data: constraints by kind and color in the order of the

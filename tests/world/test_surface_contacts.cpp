@@ -144,7 +144,8 @@ TEST(SurfaceContacts, AGrainSlidesDownARopeAsMuSays) {
     const std::vector<Vec3d> along{{-0.2, 0, 0}, {1.2, 0, 0}}, above{{0.013, 0.015, 0}};
     const ObjectId rope = world.add_rope(along, 28, {.radius = 0.01f, .friction = friction});
     world.pin(rope, in_box({-9, -9, -9}, {9, 9, 9}));
-    const ObjectId grain = world.add_grains(above, {.radius = 0.005f, .friction = friction, .rolling_friction = 10});
+    const ObjectId grain =
+        world.add_grains(above, {.radius = 0.005f, .friction = friction, .rolling_friction = 10});
     const double seconds = 0.8;
     for (int frame = 0; frame < 48; ++frame) world.step(1.0 / 60);
     const double slid = double(world.positions(grain)[0].x) - above[0].x;
