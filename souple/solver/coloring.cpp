@@ -220,7 +220,7 @@ Coloring color_constraints(std::span<const std::uint32_t> indices, int arity, st
   if (pending.empty()) palette.improve();
   for (std::uint32_t first = colors_per_round; !pending.empty(); first += colors_per_round)
     pending = palette.first_fit(pending, first);
-  const Coloring result = sorted_by_color(indices, arity, particle_count, palette.color_of());
+  Coloring result = sorted_by_color(indices, arity, particle_count, palette.color_of());
   SOUPLE_ASSERT(are_independent(reordered(indices, width, result.order), arity, result.color_begin),
                 "constraints of one color share no particle");
   return result;

@@ -31,6 +31,7 @@ TEST(ContactMaterial, PairOverridesComeFirstInEitherOrder) {
 
 TEST(ContactMaterial, ATableOfManyObjectsHoldsOnlyPairsThatDeviate) {
   std::vector<std::string> names;
+  names.reserve(40);
   for (int k = 0; k < 40; ++k) names.push_back("object" + std::string(1, static_cast<char>('0' + k)));
   std::vector<NamedContactMaterial> all;
   for (std::size_t k = 0; k < names.size(); ++k) {
