@@ -54,8 +54,9 @@ struct Plate {
 
   // A loose lattice, disturbed so that it becomes a random packing.
   static std::vector<Vec3d> lattice(int layers) {
+    constexpr int half_thickness = thickness / 2;
     constexpr double spacing = 1.12 * diameter, half = (half_width - 0.6) * diameter,
-                     front = (thickness / 2 - 0.6) * diameter;
+                     front = (half_thickness - 0.6) * diameter;
     std::uint32_t state = 1;
     const auto noise = [&] {
       state = state * 1664525u + 1013904223u;
@@ -72,8 +73,8 @@ struct Plate {
   // Slope of the line through the tops of columns one diameter wide and a quarter of the thickness deep, without the
   // summit and the foot.
   double angle() const {
-    constexpr int columns = half_width, slices = 4;
-    std::vector<double> top(std::size_t{2 * columns * slices}, 0.0);
+    constexpr int columns = half_width, slices = 4, slots = 2 * columns * slices;
+    std::vector<double> top(slots, 0.0);
     for (const Vec3f& x : world.positions(grains)) {
       if (x.y < 0 || std::fabs(double(x.x)) >= columns * diameter) continue;
       const int column = int(std::floor(double(x.x) / diameter)) + columns;
@@ -83,7 +84,8 @@ struct Plate {
     }
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
     for (std::size_t k = 0; k < top.size(); ++k) {
-      const double x = std::fabs(double(k / slices) + 0.5 - columns) * diameter;
+      const std::size_t column = k / slices;
+      const double x = std::fabs(double(column) + 0.5 - columns) * diameter;
       if (x < 0.2 * columns * diameter || x > 0.85 * columns * diameter) continue;
       n += 1, sx += x, sy += top[k], sxx += x * x, sxy += x * top[k];
     }

@@ -24,6 +24,7 @@ TEST(Objects, NamesAreUniqueAndFollowTheKind) {
 TEST(Objects, ANameIsFreeAgainAfterItsOwner) {
   World world;
   std::vector<ObjectId> cloths;
+  cloths.reserve(5);
   for (int k = 0; k < 5; ++k) cloths.push_back(world.add_cloth(grid(3, 3, 1)));
   world.add_cloth(grid(3, 3, 1), {}, {.name = "cloth7"});
   world.remove(cloths[1]), world.remove(cloths[3]);

@@ -14,7 +14,11 @@ World everything(Form form = Form::displacement) {
   world.pin(cloth, vertices({0, 8}));
   world.add_soft_body(sphere(2, 0.2), {}, {.cells = 200}, {.transform = {.translation = {0, 0.5, 0}}});
   std::vector<Vec3d> grains;
-  for (int i = 0; i < 60; ++i) grains.push_back({0.3 + 0.03 * (i % 4), 0.03 * (i / 4), 0.03 * (i % 3)});
+  grains.reserve(60);
+  for (int i = 0; i < 60; ++i) {
+    const int layer = i / 4;
+    grains.push_back({0.3 + 0.03 * (i % 4), 0.03 * layer, 0.03 * (i % 3)});
+  }
   world.add_grains(grains, {}, {.velocity = {1, 0, 0}});
   world.add_collider(Plane{});
   return world;
