@@ -390,13 +390,13 @@ void SurfaceContacts::sort_by_color(const ParticleView& particles) {
 }
 
 bool SurfaceContacts::colors_are_independent(const ParticleView& particles) const {
-  std::vector<std::size_t> color_of(pairs_.particle_count());  // per particle: the last one, counted from 1
+  std::vector<std::size_t> last(pairs_.particle_count());  // per particle: its last contact, counted from 1
   for (std::size_t kind = 0; kind + 1 < begin_.size(); ++kind)
     for (std::size_t slot = begin_[kind]; slot < begin_[kind + 1]; ++slot)
       for (const std::uint32_t i : pairs_.pair(pair_[slot]).particle) {
         if (!(particles.inverse_mass(i) > 0)) continue;
-        if (color_of[i] == kind / 2 + 1) return false;
-        color_of[i] = kind / 2 + 1;
+        if (last[i] > begin_[kind - kind % 2] && last[i] != slot + 1) return false;
+        last[i] = slot + 1;
       }
   return true;
 }
@@ -550,7 +550,7 @@ void SurfaceContacts::update_contact_margins() {
   for (std::size_t c = 0; c < size(); ++c) {
     const float beyond = columns_.normal_sum[c] - max(0.0f, columns_.approach[c]);
     if (!(beyond > speculative_part * columns_.thickness[c])) continue;
-    SOUPLE_ASSERT(columns_.thickness[c] > 0, "elements have a thickness");
+    SOUPLE_ASSERT(columns_.thickness[c] >= 0, "no thickness is negative");
     const float contact_margin = min(beyond, max_part * columns_.thickness[c]);
     for (const std::uint32_t* particle : columns_.particle)
       contact_margin_[particle[c]] = max(contact_margin_[particle[c]], contact_margin);

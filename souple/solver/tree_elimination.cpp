@@ -281,7 +281,6 @@ void TreeElimination::eliminate(Node& node, Node& parent) {
   node.p = node.g - across(node.g, left) * node.turn;
   node.rest = node.C + dot(node.g, free);
   const double sum = node.alpha + dot(node.g, n);
-  SOUPLE_ASSERT(!(sum < 0), "the eliminated matrix is positive along the link");
   node.s = sum > 0 ? 1 / sum : 0;
   if (parent.fixed()) return;
   const Vec3d q = node.f - across(node.g, n) * node.turn;
