@@ -390,7 +390,9 @@ void SurfaceContacts::sort_by_color(const ParticleView& particles) {
 }
 
 bool SurfaceContacts::colors_are_independent(const ParticleView& particles) const {
-  std::vector<std::size_t> last(pairs_.particle_count());  // per particle: its last contact, counted from 1
+  // Per particle: its last contact, counted from 1. Warm steps allocate nothing, with assertions too.
+  thread_local std::vector<std::size_t> last;
+  last.assign(pairs_.particle_count(), 0);
   for (std::size_t kind = 0; kind + 1 < begin_.size(); ++kind)
     for (std::size_t slot = begin_[kind]; slot < begin_[kind + 1]; ++slot)
       for (const std::uint32_t i : pairs_.pair(pair_[slot]).particle) {
