@@ -2,7 +2,7 @@
 
 #include "app/bench_scenes.h"
 #include "app/option_names.h"
-#include "souple/solver/instruction_set.h"
+#include "souple/simd/instruction_set.h"
 #include "souple/world/world.h"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 
 #include "app/percent.h"
 #include "souple/error.h"
-#include "souple/io/file.h"
+#include "souple/files/file.h"
 #include "souple/version.h"
 
 #include <cmath>

@@ -1,7 +1,7 @@
 #include "app/bench_segments.h"
 
 #include "souple/geometry/builders.h"
-#include "souple/solver/instruction_set.h"
+#include "souple/simd/instruction_set.h"
 #include "souple/version.h"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 
 #include "app/bench_report.h"
 #include "souple/error.h"
-#include "souple/solver/instruction_set.h"
-#include "souple/solver/threads.h"
+#include "souple/simd/instruction_set.h"
+#include "souple/threads/threads.h"
 #include "souple/version.h"
 
 #include <array>

@@ -2,10 +2,10 @@
 #include "app/exit_codes.h"
 #include "app/find_scene.h"
 #include "app/vdb.h"
-#include "souple/io/mesh_file.h"
+#include "souple/mesh_files/mesh_file.h"
 #include "souple/scene/scene.h"
-#include "souple/solver/instruction_set.h"
-#include "souple/solver/threads.h"
+#include "souple/simd/instruction_set.h"
+#include "souple/threads/threads.h"
 #include "souple/version.h"
 
 #include <cstdio>

@@ -3,7 +3,7 @@
 #include "render/contact_sheet.h"
 #include "render/film.h"
 #include "souple/error.h"
-#include "souple/io/atomic_file.h"
+#include "souple/files/atomic_file.h"
 
 #include <algorithm>
 #include <array>

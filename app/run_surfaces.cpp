@@ -1,7 +1,7 @@
 #include "app/run_surfaces.h"
 
+#include "souple/files/file.h"
 #include "souple/io/earlier_run.h"
-#include "souple/io/file.h"
 #include "souple/io/recorder_names.h"
 
 namespace souple::app {

@@ -1,7 +1,7 @@
 #include "app/surface_files.h"
 
 #include "app/vdb.h"
-#include "souple/io/mesh_write.h"
+#include "souple/mesh_files/mesh_write.h"
 #include "souple/version.h"
 
 #include <algorithm>

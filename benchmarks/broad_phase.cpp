@@ -8,9 +8,9 @@
 // on average, with many sizes two. Neighbors in space are near in memory, as in objects that were renumbered;
 // in a third soup the order is random. Times are milliseconds of processor time a step, the median of five steps, in turn. Prints JSON.
 
-#include "souple/collision/spatial_hash.h"
-#include "souple/solver/instruction_set.h"
-#include "souple/solver/threads.h"
+#include "souple/broad_phase/spatial_hash.h"
+#include "souple/simd/instruction_set.h"
+#include "souple/threads/threads.h"
 #include "tests/collision/random.h"
 
 #include <algorithm>

@@ -13,8 +13,8 @@
 #include "souple/error.h"
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/builders.h"
+#include "souple/multilevel/make_solver.h"
 #include "souple/solver/set_projector.h"
-#include "souple/solver/solver.h"
 #include "souple/state/particles.h"
 
 #include <algorithm>

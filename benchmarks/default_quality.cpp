@@ -7,7 +7,7 @@
 
 #include "souple/error.h"
 #include "souple/geometry/adjacency.h"
-#include "souple/io/mesh_file.h"
+#include "souple/mesh_files/mesh_file.h"
 #include "souple/souple.h"
 #include "tests/physics/equilibrium.h"
 

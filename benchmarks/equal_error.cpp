@@ -13,7 +13,7 @@
 // JSON.
 
 #include "benchmarks/elastic_scenes.h"
-#include "souple/solver/instruction_set.h"
+#include "souple/simd/instruction_set.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -6,8 +6,8 @@
 // large angle, then nearly parallel. Prints JSON: for each case and each relaxation, the points at which
 // GaussSeidel evaluates the constraints.
 
+#include "souple/multilevel/make_solver.h"
 #include "souple/solver/custom_constraint.h"
-#include "souple/solver/solver.h"
 
 #include <array>
 #include <cmath>

@@ -8,8 +8,8 @@
 #include "render/image.h"
 #include "render/renderer.h"
 #include "souple/error.h"
-#include "souple/solver/threads.h"
 #include "souple/surface/splat_shapes.h"
+#include "souple/threads/threads.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/collision/nearest.h"
-#include "souple/math/simd/pack.h"
+#include "souple/simd/pack.h"
 
 namespace souple {
 

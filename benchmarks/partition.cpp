@@ -15,8 +15,8 @@
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/builders.h"
 #include "souple/geometry/reorder.h"
+#include "souple/multilevel/make_solver.h"
 #include "souple/solver/set_projector.h"
-#include "souple/solver/solver.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "souple/solver/threads.h"
+#include "souple/threads/threads.h"
 
 #include <atomic>
 #include <cmath>

@@ -13,12 +13,13 @@ import sys
 
 FLOORS = {
     "souple/math": 1,
+    "souple/simd": 1.5, "souple/threads": 1.5,
     "souple/constraints": 2, "souple/state": 2, "souple/geometry": 2,
-    "souple/solver": 3,
-    "souple/collision": 4,
+    "souple/solver": 3, "souple/linear_solvers": 3.2, "souple/multilevel": 3.4,
+    "souple/collision": 4, "souple/broad_phase": 4.2, "souple/untangling": 4.4, "souple/contacts": 4.6,
     "souple/fluid": 5,
     "souple/world": 6, "souple/surface": 6,
-    "souple/io": 7, "render": 7,
+    "souple/files": 6.5, "souple/mesh_files": 6.7, "souple/io": 7, "render": 7,
     "souple/scene": 8,
     "souple/host": 8.5,
     "app": 9, "python": 9, "plugins": 9,
@@ -32,9 +33,12 @@ SINGLE_FILES = {
     "souple/eigen.h": 7,     # optional adaptor
     "souple/souple.h": 8.5,  # everything, for users
 }
-# Constraint and projection code is compiled per instruction set and for devices: nothing else may come in.
-KERNEL_FOLDER = "souple/solver/kernels"
-KERNEL_MAY_INCLUDE = ("souple/math/", "souple/constraints/", KERNEL_FOLDER + "/")
+# What a kernels folder compiles for an instruction set or a device includes these and other kernels, nothing else.
+# The headers named one by one are templates on the scalar, or small plain functions, of their folders.
+KERNELS = "/kernels/"
+KERNELS_MAY_INCLUDE = ("souple/math/", "souple/simd/instruction_sets.h", "souple/simd/pack.h", "souple/simd/registers.h",
+                       "souple/constraints/", "souple/collision/nearest.h", "souple/collision/segment_triangle/",
+                       "souple/contacts/contact_law.h", "souple/fluid/smoothing_shape.h")
 CONTAINERS = {"vector", "string", "map", "set", "unordered_map", "unordered_set", "deque", "list", "functional"}
 
 
@@ -50,7 +54,8 @@ OUTSIDE = [
     (r"fmt/", lambda p: p.endswith(".cpp") and in_folder(p, "souple", "render", "app"),
      "fmt only in .cpp files of souple, render and app"),
     (r"CLI/", lambda p: p.endswith(".cpp") and in_folder(p, "app"), "CLI11 only in .cpp files of app"),
-    (r"assimp/", lambda p: p.endswith(".cpp") and in_folder(p, "souple/io"), "assimp only in .cpp files of souple/io"),
+    (r"assimp/", lambda p: p.endswith(".cpp") and in_folder(p, "souple/mesh_files"),
+     "assimp only in .cpp files of souple/mesh_files"),
     (r"openvdb/", lambda p: p == "app/vdb.cpp", "OpenVDB only in app/vdb.cpp"),
     (r"(GL|GLES\d?|GLFW|EGL|epoxy)/|imgui", lambda p: in_folder(p, "render", "app", "plugins"),
      "no renderer or window in the library"),
@@ -60,6 +65,11 @@ OUTSIDE = [
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 USING_NAMESPACE = re.compile(r"^\s*using\s+namespace\b")
 TO_STRING = re.compile(r"\bstd::to_string\b")
+
+
+def is_kernel(path):
+    """Whether a file is compiled for an instruction set. find_kernels chooses among them when the program runs."""
+    return path.startswith("souple/") and KERNELS in path and "/find_kernels." not in path
 
 
 def folder_of(path):
@@ -80,8 +90,8 @@ def check_own_include(path, target, root):
         return f"{target} is on no floor: add its folder to script/check_floors.py"
     if here is None:
         return "this file is on no floor: add its folder to script/check_floors.py"
-    if in_folder(path, KERNEL_FOLDER) and not target.startswith(KERNEL_MAY_INCLUDE):
-        return f"a kernel includes {target}: only math and constraints are allowed"
+    if is_kernel(path) and not (target.startswith(KERNELS_MAY_INCLUDE) or is_kernel(target)):
+        return f"a kernel includes {target}: only math, simd and constraints are allowed"
     same_folder = folder_of(path) is not None and folder_of(path) == folder_of(target)
     if not same_folder and there >= here:
         return f"floor {here} includes {target} on floor {there}: only lower floors or its own folder"
@@ -92,7 +102,7 @@ def check_outside_include(path, target):
     for pattern, allowed, rule in OUTSIDE:
         if re.match(pattern, target) and not allowed(path):
             return f"includes <{target}>: {rule}"
-    if in_folder(path, KERNEL_FOLDER) and target in CONTAINERS:
+    if is_kernel(path) and target in CONTAINERS:
         return f"includes <{target}>: no containers in kernels"
     return None
 

@@ -2,8 +2,8 @@
 
 #include "souple/geometry/measures.h"
 #include "souple/geometry/mesh_report.h"
-#include "souple/io/mesh_file.h"
 #include "souple/math/scalar.h"
+#include "souple/mesh_files/mesh_file.h"
 
 #include <algorithm>
 #include <cctype>

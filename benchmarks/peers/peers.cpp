@@ -8,7 +8,7 @@
 #include "souple/geometry/builders.h"
 #include "souple/geometry/measures.h"
 #include "souple/scene/json.h"
-#include "souple/solver/instruction_set.h"
+#include "souple/simd/instruction_set.h"
 #include "souple/world/world.h"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 
 #include "souple/fluid/cell_order.h"
 #include "souple/math/mat3.h"
-#include "souple/solver/threads.h"
 #include "souple/state/particles.h"
+#include "souple/threads/threads.h"
 
 #include <array>
 #include <cstdint>

@@ -1,6 +1,6 @@
 #include "souple/fluid/fluid_bodies.h"
 
-#include "souple/collision/particle_position.h"
+#include "souple/contacts/particle_position.h"
 #include "souple/geometry/closest_point.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "souple/collision/collider.h"
 #include "souple/collision/rigid_pose.h"
+#include "souple/contacts/collider.h"
 #include "souple/fluid/local_boundary.h"
 
 #include <span>

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "souple/collision/spatial_hash.h"
+#include "souple/broad_phase/spatial_hash.h"
 #include "souple/math/vec3.h"
-#include "souple/solver/threads.h"
+#include "souple/threads/threads.h"
 
 #include <array>
 #include <cstdint>

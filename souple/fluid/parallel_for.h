@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/solver/threads.h"
+#include "souple/threads/threads.h"
 
 #include <algorithm>
 #include <array>

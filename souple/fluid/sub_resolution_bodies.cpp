@@ -1,6 +1,6 @@
 #include "souple/fluid/sub_resolution_bodies.h"
 
-#include "souple/collision/particle_position.h"
+#include "souple/contacts/particle_position.h"
 
 #include <algorithm>
 #include <cmath>

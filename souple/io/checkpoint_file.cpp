@@ -1,9 +1,9 @@
 #include "souple/io/checkpoint_file.h"
 
 #include "souple/error.h"
-#include "souple/io/atomic_file.h"
-#include "souple/io/endian.h"
-#include "souple/io/relative_path.h"
+#include "souple/files/atomic_file.h"
+#include "souple/files/endian.h"
+#include "souple/files/relative_path.h"
 #include "souple/math/fnv1a.h"
 
 #include <array>

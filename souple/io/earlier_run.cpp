@@ -1,7 +1,7 @@
 #include "souple/io/earlier_run.h"
 
 #include "souple/error.h"
-#include "souple/io/atomic_file.h"
+#include "souple/files/atomic_file.h"
 #include "souple/io/manifest.h"
 #include "souple/io/sequence.h"
 

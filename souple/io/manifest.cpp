@@ -1,8 +1,8 @@
 #include "souple/io/manifest.h"
 
 #include "souple/error.h"
-#include "souple/io/atomic_file.h"
-#include "souple/io/relative_path.h"
+#include "souple/files/atomic_file.h"
+#include "souple/files/relative_path.h"
 
 #include <cmath>
 #include <initializer_list>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/io/file.h"
+#include "souple/files/file.h"
 #include "souple/math/vec3.h"
 
 #include <cstdint>

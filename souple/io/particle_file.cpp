@@ -1,9 +1,9 @@
 #include "souple/io/particle_file.h"
 
 #include "souple/error.h"
-#include "souple/io/endian.h"
-#include "souple/io/file.h"
-#include "souple/io/mesh_write.h"
+#include "souple/files/endian.h"
+#include "souple/files/file.h"
+#include "souple/mesh_files/mesh_write.h"
 
 #include <array>
 #include <bit>

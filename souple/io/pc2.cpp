@@ -1,8 +1,8 @@
 #include "souple/io/pc2.h"
 
 #include "souple/error.h"
-#include "souple/io/atomic_file.h"
-#include "souple/io/endian.h"
+#include "souple/files/atomic_file.h"
+#include "souple/files/endian.h"
 #include "souple/io/point_cache_checks.h"
 
 #include <algorithm>

@@ -1,15 +1,15 @@
 #include "souple/io/playback.h"
 
 #include "souple/error.h"
+#include "souple/files/atomic_file.h"
 #include "souple/geometry/measures.h"
-#include "souple/io/atomic_file.h"
 #include "souple/io/mdd.h"
-#include "souple/io/mesh_file.h"
 #include "souple/io/particle_file.h"
 #include "souple/io/pc2.h"
 #include "souple/io/recorded_foam.h"
 #include "souple/io/recorder_names.h"
 #include "souple/io/sequence.h"
+#include "souple/mesh_files/mesh_file.h"
 
 #include <algorithm>
 #include <optional>

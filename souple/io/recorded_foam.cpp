@@ -1,6 +1,6 @@
 #include "souple/io/recorded_foam.h"
 
-#include "souple/io/mesh_write.h"
+#include "souple/mesh_files/mesh_write.h"
 
 #include <algorithm>
 

@@ -1,8 +1,8 @@
 #include "souple/io/recorded_object.h"
 
+#include "souple/files/atomic_file.h"
 #include "souple/geometry/submesh.h"
-#include "souple/io/atomic_file.h"
-#include "souple/io/mesh_write.h"
+#include "souple/mesh_files/mesh_write.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,8 +1,8 @@
 #include "souple/io/recorder.h"
 
 #include "souple/error.h"
+#include "souple/files/file.h"
 #include "souple/io/earlier_run.h"
-#include "souple/io/file.h"
 #include "souple/io/manifest.h"
 #include "souple/io/recorded_foam.h"
 #include "souple/io/recorded_object.h"

@@ -1,7 +1,7 @@
 #include "souple/io/sequence.h"
 
 #include "souple/error.h"
-#include "souple/io/atomic_file.h"
+#include "souple/files/atomic_file.h"
 
 #include <algorithm>
 #include <map>

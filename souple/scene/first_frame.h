@@ -1,7 +1,7 @@
 #pragma once
 
-#include "souple/io/mesh_file.h"
 #include "souple/math/vec3.h"
+#include "souple/mesh_files/mesh_file.h"
 
 #include <span>
 #include <string>

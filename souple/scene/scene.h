@@ -1,11 +1,11 @@
 #pragma once
 
 #include "souple/collision/collider_motion.h"
-#include "souple/collision/contact_material.h"
 #include "souple/collision/shapes.h"
+#include "souple/contacts/contact_material.h"
 #include "souple/geometry/builders.h"
 #include "souple/geometry/vertex_maps.h"
-#include "souple/io/mesh_file.h"
+#include "souple/mesh_files/mesh_file.h"
 #include "souple/world/world.h"
 
 #include <array>

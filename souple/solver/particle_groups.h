@@ -1,8 +1,8 @@
 #pragma once
 
 #include "souple/solver/coloring.h"
-#include "souple/solver/threads.h"
 #include "souple/state/bytes.h"
+#include "souple/threads/threads.h"
 
 #include <string_view>
 #include <utility>

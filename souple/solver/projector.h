@@ -1,7 +1,7 @@
 #pragma once
 
-#include "souple/solver/threads.h"
 #include "souple/state/particles.h"
+#include "souple/threads/threads.h"
 
 #include <cmath>
 #include <cstdint>

@@ -2,9 +2,8 @@
 
 #include "souple/solver/left_out.h"
 #include "souple/solver/projector.h"
-#include "souple/solver/threads.h"
+#include "souple/threads/threads.h"
 
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -72,8 +71,6 @@ class Solver {
   /// empty.
   virtual std::string diagnostic() const { return {}; }
 };
-
-std::unique_ptr<Solver> make_solver(const SolverSettings& settings);
 
 /// Projects all constraints of a projector once, color after color, each color on all threads.
 void sweep(Projector& projector, const ParticleView& particles, const Substep& substep, Threads& threads);

@@ -1,19 +1,11 @@
 #pragma once
 
-#include "souple/math/vec3.h"
+#include "souple/math/vec4.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace souple {
-
-/// Three components and a fourth lane: 16 bytes, which a SIMD register loads whole.
-struct alignas(16) Vec4f {
-  float x{}, y{}, z{}, w{};
-
-  Vec3f xyz() const { return {x, y, z}; }
-  void set_xyz(const Vec3f& v) { x = v.x, y = v.y, z = v.z; }
-};
 
 /// All particles of a world, as plain arrays of equal length; an object owns a contiguous range.
 ///

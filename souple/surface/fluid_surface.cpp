@@ -1,6 +1,7 @@
 #include "souple/surface/fluid_surface.h"
 
 #include "souple/error.h"
+#include "souple/surface/kernels/find_kernels.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/geometry/triangle_mesh.h"
-#include "souple/solver/threads.h"
+#include "souple/threads/threads.h"
 
 #include <array>
 #include <cstddef>

@@ -1,6 +1,7 @@
 #include "souple/surface/particle_kernels.h"
 
 #include "souple/math/svd.h"
+#include "souple/surface/kernels/find_kernels.h"
 
 #include <algorithm>
 #include <cmath>

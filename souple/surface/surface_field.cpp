@@ -1,5 +1,7 @@
 #include "souple/surface/surface_field.h"
 
+#include "souple/surface/kernels/find_kernels.h"
+
 #include <algorithm>
 #include <cmath>
 

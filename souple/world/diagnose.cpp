@@ -2,6 +2,7 @@
 
 #include "souple/assert.h"
 #include "souple/constraints/neo_hookean.h"
+#include "souple/multilevel/make_solver.h"
 #include "souple/world/build.h"
 #include "souple/world/contacts.h"
 #include "souple/world/sleeping.h"

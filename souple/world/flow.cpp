@@ -1,6 +1,6 @@
 #include "souple/world/flow.h"
 
-#include "souple/collision/queries.h"
+#include "souple/contacts/collider_queries.h"
 #include "souple/world/add.h"
 #include "souple/world/inflow_particles.h"
 #include "souple/world/sleeping.h"

@@ -1,6 +1,6 @@
 #include "souple/world/fluids.h"
 
-#include "souple/collision/particle_position.h"
+#include "souple/contacts/particle_position.h"
 #include "souple/world/state.h"
 
 #include <algorithm>

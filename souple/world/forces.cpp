@@ -1,6 +1,8 @@
 #include "souple/world/forces.h"
 
-#include "souple/solver/instruction_set.h"
+#include "souple/simd/instruction_set.h"
+#include "souple/solver/kernels/find_kernels.h"
+#include "souple/solver/kernels/triangles.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,9 @@
 #include "souple/assert.h"
 #include "souple/geometry/measures.h"
 #include "souple/math/fnv1a.h"
-#include "souple/solver/instruction_set.h"
+#include "souple/simd/instruction_set.h"
+#include "souple/solver/kernels/find_kernels.h"
+#include "souple/solver/kernels/triangles.h"
 #include "souple/world/impl.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
-#include "souple/collision/queries.h"
-
-#include "souple/collision/contact_law.h"
+#include "souple/contacts/collider_queries.h"
+#include "souple/contacts/contact_law.h"
 #include "souple/geometry/closest_point.h"
 #include "souple/world/add.h"
 #include "souple/world/diagnose.h"

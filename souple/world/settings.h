@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/collision/contact.h"
+#include "souple/contacts/contact.h"
 #include "souple/fluid/foam_parameters.h"
 #include "souple/fluid/smoothing_shape.h"
 #include "souple/math/vec3.h"

@@ -1,7 +1,9 @@
 #include "souple/world/stages.h"
 
 #include "souple/assert.h"
-#include "souple/solver/instruction_set.h"
+#include "souple/simd/instruction_set.h"
+#include "souple/solver/kernels/find_kernels.h"
+#include "souple/solver/kernels/motion.h"
 #include "souple/world/contacts.h"
 #include "souple/world/damping.h"
 #include "souple/world/forces.h"

@@ -1,7 +1,7 @@
 #include "souple/world/world.h"
 
 #include "souple/geometry/measures.h"
-#include "souple/solver/instruction_set.h"
+#include "souple/simd/instruction_set.h"
 #include "souple/world/add.h"
 #include "souple/world/build.h"
 #include "souple/world/contacts.h"

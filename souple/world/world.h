@@ -9,7 +9,7 @@
 #include "souple/geometry/triangle_mesh.h"
 #include "souple/math/transform.h"
 #include "souple/solver/projector.h"
-#include "souple/solver/threads.h"
+#include "souple/threads/threads.h"
 #include "souple/world/debug_draw.h"
 #include "souple/world/emitter.h"
 #include "souple/world/materials.h"

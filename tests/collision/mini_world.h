@@ -1,7 +1,7 @@
 #pragma once
 
-#include "souple/collision/collider_contacts.h"
-#include "souple/collision/particle_contacts.h"
+#include "souple/contacts/collider_contacts.h"
+#include "souple/contacts/particle_contacts.h"
 #include "souple/state/particles.h"
 
 #include <cstring>

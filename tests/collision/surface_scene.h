@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/collision/near_pairs.h"
+#include "souple/broad_phase/near_pairs.h"
 #include "souple/geometry/builders.h"
 #include "tests/collision/random.h"
 

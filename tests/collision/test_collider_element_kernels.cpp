@@ -1,6 +1,6 @@
 // Searches for the deepest point of elements, compared with sampling in double and between instruction sets.
-#include "souple/collision/kernels/find_kernels.h"
-#include "souple/collision/packed_collider.h"
+#include "souple/contacts/kernels/find_kernels.h"
+#include "souple/contacts/packed_collider.h"
 #include "souple/geometry/builders.h"
 #include "tests/collision/random.h"
 

@@ -1,4 +1,4 @@
-#include "souple/collision/contact_material.h"
+#include "souple/contacts/contact_material.h"
 #include "souple/error.h"
 
 #include <string>

@@ -1,5 +1,5 @@
-#include "souple/collision/contact_arrays.h"
-#include "souple/collision/kernels/find_kernels.h"
+#include "souple/contacts/contact_arrays.h"
+#include "souple/contacts/kernels/find_kernels.h"
 #include "souple/state/particles.h"
 #include "tests/collision/random.h"
 

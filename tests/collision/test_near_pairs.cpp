@@ -1,4 +1,4 @@
-#include "souple/collision/near_pairs.h"
+#include "souple/broad_phase/near_pairs.h"
 #include "souple/error.h"
 #include "tests/collision/surface_scene.h"
 #include "tests/count_allocations.h"

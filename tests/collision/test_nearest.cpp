@@ -1,6 +1,6 @@
 #include "souple/collision/nearest.h"
 #include "souple/geometry/closest_point.h"
-#include "souple/math/simd/pack.h"
+#include "souple/simd/pack.h"
 #include "tests/collision/random.h"
 
 #include <array>

@@ -1,4 +1,4 @@
-#include "souple/collision/object_pairs.h"
+#include "souple/broad_phase/object_pairs.h"
 #include "tests/collision/random.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "souple/collision/patch_kernels/find_kernels.h"
+#include "souple/broad_phase/kernels/find_kernels.h"
 #include "tests/collision/random.h"
 
 #include <algorithm>

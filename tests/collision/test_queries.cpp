@@ -1,4 +1,4 @@
-#include "souple/collision/queries.h"
+#include "souple/contacts/collider_queries.h"
 #include "tests/collision/random.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // Signed distance fields: right distances, the right side, and messages for meshes without an inside.
 #include "revolved.h"
 #include "souple/collision/mesh_tree.h"
-#include "souple/collision/queries.h"
+#include "souple/contacts/collider_queries.h"
 #include "souple/geometry/builders.h"
 #include "souple/geometry/measures.h"
 #include "tests/collision/random.h"

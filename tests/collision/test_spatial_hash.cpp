@@ -1,4 +1,4 @@
-#include "souple/collision/spatial_hash.h"
+#include "souple/broad_phase/spatial_hash.h"
 #include "tests/collision/random.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "souple/collision/surface_elements.h"
+#include "souple/broad_phase/surface_elements.h"
 #include "souple/geometry/builders.h"
 
 #include <algorithm>

@@ -114,7 +114,7 @@ SOFT_TESTS = "tests/physics/test_collision_soft.cpp"
 LIQUID_TESTS = "tests/render/test_liquid.cpp"
 MESH_TESTS = "tests/surface/test_fluid_surface.cpp"
 EXACT_TESTS = "tests/collision/segment_triangle/test_exact.cpp"
-RESOLVER = "souple/collision/intersection_resolver.cpp"
+RESOLVER = "souple/untangling/intersection_resolver.cpp"
 
 # Page, pattern with one group for the number (a space stands for any white space), the truth.
 COUNTS = [
@@ -140,7 +140,7 @@ COUNTS = [
      lambda: round(measured("displacement", 1, "ms_per_step"), 1)),
     ("README.md", r"and ([\d.]+) ms in the displacement form", lambda: round(measured("displacement", 2, "ms_per_step"), 1)),
 
-    ("docs/architecture.md", r"whole packs of (\d+)", lambda: constant("souple/solver/work_partition.h", "pack")),
+    ("docs/architecture.md", r"whole packs of (\d+)", lambda: constant("souple/threads/work_partition.h", "pack")),
     ("docs/architecture.md", r"a cap of (\d+) times the weight", lambda: constant("souple/host/grab.cpp", "strength")),
     ("docs/embedding.md", r"no harder than (\d+) weights", lambda: constant("souple/host/grab.cpp", "strength")),
     ("docs/radium.md", r"no harder than (\d+) times its weight", lambda: constant("souple/host/grab.cpp", "strength")),
@@ -151,8 +151,8 @@ COUNTS = [
     ("docs/collisions.md", r"a whole number from 0 to (\d+)", lambda: largest("cloth", "layer")),
     ("docs/collisions.md", r"\*(\d+) x \d+ vertices with `self_collision`",
      lambda: find(CLOTH_TESTS, r"drop_and_look\((\d+),")),
-    ("docs/collisions.md", r"in chunks of (\d+)\.", lambda: constant("souple/collision/element_pairs.h", "chunk_size")),
-    ("docs/collisions.md", r"If (\w+) rounds do not", lambda: constant("souple/collision/surface_contacts.cpp", "correction_passes")),
+    ("docs/collisions.md", r"in chunks of (\d+)\.", lambda: constant("souple/contacts/element_pairs.h", "chunk_size")),
+    ("docs/collisions.md", r"If (\w+) rounds do not", lambda: constant("souple/contacts/surface_contacts.cpp", "correction_passes")),
     ("docs/collisions.md", r"than `speed` \(([\d.]+) m/s,", lambda: default("sleeping", "speed")),
     ("docs/collisions.md", r"for `seconds` \(([\d.]+) s\)", lambda: default("sleeping", "seconds")),
     ("docs/collisions.md", r"a cloth of (\d+) x \d+ falls on",
@@ -168,7 +168,7 @@ COUNTS = [
     ("docs/collisions.md", r"objects (\d+) directions and", lambda: constant(RESOLVER, "all_directions")),
     ("docs/collisions.md", r"directions and (\d+) distances are", lambda: constant(RESOLVER, "distances")),
     ("docs/collisions.md", r"within a (\w+) of the lower object's size",
-     lambda: 1 / constant("souple/collision/layers.cpp", "range_part")),
+     lambda: 1 / constant("souple/untangling/layers.cpp", "range_part")),
     ("docs/collisions.md", r"exact at grid points within (\d+) spacings",
      lambda: constant("souple/collision/signed_distance_field.h", "fine_cells")),
 
@@ -208,7 +208,7 @@ COUNTS = [
     ("docs/index.md", r"\): (\w+) tests side by side", lambda: len(SEGMENT_TESTS)),
     ("docs/integrators.md", r"[Tt]he (\w+) integrators", lambda: len(INTEGRATORS)),
     ("docs/known-limits.md", r"coarse relative to them \(([\d.]+) of",
-     lambda: constant("souple/collision/collider_element_contacts.cpp", "coarse_part")),
+     lambda: constant("souple/contacts/collider_element_contacts.cpp", "coarse_part")),
     ("docs/known-limits.md", r"the scene uses (\d+) iterations", lambda: scene("sand_pile")["iterations"]),
     ("docs/materials.md", r"!\[(\w+) jelly ducks", lambda: bodies("jelly_armada", "soft_body")),
     ("docs/performance.md", r"1/60 s: (\d+) substeps of one", lambda: default("scene", "substeps")),
@@ -241,30 +241,30 @@ COUNTS = [
     ("docs/segment-triangle.md", r"tests (\d+) triangles, all",
      lambda: constant("app/bench_segments.h", "default_segments_size")),
 
-    ("docs/solvers.md", r"linear forms; (\d+) rows of constraints", lambda: constant("souple/solver/dense.h", "max_rows")),
-    ("docs/solvers.md", r"More than (\d+) rows are refused", lambda: constant("souple/solver/dense.h", "max_rows")),
-    ("docs/solvers.md", r"singular value is below ([\de-]+) of", lambda: constant("souple/solver/dense.cpp", "singular")),
+    ("docs/solvers.md", r"linear forms; (\d+) rows of constraints", lambda: constant("souple/linear_solvers/dense.h", "max_rows")),
+    ("docs/solvers.md", r"More than (\d+) rows are refused", lambda: constant("souple/linear_solvers/dense.h", "max_rows")),
+    ("docs/solvers.md", r"singular value is below ([\de-]+) of", lambda: constant("souple/linear_solvers/dense.cpp", "singular")),
     ("docs/solvers.md", r"from the (\w+) iteration of a substep on",
      lambda: 1 + constant("souple/solver/chebyshev.h", "delay")),
     ("docs/solvers.md", r"a number of colors instead: 1 to (\d+),", lambda: largest("scene", "colors")),
     ("docs/solvers.md", r"tested within ([\de-]+) of the particles' displacements",
      lambda: find("tests/solver/test_partition.cpp", r"Form::plain \? 1e-2 : ([\de-]+)")),
     ("docs/solvers.md", r"is halved, at most (\w+) times",
-     lambda: constant("souple/solver/linearized_solver.cpp", "max_halvings")),
+     lambda: constant("souple/linear_solvers/linearized_solver.cpp", "max_halvings")),
     ("docs/solvers.md", r"changes nothing: a strain of ([\de-]+) in",
      lambda: constant("souple/solver/linear_system.cpp", "floor_strain")),
     ("docs/solvers.md", r"more than ([\de]+) multiplications",
-     lambda: constant("souple/solver/direct.cpp", "max_operations")),
+     lambda: constant("souple/linear_solvers/direct.cpp", "max_operations")),
     ("docs/solvers.md", r"ends at ([\de-]+) of the first residual",
-     lambda: constant("souple/solver/conjugate_gradient.h", "tolerance")),
+     lambda: constant("souple/linear_solvers/conjugate_gradient.h", "tolerance")),
     ("docs/solvers.md", r"or after (\d+) products",
-     lambda: find("souple/solver/conjugate_gradient.cpp", r"std::max\((\d+),")),
+     lambda: find("souple/linear_solvers/conjugate_gradient.cpp", r"std::max\((\d+),")),
     ("docs/solvers.md", r"no two closer than ([\d.]+) mean links",
-     lambda: constant("souple/solver/hierarchical_levels.cpp", "coarsening")),
+     lambda: constant("souple/multilevel/hierarchical_levels.cpp", "coarsening")),
     ("docs/solvers.md", r"coarse to fine; (\d+) sweeps a level",
-     lambda: find("souple/solver/hierarchical.cpp", r"int sweeps = (\d+)")),
+     lambda: find("souple/multilevel/hierarchical.cpp", r"int sweeps = (\d+)")),
     ("docs/solvers.md", r"sweeps a level, (\d+) on the coarsest",
-     lambda: constant("souple/solver/hierarchical.cpp", "coarsest_sweeps")),
+     lambda: constant("souple/multilevel/hierarchical.cpp", "coarsest_sweeps")),
     ("docs/solvers.md", r"\(([\d,]+) rigid constraints\)", lambda: measured("plain", 1, "constraints")),
     ("docs/viewer.md", r"The display modes 1 to (\d+) are", lambda: len(enumerators("render/display.h", "Display"))),
 ]
@@ -454,7 +454,7 @@ class Lists(unittest.TestCase):
 
     def test_instruction_sets_of_performance(self):
         said = re.search(r"`SOUPLE_SIMD=([\w|]+)`", read("docs/performance.md"))[1].split("|")
-        self.assertEqual(said, enumerators("souple/solver/instruction_set.h", "InstructionSet"), "docs/performance.md")
+        self.assertEqual(said, enumerators("souple/simd/instruction_set.h", "InstructionSet"), "docs/performance.md")
 
     def test_index_lists_every_page(self):
         said = set(re.findall(r"\]\(([\w-]+\.md)\)", read("docs/index.md")))

@@ -29,7 +29,7 @@ CONTEXT = {
     ("docs/embedding.md", "session.post"):
         "#include <souple/host/session.h>\nvoid snippet(souple::host::Session& session, souple::host::Handle cloth) {\n",
     ("docs/fluids.md", "FluidSurface"):
-        "#include <souple/souple.h>\n#include <souple/solver/threads.h>\n#include <souple/surface/fluid_surface.h>\n"
+        "#include <souple/souple.h>\n#include <souple/threads/threads.h>\n#include <souple/surface/fluid_surface.h>\n"
         "void snippet(souple::World& world, souple::ObjectId water) {\n",
 }
 # Beginnings of lines that are not run: why.

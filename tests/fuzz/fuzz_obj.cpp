@@ -1,7 +1,7 @@
 #include "check_mesh.h"
 #include "formats.h"
-#include "souple/io/mesh_parse.h"
-#include "souple/io/mesh_write.h"
+#include "souple/mesh_files/mesh_parse.h"
+#include "souple/mesh_files/mesh_write.h"
 
 #include <vector>
 

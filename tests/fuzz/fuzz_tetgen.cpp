@@ -1,6 +1,6 @@
 #include "check_mesh.h"
 #include "formats.h"
-#include "souple/io/mesh_parse.h"
+#include "souple/mesh_files/mesh_parse.h"
 
 namespace souple::fuzz {
 

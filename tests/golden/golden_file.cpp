@@ -1,7 +1,7 @@
 #include "golden_file.h"
 
-#include "souple/io/atomic_file.h"
-#include "souple/io/file.h"
+#include "souple/files/atomic_file.h"
+#include "souple/files/file.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

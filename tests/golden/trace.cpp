@@ -1,8 +1,8 @@
 #include "trace.h"
 
 #include "souple/error.h"
-#include "souple/io/atomic_file.h"
-#include "souple/io/file.h"
+#include "souple/files/atomic_file.h"
+#include "souple/files/file.h"
 #include "souple/math/fnv1a.h"
 
 #include <algorithm>

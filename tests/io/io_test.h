@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/error.h"
-#include "souple/io/file.h"
+#include "souple/files/file.h"
 #include "souple/math/vec3.h"
 
 #include <csignal>

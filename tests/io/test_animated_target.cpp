@@ -2,10 +2,10 @@
 #include "souple/geometry/builders.h"
 #include "souple/io/animated_target.h"
 #include "souple/io/mdd.h"
-#include "souple/io/mesh_file.h"
-#include "souple/io/mesh_write.h"
 #include "souple/io/pc2.h"
 #include "souple/io/sequence.h"
+#include "souple/mesh_files/mesh_file.h"
+#include "souple/mesh_files/mesh_write.h"
 
 #include <cmath>
 #include <utility>

@@ -1,5 +1,5 @@
 #include "io_test.h"
-#include "souple/io/atomic_file.h"
+#include "souple/files/atomic_file.h"
 #include "souple/math/fnv1a.h"
 
 namespace souple::test {

@@ -1,5 +1,5 @@
 #include "mesh_expect.h"
-#include "souple/io/mesh_file.h"
+#include "souple/mesh_files/mesh_file.h"
 
 #include <fstream>
 #include <string>

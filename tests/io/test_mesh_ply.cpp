@@ -1,6 +1,6 @@
 #include "mesh_expect.h"
-#include "souple/io/mesh_parse.h"
-#include "souple/io/mesh_write.h"
+#include "souple/mesh_files/mesh_parse.h"
+#include "souple/mesh_files/mesh_write.h"
 
 #include <limits>
 #include <vector>

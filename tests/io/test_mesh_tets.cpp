@@ -1,5 +1,5 @@
 #include "mesh_expect.h"
-#include "souple/io/mesh_parse.h"
+#include "souple/mesh_files/mesh_parse.h"
 
 #include <vector>
 

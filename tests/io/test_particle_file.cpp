@@ -1,6 +1,6 @@
 #include "io_test.h"
 #include "souple/error.h"
-#include "souple/io/endian.h"
+#include "souple/files/endian.h"
 #include "souple/io/particle_file.h"
 
 #include <algorithm>

@@ -2,9 +2,9 @@
 #include "souple/geometry/builders.h"
 #include "souple/io/manifest.h"
 #include "souple/io/mdd.h"
-#include "souple/io/mesh_file.h"
 #include "souple/io/pc2.h"
 #include "souple/io/recorder.h"
+#include "souple/mesh_files/mesh_file.h"
 #include "souple/version.h"
 
 #include <algorithm>

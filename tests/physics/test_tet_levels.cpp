@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-// Bodies of stiff, fine tets, which a coarse lattice carries between sweeps (souple/solver/tet_levels.h).
+// Bodies of stiff, fine tets, which a coarse lattice carries between sweeps (souple/multilevel/tet_levels.h).
 
 namespace souple {
 namespace {

@@ -1,7 +1,8 @@
 #include "souple/constraints/distance.h"
 #include "souple/constraints/triangle_membrane.h"
+#include "souple/multilevel/hierarchical.h"
+#include "souple/multilevel/make_solver.h"
 #include "souple/solver/gauss_seidel.h"
-#include "souple/solver/hierarchical.h"
 #include "souple/solver/set_projector.h"
 #include "tests/solver/body.h"
 

@@ -1,5 +1,7 @@
-#include "souple/solver/instruction_set.h"
-#include "souple/solver/level_links.h"
+#include "souple/multilevel/level_links.h"
+#include "souple/simd/instruction_set.h"
+#include "souple/solver/kernels/find_kernels.h"
+#include "souple/solver/kernels/links.h"
 
 #include <algorithm>
 #include <cmath>

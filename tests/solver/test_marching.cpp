@@ -1,5 +1,5 @@
 #include "souple/math/vec3.h"
-#include "souple/solver/marching.h"
+#include "souple/multilevel/marching.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 #include "souple/constraints/attachment.h"
-#include "souple/solver/distance_trees.h"
+#include "souple/multilevel/distance_trees.h"
 #include "tests/solver/solver_scene.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "souple/surface/kernels/surface_kernels.h"
+#include "souple/surface/kernels/find_kernels.h"
 #include "tests/collision/random.h"
 
 #include <algorithm>

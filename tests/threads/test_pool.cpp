@@ -1,6 +1,6 @@
 #include "souple/error.h"
-#include "souple/solver/threads.h"
-#include "souple/solver/work_partition.h"
+#include "souple/threads/threads.h"
+#include "souple/threads/work_partition.h"
 #include "tests/expect_error.h"
 #include "tests/threads/idle.h"
 

@@ -1,5 +1,5 @@
 // Collision filters: groups, masks and the pair table, for every kind of contact.
-#include "souple/collision/contact_material.h"
+#include "souple/contacts/contact_material.h"
 #include "souple/geometry/builders.h"
 #include "souple/world/world.h"
 

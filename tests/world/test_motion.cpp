@@ -1,4 +1,6 @@
-#include "souple/solver/instruction_set.h"
+#include "souple/simd/instruction_set.h"
+#include "souple/solver/kernels/find_kernels.h"
+#include "souple/solver/kernels/motion.h"
 #include "souple/souple.h"
 #include "souple/state/particles.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/collision/kernels/segments.h"
-#include "souple/math/simd/pack.h"
+#include "souple/simd/pack.h"
 
 // Include this only in translation units that are compiled for one instruction set. Every template here has
 // the tag of its instruction set as an argument.

@@ -1,16 +1,7 @@
 #if defined(__aarch64__)
 
-#include "souple/collision/kernels/compile_collider_contacts.h"
-#include "souple/collision/kernels/compile_collider_elements.h"
-#include "souple/collision/kernels/compile_element_pairs.h"
 #include "souple/collision/kernels/compile_segments.h"
 
-template const souple::kernels::ColliderContactKernels&
-souple::kernels::collider_contact_kernels<souple::simd::Neon>();
-template const souple::kernels::ColliderElementKernels&
-souple::kernels::collider_element_kernels<souple::simd::Neon>();
-template const souple::kernels::ElementPairKernels&
-souple::kernels::element_pair_kernels<souple::simd::Neon>();
 template const souple::kernels::SegmentKernels& souple::kernels::segment_kernels<souple::simd::Neon>();
 
 #endif

@@ -1,12 +1,3 @@
-#include "souple/collision/kernels/compile_collider_contacts.h"
-#include "souple/collision/kernels/compile_collider_elements.h"
-#include "souple/collision/kernels/compile_element_pairs.h"
 #include "souple/collision/kernels/compile_segments.h"
 
-template const souple::kernels::ColliderContactKernels&
-souple::kernels::collider_contact_kernels<souple::simd::Sse>();
-template const souple::kernels::ColliderElementKernels&
-souple::kernels::collider_element_kernels<souple::simd::Sse>();
-template const souple::kernels::ElementPairKernels&
-souple::kernels::element_pair_kernels<souple::simd::Sse>();
 template const souple::kernels::SegmentKernels& souple::kernels::segment_kernels<souple::simd::Sse>();

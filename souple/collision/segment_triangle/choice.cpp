@@ -3,8 +3,8 @@
 #include "souple/collision/kernels/segments.h"
 #include "souple/collision/segment_triangle/all.h"
 #include "souple/error.h"
-#include "souple/solver/find_for.h"
-#include "souple/solver/instruction_set.h"
+#include "souple/simd/find_for.h"
+#include "souple/simd/instruction_set.h"
 
 namespace souple {
 namespace {

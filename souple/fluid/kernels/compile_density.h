@@ -2,13 +2,11 @@
 
 #include "souple/fluid/kernels/density_kernels.h"
 #include "souple/fluid/kernels/shapes.h"
-#include "souple/math/simd/pack.h"
+#include "souple/simd/pack.h"
 
 #include <cstring>
 
 // Included only by translation units compiled for one instruction set; every template carries the set's tag.
-
-#define SOUPLE_INLINE __attribute__((always_inline))
 
 namespace souple::kernels {
 

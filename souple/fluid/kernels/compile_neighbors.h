@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/fluid/kernels/neighbor_kernels.h"
-#include "souple/math/simd/instruction_sets.h"
+#include "souple/simd/instruction_sets.h"
 
 #include <array>
 #include <cstring>

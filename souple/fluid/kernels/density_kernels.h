@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/math/vec3.h"
-#include "souple/state/particles.h"
+#include "souple/math/vec4.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -1,7 +1,7 @@
 #include "souple/fluid/kernels/find_kernels.h"
 
 #include "souple/fluid/kernels/shapes.h"
-#include "souple/solver/find_for.h"
+#include "souple/simd/find_for.h"
 
 namespace souple::kernels {
 

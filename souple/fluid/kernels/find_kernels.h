@@ -4,7 +4,7 @@
 #include "souple/fluid/kernels/neighbor_kernels.h"
 #include "souple/fluid/kernels/velocity_kernels.h"
 #include "souple/fluid/smoothing_shape.h"
-#include "souple/solver/instruction_set.h"
+#include "souple/simd/instruction_set.h"
 
 namespace souple::kernels {
 

@@ -58,4 +58,8 @@ inline void multiply_cell(const Mat3<T>& R, const Stiffness& stiffness, Vec3<T> 
     x[a] = R.column[0] * out[3 * a] + R.column[1] * out[3 * a + 1] + R.column[2] * out[3 * a + 2];
 }
 
+/// Compiled in one translation unit per instruction set (compile_cells.h).
+template <class Isa>
+const CellKernels& cell_kernels();
+
 }  // namespace souple::kernels

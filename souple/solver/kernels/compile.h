@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/math/simd/pack.h"
+#include "souple/simd/pack.h"
 #include "souple/solver/kernels/kernels.h"
 #include "souple/solver/kernels/projection.h"
 
@@ -12,8 +12,6 @@
 
 // Functions that are not inlined pass registers through memory, at half the speed. g++'s flatten does not
 // inline lambdas.
-#define SOUPLE_INLINE __attribute__((always_inline))
-
 namespace souple::kernels {
 
 /// Calls f(0), f(1), ... f(n - 1) with constants, independent of the compiler's unrolling: an index unknown

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/math/simd/instruction_sets.h"
+#include "souple/simd/instruction_sets.h"
 #include "souple/solver/kernels/motion.h"
 
 // Included only by translation units that are compiled for one instruction set; every template here has the

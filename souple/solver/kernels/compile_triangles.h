@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/math/simd/pack.h"
+#include "souple/simd/pack.h"
 #include "souple/solver/kernels/triangles.h"
 
 // Included only by translation units that are compiled for one instruction set; every template here has the

@@ -9,15 +9,6 @@
 
 // The interface of the kernels of every instruction set: plain pointers, no containers.
 
-namespace souple::simd {
-
-struct Sse;
-struct Avx2;
-struct Avx512;
-struct Neon;
-
-}  // namespace souple::simd
-
 namespace souple::kernels {
 
 /// A Column (constraints/column.h): value i is at values[i * stride], stride 0 or 1.

@@ -1,5 +1,6 @@
-#include "souple/solver/find_for.h"
-#include "souple/surface/kernels/surface_kernels.h"
+#include "souple/surface/kernels/find_kernels.h"
+
+#include "souple/simd/find_for.h"
 
 namespace souple::kernels {
 

@@ -1,7 +1,6 @@
 #pragma once
 
-#include "souple/solver/instruction_set.h"
-#include "souple/state/particles.h"
+#include "souple/math/vec4.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -62,8 +61,5 @@ struct PlainLanes;
 
 template <class Isa>
 const SurfaceKernels& surface_kernels();
-
-/// The kernels of an instruction set; scalar code where it has none. Results are the same bits.
-const SurfaceKernels& find_surface_kernels(InstructionSet set);
 
 }  // namespace souple::kernels

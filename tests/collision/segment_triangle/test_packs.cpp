@@ -1,4 +1,4 @@
-#include "souple/solver/instruction_set.h"
+#include "souple/simd/instruction_set.h"
 #include "tests/collision/segment_triangle/cases.h"
 #include "tests/collision/segment_triangle/every_test.h"
 

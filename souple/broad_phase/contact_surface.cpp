@@ -1,0 +1,34 @@
+#include "souple/broad_phase/contact_surface.h"
+
+#include <tuple>
+
+namespace souple {
+namespace {
+
+// What a collision of two surfaces depends on, except single pairs.
+auto kind_of(const ContactSurface& surface) {
+  return std::tuple(surface.groups, surface.mask, surface.particles_only, surface.immovable);
+}
+
+}  // namespace
+
+// Of many surfaces most are alike: a few representatives tell that no pair can collide. Else the first pairs do.
+bool any_may_collide(std::span<const ContactSurface> surfaces) {
+  std::vector<ContactSurface> kinds;
+  for (const ContactSurface& surface : surfaces) {
+    if (surface.self_collision) return true;
+    // Two of a kind may collide with each other.
+    if (std::count_if(kinds.begin(), kinds.end(),
+                      [&](const ContactSurface& kind) { return kind_of(kind) == kind_of(surface); }) < 2)
+      kinds.push_back(surface), kinds.back().ignored_surfaces.clear();
+  }
+  const auto any_of = [](std::span<const ContactSurface> of) {
+    for (std::size_t a = 0; a < of.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b)
+        if (may_collide(of, a, b)) return true;
+    return false;
+  };
+  return any_of(kinds) && any_of(surfaces);
+}
+
+}  // namespace souple

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "souple/collision/segment_triangle/choice.h"
+#include "souple/math/vec4.h"
+
+#include <cmath>
+#include <span>
+
+namespace souple {
+
+/// How contacts between surfaces are found in a substep.
+enum class Detection {
+  /// Vertices against triangles and edges against edges, by distance and by time of impact.
+  continuous,
+  /// Vertices whose path x -> p crosses a triangle (Müller et al. 2007, section 3.4), by a SegmentTest. It
+  /// serves for comparison: edges pass through edges, and what a test misses passes as well.
+  discrete
+};
+
+/// Data of a whole step, set before its first substep.
+struct ContactStep {
+  double time = 0;        ///< at the start of the step [s]
+  float dt = 0;           ///< length of the step [s]
+  float gravity = 9.81f;  ///< |g| [m/s^2]: contacts that approach slower than 2 |g| h do not bounce
+  float h = 0;            ///< length of a substep; 0: the step has only one [s]
+  Detection detection = Detection::continuous;      ///< between surfaces
+  SegmentTest segment_test = default_segment_test;  ///< of discrete detection
+  /// Rotation of the particles of objects that roll (Particles::turn); empty: none rolls.
+  std::span<Vec4f> turn{};
+
+  /// Speed at which an overlap older than the substep is removed, if the smaller side has the radius R [m/s]: that of
+  /// a fall by R. So no side gains more energy than m |g| R, and scenes of every size leave an overlap alike. Without
+  /// gravity: that of a fall on Earth.
+  float depenetration_speed(float R) const { return std::sqrt(2 * pull() * R); }
+  /// Duration of such a fall [s].
+  float fall_time(float R) const { return std::sqrt(2 * R / pull()); }
+
+ private:
+  float pull() const { return gravity > 0 ? gravity : 9.81f; }
+};
+
+}  // namespace souple

@@ -1,7 +1,0 @@
-#include "souple/collision/patch_kernels/compile.h"
-
-namespace souple::kernels {
-
-template const PatchKernels& patch_kernels<simd::Sse>();
-
-}  // namespace souple::kernels

@@ -1,0 +1,440 @@
+#include "souple/contacts/collider_contacts.h"
+
+#include "souple/broad_phase/spatial_hash.h"
+#include "souple/contacts/contact_law.h"
+#include "souple/contacts/element_clearance.h"
+#include "souple/contacts/kernels/find_kernels.h"
+#include "souple/contacts/packed_collider.h"
+#include "souple/contacts/particle_position.h"
+#include "souple/error.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+
+namespace souple {
+namespace {
+
+constexpr std::size_t particle_grain = 1024;  // least number of particles that pays for a thread
+constexpr std::size_t gap_chunk = 64;
+
+/// Three perpendicular axes of which y is n.
+Mat3d axes_around(const Vec3d& n) {
+  const Vec3d other = std::abs(n.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 0, 1};
+  const Vec3d x = normalized(other - n * dot(n, other));
+  return {x, n, cross(x, n)};
+}
+
+/// Copies what ColliderContactKernels::project_again reads of some contacts.
+void copy_plane_contacts(const kernels::ColliderContactColumns& from, std::span<const std::uint32_t> some,
+                         const kernels::ColliderContactColumns& to) {
+  for (std::size_t k = 0; k < some.size(); ++k) {
+    const std::uint32_t c = some[k];
+    to.particle[k] = from.particle[c];
+    to.plane_gap[k] = from.plane_gap[c], to.slop[k] = from.slop[c], to.normal_sum[k] = from.normal_sum[c];
+    to.static_friction[k] = from.static_friction[c], to.kinetic_friction[k] = from.kinetic_friction[c];
+    for (int axis = 0; axis < 3; ++axis) {
+      to.normal[axis][k] = from.normal[axis][c], to.tangent_sum[axis][k] = from.tangent_sum[axis][c];
+      to.surface_motion[axis][k] = from.surface_motion[axis][c];
+    }
+  }
+}
+
+}  // namespace
+
+void ColliderContacts::Contacts::resize(std::size_t size) {
+  resize_with_spare(particle_, size, 1);
+  for (auto& column : floats_) resize_with_spare(column, size, 1);
+}
+
+kernels::ColliderContactColumns ColliderContacts::Contacts::columns() {
+  kernels::ColliderContactColumns result;
+  std::size_t next = 0;
+  const auto set = [&](float*& column) { column = floats_[next++].data(); };
+  const auto set3 = [&](float*(&columns)[3]) {
+    for (float*& column : columns) set(column);
+  };
+  result.particle = particle_.data();
+  set(result.distance), set(result.static_friction), set(result.kinetic_friction), set(result.restitution);
+  set(result.end_distance), set(result.fixed_plane), set3(result.start_normal), set(result.plane_offset);
+  set(result.slop), set3(result.predicted), set(result.normal_sum), set3(result.tangent_sum);
+  set3(result.normal), set3(result.surface_motion), set(result.restitution_velocity), set(result.depth);
+  set(result.plane_gap);
+  set(result.share), set(result.radius), set(result.rolling_friction), set3(result.moment_sum);
+  return result;
+}
+
+std::size_t ColliderContacts::Contacts::bytes() const {
+  std::size_t sum = bytes_of(particle_);
+  for (const auto& column : floats_) sum += bytes_of(column);
+  return sum;
+}
+
+void ColliderContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
+                                  std::span<const float> radius, std::span<const float> element_radius,
+                                  std::span<const ContactObject> objects, std::span<const Collider> colliders,
+                                  const ContactMaterialTable& materials, const ContactStep& step,
+                                  Threads& threads) {
+  if (!colliders.empty() && (materials.rows() < objects.size() || materials.columns() < colliders.size()))
+    throw Error("ColliderContacts: the material table is smaller than objects x colliders; rebuild it");
+  kernels_ = &kernels::find_collider_contact_kernels(instruction_set());
+  colliders_ = colliders, objects_ = objects, radius_ = radius, element_radius_ = element_radius;
+  materials_ = &materials;
+  step_ = step;
+  contacts_.resize(0);
+  find_bodies();
+  find_members();
+  find_candidates(particles, velocity, 0, threads);
+}
+
+void ColliderContacts::find_bodies() {
+  bodies_.clear();
+  for (std::uint32_t c = 0; c < colliders_.size(); ++c) {
+    const Collider& collider = colliders_[c];
+    if (!collider.enabled) continue;
+    Body body;
+    body.collider = c;
+    body.curvature_radius = curvature_radius(collider.shape);
+    body.packed.shape = packed_shape(collider.shape);
+    body.packed.moves = !collider.motion.is_static();
+    body.before = body.after = pose_at(collider.motion, step_.time);
+    bodies_.push_back(body);
+  }
+}
+
+void ColliderContacts::find_members() {
+  members_.particle.clear(), members_.object.clear();
+  if (bodies_.empty()) return;
+  for (std::uint32_t object = 0; object < objects_.size(); ++object) {
+    if (!objects_[object].collides_with_colliders) continue;
+    for (std::uint32_t i = objects_[object].begin; i < objects_[object].end; ++i)
+      members_.particle.push_back(i), members_.object.push_back(object);
+  }
+}
+
+// A plane's origin is its point nearest to the first particle: floats are fine there, wherever the plane's own
+// origin is.
+void ColliderContacts::find_frame(Body& body, const ParticleView& particles) const {
+  const Shape& shape = shape_of(body);
+  body.origin = center_of(shape);
+  body.axes = Mat3d::identity();
+  if (!std::holds_alternative<Plane>(shape)) return;
+  const Vec3d near = members_.particle.empty()
+                         ? Vec3d{}
+                         : body.after.to_local(particle_position(particles, members_.particle[0]));
+  const SurfaceDistance below = surface_distance(shape, near);
+  body.origin = near - below.normal * below.distance;
+  body.axes = axes_around(below.normal);
+}
+
+void ColliderContacts::set_pose(Body& body, const RigidPose& before, const RigidPose& after) const {
+  body.before = before, body.after = after;
+  set_poses(body.packed, body.origin, body.axes, before, after);
+}
+
+// The margin is the particle's radius plus twice its path in a step at its present speed and under gravity:
+// forces and neighbors change speeds, and a particle that leaves its margin costs a new broad phase. In the
+// middle of a step (h > 0) the speed is that of the predicted motion.
+void ColliderContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
+                                       float h, Threads& threads) {
+  candidates_.particle.clear(), candidates_.object.clear(), candidates_.keeps.clear();
+  const std::size_t count = members_.particle.size();
+  for (auto& axis : members_.at) axis.resize(count);
+  members_.margin.resize(count), distance_.resize(count);
+  const float t = step_.dt;
+  threads.for_each(count, particle_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t m = begin; m < end; ++m) {
+      const std::uint32_t i = members_.particle[m];
+      const Vec3f x(particle_position(particles, i));
+      for (int axis = 0; axis < 3; ++axis) members_.at[static_cast<std::size_t>(axis)][m] = x[axis];
+      const float speed = h > 0 ? length(particles.moved(i)) / h : length(velocity[i].xyz());
+      members_.margin[m] = 2 * t * (speed + step_.gravity * t) + radius_[i];
+    }
+  });
+  const kernels::ColliderParticles packed = packed_particles(particles);
+  for (Body& body : bodies_) {
+    find_frame(body, particles);
+    set_pose(body, body.before, body.after);
+    find_candidates_of(body, packed, threads);
+  }
+}
+
+// A moving body may go anywhere within the step: all particles are its candidates.
+void ColliderContacts::find_candidates_of(Body& body, const kernels::ColliderParticles& particles,
+                                          Threads& threads) {
+  body.candidate_begin = candidates_.particle.size();
+  const std::size_t count = members_.particle.size();
+  if (!body.packed.moves)
+    threads.for_each(count, particle_grain, [&](std::size_t begin, std::size_t end) {
+      kernels_->distances(particles, body.packed, members_.particle.data(), begin, end, distance_.data());
+    });
+  for (std::size_t m = 0; m < count; ++m) {
+    const std::uint32_t i = members_.particle[m];
+    if (!materials_->collide(members_.object[m], body.collider)) continue;
+    const double keeps =
+        corner_distance(double(radius_[i]), double(element_radius_[i]), body.curvature_radius);
+    const auto reach = float(3 * double(members_.margin[m]) + 2 * keeps);
+    if (!body.packed.moves && !(distance_[m] <= reach)) continue;
+    candidates_.particle.push_back(i);
+    candidates_.object.push_back(members_.object[m]);
+    candidates_.keeps.push_back(float(keeps));
+  }
+  body.candidate_end = candidates_.particle.size();
+}
+
+bool ColliderContacts::left_margins(const ParticleView& particles, Threads& threads) const {
+  std::atomic<bool> left{false};
+  const kernels::ColliderParticles packed = packed_particles(particles);
+  threads.for_each(members_.particle.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    if (kernels_->left(packed, members_.particle.data(),
+                       {members_.at[0].data(), members_.at[1].data(), members_.at[2].data()},
+                       members_.margin.data(), begin, end))
+      left.store(true, std::memory_order_relaxed);
+  });
+  return left.load(std::memory_order_relaxed);
+}
+
+void ColliderContacts::refresh(const ParticleView& particles, const Substep& substep, double time,
+                               Threads& threads) {
+  last_h_ = substep.h;
+  contacts_.resize(0);
+  for (Body& body : bodies_) body.contact_begin = body.contact_end = 0;
+  if (bodies_.empty()) return;
+  for (Body& body : bodies_) {
+    if (!body.packed.moves) continue;
+    const auto [before, after] =
+        poses_between(colliders_[body.collider].motion, time, time + double(substep.h));
+    set_pose(body, before, after);
+  }
+  if (left_margins(particles, threads)) find_candidates(particles, {}, substep.h, threads);
+  for (Body& body : bodies_) find_contacts(body, particles, threads);
+}
+
+// Of a particle and the body in the substep, in the body's frame [m].
+Vec3f ColliderContacts::relative_motion(const Body& body, std::uint32_t particle,
+                                        const ParticleView& particles) {
+  return Vec3f(body.after.to_local(particle_position(particles, particle)) -
+               body.before.to_local(particle_start_position(particles, particle)));
+}
+
+// All threads find the near particles; one thread then counts them in order. So contacts and their order do
+// not depend on the number of threads.
+void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, Threads& threads) {
+  const kernels::ColliderParticles packed = packed_particles(particles);
+  distance_.resize(std::max(distance_.size(), candidates_.particle.size()));
+  threads.for_each(
+      body.candidate_end - body.candidate_begin, particle_grain, [&](std::size_t begin, std::size_t end) {
+        kernels_->find(packed, body.packed, candidates_.particle.data(), candidates_.keeps.data(),
+                       body.candidate_begin + begin, body.candidate_begin + end, distance_.data());
+      });
+  near_.clear();
+  for (std::size_t k = body.candidate_begin; k < body.candidate_end; ++k)
+    if (distance_[k] < std::numeric_limits<float>::infinity()) near_.push_back(static_cast<std::uint32_t>(k));
+  body.contact_begin = contacts_.size();
+  body.contact_end = contacts_.size() + near_.size();
+  contacts_.resize(body.contact_end);
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  threads.for_each(near_.size(), grain(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) {
+      const std::size_t contact = body.contact_begin + k, candidate = near_[k];
+      const ContactMaterialPair material = materials_->at(candidates_.object[candidate], body.collider);
+      columns.particle[contact] = candidates_.particle[candidate];
+      columns.distance[contact] = candidates_.keeps[candidate];
+      columns.end_distance[contact] = distance_[candidate];
+      columns.static_friction[contact] = material.static_friction;
+      columns.kinetic_friction[contact] = material.kinetic_friction;
+      if (material.kinetic_friction < material.static_friction)
+        columns.kinetic_friction[contact] =
+            kinetic_friction_at(material, relative_motion(body, columns.particle[contact], particles),
+                                2 * step_.gravity * last_h_ * last_h_);
+      columns.restitution[contact] = material.restitution;
+      columns.slop[contact] = step_.depenetration_speed(material.radius) * last_h_;
+      if (step_.turn.empty()) continue;
+      columns.share[contact] = objects_[candidates_.object[candidate]].rolls ? inverse_inertia_factor : 0.0f;
+      columns.radius[contact] = radius_[candidates_.particle[candidate]];
+      columns.rolling_friction[contact] = material.rolling_friction;
+      for (float* const sum : columns.moment_sum) sum[contact] = 0;
+    }
+    kernels_->describe(packed, body.packed, columns, body.contact_begin + begin, body.contact_begin + end);
+  });
+}
+
+kernels::ColliderContactLimits ColliderContacts::limits() const {
+  return {.inverse_h = 1 / last_h_, .restitution_threshold = 2 * step_.gravity * last_h_};
+}
+
+kernels::ColliderParticles ColliderContacts::rolling_particles(const ParticleView& particles) const {
+  kernels::ColliderParticles packed = packed_particles(particles);
+  packed.turn = step_.turn.empty() ? nullptr : &step_.turn.data()->x;
+  return packed;
+}
+
+void ColliderContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
+                               const Substep&) {
+  const Body& body = bodies_[static_cast<std::size_t>(color)];
+  kernels_->project(rolling_particles(particles), body.packed, contacts_.columns(),
+                    body.contact_begin + begin, body.contact_begin + end);
+}
+
+bool ColliderContacts::removes_overlaps() const {
+  const float* const slop = contacts_.columns().slop;
+  return std::any_of(slop, slop + contacts_.size(), [](float s) { return s < 0; });
+}
+
+std::size_t ColliderContacts::take_some(std::span<const std::uint32_t> chosen) {
+  some_.clear();
+  // At first enough for a contact of each particle with one collider.
+  if (some_.capacity() < size()) some_.reserve(std::max(chosen.size(), 2 * size()));
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  for (std::uint32_t c = 0; c < contacts_.size(); ++c)
+    if (chosen[columns.particle[c]] != unchosen) some_.push_back(c);
+  return some_.size();
+}
+
+void ColliderContacts::project_some(const ParticleView& particles, bool again) {
+  if (some_.empty()) return;
+  if (!again) return project_exactly(particles);
+  const kernels::ColliderContactColumns columns = taken_.columns();
+  const kernels::ColliderParticles packed = packed_particles(particles);
+  auto body = bodies_.begin();
+  for (std::size_t k = 0, end = 0; k < some_.size(); k = end) {
+    while (some_[k] >= body->contact_end) ++body;
+    end = static_cast<std::size_t>(std::lower_bound(some_.begin(), some_.end(), body->contact_end) -
+                                   some_.begin());
+    kernels_->project_again(packed, columns, k, end);
+  }
+}
+
+// Neighbors in order are projected together. Copies what project_again needs.
+void ColliderContacts::project_exactly(const ParticleView& particles) {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  const kernels::ColliderParticles packed = rolling_particles(particles);
+  auto body = bodies_.begin();
+  for (std::size_t k = 0, end = 0; k < some_.size(); k = end) {
+    while (some_[k] >= body->contact_end) ++body;
+    for (end = k + 1;
+         end < some_.size() && some_[end] == some_[end - 1] + 1 && some_[end] < body->contact_end;)
+      ++end;
+    kernels_->project(packed, body->packed, columns, some_[k], some_[end - 1] + std::size_t{1});
+  }
+  if (taken_.size() < some_.size()) taken_.resize(some_.capacity());
+  copy_plane_contacts(columns, some_, taken_.columns());
+}
+
+void ColliderContacts::put_back_some() {
+  const kernels::ColliderContactColumns from = taken_.columns(), to = contacts_.columns();
+  for (std::size_t k = 0; k < some_.size(); ++k) {
+    to.normal_sum[some_[k]] = from.normal_sum[k];
+    for (int axis = 0; axis < 3; ++axis) to.tangent_sum[axis][some_[k]] = from.tangent_sum[axis][k];
+  }
+  some_.clear();
+}
+
+void ColliderContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
+                                         const Substep&, Threads& threads) {
+  kernels::ColliderParticles packed = rolling_particles(particles);
+  packed.velocity = velocity.empty() ? nullptr : &velocity.data()->x;
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  for (const Body& body : bodies_)
+    threads.for_each(body.contact_end - body.contact_begin, grain(), [&](std::size_t begin, std::size_t end) {
+      kernels_->apply_restitution(packed, body.packed, limits(), columns, body.contact_begin + begin,
+                                  body.contact_begin + end);
+    });
+}
+
+void ColliderContacts::append_impacts(const Substep& substep, std::vector<Impact>& out) const {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  const float inverse_h = 1 / substep.h;
+  const auto vector = [](float* const(&of)[3], std::size_t c) { return Vec3f{of[0][c], of[1][c], of[2][c]}; };
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    const Vec3f normal = vector(columns.normal, c);
+    const float approach = -dot(normal, vector(columns.predicted, c)) * inverse_h;
+    if (!(columns.normal_sum[c] > 0) || !(columns.restitution[c] > 0) ||
+        !(approach > 2 * step_.gravity * substep.h))
+      continue;
+    out.push_back({columns.particle[c], Impact::collider, normal, approach, columns.restitution[c],
+                   vector(columns.surface_motion, c) * inverse_h});
+  }
+}
+
+ContactReport ColliderContacts::report() const {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  ContactReport report;
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    if (!(columns.normal_sum[c] > 0)) continue;
+    ++report.count;
+    report.deepest = max(report.deepest, columns.depth[c]);
+  }
+  return report;
+}
+
+/// Calls f(body, contact, C, surface point in the kernels' frame).
+template <class Function>
+void ColliderContacts::for_each_gap(const ParticleView& particles, const Function& f) const {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  const kernels::ColliderParticles packed = packed_particles(particles);
+  float C[gap_chunk], surface[3][gap_chunk];
+  float* const surfaces[3] = {surface[0], surface[1], surface[2]};
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const Body& body = bodies_[b];
+    for (std::size_t begin = body.contact_begin; begin < body.contact_end; begin += gap_chunk) {
+      const std::size_t end = std::min(begin + gap_chunk, body.contact_end);
+      kernels_->gaps(packed, body.packed, columns, begin, end, C, surfaces);
+      for (std::size_t c = begin; c < end; ++c)
+        f(b, c, C[c - begin], Vec3f{surface[0][c - begin], surface[1][c - begin], surface[2][c - begin]});
+    }
+  }
+}
+
+void ColliderContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  const float inverse_h = last_h_ > 0 ? 1 / last_h_ : 0.0f;
+  for_each_gap(particles, [&](std::size_t b, std::size_t c, float, const Vec3f& surface) {
+    if (!(columns.normal_sum[c] > 0)) return;
+    const Body& body = bodies_[b];
+    const std::uint32_t i = columns.particle[c];
+    const float impulse =
+        (columns.normal_sum[c] * inverse_h + columns.restitution_velocity[c]) / particles.inverse_mass(i);
+    const Vec3d point = body.after.to_world(body.origin + body.axes * Vec3d(surface));
+    out.push_back({i,
+                   body.collider,
+                   Vec3f(point),
+                   {columns.normal[0][c], columns.normal[1][c], columns.normal[2][c]},
+                   impulse});
+  });
+}
+
+Residual ColliderContacts::residual(const ParticleView& particles) const {
+  Residual result;
+  result.count = contacts_.size();
+  for_each_gap(particles, [&](std::size_t, std::size_t, float C, const Vec3f&) {
+    const double violation = max(0.0, -double(C));
+    result.largest = max(result.largest, violation);
+    result.sum += violation;
+  });
+  return result;
+}
+
+void ColliderContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
+  for_each_gap(particles, [&](std::size_t b, std::size_t c, float C, const Vec3f&) {
+    visitor({{&contacts_.columns().particle[c], 1}, static_cast<int>(b), 0, max(0.0f, -C)});
+  });
+}
+
+void ColliderContacts::erase_particles(std::uint32_t, std::uint32_t) {
+  bodies_.clear();
+  members_.particle.clear(), members_.object.clear();
+  candidates_ = {};
+  some_.clear();
+  contacts_.resize(0);
+}
+
+std::size_t ColliderContacts::bytes() const {
+  return bytes_of(bodies_, members_.particle, members_.object, members_.at[0], members_.at[1], members_.at[2],
+                  members_.margin, candidates_.particle, candidates_.object, candidates_.keeps, distance_,
+                  near_, some_) +
+         contacts_.bytes() + taken_.bytes();
+}
+
+}  // namespace souple

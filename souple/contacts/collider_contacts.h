@@ -1,0 +1,167 @@
+#pragma once
+
+#include "souple/collision/rigid_pose.h"
+#include "souple/contacts/collider.h"
+#include "souple/contacts/contact.h"
+#include "souple/contacts/kernels/collider_contacts.h"
+#include "souple/solver/projector.h"
+#include "souple/threads/threads.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// Contacts of particles with analytic colliders, static or moving.
+///
+///   C = n . (p - s) - r >= 0,   s the surface point, n the outward normal, r the particle's radius.
+///
+/// Calls in a step:
+///   begin_step(...)                                 once: broad phase of particles and colliders
+///   for each substep, at time t:
+///     refresh(view, substep, t)                     after prediction: the contacts along x -> p,
+///                                                   colliders t -> t + h
+///     project(color, view, substep)                each iteration: normal correction, friction
+///     apply_restitution(view, velocities, substep)  after v = (p - x) / h
+///     report(), events()
+///
+/// While the particle's center is outside the shape, each projection reads n and s from the shape again
+/// (outside a convex shape the normal is continuous, so it cannot flip). Two cases use one plane for the
+/// whole substep. A center that starts inside takes the nearest surface at the substep's start. A particle
+/// fast enough to pass the shape within the substep takes the surface where its motion relative to the
+/// collider first touches it (sphere tracing). So no particle passes a thin box, and no edge moves a particle
+/// to the box's far side.
+///
+/// Friction is solved with the positions (Macklin et al. 2014, section 6.1). Corrections cancel the
+/// tangential displacement since the substep began, relative to that of the collider's surface. Their sum
+/// stays within mu times the sum of normal corrections. So the law does not depend on the number of
+/// iterations, and resting particles do not creep. Particles of inverse mass 0 are ignored. No state outlives
+/// a step.
+class ColliderContacts final : public Projector {
+ public:
+  /// `particles`: as the last substep left them. The table is read as materials.at(object, collider).
+  /// `colliders`, `objects`, `materials` and `radius` must live until the step ends, all other spans during
+  /// the call only. Exceptions of a motion callback pass through; the contacts are then empty.
+  void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
+                  std::span<const float> radius, std::span<const float> element_radius,
+                  std::span<const ContactObject> objects, std::span<const Collider> colliders,
+                  const ContactMaterialTable& materials, const ContactStep& step, Threads& threads);
+
+  /// Finds the contacts of the substep [time, time + h]. Call it after prediction and before the first
+  /// project.
+  void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads);
+
+  /// For contacts with a normal impulse: sets v_n, the normal velocity relative to the collider's surface, to
+  /// e times the approach speed where that was above 2 |g| h, else to 0. The approach speed is that of the
+  /// predicted motion. Velocity that came from removing an overlap is taken out, but never more than the
+  /// contact itself added. Friction follows the change of the normal impulse. `velocity`: per particle [m/s].
+  void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
+                         Threads& threads);
+
+  /// Appends the impacts of the substep that are faster than the threshold of restitution.
+  void append_impacts(const Substep& substep, std::vector<Impact>& out) const;
+
+  ContactReport report() const;
+  /// Appends the contacts with a normal impulse in the last substep, in order of collider, then particle.
+  void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
+
+  std::string_view kind() const override { return "collider contact"; }
+  bool is_contact() const override { return true; }
+  bool is_collider_contact() const override { return true; }
+  bool removes_overlaps() const override;
+  std::size_t take_some(std::span<const std::uint32_t> chosen) override;
+  /// `again`: with the normals and surface points of the last projection.
+  void project_some(const ParticleView& particles, bool again) override;
+  void put_back_some() override;
+  std::size_t size() const override { return contacts_.size(); }
+  void prepare(std::size_t) override {}
+  /// One color per enabled collider: a particle has at most one contact with each.
+  int color_count() const override { return static_cast<int>(bodies_.size()); }
+  std::size_t color_size(int color) const override {
+    const Body& body = bodies_[static_cast<std::size_t>(color)];
+    return body.contact_end - body.contact_begin;
+  }
+  std::size_t grain() const override { return 64; }
+  using Projector::project;
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
+               const Substep& substep) override;
+  Residual residual(const ParticleView& particles) const override;
+  void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
+  std::size_t bytes() const override;
+  /// Drops all contacts: they live for one step only.
+  void erase_particles(std::uint32_t begin, std::uint32_t end) override;
+
+ private:
+  /// An enabled collider during the step.
+  struct Body {
+    std::uint32_t collider = 0;
+    double curvature_radius = 0;  // see element_clearance.h [m]
+    // The frame that kernels use, in the collider's own: see kernels/collider_contacts.h.
+    Vec3d origin{};
+    Mat3d axes{};
+    RigidPose before, after;  // at the start and end of the substep
+    kernels::ColliderBody packed;
+    std::size_t candidate_begin = 0, candidate_end = 0;
+    std::size_t contact_begin = 0, contact_end = 0;
+  };
+  /// Particles that may touch something, each with the object it belongs to, and their positions in the last broad
+  /// phase with the distances that they may move before the next one [m].
+  struct Members {
+    std::vector<std::uint32_t> particle, object;
+    std::array<std::vector<float>, 3> at;
+    std::vector<float> margin;
+  };
+  /// Particles that may touch a body in this step, body by body.
+  struct Candidates {
+    std::vector<std::uint32_t> particle, object;
+    std::vector<float> keeps;  // distance that the particle keeps from the surface [m]
+  };
+  /// Contacts as columns, body by body.
+  class Contacts {
+   public:
+    std::size_t size() const { return particle_.size(); }
+    void resize(std::size_t size);
+    kernels::ColliderContactColumns columns();
+    std::size_t bytes() const;
+
+   private:
+    std::vector<std::uint32_t> particle_;
+    std::array<std::vector<float>, 33> floats_;
+  };
+
+  const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
+  void find_bodies();
+  void find_members();
+  void find_frame(Body& body, const ParticleView& particles) const;
+  void set_pose(Body& body, const RigidPose& before, const RigidPose& after) const;
+  void find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity, float h,
+                       Threads& threads);
+  void find_candidates_of(Body& body, const kernels::ColliderParticles& particles, Threads& threads);
+  bool left_margins(const ParticleView& particles, Threads& threads) const;
+  static Vec3f relative_motion(const Body& body, std::uint32_t particle, const ParticleView& particles);
+  void project_exactly(const ParticleView& particles);
+  void find_contacts(Body& body, const ParticleView& particles, Threads& threads);
+  kernels::ColliderContactLimits limits() const;
+  kernels::ColliderParticles rolling_particles(const ParticleView& particles) const;
+  template <class Function>
+  void for_each_gap(const ParticleView& particles, const Function& f) const;
+
+  std::span<const Collider> colliders_;
+  std::span<const ContactObject> objects_;
+  std::span<const float> radius_, element_radius_;
+  const ContactMaterialTable* materials_ = nullptr;
+  ContactStep step_;
+  float last_h_ = 0;  // h of the last refresh [s]
+  const kernels::ColliderContactKernels* kernels_ = nullptr;
+  std::vector<Body> bodies_;
+  Members members_;
+  Candidates candidates_;
+  std::vector<float> distance_;      // per member or candidate: to the body's surface [m]
+  std::vector<std::uint32_t> near_;  // candidates in contact with the body
+  std::vector<std::uint32_t> some_;  // contacts that take_some took
+  Contacts taken_;                   // copies of them
+  mutable Contacts contacts_;  // kernels take its columns, which only project and apply_restitution change
+};
+
+}  // namespace souple

@@ -1,0 +1,597 @@
+#include "souple/contacts/collider_element_contacts.h"
+
+#include "souple/contacts/contact_law.h"
+#include "souple/contacts/element_clearance.h"
+#include "souple/contacts/kernels/find_kernels.h"
+#include "souple/contacts/packed_collider.h"
+#include "souple/contacts/particle_position.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace souple {
+namespace {
+
+constexpr std::size_t particle_grain = 1024;  // least number of particles that pays for a thread
+constexpr std::size_t element_grain = 256;    // least number of elements that pays for a thread
+// Smallest elements that get contacts, as a part of a round shape's radius, or of the radius of another
+// shape's bounding ball. With it, a cloth sinks into a ball by 0.2 % of the ball's radius at most. Without it, cotton of
+// 1 m and 60 x 60 vertices on the edges of a box is stretched by 40 % instead of 10 % (contacts of elements are not part of
+// StretchedLinks), and a frame takes twice as long on a cylinder or field.
+constexpr double coarse_part = 0.05;
+// An element that is deeper inside than this part of its radius has not been pulled in: the collider has jumped.
+constexpr float deep_part = 0.5f;
+// A side of an element in a signed distance field is divided into this many parts at most, or it is sampled more
+// coarsely than the field.
+constexpr int most_parts = 12;
+
+bool is_edge(const ColliderElementContacts::Element& element) {
+  return element.particle[1] == element.particle[2];
+}
+
+void set3(float* (&out)[3], std::vector<float>* first) {
+  for (int k = 0; k < 3; ++k) out[k] = first[k].data();
+}
+
+}  // namespace
+
+void ColliderElementContacts::Candidates::clear() {
+  element.clear(), radius.clear(), reach.clear();
+  for (auto& column : corner) column.clear();
+}
+
+void ColliderElementContacts::Candidates::append(std::uint32_t of_element,
+                                                 const std::array<std::uint32_t, 3>& first_float, float r,
+                                                 float may_move) {
+  element.push_back(of_element), radius.push_back(r), reach.push_back(may_move);
+  for (std::size_t k = 0; k < 3; ++k) corner[k].push_back(first_float[k]);
+}
+
+void ColliderElementContacts::Candidates::keep_near(std::size_t begin) {
+  std::size_t kept = begin;
+  for (std::size_t c = begin; c < element.size(); ++c) {
+    if (!(near[c] > 0)) continue;
+    element[kept] = element[c], radius[kept] = radius[c], reach[kept] = reach[c];
+    for (auto& column : corner) column[kept] = column[c];
+    ++kept;
+  }
+  element.resize(kept), radius.resize(kept), reach.resize(kept);
+  for (auto& column : corner) column.resize(kept);
+}
+
+void ColliderElementContacts::Candidates::prepare_search() {
+  search[0].assign(element.size(), 1 / 3.f), search[1].assign(element.size(), 1 / 3.f);
+  search[2].resize(element.size()), search[3].resize(element.size());
+  travel.assign(element.size(), std::numeric_limits<float>::infinity());
+  clear_for.assign(element.size(), 0);
+  for (auto& column : touch) column.resize(element.size());
+}
+
+kernels::ColliderElements ColliderElementContacts::Candidates::columns(float clearance_part) const {
+  kernels::ColliderElements result;
+  for (std::size_t k = 0; k < 3; ++k) result.corner[k] = corner[k].data();
+  result.radius = radius.data(), result.clearance_part = clearance_part;
+  return result;
+}
+
+kernels::ColliderFieldSearch ColliderElementContacts::Candidates::field_search(const Body& body) {
+  return {search[0].data(), search[1].data(), search[2].data(), search[3].data(), body.parts, body.gap};
+}
+
+kernels::ColliderElementTouches ColliderElementContacts::Candidates::touches() {
+  kernels::ColliderElementTouches result;
+  result.touches = touch[0].data(), result.start_distance = touch[1].data();
+  result.plane_offset = touch[2].data();
+  set3(result.weight, &touch[3]), set3(result.normal, &touch[6]);
+  return result;
+}
+
+void ColliderElementContacts::set_elements(std::vector<Element> elements) {
+  elements_ = std::move(elements);
+  std::stable_partition(elements_.begin(), elements_.end(), [](const Element& e) { return !is_edge(e); });
+  given_ = elements_.size();
+  triangles_ = static_cast<std::size_t>(
+      std::count_if(elements_.begin(), elements_.end(), [](const Element& e) { return !is_edge(e); }));
+  append_edges_of_triangles();
+  find_corners();
+  bodies_.clear();
+  contacts_.clear();
+  contacts_.reserve(256);
+}
+
+// Each edge once, with the radius of its largest triangle.
+void ColliderElementContacts::append_edges_of_triangles() {
+  std::vector<Element> edges;
+  edges.reserve(3 * triangles_);
+  for (std::size_t t = 0; t < triangles_; ++t) {
+    const Element& triangle = elements_[t];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto [a, b] = std::minmax(triangle.particle[k], triangle.particle[(k + 1) % 3]);
+      edges.push_back({{a, b, b}, triangle.object, triangle.radius});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const Element& a, const Element& b) {
+    return a.particle != b.particle ? a.particle < b.particle : a.radius > b.radius;
+  });
+  const auto same = [](const Element& a, const Element& b) { return a.particle == b.particle; };
+  edges.erase(std::unique(edges.begin(), edges.end(), same), edges.end());
+  elements_.insert(elements_.end(), edges.begin(), edges.end());
+  elements_.shrink_to_fit();
+}
+
+void ColliderElementContacts::find_corners() {
+  corners_.clear();
+  objects_ = 0;
+  largest_radius_ = 0;
+  for (const Element& element : elements_) {
+    for (const std::uint32_t i : element.particle) corners_.push_back({i, element.object});
+    largest_radius_ = max(largest_radius_, element.radius);
+    objects_ = std::max(objects_, element.object + 1);
+  }
+  const auto before = [](const Corner& a, const Corner& b) { return a.particle < b.particle; };
+  const auto same = [](const Corner& a, const Corner& b) { return a.particle == b.particle; };
+  std::sort(corners_.begin(), corners_.end(), before);
+  corners_.erase(std::unique(corners_.begin(), corners_.end(), same), corners_.end());
+  corner_particle_.clear();
+  for (const Corner& corner : corners_) corner_particle_.push_back(corner.particle);
+  first_float_.clear();
+  for (const Element& element : elements_) {
+    std::array<std::uint32_t, 3> first;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto at = std::lower_bound(corner_particle_.begin(), corner_particle_.end(), element.particle[k]);
+      first[k] = 4 * static_cast<std::uint32_t>(at - corner_particle_.begin());
+    }
+    first_float_.push_back(first);
+  }
+  for (auto& axis : at_) axis.resize(corners_.size());
+  margin_.resize(corners_.size()), distance_.resize(corners_.size());
+  from_.resize(corners_.size()), to_.resize(corners_.size());
+  all_rows_.resize(corners_.size());
+  std::iota(all_rows_.begin(), all_rows_.end(), 0u);
+  is_row_.assign(corners_.size(), 0);
+}
+
+void ColliderElementContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
+                                         std::span<const float> radius, std::span<const Collider> colliders,
+                                         const ContactMaterialTable& materials, const ContactStep& step,
+                                         Threads& threads) {
+  colliders_ = colliders, radius_ = radius;
+  materials_ = &materials;
+  kernels_ = &kernels::find_collider_element_kernels(instruction_set());
+  particle_kernels_ = &kernels::find_collider_contact_kernels(instruction_set());
+  step_ = step;
+  contacts_.clear();
+  find_bodies();
+  if (bodies_.empty()) return;
+  depenetrating_.assign(bodies_.size() * objects_, 0);
+  for (Body& body : bodies_)
+    if (!body.packed.moves) find_depenetrating(body, particles, threads);
+  find_candidates(particles, velocity, 0, threads);
+}
+
+// Planes are skipped: the deepest point of an element is one of its corners.
+void ColliderElementContacts::find_bodies() {
+  bodies_.clear();
+  if (elements_.empty()) return;
+  for (std::uint32_t c = 0; c < colliders_.size(); ++c) {
+    const Collider& collider = colliders_[c];
+    if (!collider.enabled || std::holds_alternative<Plane>(collider.shape)) continue;
+    Body body;
+    body.collider = c;
+    body.is_field = std::holds_alternative<SignedDistanceField>(collider.shape);
+    const double curvature = curvature_radius(collider.shape);
+    const double smallest =
+        curvature > 0 ? coarse_element_part * curvature : coarse_part * bounding_ball(collider.shape).radius;
+    if (double(largest_radius_) < smallest) continue;
+    body.smallest_radius = float(smallest);
+    body.origin = center_of(collider.shape);
+    body.packed.shape = packed_shape(collider.shape);
+    body.packed.moves = !collider.motion.is_static();
+    if (body.is_field) {
+      body.packed.shape.sample = nullptr;  // the grid reaches farther than any contact
+      const float side = 2 * largest_radius_, spacing = body.packed.shape.grid.spacing;
+      body.parts = static_cast<int>(min(side / spacing, float(most_parts - 1))) + 1;
+      body.gap = max(spacing, side / float(body.parts));
+    }
+    if (!body.packed.moves) {
+      const RigidPose pose = pose_at(collider.motion, step_.time);
+      set_pose(body, pose, pose);
+    }
+    bodies_.push_back(body);
+  }
+}
+
+void ColliderElementContacts::set_pose(Body& body, const RigidPose& before, const RigidPose& after) const {
+  body.before = before, body.after = after;
+  set_poses(body.packed, body.origin, Mat3d::identity(), before, after);
+}
+
+float ColliderElementContacts::radius_of(const Element& element) const {
+  return min(radius_[element.particle[0]], min(radius_[element.particle[1]], radius_[element.particle[2]]));
+}
+
+// Positions of corners in the body's frame.
+void ColliderElementContacts::place(const Body& body, std::span<const std::uint32_t> rows,
+                                    const ParticleView& particles, Threads& threads) {
+  const kernels::ColliderParticles packed = packed_particles(particles);
+  threads.for_each(rows.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    kernels_->place(packed, body.packed, corner_particle_.data(), rows.data(), begin, end,
+                    {&from_.data()->x, &to_.data()->x});
+  });
+}
+
+// The margins are those of ColliderContacts: a particle's radius plus twice its path in a step at its present
+// speed and under gravity.
+void ColliderElementContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
+                                              float h, Threads& threads) {
+  const float t = step_.dt;
+  threads.for_each(corners_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) {
+      const std::uint32_t i = corner_particle_[c];
+      const float speed = h > 0 ? length(particles.moved(i)) / h : length(velocity[i].xyz());
+      const Vec3f x(particle_position(particles, i));
+      for (int axis = 0; axis < 3; ++axis) at_[static_cast<std::size_t>(axis)][c] = x[axis];
+      margin_[c] = 2 * t * (speed + step_.gravity * t) + radius_[i];
+    }
+  });
+  candidates_.clear();
+  rows_.clear();
+  for (Body& body : bodies_) {
+    find_candidates_of(body, particles, threads);
+    find_rows(body);
+  }
+  candidates_.prepare_search();
+}
+
+// A moving body may go anywhere within the step. So all elements that may need contacts with it are its
+// candidates, and are tested in every substep.
+void ColliderElementContacts::find_candidates_of(Body& body, const ParticleView& particles,
+                                                 Threads& threads) {
+  const std::size_t first = candidates_.element.size();
+  body.candidate_begin = first;
+  for (std::uint32_t e = 0; e < (body.is_field ? given_ : elements_.size()); ++e) {
+    const Element& element = elements_[e];
+    if (element.radius < body.smallest_radius) continue;
+    if (!materials_->collide(element.object, body.collider)) continue;
+    const auto& [i, j, k] = element.particle;
+    if (!(particles.inverse_mass(i) > 0 || particles.inverse_mass(j) > 0 || particles.inverse_mass(k) > 0))
+      continue;
+    const auto& row = first_float_[e];
+    const float margin = max(margin_[row[0] / 4], max(margin_[row[1] / 4], margin_[row[2] / 4]));
+    candidates_.append(e, row, radius_of(element), 3 * margin);
+  }
+  if (!body.packed.moves) {
+    place(body, all_rows_, particles, threads);
+    candidates_.near.resize(candidates_.element.size());
+    const auto columns = candidates_.columns(0);
+    const kernels::ColliderFrameRecords records{&from_.data()->x, &to_.data()->x};
+    const auto test = [&](auto kernel, std::size_t from, std::size_t to) {
+      threads.for_each(to - from, element_grain, [&](std::size_t begin, std::size_t end) {
+        kernel(body.packed, records, columns, candidates_.reach.data(), from + begin, from + end,
+               candidates_.near.data());
+      });
+    };
+    const std::size_t last = candidates_.element.size();
+    const std::size_t middle = body.is_field ? last : first_edge(first);
+    test(kernels_->near_triangles, first, middle);
+    test(kernels_->near_edges, middle, last);
+    candidates_.keep_near(first);
+  }
+  body.triangle_end = first_edge(first);
+  body.candidate_end = candidates_.element.size();
+}
+
+std::size_t ColliderElementContacts::first_edge(std::size_t candidate) const {
+  const auto begin = candidates_.element.begin();
+  const auto edge = std::lower_bound(begin + static_cast<std::ptrdiff_t>(candidate),
+                                     candidates_.element.end(), static_cast<std::uint32_t>(triangles_));
+  return static_cast<std::size_t>(edge - begin);
+}
+
+void ColliderElementContacts::find_rows(Body& body) {
+  body.row_begin = rows_.size();
+  for (std::size_t c = body.candidate_begin; c < body.candidate_end; ++c) {
+    for (const auto& column : candidates_.corner) {
+      const std::uint32_t row = column[c] / 4;
+      if (is_row_[row] != 0) continue;
+      is_row_[row] = 1;
+      rows_.push_back(row);
+    }
+  }
+  body.row_end = rows_.size();
+  for (std::size_t r = body.row_begin; r < body.row_end; ++r) is_row_[rows_[r]] = 0;
+}
+
+bool ColliderElementContacts::left_margins(const ParticleView& particles, Threads& threads) const {
+  std::atomic<bool> left{false};
+  const kernels::ColliderParticles packed = packed_particles(particles);
+  threads.for_each(corners_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    if (particle_kernels_->left(packed, corner_particle_.data(),
+                                {at_[0].data(), at_[1].data(), at_[2].data()}, margin_.data(), begin, end))
+      left.store(true, std::memory_order_relaxed);
+  });
+  return left.load(std::memory_order_relaxed);
+}
+
+void ColliderElementContacts::refresh(const ParticleView& particles, const Substep& substep, double time,
+                                      Threads& threads) {
+  contacts_.clear();
+  last_h_ = substep.h;
+  if (bodies_.empty()) return;
+  for (Body& body : bodies_) {
+    if (!body.packed.moves) continue;
+    const auto [before, after] =
+        poses_between(colliders_[body.collider].motion, time, time + double(substep.h));
+    set_pose(body, before, after);
+  }
+  if (left_margins(particles, threads)) find_candidates(particles, {}, substep.h, threads);
+  for (Body& body : bodies_) {
+    if (body.packed.moves) find_depenetrating(body, particles, threads);
+    find_contacts(body, particles, substep.h, threads);
+  }
+}
+
+// Where a collider has jumped into an object, contacts of the corners (ColliderContacts) move them out
+// slowly. Contacts of elements at the same time would tear the object, so they wait until no corner is
+// inside by more than its radius, and no element deeply. (A small overlap of elements is no reason to wait: stretched
+// cloth is pulled over edges by some millimeters where it hits them, and would then stay inside.)
+void ColliderElementContacts::find_depenetrating(Body& body, const ParticleView& particles,
+                                                 Threads& threads) {
+  std::uint8_t* const depenetrating = depenetrating_of(body);
+  std::fill_n(depenetrating, objects_, std::uint8_t{0});
+  kernels::ColliderBody at_start = body.packed;
+  at_start.after = at_start.before;
+  kernels::ColliderParticles start = packed_particles(particles);
+  if (start.position == start.moving) start.position = start.start;
+  start.moving = start.start;
+  threads.for_each(corners_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    particle_kernels_->distances(start, at_start, corner_particle_.data(), begin, end, distance_.data());
+  });
+  for (std::size_t c = 0; c < corners_.size(); ++c)
+    if (distance_[c] < -radius_[corners_[c].particle]) depenetrating[corners_[c].object] = 1;
+}
+
+// All threads test the candidates; one thread then appends the contacts in order. So the contacts and their
+// order do not depend on the number of threads.
+void ColliderElementContacts::find_contacts(Body& body, const ParticleView& particles, float h,
+                                            Threads& threads) {
+  body.contact_begin = body.contact_end = contacts_.size();
+  if (body.candidate_begin == body.candidate_end) return;
+  place(body, std::span(rows_).subspan(body.row_begin, body.row_end - body.row_begin), particles, threads);
+  find_touches(body, threads);
+  const kernels::ColliderElementTouches found = candidates_.touches();
+  std::uint8_t* const depenetrating = depenetrating_of(body);
+  for (std::size_t c = body.candidate_begin; c < body.candidate_end; ++c) {
+    const Element& element = elements_[candidates_.element[c]];
+    const float depth = max(candidates_.radius[c], deep_part * element.radius);
+    if (found.start_distance[c] < -depth) depenetrating[element.object] = 1;
+  }
+  for (std::size_t c = body.candidate_begin; c < body.candidate_end; ++c) {
+    if (!(found.touches[c] > 0) || depenetrating[elements_[candidates_.element[c]].object] != 0) continue;
+    Contact contact{};
+    if (contact_of(body, found, c, particles, h, contact)) contacts_.push_back(contact);
+  }
+  body.contact_end = contacts_.size();
+}
+
+void ColliderElementContacts::find_touches(const Body& body, Threads& threads) {
+  const auto columns = candidates_.columns(float(element_clearance_part));
+  const kernels::ColliderFrameRecords records{&from_.data()->x, &to_.data()->x};
+  const kernels::ColliderElementTouches out = candidates_.touches();
+  const std::size_t first = body.candidate_begin, middle = body.triangle_end, last = body.candidate_end;
+  if (body.is_field) {
+    find_touches_of_field(body, threads);
+    return;
+  }
+  threads.for_each(middle - first, element_grain, [&](std::size_t begin, std::size_t end) {
+    kernels_->find_triangles(body.packed, records, columns, first + begin, first + end, out);
+  });
+  threads.for_each(last - middle, element_grain, [&](std::size_t begin, std::size_t end) {
+    kernels_->find_edges(body.packed, records, columns, middle + begin, middle + end, out);
+  });
+}
+
+float ColliderElementContacts::path_of(std::size_t candidate) const {
+  const auto path = [&](std::size_t k) { return from_[candidates_.corner[k][candidate] / 4].w; };
+  return max(path(0), max(path(1), path(2)));
+}
+
+// A field's surface has bumps, so an element is sampled at about the field's spacing, when it is new or has moved by
+// that since. Otherwise the search starts at the deepest point of the last substep. An element whose lowest sample is
+// far from the surface is left out until it has moved as far.
+void ColliderElementContacts::find_touches_of_field(const Body& body, Threads& threads) {
+  Candidates& all = candidates_;
+  const float spacing = body.packed.shape.grid.spacing;
+  std::fill(all.touch[0].begin() + std::ptrdiff_t(body.candidate_begin),
+            all.touch[0].begin() + std::ptrdiff_t(body.candidate_end), 0.0f);
+  stale_.clear(), near_.clear();
+  for (std::size_t c = body.candidate_begin; c < body.candidate_end; ++c) {
+    const float path = path_of(c);
+    all.clear_for[c] -= path;
+    if (all.clear_for[c] > 0) continue;
+    near_.push_back(static_cast<std::uint32_t>(c));
+    all.travel[c] += path;
+    all.search[3][c] = all.radius[c] + path;
+    if (!(all.travel[c] <= spacing)) stale_.push_back(static_cast<std::uint32_t>(c));
+  }
+  const auto columns = all.columns(float(element_clearance_part));
+  const kernels::ColliderFrameRecords records{&from_.data()->x, &to_.data()->x};
+  const kernels::ColliderFieldSearch search = all.field_search(body);
+  threads.for_each(stale_.size(), element_grain, [&](std::size_t begin, std::size_t end) {
+    kernels_->sample_field_elements(body.packed, records, columns, search, stale_.data(), begin, end);
+  });
+  for (const std::uint32_t c : stale_) {
+    all.clear_for[c] = all.search[2][c] - all.search[3][c];
+    all.travel[c] = all.clear_for[c] > 0 ? std::numeric_limits<float>::infinity() : 0;
+  }
+  std::erase_if(near_, [&](std::uint32_t c) { return all.clear_for[c] > 0; });
+  threads.for_each(near_.size(), element_grain, [&](std::size_t begin, std::size_t end) {
+    kernels_->find_in_field(body.packed, records, columns, search, near_.data(), begin, end, all.touches());
+  });
+}
+
+bool ColliderElementContacts::contact_of(const Body& body, const kernels::ColliderElementTouches& found,
+                                         std::size_t candidate, const ParticleView& particles, float h,
+                                         Contact& contact) const {
+  const Element& element = elements_[candidates_.element[candidate]];
+  contact.particle = element.particle;
+  Vec3d start, end;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float w = found.weight[k][candidate];
+    const std::uint32_t i = element.particle[k];
+    contact.weight[k] = w;
+    contact.inverse_mass += w * w * particles.inverse_mass(i);
+    start += particle_start_position(particles, i) * double(w);
+    end += particle_position(particles, i) * double(w);
+  }
+  Vec3d n;
+  for (int axis = 0; axis < 3; ++axis) n[axis] = double(found.normal[axis][candidate]);
+  const double offset = double(found.plane_offset[candidate]) + dot(n, body.origin);
+  const double target = element_clearance_part * double(candidates_.radius[candidate]);
+  contact.target = float(target);
+  contact.material = materials_->at(element.object, body.collider);
+  contact.normal = Vec3f(body.after.rotation * n);
+  contact.start_gap = float(dot(n, body.after.to_local(start)) - offset - target);
+  contact.predicted = Vec3f(body.after.rotation * (body.after.to_local(end) - body.before.to_local(start)));
+  if (body.packed.moves) contact.surface_motion = Vec3f(end - body.before.to_world(body.after.to_local(end)));
+  contact.material.kinetic_friction = kinetic_friction_at(
+      contact.material, Vec3f(end - start) - contact.surface_motion, 2 * step_.gravity * h * h);
+  const double overlap = double(found.start_distance[candidate]) - target;
+  contact.slop =
+      overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed(contact.material.radius) * h)))
+                  : 0.0f;
+  return contact.inverse_mass > 0;
+}
+
+// The plane is fixed within the substep, so C changes by the point's motion along the normal.
+float ColliderElementContacts::gap(const Contact& contact, const ParticleView& particles) {
+  return contact.start_gap + dot(contact.normal, moved(contact, particles));
+}
+
+Vec3f ColliderElementContacts::moved(const Contact& contact, const ParticleView& particles) {
+  Vec3f sum;
+  for (std::size_t k = 0; k < 3; ++k) sum += particles.moved(contact.particle[k]) * contact.weight[k];
+  return sum;
+}
+
+// The point moves by `change` if corner k moves by change w_k / m_k / sum_j (w_j^2 / m_j).
+void ColliderElementContacts::correct(const Contact& contact, const ParticleView& particles,
+                                      const Vec3f& change) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t i = contact.particle[k];
+    const float factor = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
+    if (factor > 0) particles.correct(i, change * factor);
+  }
+}
+
+void ColliderElementContacts::project(int, std::size_t begin, std::size_t end, const ParticleView& particles,
+                                      const Substep&) {
+  for (std::size_t c = begin; c < end; ++c) project_one(contacts_[c], particles);
+}
+
+// As ColliderContacts::project, for a point of an element.
+void ColliderElementContacts::project_one(Contact& contact, const ParticleView& particles) {
+  const Vec3f motion = moved(contact, particles);
+  const float C = contact.start_gap + dot(contact.normal, motion);
+  if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
+  ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
+  correct(contact, particles,
+          solve_contact(sums, C, contact.slop, contact.normal, motion - contact.surface_motion,
+                        contact.material));
+  contact.normal_sum = sums.normal_sum;
+  contact.tangent_sum = sums.tangent_sum;
+}
+
+void ColliderElementContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
+                                                const Substep& substep) {
+  for (Contact& contact : contacts_) apply_restitution_to(contact, particles, velocity, substep.h);
+}
+
+// As ColliderContacts::apply_restitution.
+void ColliderElementContacts::apply_restitution_to(Contact& contact, const ParticleView& particles,
+                                                   std::span<Vec4f> velocity, float h) const {
+  if (!(contact.normal_sum > 0)) return;
+  Vec3f v;
+  for (std::size_t k = 0; k < 3; ++k) v += velocity[contact.particle[k]].xyz() * contact.weight[k];
+  const Vec3f u = v - contact.surface_motion * (1 / h);
+  const float inverse_h = 1 / h;
+  const auto [change, restitution_velocity] =
+      solve_restitution({contact.normal_sum, contact.tangent_sum}, contact.normal, u,
+                        -dot(contact.normal, contact.predicted) * inverse_h, 2 * step_.gravity * h,
+                        contact.material, inverse_h);
+  contact.restitution_velocity = restitution_velocity;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t i = contact.particle[k];
+    const float factor = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
+    if (factor > 0) velocity[i].set_xyz(velocity[i].xyz() + change * factor);
+  }
+  contact.depth = max(0.0f, -gap(contact, particles));
+}
+
+ContactReport ColliderElementContacts::report() const {
+  return report_of(contacts_);
+}
+
+void ColliderElementContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
+  const float inverse_h = last_h_ > 0 ? 1 / last_h_ : 0.0f;
+  for (const Body& body : bodies_) {
+    for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
+      const Contact& contact = contacts_[c];
+      if (!(contact.normal_sum > 0)) continue;
+      const auto heaviest = std::max_element(contact.weight.begin(), contact.weight.end());
+      const auto k = static_cast<std::size_t>(heaviest - contact.weight.begin());
+      Vec3d point;
+      for (std::size_t j = 0; j < 3; ++j)
+        point += particle_position(particles, contact.particle[j]) * double(contact.weight[j]);
+      const auto C = double(gap(contact, particles));
+      const Vec3d n(contact.normal);
+      const float impulse =
+          (contact.normal_sum * inverse_h + contact.restitution_velocity) / contact.inverse_mass;
+      out.push_back({contact.particle[k], body.collider, Vec3f(point - n * (C + double(contact.target))),
+                     Vec3f(n), impulse});
+    }
+  }
+}
+
+Residual ColliderElementContacts::residual(const ParticleView& particles) const {
+  Residual result;
+  result.count = contacts_.size();
+  for (const Contact& contact : contacts_) {
+    const double violation = max(0.0, -double(gap(contact, particles)));
+    result.largest = max(result.largest, violation);
+    result.sum += violation;
+  }
+  return result;
+}
+
+void ColliderElementContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
+  for (const Contact& contact : contacts_) {
+    const std::size_t corners = contact.particle[1] == contact.particle[2] ? 2 : 3;
+    visitor({{contact.particle.data(), corners}, 0, 0, max(0.0f, -gap(contact, particles))});
+  }
+}
+
+/// Removes all elements, because their particles may no longer exist: call set_elements again.
+void ColliderElementContacts::erase_particles(std::uint32_t, std::uint32_t) {
+  set_elements({});
+}
+
+std::size_t ColliderElementContacts::Candidates::bytes() const {
+  std::size_t sum = bytes_of(element, radius, reach, near, travel, clear_for);
+  for (const auto& column : corner) sum += bytes_of(column);
+  for (const auto& column : search) sum += bytes_of(column);
+  for (const auto& column : touch) sum += bytes_of(column);
+  return sum;
+}
+
+std::size_t ColliderElementContacts::bytes() const {
+  return bytes_of(elements_, corners_, corner_particle_, first_float_, bodies_, at_[0], at_[1], at_[2],
+                  margin_, distance_, from_, to_, all_rows_, is_row_, rows_, stale_, near_, contacts_) +
+         candidates_.bytes();
+}
+
+}  // namespace souple

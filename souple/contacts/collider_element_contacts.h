@@ -1,0 +1,193 @@
+#pragma once
+
+#include "souple/collision/rigid_pose.h"
+#include "souple/contacts/collider.h"
+#include "souple/contacts/contact.h"
+#include "souple/contacts/kernels/collider_contacts.h"
+#include "souple/contacts/kernels/collider_elements.h"
+#include "souple/solver/projector.h"
+#include "souple/threads/threads.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// Contacts of triangles and edges with colliders, where contacts of their corners do not suffice: a cloth on a
+/// table's edge, a coarse cloth on a small ball, a rope over a thin bar.
+///
+///   C = n . (sum_k w_k p_k - s) - r / 4 >= 0,
+///
+/// sum_k w_k p_k the element's deepest point, s the surface point below it, n the outward normal there, r the
+/// smallest radius of its particles. The corners keep the distance r themselves (ColliderContacts); the
+/// points between them may come nearer. So elements that are fine relative to the curvature below them need
+/// no contact, and are skipped before they cost anything. Planes need no such contacts.
+///
+/// The point nearest to a convex shape is on an edge, or inside of a triangle above the shape's farthest point
+/// along the triangle's normal: each edge is searched once, whatever the number of its triangles
+/// (kernels/collider_elements.h). In a signed distance field, an element is sampled and its lowest sample descends
+/// (Macklin et al. 2020, "Local optimization for robust signed distance field collision", section 4, descend from
+/// the middle; on bumps this ends in the wrong dip).
+///
+/// The point, its weights and its plane are fixed for a substep. For a fast element they are those
+/// of its first touch. Friction and restitution are those of ColliderContacts, distributed to the corners by
+/// their weights. Contacts are few. They are projected one after another, by collider, then element.
+class ColliderElementContacts final : public Projector {
+ public:
+  /// A triangle, or an edge that repeats its second corner.
+  struct Element {
+    std::array<std::uint32_t, 3> particle;
+    std::uint32_t object;  ///< row in the material table
+    float radius;          ///< of the smallest circle around it at rest [m]
+  };
+  /// Sets the elements of all objects. Their order determines the order of contacts: triangles, edges, edges of
+  /// triangles.
+  void set_elements(std::vector<Element> elements);
+
+  /// As for ColliderContacts. `colliders`, `materials` and `radius` must live until the step ends.
+  void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
+                  std::span<const float> radius, std::span<const Collider> colliders,
+                  const ContactMaterialTable& materials, const ContactStep& step, Threads& threads);
+  void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads);
+  void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep);
+  ContactReport report() const;
+  /// Appends the contacts with a normal impulse in the last substep. `particle` is the corner with the
+  /// largest weight.
+  void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
+
+  std::string_view kind() const override { return "collider element contact"; }
+  bool is_contact() const override { return true; }
+  bool is_collider_contact() const override { return true; }
+  std::size_t size() const override { return contacts_.size(); }
+  void prepare(std::size_t) override {}
+  int color_count() const override { return contacts_.empty() ? 0 : 1; }
+  std::size_t color_size(int) const override { return contacts_.size(); }
+  /// Contacts share particles, so one thread projects all of them.
+  std::size_t grain() const override { return std::size_t{1} << 40; }
+  using Projector::project;
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
+               const Substep& substep) override;
+  Residual residual(const ParticleView& particles) const override;
+  void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
+  std::size_t bytes() const override;
+  void erase_particles(std::uint32_t begin, std::uint32_t end) override;
+
+ private:
+  /// A collider during the step.
+  struct Body {
+    std::uint32_t collider = 0;
+    bool is_field = false;
+    RigidPose before, after;  // at the substep's start and end
+    Vec3d origin{};           // of the kernels' frame, in the collider's
+    kernels::ColliderBody packed;
+    float smallest_radius = 0;  // of the elements that get contacts [m]
+    int parts = 1;              // see kernels::ColliderFieldSearch
+    float gap = 0;              // of samples, see there [m]
+    std::size_t row_begin = 0, row_end = 0;
+    std::size_t candidate_begin = 0, triangle_end = 0, candidate_end = 0;
+    std::size_t contact_begin = 0, contact_end = 0;
+  };
+  struct Contact {
+    std::array<std::uint32_t, 3> particle;
+    std::array<float, 3> weight;
+    float inverse_mass;  // sum_k w_k^2 / m_k [1/kg]
+    float target;        // [m]
+    ContactMaterialPair material;
+    Vec3f normal;                    // in the world
+    float start_gap;                 // C with the positions of the substep's start [m]
+    float slop;                      // target of C, at most 0: old overlaps are removed slowly [m]
+    Vec3f predicted;                 // motion of the point relative to the surface before any projection [m]
+    Vec3f surface_motion;            // displacement of the surface at the contact in the substep [m]
+    float normal_sum = 0;            // sum of normal corrections of the point [m]
+    Vec3f tangent_sum{};             // sum of tangential corrections of the point [m]
+    float restitution_velocity = 0;  // normal velocity that apply_restitution added [m/s]
+    float depth = 0;                 // remaining overlap, of contacts with a normal impulse [m]
+  };
+  /// Elements that may touch a body in this step, body by body, triangles first.
+  struct Candidates {
+    std::vector<std::uint32_t> element;
+    std::array<std::vector<std::uint32_t>, 3> corner;
+    std::vector<float> radius, reach, near;
+    std::array<std::vector<float>, 4> search;  // columns of kernels::ColliderFieldSearch
+    std::vector<float> travel;                 // in a field: motion since it was sampled [m]
+    std::vector<float> clear_for;              // in a field: motion that it needs to come near [m]
+    std::array<std::vector<float>, 9> touch;   // kernels::ColliderElementTouches
+
+    void clear();
+    void append(std::uint32_t of_element, const std::array<std::uint32_t, 3>& first_float, float r,
+                float may_move);
+    /// Keeps those from `begin` on that are near.
+    void keep_near(std::size_t begin);
+    void prepare_search();
+    kernels::ColliderElements columns(float clearance_part) const;
+    kernels::ColliderFieldSearch field_search(const Body& body);
+    kernels::ColliderElementTouches touches();
+    std::size_t bytes() const;
+  };
+
+  void append_edges_of_triangles();
+  void find_corners();
+  void find_bodies();
+  void set_pose(Body& body, const RigidPose& before, const RigidPose& after) const;
+  void place(const Body& body, std::span<const std::uint32_t> rows, const ParticleView& particles,
+             Threads& threads);
+  void find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity, float h,
+                       Threads& threads);
+  void find_candidates_of(Body& body, const ParticleView& particles, Threads& threads);
+  /// The first candidate from this one on that is an edge.
+  std::size_t first_edge(std::size_t candidate) const;
+  void find_rows(Body& body);
+  bool left_margins(const ParticleView& particles, Threads& threads) const;
+  void find_depenetrating(Body& body, const ParticleView& particles, Threads& threads);
+  void find_contacts(Body& body, const ParticleView& particles, float h, Threads& threads);
+  void find_touches(const Body& body, Threads& threads);
+  void find_touches_of_field(const Body& body, Threads& threads);
+  float path_of(std::size_t candidate) const;
+  bool contact_of(const Body& body, const kernels::ColliderElementTouches& found, std::size_t candidate,
+                  const ParticleView& particles, float h, Contact& contact) const;
+  std::uint8_t* depenetrating_of(const Body& body) {
+    return depenetrating_.data() + static_cast<std::size_t>(&body - bodies_.data()) * objects_;
+  }
+  float radius_of(const Element& element) const;
+  static float gap(const Contact& contact, const ParticleView& particles);
+  static Vec3f moved(const Contact& contact, const ParticleView& particles);
+  static void correct(const Contact& contact, const ParticleView& particles, const Vec3f& change);
+  static void project_one(Contact& contact, const ParticleView& particles);
+  void apply_restitution_to(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity,
+                            float h) const;
+
+  std::vector<Element> elements_;  // triangles, edges, edges of triangles
+  std::size_t triangles_ = 0, given_ = 0;
+  struct Corner {
+    std::uint32_t particle, object;
+  };
+  std::vector<Corner> corners_;                            // particles of all elements, each once
+  std::vector<std::uint32_t> corner_particle_;             // per corner
+  std::vector<std::array<std::uint32_t, 3>> first_float_;  // per element: of its corners' records
+  float largest_radius_ = 0;                               // of all elements [m]
+  std::uint32_t objects_ = 0;                              // one more than the largest object of an element
+  std::span<const Collider> colliders_;
+  std::span<const float> radius_;
+  const ContactMaterialTable* materials_ = nullptr;
+  const kernels::ColliderElementKernels* kernels_ = nullptr;
+  const kernels::ColliderContactKernels* particle_kernels_ = nullptr;
+  ContactStep step_;
+  float last_h_ = 0;  // [s]
+  std::vector<Body> bodies_;
+  // Per corner:
+  std::array<std::vector<float>, 3> at_;  // position in the last broad phase [m]
+  std::vector<float> margin_;             // motion allowed before the next one [m]
+  std::vector<float> distance_;           // from a body [m]
+  std::vector<Vec4f> from_, to_;          // records of kernels::ColliderFrameRecords
+  std::vector<std::uint32_t> all_rows_;   // 0, 1, ...
+  std::vector<std::uint8_t> is_row_;
+  std::vector<std::uint32_t> rows_;  // corners of candidates, body by body
+  Candidates candidates_;
+  std::vector<std::uint32_t> stale_, near_;  // candidates in a field: to be sampled, and that may touch
+  std::vector<std::uint8_t> depenetrating_;  // [body][object]: a part of the object started inside
+  std::vector<Contact> contacts_;            // body by body
+};
+
+}  // namespace souple

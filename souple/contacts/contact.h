@@ -1,0 +1,62 @@
+#pragma once
+
+#include "souple/collision/contact_step.h"
+#include "souple/math/vec3.h"
+
+#include <cstdint>
+
+// Types that all contact projectors share.
+
+namespace souple {
+
+/// An object in contact detection: a range of particles with one contact material. Its index in the span that
+/// begin_step takes is its row (and column) in the ContactMaterialTable, which may disable a pair of objects.
+/// Ranges are disjoint and ascending.
+struct ContactObject {
+  std::uint32_t begin = 0, end = 0;  ///< particles [begin, end)
+  bool moves = true;  ///< pairs of objects that do not move are skipped; so is such an object with itself
+  bool collides_with_colliders = true;
+  bool self_collision = false;  ///< between particles of this object
+  std::uint32_t groups = 1;     ///< bits; two objects a and b collide when a.groups & b.mask
+  std::uint32_t mask = 0;       ///<   and b.groups & a.mask are both non-zero
+  bool rolls = false;           ///< its particles are solid balls that rotate, such as grains
+};
+
+/// One contact that applied a normal impulse during the last substep.
+struct ContactPush {
+  std::uint32_t particle = 0;
+  std::uint32_t other = 0;  ///< index of the collider or of the second particle
+  Vec3f point{};            ///< point of contact on the surface, world space [m]
+  Vec3f normal{};           ///< unit, towards `particle`
+  float impulse = 0;        ///< normal impulse on `particle` [N s]
+};
+
+/// A contact that pushes, with restitution, whose sides approached each other.
+struct Impact {
+  static constexpr std::uint32_t collider = 0xffffffff;
+  std::uint32_t particle = 0;
+  std::uint32_t other = 0;   ///< a particle of the second side, or `collider`
+  Vec3f normal{};            ///< unit, towards `particle`
+  float approach = 0;        ///< speed of the predicted motion along the normal [m/s]
+  float restitution = 0;     ///< coefficient
+  Vec3f surface_velocity{};  ///< of the collider [m/s]
+};
+
+struct ContactReport {
+  std::size_t count = 0;  ///< contacts with a normal impulse in the last substep
+  float deepest = 0;      ///< largest penetration left after the last substep [m]
+};
+
+/// Report of contacts that have a `normal_sum` and the `depth` that is left.
+template <class Contacts>
+ContactReport report_of(const Contacts& contacts) {
+  ContactReport report;
+  for (const auto& contact : contacts) {
+    if (!(contact.normal_sum > 0)) continue;
+    ++report.count;
+    report.deepest = max(report.deepest, contact.depth);
+  }
+  return report;
+}
+
+}  // namespace souple

@@ -1,0 +1,236 @@
+#pragma once
+
+#include "souple/contacts/contact.h"
+#include "souple/contacts/contact_law.h"
+#include "souple/contacts/contact_material.h"
+#include "souple/solver/projector.h"
+#include "souple/threads/threads.h"
+
+#include <array>
+#include <atomic>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// Displacements of a pair of particles that friction has not canceled yet [m].
+struct FrictionDisplacement {
+  Vec3f sliding{};  ///< of i relative to j at the point of contact, since the pair last slid
+  Vec3f rolling{};  ///< relative rotation times the moment arm, since the pair last rolled
+  bool operator==(const FrictionDisplacement&) const = default;
+};
+
+/// Friction state of a pair of particles that is kept from step to step.
+struct CachedFriction {
+  std::uint32_t i = 0, j = 0;  ///< particles
+  FrictionDisplacement displacement{};
+};
+
+/// Contacts between particles: grains and the nodes of lattices. Objects with triangles or edges collide as
+/// surfaces (surface_contacts.h).
+///
+///   C = |x_i - x_j| - (r_i + r_j) >= 0
+///
+/// Use it like ColliderContacts: begin_step once, then per substep refresh, project, apply_restitution. The
+/// broad phase is a uniform grid, filled by counting sort. It runs once per step with a margin for motion
+/// relative to the mean, and again in the middle of a step when a particle has left its margin.
+///
+/// The result is that of solving contacts one after another (Gauss-Seidel) in order of (i, j), every second
+/// sweep in reverse order. Each substep colors the contacts so that this holds; contacts of one color share
+/// no particle that can move. The order depends on positions and indices alone. Corrections are equal and
+/// opposite: momentum is conserved to rounding. Friction and restitution follow the law of collider contacts.
+/// Balls of objects that roll rotate by friction, and rolling friction resists their relative rotation
+/// (contact_law.h); angular momentum including their spin is conserved.
+///
+/// A pair may be apart before and after a substep and yet collide within it. It is found while both particles
+/// are within each other's margin (at most one largest diameter).
+class ParticleContacts final : public Projector {
+ public:
+  /// As for ColliderContacts; the table is read as materials.at(object, object). `objects`, `materials` and
+  /// `radius` must live until the step ends.
+  void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
+                  std::span<const float> radius, std::span<const ContactObject> objects,
+                  const ContactMaterialTable& materials, const ContactStep& step, Threads& threads);
+  void refresh(const ParticleView& particles, const Substep& substep, Threads& threads);
+  void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
+                         Threads& threads);
+
+  /// Friction state that one step passes to the next, in order of (i, j), and its restoration: for
+  /// checkpoints and snapshots. erase_particles drops the entries of erased particles and renumbers the
+  /// others.
+  std::vector<CachedFriction> friction_cache() const;
+  void set_friction_cache(std::span<const CachedFriction> cache);
+
+  /// Pairs of particles that never collide, such as those of distance joints. Replaces the pairs of earlier
+  /// calls.
+  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
+
+  ContactReport report() const;
+  /// Appends the contacts with a normal impulse in the last substep, in order of (i, j).
+  void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
+
+  std::string_view kind() const override { return "particle contact"; }
+  bool is_contact() const override { return true; }
+  std::size_t size() const override { return contacts_.size(); }
+  void prepare(std::size_t) override {}
+  /// At least the number of contacts in the longest chain (i, j), (j, k), ... of ascending particles.
+  int color_count() const override { return static_cast<int>(color_begin_.size()) - 1; }
+  std::size_t color_size(int color) const override {
+    const Range range = contacts_of(color);
+    return range.end - range.begin;
+  }
+  std::size_t grain() const override { return 32; }
+  using Projector::project;
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
+               const Substep& substep) override;
+  Residual residual(const ParticleView& particles) const override;
+  void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
+  std::size_t bytes() const override;
+  void erase_particles(std::uint32_t begin, std::uint32_t end) override;
+
+ private:
+  std::vector<std::array<std::uint32_t, 2>> excluded_;  // sorted; each pair ascending
+  bool is_excluded(std::uint32_t i, std::uint32_t j) const;
+
+  /// A particle in the broad phase.
+  struct Member {
+    std::uint32_t particle, object;
+  };
+  struct Cell {
+    std::int32_t x, y, z;
+  };
+  /// A member in the grid: a copy, so that neighbors are contiguous in memory.
+  struct Entry {
+    Vec3f at;
+    float radius;
+    std::uint32_t member;
+    Cell cell;
+  };
+  /// Bounds of an object's motion within the step.
+  struct Box {
+    Vec3f lo, hi;
+    std::uint32_t object;
+    bool near;  ///< the box overlaps that of an object it interacts with
+  };
+  /// Members i < j that may touch before the next broad phase.
+  struct Pair {
+    std::uint32_t i, j;
+  };
+  /// How a contact rotates its balls (contact_law.h).
+  struct BallRotation {
+    float share_i = 0, share_j = 0, arm_i = 0, arm_j = 0;
+    float inverse_A = 1, inverse_B = 0, c = 0;  // of RollingResponse
+  };
+  /// Which balls of a contact rotate. Equal ones have the rotation `equal_balls`.
+  enum class Balls : std::uint8_t { none, i, j, both, equal };
+  /// The solver reads contacts in order, and they should fit the second-level cache.
+  struct Contact {
+    std::uint32_t i, j, pair;
+    float radius_sum;  // r_i + r_j [m]
+    ContactMaterialPair material;
+    Balls balls;
+    bool fixed_normal;                    // the normal does not change in the substep
+    float slop;                           // target of C, at most 0: old overlaps are removed slowly [m]
+    Vec3f predicted;                      // motion of i relative to j before any projection [m]
+    Vec3f normal;                         // from j to i, of the last projection
+    float normal_sum = 0;                 // sum of normal corrections of x_i - x_j [m]
+    Vec3f tangent_sum{};                  // sum of tangential corrections of x_i - x_j [m]
+    Vec3f moment_sum{};                   // G: sum of rolling friction (contact_law.h) [m]
+    FrictionDisplacement displacement{};  // of the pair, at the substep's start
+    float restitution_velocity = 0;       // relative normal velocity that apply_restitution added [m/s]
+    float depth = 0;                      // remaining overlap, of contacts with a normal impulse [m]
+  };
+  /// Contacts [begin, end).
+  struct Range {
+    std::size_t begin, end;
+  };
+  /// Counts sweeps over all contacts. The call that projects the last contacts of a sweep ends it, whichever
+  /// thread makes it. So no thread reads the count while it changes.
+  class Sweeps {
+   public:
+    Sweeps() = default;
+    Sweeps(const Sweeps& other) { *this = other; }
+    Sweeps& operator=(const Sweeps& other) {
+      left_ = other.left_.load();
+      done_ = other.done_;
+      return *this;
+    }
+    void begin_step() { done_ = 0; }
+    void begin_sweep(std::size_t contacts) { left_ = contacts; }
+    bool backwards() const { return done_ % 2 == 1; }
+    void projected(std::size_t count, std::size_t contacts) {
+      if (left_.fetch_sub(count, std::memory_order_acq_rel) != count) return;
+      ++done_;
+      begin_sweep(contacts);
+    }
+
+   private:
+    std::atomic<std::size_t> left_{0};  // contacts not yet projected in this sweep
+    std::size_t done_ = 0;
+  };
+  /// A pair that has a contact in this substep.
+  struct ColoredPair {
+    std::uint32_t pair, color;
+  };
+
+  bool interact(std::uint32_t object_a, std::uint32_t object_b) const;
+  void find_boxes(const ParticleView& particles, std::span<const Vec4f> velocity);
+  void find_near_objects();
+  void find_members(const ParticleView& particles, std::span<const Vec4f> velocity);
+  void find_pairs(const ParticleView& particles, float wanted_margin);
+  void save_friction();
+  void restore_friction();
+  void record_positions(const ParticleView& particles);
+  void sort_into_cells(float cell_size);
+  void append_pairs_of(std::uint32_t member);
+  std::uint32_t bucket_of_row(std::int32_t y, std::int32_t z) const;
+  bool may_touch(std::uint32_t pair, const ParticleView& particles) const;
+  void color_contacts(const ParticleView& particles);
+  Contact contact_of(std::uint32_t pair, const ParticleView& particles, float h) const;
+  void clear_contacts();
+  Range contacts_of(int color) const;
+  float gap(const Contact& contact, const Vec3f& difference, Vec3f& normal) const;
+  void project_one(Contact& contact, const ParticleView& particles) const;
+  void project_rolling(Contact& contact, float C, const Vec3f& n, const ParticleView& particles) const;
+  void apply_restitution_to(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity,
+                            float h);
+  void apply_rolling_restitution(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity,
+                                 float h);
+  void update_friction_displacement(const Contact& contact, float C, const FrictionDisplacement& change);
+  static const BallRotation equal_balls;
+  Balls balls_of(const Member& a, const Member& b, const ParticleView& particles) const;
+  BallRotation rotation_of(const Contact& contact, const ParticleView& particles) const;
+  void turn(const Contact& contact, const BallRotation& balls, const Vec3f& friction,
+            const Vec3f& moment) const;
+  template <class Vector>
+  float largest_from_mean(const Vector& vector, Threads& threads);
+
+  std::span<const ContactObject> objects_;
+  std::span<const float> radius_;
+  const ContactMaterialTable* materials_ = nullptr;
+  ContactStep step_;
+  float last_h_ = 0;  // h of the last refresh [s]
+  float largest_diameter_ = 0;
+  float margin_ = 0;  // of the last broad phase: how far two members may approach each other [m]
+  Sweeps sweeps_;     // of this step; odd sweeps run in reverse order
+  Vec3f corner_{};    // lower corner of the grid [m]; positions below are relative to it
+  std::vector<Box> boxes_;
+  std::vector<Member> members_;
+  std::vector<Vec3f> broad_phase_position_;  // per member, of the last broad phase [m]
+  std::vector<Cell> cells_;                  // per member
+  std::vector<std::uint32_t> bucket_begin_;
+  std::vector<Entry> entries_;  // sorted by bucket, then member
+  std::vector<Pair> pairs_;
+  std::vector<FrictionDisplacement> displacement_;  // per pair
+  std::vector<CachedFriction> friction_cache_;      // from one broad phase to the next
+  std::vector<Vec3d> chunk_sum_;                    // per chunk of members
+  std::vector<float> chunk_largest_;
+  std::vector<std::uint8_t> is_contact_;    // per pair: 1 when it has a contact in this substep
+  std::vector<std::uint32_t> next_color_;   // per member: one above the highest color of its contacts
+  std::vector<ColoredPair> colored_pairs_;  // in order of pairs
+  std::vector<std::uint32_t> sorted_;       // pairs with a contact, by color
+  std::vector<Contact> contacts_;           // in the order of sorted_
+  std::vector<std::uint32_t> color_begin_{0}, next_slot_;  // per color: index in contacts_
+};
+
+}  // namespace souple

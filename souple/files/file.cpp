@@ -1,0 +1,159 @@
+#include "souple/files/file.h"
+
+#include "souple/error.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+#include <fmt/core.h>
+
+#if defined(_WIN32)
+#include <io.h>
+#else
+#include <unistd.h>
+#endif
+
+namespace souple {
+
+namespace {
+
+int seek_to(std::FILE* file, std::uint64_t offset, int origin) {
+#if defined(_WIN32)
+  return _fseeki64(file, static_cast<long long>(offset), origin);
+#else
+  return fseeko(file, static_cast<off_t>(offset), origin);
+#endif
+}
+
+std::int64_t position_of(std::FILE* file) {
+#if defined(_WIN32)
+  return _ftelli64(file);
+#else
+  return static_cast<std::int64_t>(ftello(file));
+#endif
+}
+
+int wait_for_disk(std::FILE* file) {
+#if defined(_WIN32)
+  return _commit(_fileno(file));
+#else
+  return fsync(fileno(file));
+#endif
+}
+
+std::FILE* open_file(const std::filesystem::path& path, File::Mode mode) {
+  const char* text = mode == File::Mode::read ? "rb" : (mode == File::Mode::create ? "w+b" : "r+b");
+  return std::fopen(path.string().c_str(), text);
+}
+
+/// Rejects folders and pipes, which can be opened but then return garbage or block.
+void require_plain_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const auto status = std::filesystem::status(path, ignored);
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    throw Error(path.string() + ": is not a file; give the path of a file");
+}
+
+}  // namespace
+
+File::File(std::filesystem::path path, Mode mode) : path_(std::move(path)) {
+  require_plain_file(path_);
+  file_.reset(open_file(path_, mode));
+  if (file_) return;
+  const int reason = errno;
+  const auto folder = path_.parent_path();
+  std::error_code ignored;
+  if (mode == Mode::create && !folder.empty() && !std::filesystem::is_directory(folder, ignored))
+    throw Error(path_.string() + ": cannot be written: there is no folder " + folder.string() +
+                "; create it first");
+  errno = reason;
+  fail(mode == Mode::create ? "cannot be written" : "cannot be opened");
+}
+
+void File::fail(const char* what) const {
+  throw Error(path_.string() + ": " + what + ": " + std::generic_category().message(errno));
+}
+
+std::FILE* File::seek(std::uint64_t offset) {
+  if (!file_) throw Error(path_.string() + ": is closed already");
+  if (seek_to(file_.get(), offset, SEEK_SET) != 0) fail("cannot be positioned");
+  return file_.get();
+}
+
+std::uint64_t File::size() {
+  std::FILE* file = seek(0);
+  if (seek_to(file, 0, SEEK_END) != 0) fail("cannot be positioned");
+  const std::int64_t end = position_of(file);
+  if (end < 0) fail("cannot be positioned");
+  return static_cast<std::uint64_t>(end);
+}
+
+void File::read(std::uint64_t offset, std::span<std::byte> bytes) {
+  if (bytes.empty()) return;
+  std::FILE* file = seek(offset);
+  if (std::fread(bytes.data(), 1, bytes.size(), file) == bytes.size()) return;
+  if (std::ferror(file)) fail("cannot be read");
+  throw Error(fmt::format("{}: ends before byte {}", path_.string(), offset + bytes.size()));
+}
+
+void File::write(std::uint64_t offset, std::span<const std::byte> bytes) {
+  if (bytes.empty()) return;
+  std::FILE* file = seek(offset);
+  if (std::fwrite(bytes.data(), 1, bytes.size(), file) != bytes.size()) fail("cannot be written");
+}
+
+void File::truncate(std::uint64_t size) {
+  flush();
+  std::error_code error;
+  std::filesystem::resize_file(path_, size, error);
+  if (error) throw Error(path_.string() + ": cannot be cut: " + error.message());
+}
+
+void File::flush() {
+  if (file_ && std::fflush(file_.get()) != 0) fail("cannot be written");
+}
+
+void File::sync() {
+  flush();
+  if (file_ && wait_for_disk(file_.get()) != 0) fail("cannot be written");
+}
+
+void File::close() {
+  if (file_ && std::fclose(file_.release()) != 0) fail("cannot be written");
+}
+
+ByteSource::ByteSource(const std::filesystem::path& path)
+    : name_(path.string()), file_(std::make_unique<File>(path, File::Mode::read)), size_(file_->size()) {}
+
+ByteSource::ByteSource(std::string bytes, std::string name)
+    : name_(std::move(name)), memory_(std::move(bytes)), size_(memory_.size()) {}
+
+void ByteSource::read(std::uint64_t offset, std::span<std::byte> bytes) {
+  if (offset > size_ || bytes.size() > size_ - offset)
+    throw Error(fmt::format("{}: ends at byte {}, more was expected", name_, size_));
+  if (bytes.empty()) return;
+  if (file_)
+    file_->read(offset, bytes);
+  else
+    std::memcpy(bytes.data(), memory_.data() + offset, bytes.size());
+}
+
+std::string read_whole_file(const std::filesystem::path& path) {
+  ByteSource source(path);
+  std::string bytes(source.size(), '\0');
+  source.read(0, std::as_writable_bytes(std::span(bytes)));
+  return bytes;
+}
+
+void create_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder))
+    throw Error(folder.string() + ": cannot be an output folder: " +
+                (error ? error.message() : "there is a file of that name") + "; choose another");
+}
+
+}  // namespace souple

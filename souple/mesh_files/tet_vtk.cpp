@@ -1,0 +1,319 @@
+#include "souple/error.h"
+#include "souple/mesh_files/mesh_bytes.h"
+#include "souple/mesh_files/mesh_parse.h"
+#include "souple/mesh_files/tet_builder.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/core.h>
+
+namespace souple {
+
+namespace {
+
+using mesh_detail::ByteScanner;
+using mesh_detail::lower_case;
+using mesh_detail::quoted;
+using mesh_detail::TextScanner;
+
+enum class Type { bit, uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32, float64 };
+
+struct TypeName {
+  std::string_view name;
+  Type type;
+  std::size_t bytes;
+};
+constexpr std::array<TypeName, 13> type_names = {{{"unsigned_char", Type::uint8, 1},
+                                                  {"char", Type::int8, 1},
+                                                  {"unsigned_short", Type::uint16, 2},
+                                                  {"short", Type::int16, 2},
+                                                  {"unsigned_int", Type::uint32, 4},
+                                                  {"int", Type::int32, 4},
+                                                  {"unsigned_long", Type::uint64, 8},
+                                                  {"long", Type::int64, 8},
+                                                  {"vtkidtype", Type::int32, 4},
+                                                  {"vtktypeint64", Type::int64, 8},
+                                                  {"vtktypeuint8", Type::uint8, 1},
+                                                  {"float", Type::float32, 4},
+                                                  {"double", Type::float64, 8}}};
+
+constexpr std::int64_t vtk_tet = 10;
+
+// Points, lines and surfaces, which a volume does not need.
+bool is_flat_cell(std::int64_t type) {
+  return (type >= 0 && type <= 9) || type == 21 || type == 22 || type == 23 || type == 28 || type == 30 ||
+         type == 34 || type == 35 || type == 36;
+}
+
+class VtkReader {
+ public:
+  VtkReader(std::string_view bytes, const std::string& name)
+      : bytes_(bytes), name_(name), scanner_(bytes, name, {}) {}
+
+  TetMesh read() {
+    read_header();
+    while (cell_types_.empty()) {
+      const std::string_view keyword = scanner_.word_on_any_line();
+      const std::string section = lower_case(keyword);
+      if (section == "points")
+        read_points();
+      else if (section == "cells")
+        read_cells();
+      else if (section == "cell_types")
+        read_cell_types();
+      else if (section == "metadata")
+        skip_metadata();
+      else if (section == "field")
+        skip_field();
+      else
+        scanner_.fail(scanner_.found(keyword), "POINTS, CELLS and CELL_TYPES");
+    }
+    // The rest (POINT_DATA, CELL_DATA) is not needed.
+    build();
+    return std::move(mesh_);
+  }
+
+ private:
+  void read_header() {
+    const std::string_view first = scanner_.rest_of_line();
+    constexpr std::string_view magic = "# vtk DataFile Version";
+    if (lower_case(first.substr(0, magic.size())) != lower_case(magic)) {
+      scanner_.fail(scanner_.found(first), "\"# vtk DataFile Version\", with which a legacy VTK file begins");
+    }
+    scanner_.next_line();  // skips the title
+    scanner_.next_line();
+    const std::string_view encoding = scanner_.word_on_any_line();
+    if (lower_case(encoding) == "binary")
+      is_binary_ = true;
+    else if (lower_case(encoding) != "ascii")
+      scanner_.fail(scanner_.found(encoding), "ASCII or BINARY");
+    const std::string_view dataset = scanner_.word_on_any_line();
+    if (lower_case(dataset) != "dataset") scanner_.fail(scanner_.found(dataset), "DATASET");
+    const std::string_view kind = scanner_.word();
+    if (lower_case(kind) != "unstructured_grid") scanner_.fail(scanner_.found(kind), "UNSTRUCTURED_GRID");
+  }
+
+  TypeName type_from(std::string_view word) const {
+    for (const TypeName& entry : type_names) {
+      if (entry.name == lower_case(word.substr(0, 16))) return entry;
+    }
+    scanner_.fail(scanner_.found(word), "a type such as float, double, int or vtktypeint64");
+  }
+
+  /// Passes `count` numbers of a type to `take`; text or big-endian bytes, depending on the file.
+  template <class Take>
+  void read_numbers(std::size_t count, const TypeName& type, const char* what, Take take) {
+    if (!is_binary_) {
+      require_text_room(count, what);
+      const bool real = type.type == Type::float32 || type.type == Type::float64;
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::string_view word = scanner_.word_on_any_line();
+        if (real)
+          take(scanner_.coordinate_from(word, what), std::int64_t(0));
+        else
+          take(0.0, scanner_.integer_from(word, what));
+      }
+      return;
+    }
+    scanner_.next_line();
+    const std::size_t first = scanner_.offset();
+    ByteScanner numbers(bytes_.substr(first), name_, true, first);
+    numbers.require_room(count, type.bytes, what);
+    for (std::size_t i = 0; i < count; ++i) read_number(numbers, type.type, what, take);
+    // The text continues after the numbers, where line numbers are meaningless.
+    const std::size_t end = first + count * type.bytes;
+    scanner_ = TextScanner(bytes_.substr(end), name_, {.bytes_in_errors = true}, scanner_.line(), end);
+  }
+
+  template <class Take>
+  static void read_number(ByteScanner& numbers, Type type, const char* what, Take& take) {
+    switch (type) {
+      case Type::float32:
+        return take(double(numbers.real32(what)), std::int64_t(0));
+      case Type::float64:
+        return take(numbers.real64(what), std::int64_t(0));
+      case Type::int8:
+        return take(0.0, std::int64_t(numbers.read<std::int8_t>(what)));
+      case Type::bit:
+      case Type::uint8:
+        return take(0.0, std::int64_t(numbers.read<std::uint8_t>(what)));
+      case Type::int16:
+        return take(0.0, std::int64_t(numbers.read<std::int16_t>(what)));
+      case Type::uint16:
+        return take(0.0, std::int64_t(numbers.read<std::uint16_t>(what)));
+      case Type::int32:
+        return take(0.0, std::int64_t(numbers.read<std::int32_t>(what)));
+      case Type::uint32:
+        return take(0.0, std::int64_t(numbers.read<std::uint32_t>(what)));
+      case Type::int64:
+        return take(0.0, numbers.read<std::int64_t>(what));
+      case Type::uint64:
+        return take(0.0, std::int64_t(numbers.read<std::uint64_t>(what)));
+    }
+  }
+
+  void require_text_room(std::size_t count, const char* what) const {
+    if (count > (scanner_.remaining() + 1) / 2) {
+      scanner_.fail(fmt::format("{} numbers ({})", count, what), "no more than the file is long enough for");
+    }
+  }
+
+  // POINTS COUNT TYPE
+  void read_points() {
+    if (!mesh_.positions.empty()) scanner_.fail("a second POINTS", "one");
+    const std::size_t count = scanner_.count("number of points", 3);
+    const TypeName type = type_from(scanner_.word());
+    if (count == 0 || count >= 0xffffffff) scanner_.fail(fmt::format("{} points", count), "4 to 2^32 - 2");
+    mesh_.positions.reserve(count);
+    std::array<double, 3> point{};
+    std::size_t filled = 0;
+    read_numbers(3 * count, type, "coordinate of a point", [&](double real, std::int64_t integer) {
+      point[filled++] = real + double(integer);
+      if (filled < 3) return;
+      mesh_.positions.emplace_back(point[0], point[1], point[2]);
+      filled = 0;
+    });
+  }
+
+  // Until 5.0: CELLS COUNT SIZE, then for each cell its number of points and the points (SIZE numbers in
+  // all). Since 5.1: CELLS COUNT + 1 SIZE, then OFFSETS TYPE, where each cell begins, and CONNECTIVITY TYPE,
+  // all their points.
+  void read_cells() {
+    if (!offsets_.empty()) scanner_.fail("a second CELLS", "one");
+    const std::size_t count = scanner_.count("number of cells", 1);
+    const std::size_t size = scanner_.count("size of the cells", 1);
+    const TextScanner before = scanner_;
+    const std::string_view keyword = scanner_.word_on_any_line();
+    if (lower_case(keyword.substr(0, 16)) != "offsets") {
+      scanner_ = before;
+      return read_classic_cells(count, size);
+    }
+    const TypeName offset_type = integer_type(scanner_.word());
+    read_numbers(count, offset_type, "offset of a cell",
+                 [&](double, std::int64_t value) { offsets_.push_back(value); });
+    const std::string_view second = scanner_.word_on_any_line();
+    if (lower_case(second) != "connectivity") scanner_.fail(scanner_.found(second), "CONNECTIVITY");
+    const TypeName type = integer_type(scanner_.word());
+    read_numbers(size, type, "point of a cell",
+                 [&](double, std::int64_t value) { connectivity_.push_back(value); });
+    check_offsets();
+  }
+
+  TypeName integer_type(std::string_view word) const {
+    const TypeName type = type_from(word);
+    if (type.type == Type::float32 || type.type == Type::float64)
+      scanner_.fail(quoted(word), "an integer type");
+    return type;
+  }
+
+  void check_offsets() const {
+    if (offsets_.empty() || offsets_.front() != 0 || offsets_.back() != std::int64_t(connectivity_.size()) ||
+        !std::is_sorted(offsets_.begin(), offsets_.end())) {
+      scanner_.fail("OFFSETS that do not ascend from 0 to the length of CONNECTIVITY", "such offsets");
+    }
+  }
+
+  void read_classic_cells(std::size_t count, std::size_t size) {
+    std::int64_t left_in_cell = 0;
+    offsets_.push_back(0);
+    read_numbers(size, {"int", Type::int32, 4}, "cell", [&](double, std::int64_t value) {
+      if (left_in_cell > 0) {
+        connectivity_.push_back(value);
+        if (--left_in_cell == 0) offsets_.push_back(std::int64_t(connectivity_.size()));
+        return;
+      }
+      if (value <= 0) scanner_.fail(fmt::format("a cell of {} points", value), "one or more");
+      left_in_cell = value;
+    });
+    if (left_in_cell > 0 || offsets_.size() != count + 1) {
+      scanner_.fail(fmt::format("{} whole cells in {} numbers", offsets_.size() - 1, size),
+                    fmt::format("{} cells", count));
+    }
+  }
+
+  // CELL_TYPES COUNT
+  void read_cell_types() {
+    const std::size_t count = scanner_.count("number of cell types", 1);
+    if (count == 0 || count + 1 != offsets_.size()) {
+      scanner_.fail(fmt::format("{} cell types", count),
+                    fmt::format("one for each of the cells, which stand before ({})",
+                                offsets_.empty() ? 0 : offsets_.size() - 1));
+    }
+    read_numbers(count, {"int", Type::int32, 4}, "type of a cell",
+                 [&](double, std::int64_t value) { cell_types_.push_back(value); });
+  }
+
+  // A block that ends at an empty line.
+  void skip_metadata() {
+    while (scanner_.next_line()) {
+      if (scanner_.rest_of_line().empty()) return;
+    }
+  }
+
+  // FIELD NAME COUNT, then arrays: NAME COMPONENTS TUPLES TYPE and their numbers
+  void skip_field() {
+    scanner_.word();
+    const std::size_t arrays = scanner_.count("number of arrays", 8);
+    for (std::size_t i = 0; i < arrays; ++i) {
+      std::string_view name = scanner_.word_on_any_line();
+      if (lower_case(name) == "metadata") {
+        skip_metadata();
+        name = scanner_.word_on_any_line();
+      }
+      const std::size_t components = scanner_.count("components of an array", 1);
+      const std::size_t tuples = scanner_.count("tuples of an array", 1);
+      if (tuples != 0 && components > scanner_.remaining() / tuples) {
+        scanner_.fail("an array " + quoted(name) + " longer than the file", "a shorter one");
+      }
+      read_numbers(components * tuples, type_from(scanner_.word()), "number of a field",
+                   [](double, std::int64_t) {});
+    }
+  }
+
+  void build() {
+    const auto points = std::int64_t(mesh_.positions.size());
+    for (std::size_t cell = 0; cell < cell_types_.size(); ++cell) {
+      if (is_flat_cell(cell_types_[cell])) continue;
+      const auto fail_cell = [&](const std::string& found, const char* expected) {
+        fail(fmt::format("cell {}{}", cell, found), expected);
+      };
+      if (cell_types_[cell] != vtk_tet) {
+        fail_cell(fmt::format(" of type {}", cell_types_[cell]), "tets of four points only (type 10)");
+      }
+      const auto begin = std::size_t(offsets_[cell]);
+      if (offsets_[cell + 1] - offsets_[cell] != 4) fail_cell(", a tet without four points", "four points");
+      Tet tet{};
+      for (std::size_t i = 0; i < 4; ++i) {
+        const std::int64_t point = connectivity_[begin + i];
+        if (point < 0 || point >= points) {
+          fail_cell(fmt::format(" with point {}", point), "points from 0 to one less than POINTS counts");
+        }
+        tet[i] = std::uint32_t(point);
+      }
+      if (!mesh_detail::append_oriented(mesh_, tet)) fail_cell(", a flat tet", "a tet with a volume");
+    }
+    if (mesh_.tets.empty()) fail("no tet in the whole file", "at least one cell of type 10");
+  }
+
+  [[noreturn]] void fail(const std::string& found, const std::string& expected) const {
+    throw Error(name_ + ": found " + found + ", expected " + expected);
+  }
+
+  std::string_view bytes_;
+  std::string name_;
+  TextScanner scanner_;
+  bool is_binary_ = false;
+  TetMesh mesh_;
+  std::vector<std::int64_t> offsets_;  ///< where each cell begins in connectivity_, and the end
+  std::vector<std::int64_t> connectivity_;
+  std::vector<std::int64_t> cell_types_;
+};
+
+}  // namespace
+
+TetMesh parse_vtk(std::string_view bytes, const std::string& name) {
+  return VtkReader(bytes, name).read();
+}
+
+}  // namespace souple

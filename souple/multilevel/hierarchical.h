@@ -1,0 +1,136 @@
+#pragma once
+
+#include "souple/multilevel/hierarchical_levels.h"
+#include "souple/multilevel/level_links.h"
+#include "souple/multilevel/stretched_links.h"
+#include "souple/multilevel/tied_particles.h"
+#include "souple/multilevel/weighted_sums.h"
+#include "souple/solver/left_out.h"
+#include "souple/solver/solver.h"
+
+#include <string>
+#include <vector>
+
+namespace souple {
+
+/// Hierarchical position-based dynamics after Müller 2008 ("Hierarchical Position Based Dynamics", VRIPHYS).
+/// Before each iteration of Gauss-Seidel, levels of ever fewer particles correct errors of long wavelength,
+/// such as the stretch of a large cloth as a whole, which Gauss-Seidel corrects slowly. Coarsest level first:
+///
+///   restrict     X_J = sum_i w_iJ m_i x_i / m_J,   m_J = sum_i w_iJ m_i       (positions and displacements)
+///   project      l_JK <= |X_J - X_K| <= L_JK for the links of each level, a few sweeps
+///   prolong      d_i += sum_J w_iJ (correction of J)
+///
+/// A coarse particle is the weighted mean of the finer particles that follow it; in the paper it is a finer
+/// particle. With the mean, corrections of a level add no kinetic energy (as far as C is linear), whatever
+/// links the level has, and momentum is kept. With injection a swinging 100 x 100 cloth exploded within ten
+/// frames (docs/solvers.md).
+///
+/// The limits l_JK and L_JK: LinkLimits (kernels/links.h). A link whose finer links are all satisfied does not
+/// shrink, however inexact its rest length is. Lower limits let cloth fold freely (the paper's unilateral
+/// constraints alone crumple a moving cloth, two cells at a time).
+///
+/// Where a few pinned particles carry a whole cloth, stress grows towards them faster than levels get finer.
+/// There each level sweeps the links around them a few times more.
+///
+/// Particles that are tied rigidly are one particle of the levels, and attached ones are fixed (TiedParticles). While a
+/// tie is open by more than a link, there are no levels: they would close it at once, however large the cloth.
+///
+/// With compliance, a coarse link is a spring in parallel with the finer links. Its stiffness and the
+/// stiffness that the sweeps of the finer levels reach add up to that of the material.
+///
+/// Where stress changes from link to link, as where cloth touches a collider, stretched links of the finest level are
+/// swept more often, together with their contacts (StretchedLinks).
+///
+/// Needs SetProjector<Distance> or SetProjector<TriangleMembrane>; other kinds get Gauss-Seidel alone. Linear
+/// momentum is kept to rounding, angular momentum as far as the cloth is smooth.
+class Hierarchical final : public Solver {
+ public:
+  /// Pieces of cloth that get levels: all, or large ones and long strips, which sweeps leave too soft.
+  enum class Pieces { all, large };
+  explicit Hierarchical(Pieces pieces = Pieces::all) : pieces_(pieces) {}
+
+  std::string_view name() const override { return "hierarchical"; }
+  void prepare(std::span<Projector* const> projectors, const ParticleView& particles,
+               Threads& threads) override {
+    prepare(projectors, {}, particles, threads);
+  }
+  void prepare(std::span<Projector* const> projectors, const ParticleView& particles) override;
+  void solve(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
+             Threads& threads) override;
+
+  // For a solver that uses the levels among other parts:
+  /// Builds the levels, unless their inputs are unchanged: links without `left_out`, rest lengths, ties, masses.
+  void prepare(std::span<Projector* const> projectors, const LeftOut& left_out, const ParticleView& particles,
+               Threads& threads);
+  /// Whether there are levels in this substep. Moves attached particles to their targets.
+  bool begin_substep(std::span<Projector* const> projectors, const ParticleView& particles,
+                     const Substep& substep, Threads& threads);
+  /// Corrects all levels, before the sweep of `iteration`.
+  void correct(const ParticleView& particles, const Substep& substep, int iteration, Threads& threads);
+  /// Sweeps links that are stretched after the sweep of all constraints.
+  void shorten_stretched(std::span<Projector* const> projectors, const ParticleView& particles,
+                         const Substep& substep, Threads& threads);
+  std::string diagnostic() const override;
+
+  /// Links projected on coarse levels by one iteration, in all sweeps.
+  std::size_t coarse_projections() const;
+
+ private:
+  /// A coarser level and the state of its particles and links during a substep. Arrays per coarse particle have
+  /// one more record, for the padding of LevelLinks.
+  struct Level {
+    CoarseLevel map;
+    WeightedSums restriction;             ///< of finer particles; first level: of the world's
+    WeightedSums prolongation;            ///< a row per finer particle
+    std::vector<std::uint32_t> finer;     ///< per row of the prolongation: its particle, as in `restriction`
+    std::vector<std::uint32_t> particle;  ///< per coarse particle: its particle in the world
+    std::vector<Vec4f> position;          ///< X at the start of the substep [m]; w = inverse mass
+    std::vector<Vec4f> moving;      ///< displacement since the start of the substep [m]; w = inverse mass
+    std::vector<Vec4f> before;      ///< `moving` before this iteration's corrections [m]
+    std::vector<Vec4f> correction;  ///< moving - before, after the sweeps [m]
+    std::vector<float> softening;   ///< per link: factor of its compliance, see set_compliance
+    LevelLinks all, near;           ///< near: copies of those around isolated pinned particles
+    std::vector<std::uint32_t> near_slot;  ///< per slot of `near`: the slot in `all`
+    // Per slot of `all`:
+    std::vector<std::uint32_t> start_a, start_b;  ///< 4 times the particle in the world
+    std::vector<float> rest_length, path_length;  ///< of the link, of its path along finer links [m]
+    std::vector<float> stretch;                   ///< of the path; first level: of the link [m]
+    std::vector<std::uint32_t> path_begin, path;  ///< slots of the finer links; see CoarseLevel::path
+  };
+
+  void add_level(CoarseLevel map, const ParticleView& particles);
+  static void add_links_near_pins(Level& level);
+  void find_transfers(Level& level, const ParticleView& particles) const;
+  void find_slots(Level& level) const;
+  void measure(const ParticleView& particles, Threads& threads);
+  void measure_paths(std::size_t l, Threads& threads);
+  void set_gains(const Substep& substep);
+  void set_gains_of(const Level& level, LevelLinks& links, int n) const;
+  float softening_of(std::size_t l, std::size_t e) const;
+  void restrict_particles(const ParticleView& particles, Threads& threads);
+  void project_levels(const ParticleView& particles, Threads& threads);
+  static void prolong(const Level& from, std::span<const Vec4f> inverse_mass, std::span<Vec4f> to,
+                      Threads& threads);
+  int sweeps_of(std::size_t l) const;
+
+  bool constraints_changed(std::span<Projector* const> projectors);
+  bool masses_changed(const ParticleView& particles) const;
+  std::vector<Link> links_of(std::span<Projector* const> projectors, const LeftOut& left_out,
+                             std::size_t particles) const;
+
+  Pieces pieces_;
+  std::vector<std::pair<const Projector*, std::uint64_t>> revisions_;  ///< of the sets that links_ come from
+  std::vector<Link> links_;              ///< links of the finest level; ends are the world's particles
+  std::vector<float> inverse_masses_;    ///< per link: sum of the inverse masses of its two ends [1/kg]
+  TiedParticles tied_;                   ///< one linked particle each
+  std::vector<float> masses_;            ///< per linked particle [kg]; 0: fixed
+  std::vector<std::uint32_t> particle_;  ///< per linked particle: its representative in the world, ascending
+  std::vector<Level> levels_;            ///< finest first
+  StretchedLinks stretched_;             ///< of the finest level; built when a link is stretched
+  bool compliant_ = false;
+  float mean_length_ = 0;  ///< of the links of the finest level [m]
+  Substep gains_for_;      ///< substep of the current gains; length 0: none
+};
+
+}  // namespace souple

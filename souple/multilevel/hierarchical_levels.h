@@ -1,0 +1,46 @@
+#pragma once
+
+#include "souple/threads/threads.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// A distance that the material keeps, as the levels of the hierarchy use it.
+struct Link {
+  std::uint32_t a = 0, b = 0;
+  float length = 0;     ///< at rest, along the material [m]
+  float energy = 0;     ///< k l^2, twice the energy at strain 1 [J]; infinite if rigid
+  float stiffness = 1;  ///< PBD mode: k in [0, 1]
+
+  bool operator==(const Link&) const = default;
+};
+
+/// One coarser level of particles above a finer one.
+struct CoarseLevel {
+  std::vector<std::uint32_t> finer;  ///< per coarse particle: its index in the finer level, ascending
+  std::vector<Link> links;           ///< between coarse particles; a < b, sorted
+  /// Per link: path along finer links from a to b: path[k], k in [path_begin[e], path_begin[e + 1]).
+  std::vector<std::uint32_t> path_begin, path;
+  /// Per particle i of the finer level: its correction is sum_k weight[k] * correction(parent[k]), k in
+  /// [parent_begin[i], parent_begin[i + 1]). The weights of a particle are non-negative and sum to 1.
+  std::vector<std::uint32_t> parent_begin, parent;
+  std::vector<float> weight;
+  /// Per coarse particle j: mean of the finer particles that follow it, weighted by mass, sum_k
+  /// child_weight[k] * child[k], k in [child_begin[j], child_begin[j + 1]). The weights sum to 1; a fixed
+  /// coarse particle has itself as its only child.
+  std::vector<std::uint32_t> child_begin, child;
+  std::vector<float> child_weight;
+  std::vector<float> mass;  ///< sum_i weight_iJ m_i over the free particles [kg]; 0: fixed
+};
+
+/// Levels above particles [0, masses.size()), finest first, until a level has at most `coarsest_size`
+/// particles or none can be removed. Mass 0: a fixed particle. Depends on the arguments only; takes O(n log
+/// n) time.
+std::vector<CoarseLevel> build_levels(std::span<const Link> links, std::span<const float> masses,
+                                      std::size_t coarsest_size, Threads& threads);
+
+}  // namespace souple

@@ -1,0 +1,76 @@
+#include "souple/multilevel/tied_particles.h"
+
+#include "souple/assert.h"
+#include "souple/constraints/attachment.h"
+#include "souple/constraints/distance.h"
+#include "souple/geometry/adjacency.h"
+#include "souple/solver/set_projector.h"
+
+#include <algorithm>
+
+namespace souple {
+
+TiedParticles::TiedParticles(std::span<Projector* const> projectors, const ParticleView& particles) {
+  std::vector<Edge> ties;
+  for (const Projector* projector : projectors) {
+    if (const auto* attachments = dynamic_cast<const SetProjector<Attachment>*>(projector))
+      for (std::size_t i = 0; i < attachments->size(); ++i)
+        if (attachments->set().compliance(i)[0] == 0) attached_.push_back(attachments->set().indices(i)[0]);
+    if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector))
+      for (std::size_t i = 0; i < distances->size(); ++i)
+        if (distances->set().params(i).rest_length == 0 && distances->set().compliance(i)[0] == 0)
+          ties.push_back(distances->set().indices(i));
+  }
+  std::sort(attached_.begin(), attached_.end());
+  if (ties.empty()) return;
+  const Components components = connected_components(ties, particles.position.size());
+  constexpr std::uint32_t none = ~std::uint32_t{0};
+  std::vector<std::uint32_t> representative(components.count, none);
+  for (const bool fixed : {true, false})
+    for (std::uint32_t i = 0; i < components.of_vertex.size(); ++i)
+      if (std::uint32_t& r = representative[components.of_vertex[i]];
+          r == none && is_fixed(i, particles) == fixed)
+        r = i;
+  for (const Edge& tie : ties)
+    for (const std::uint32_t i : tie) tied_.emplace_back(i, representative[components.of_vertex[i]]);
+  std::sort(tied_.begin(), tied_.end());
+  tied_.erase(std::unique(tied_.begin(), tied_.end()), tied_.end());
+  for (const auto& [i, r] : tied_) {
+    SOUPLE_ASSERT(representative[components.of_vertex[r]] == r, "a representative stands for itself");
+    groups_.emplace_back(r, i);
+  }
+  std::sort(groups_.begin(), groups_.end());
+}
+
+bool TiedParticles::is_fixed(std::uint32_t particle, const ParticleView& particles) const {
+  return particles.inverse_mass(particle) == 0 ||
+         std::binary_search(attached_.begin(), attached_.end(), particle);
+}
+
+std::uint32_t TiedParticles::representative(std::uint32_t particle) const {
+  const auto at = std::lower_bound(tied_.begin(), tied_.end(), std::pair(particle, std::uint32_t{0}));
+  return at != tied_.end() && at->first == particle ? at->second : particle;
+}
+
+bool TiedParticles::is_alone(std::uint32_t representative) const {
+  const auto at =
+      std::lower_bound(groups_.begin(), groups_.end(), std::pair(representative, std::uint32_t{0}));
+  return (at == groups_.end() || at->first != representative) &&
+         !std::binary_search(attached_.begin(), attached_.end(), representative);
+}
+
+bool TiedParticles::closed(float distance, const ParticleView& particles) const {
+  return std::all_of(tied_.begin(), tied_.end(), [&](const auto& tie) {
+    return length_squared(particles.difference(tie.first, tie.second)) <= distance * distance;
+  });
+}
+
+float TiedParticles::mass(std::uint32_t representative, const ParticleView& particles) const {
+  if (is_fixed(representative, particles)) return 0;
+  if (groups_.empty()) return 1 / particles.inverse_mass(representative);
+  float sum = 0;
+  for_each_of(representative, [&](std::uint32_t i) { sum += 1 / particles.inverse_mass(i); });
+  return sum;
+}
+
+}  // namespace souple

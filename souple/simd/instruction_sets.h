@@ -1,0 +1,148 @@
+#pragma once
+
+#if defined(__x86_64__)
+#include <immintrin.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
+#endif
+
+#include <cstdint>
+
+// Operations that differ between instruction sets: the register width, square roots, and the gathering and
+// transposing of four-float records. All other operations are compiler vectors (pack.h).
+//
+// Every template compiled for an instruction set has its tag as a parameter, so that the linker never takes
+// the code of one set for that of another.
+//
+// load_records: the four floats that begin at base + i[0], base + i[4], base + i[8], ... fill a register. So
+// four
+//   registers loaded from i, i + 1, i + 2, i + 3 transpose to components in the order of i.
+// min, max: a < b ? a : b and a > b ? a : b.
+// difference_but_last: a - b, but the fourth float of every record is that of a.
+// broadcast_last: copies the fourth float of every record to all four.
+// any: whether a lane of the mask is set.
+
+/// Of what must not become a function of its own in code compiled for an instruction set.
+#define SOUPLE_INLINE __attribute__((always_inline))
+
+namespace souple::simd {
+
+#if defined(__SSE2__)
+struct Sse {
+  static constexpr int lanes = 4;
+  using Vector __attribute__((vector_size(16))) = float;
+  using Mask __attribute__((vector_size(16))) = std::int32_t;
+
+  static Vector broadcast(float a) { return _mm_set1_ps(a); }
+  static bool any(Mask a) { return _mm_movemask_epi8((__m128i)a) != 0; }
+  static Vector sqrt(Vector a) { return _mm_sqrt_ps(a); }
+  static Vector min(Vector a, Vector b) { return _mm_min_ps(a, b); }
+  static Vector max(Vector a, Vector b) { return _mm_max_ps(a, b); }
+  static Vector load(const float* p) { return _mm_loadu_ps(p); }
+  static void store(float* p, Vector a) { _mm_storeu_ps(p, a); }
+  static Vector load_records(const float* base, const std::uint32_t* i) { return _mm_load_ps(base + i[0]); }
+  static void store_records(float* base, const std::uint32_t* i, Vector a) { _mm_store_ps(base + i[0], a); }
+  // Without SSE4.1's blend.
+  static Vector difference_but_last(Vector a, Vector b) {
+    const Vector d = a - b;
+    return _mm_shuffle_ps(d, _mm_shuffle_ps(d, a, 0xEA), 0xC4);  // d.x d.y (d.z d.z a.z a.w)[0, 3]
+  }
+  static Vector broadcast_last(Vector a) { return _mm_shuffle_ps(a, a, 0xFF); }
+  static Vector unpack_low(Vector a, Vector b) { return _mm_unpacklo_ps(a, b); }
+  static Vector unpack_high(Vector a, Vector b) { return _mm_unpackhi_ps(a, b); }
+  static Vector pair_low(Vector a, Vector b) { return _mm_shuffle_ps(a, b, 0x44); }
+  static Vector pair_high(Vector a, Vector b) { return _mm_shuffle_ps(a, b, 0xEE); }
+};
+#endif
+
+#if defined(__AVX2__)
+struct Avx2 {
+  static constexpr int lanes = 8;
+  using Vector __attribute__((vector_size(32))) = float;
+  using Mask __attribute__((vector_size(32))) = std::int32_t;
+
+  static Vector broadcast(float a) { return _mm256_set1_ps(a); }
+  static bool any(Mask a) { return _mm256_movemask_epi8((__m256i)a) != 0; }
+  static Vector sqrt(Vector a) { return _mm256_sqrt_ps(a); }
+  static Vector min(Vector a, Vector b) { return _mm256_min_ps(a, b); }
+  static Vector max(Vector a, Vector b) { return _mm256_max_ps(a, b); }
+  static Vector load(const float* p) { return _mm256_loadu_ps(p); }
+  static void store(float* p, Vector a) { _mm256_storeu_ps(p, a); }
+  static Vector load_records(const float* base, const std::uint32_t* i) {
+    return _mm256_insertf128_ps(_mm256_castps128_ps256(_mm_load_ps(base + i[0])), _mm_load_ps(base + i[4]),
+                                1);
+  }
+  static void store_records(float* base, const std::uint32_t* i, Vector a) {
+    _mm_store_ps(base + i[0], _mm256_castps256_ps128(a));
+    _mm_store_ps(base + i[4], _mm256_extractf128_ps(a, 1));
+  }
+  static Vector difference_but_last(Vector a, Vector b) { return _mm256_blend_ps(a - b, a, 0x88); }
+  static Vector broadcast_last(Vector a) { return _mm256_shuffle_ps(a, a, 0xFF); }
+  static Vector unpack_low(Vector a, Vector b) { return _mm256_unpacklo_ps(a, b); }
+  static Vector unpack_high(Vector a, Vector b) { return _mm256_unpackhi_ps(a, b); }
+  static Vector pair_low(Vector a, Vector b) { return _mm256_shuffle_ps(a, b, 0x44); }
+  static Vector pair_high(Vector a, Vector b) { return _mm256_shuffle_ps(a, b, 0xEE); }
+};
+#endif
+
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+struct Avx512 {
+  static constexpr int lanes = 16;
+  using Vector __attribute__((vector_size(64))) = float;
+  using Mask __attribute__((vector_size(64))) = std::int32_t;
+
+  static Vector broadcast(float a) { return _mm512_set1_ps(a); }
+  static bool any(Mask a) { return _mm512_movepi32_mask((__m512i)a) != 0; }
+  static Vector sqrt(Vector a) { return _mm512_sqrt_ps(a); }
+  static Vector min(Vector a, Vector b) { return _mm512_min_ps(a, b); }
+  static Vector max(Vector a, Vector b) { return _mm512_max_ps(a, b); }
+  static Vector load(const float* p) { return _mm512_loadu_ps(p); }
+  static void store(float* p, Vector a) { _mm512_storeu_ps(p, a); }
+  static Vector load_records(const float* base, const std::uint32_t* i) {
+    const auto at = [base](std::uint32_t record) { return _mm_load_ps(base + record); };
+    __m512 a = _mm512_castps128_ps512(at(i[0]));
+    a = _mm512_insertf32x4(a, at(i[4]), 1);
+    a = _mm512_insertf32x4(a, at(i[8]), 2);
+    return _mm512_insertf32x4(a, at(i[12]), 3);
+  }
+  static void store_records(float* base, const std::uint32_t* i, Vector a) {
+    const auto at = [base](std::uint32_t record) { return base + record; };
+    _mm_store_ps(at(i[0]), _mm512_castps512_ps128(a));
+    _mm_store_ps(at(i[4]), _mm512_extractf32x4_ps(a, 1));
+    _mm_store_ps(at(i[8]), _mm512_extractf32x4_ps(a, 2));
+    _mm_store_ps(at(i[12]), _mm512_extractf32x4_ps(a, 3));
+  }
+  static Vector difference_but_last(Vector a, Vector b) { return _mm512_mask_sub_ps(a, 0x7777, a, b); }
+  static Vector broadcast_last(Vector a) { return _mm512_shuffle_ps(a, a, 0xFF); }
+  static Vector unpack_low(Vector a, Vector b) { return _mm512_unpacklo_ps(a, b); }
+  static Vector unpack_high(Vector a, Vector b) { return _mm512_unpackhi_ps(a, b); }
+  static Vector pair_low(Vector a, Vector b) { return _mm512_shuffle_ps(a, b, 0x44); }
+  static Vector pair_high(Vector a, Vector b) { return _mm512_shuffle_ps(a, b, 0xEE); }
+};
+#endif
+
+#if defined(__aarch64__)
+struct Neon {
+  static constexpr int lanes = 4;
+  using Vector __attribute__((vector_size(16))) = float;
+  using Mask __attribute__((vector_size(16))) = std::int32_t;
+
+  static Vector broadcast(float a) { return vdupq_n_f32(a); }
+  static bool any(Mask a) { return vmaxvq_u32((uint32x4_t)a) != 0; }
+  static Vector sqrt(Vector a) { return vsqrtq_f32(a); }
+  static Vector min(Vector a, Vector b) { return a < b ? a : b; }
+  static Vector max(Vector a, Vector b) { return a > b ? a : b; }
+  static Vector load(const float* p) { return vld1q_f32(p); }
+  static void store(float* p, Vector a) { vst1q_f32(p, a); }
+  static Vector load_records(const float* base, const std::uint32_t* i) { return vld1q_f32(base + i[0]); }
+  static void store_records(float* base, const std::uint32_t* i, Vector a) { vst1q_f32(base + i[0], a); }
+  static Vector difference_but_last(Vector a, Vector b) { return vcopyq_laneq_f32(a - b, 3, a, 3); }
+  static Vector broadcast_last(Vector a) { return vdupq_laneq_f32(a, 3); }
+  static Vector unpack_low(Vector a, Vector b) { return vzip1q_f32(a, b); }
+  static Vector unpack_high(Vector a, Vector b) { return vzip2q_f32(a, b); }
+  static Vector pair_low(Vector a, Vector b) { return vcombine_f32(vget_low_f32(a), vget_low_f32(b)); }
+  static Vector pair_high(Vector a, Vector b) { return vcombine_f32(vget_high_f32(a), vget_high_f32(b)); }
+};
+#endif
+
+}  // namespace souple::simd

@@ -1,0 +1,44 @@
+#include "souple/threads/tbb_threads.h"
+
+#include "souple/threads/work_partition.h"
+
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/partitioner.h>
+#include <oneapi/tbb/task_arena.h>
+
+namespace souple {
+namespace {
+
+/// Uses the same partition as all Threads, one task per part; oneTBB chooses the thread of each task.
+class TbbThreads final : public Threads {
+ public:
+  explicit TbbThreads(int count) : count_(count), arena_(count) {}
+
+  int count() const override { return count_; }
+  void for_each(std::size_t n, std::size_t grain, RangeFunction f) override {
+    if (n == 0) return;
+    const WorkPartition partition(n, grain, count_);
+    if (partition.parts() < 2) {
+      f(0, n);
+      return;
+    }
+    arena_.execute([&] {
+      oneapi::tbb::parallel_for(
+          std::size_t{0}, partition.parts(),
+          [&](std::size_t t) { f(partition.begin(t), partition.begin(t + 1)); },
+          oneapi::tbb::static_partitioner{});
+    });
+  }
+
+ private:
+  int count_;
+  oneapi::tbb::task_arena arena_;
+};
+
+}  // namespace
+
+std::unique_ptr<Threads> make_tbb_threads(int count) {
+  return std::make_unique<TbbThreads>(count);
+}
+
+}  // namespace souple

@@ -1,0 +1,189 @@
+#include "souple/threads/thread_pool.h"
+
+#include "souple/assert.h"
+
+#include <algorithm>
+#include <new>
+#include <system_error>
+
+#if defined(__unix__) || defined(__APPLE__)
+#include <csignal>
+#endif
+#if defined(__linux__)
+#include <sched.h>
+#endif
+
+namespace souple {
+namespace {
+
+constexpr int job_bits = 16;
+constexpr std::uint64_t command_mask = (std::uint64_t{1} << job_bits) - 1;
+// Otherwise: number of parts, 2 or more.
+constexpr std::uint64_t command_sleep = 0, command_end = command_mask;
+
+/// Spins before a waiting thread yields its processor: some tens of microseconds.
+constexpr int spin_limit_uncontended = 2000;
+/// With more threads than processors: the awaited thread may need this processor.
+constexpr int spin_limit_oversubscribed = 20;
+
+/// Hints to the processor that this thread only waits.
+void pause() {
+#if defined(__x86_64__) || defined(__i386__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  asm volatile("yield");
+#endif
+}
+
+/// Waits until `ready()`.
+template <class Ready>
+void spin_until(int spin_limit, const Ready& ready) {
+  for (int spins = 0; !ready(); ++spins) {
+    if (spins < spin_limit) {
+      pause();
+    } else {
+      std::this_thread::yield();
+    }
+  }
+}
+
+/// While it exists, this thread receives no external signal. Threads that this thread starts inherit the mask
+/// and never receive one: handlers of users run on threads of users.
+class SignalsBlocked {
+ public:
+#if defined(__unix__) || defined(__APPLE__)
+  SignalsBlocked() {
+    sigset_t outside;
+    sigfillset(&outside);
+    for (const int own : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTRAP, SIGPROF})
+      sigdelset(&outside, own);
+    pthread_sigmask(SIG_SETMASK, &outside, &before_);
+  }
+  ~SignalsBlocked() {
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  SignalsBlocked(const SignalsBlocked&) = delete;
+  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
+
+ private:
+  sigset_t before_{};
+#endif
+};
+
+}  // namespace
+
+int usable_processors() {
+#if defined(__linux__)
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0) return CPU_COUNT(&set);
+#endif
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+ThreadPool::ThreadPool(int count)
+    : count_(std::max(count, 1)),
+      spin_limit_(count_ <= usable_processors() ? spin_limit_uncontended : spin_limit_oversubscribed),
+      workers_(static_cast<std::size_t>(count_ - 1)) {}
+
+ThreadPool::~ThreadPool() {
+  if (started_) send(command_end);
+  for (Worker& worker : workers_)
+    if (worker.thread.joinable()) worker.thread.join();
+}
+
+// If the system refuses a thread, the pool continues with the threads it has.
+void ThreadPool::start() {
+  started_ = true;
+  sleeping_ = true;
+  const SignalsBlocked blocked;
+  for (std::size_t t = 1; t <= workers_.size(); ++t) {
+    try {
+      workers_[t - 1].thread = std::thread([this, t] { work(t); });
+    } catch (const std::system_error&) {
+      count_ = static_cast<int>(t);
+      return;
+    } catch (const std::bad_alloc&) {
+      count_ = static_cast<int>(t);
+      return;
+    }
+  }
+}
+
+void ThreadPool::send(std::uint64_t command) {
+  SOUPLE_ASSERT(command <= command_mask, "a command fits into its bits");
+  const std::uint64_t number = (job_.signal.load(std::memory_order_relaxed) >> job_bits) + 1;
+  const std::uint64_t signal = number << job_bits | command;
+  if (!sleeping_) {
+    job_.signal.store(signal, std::memory_order_release);
+  } else {
+    // Under the lock, so that no worker falls asleep between its check and the notification.
+    {
+      const std::lock_guard lock(mutex_);
+      job_.signal.store(signal, std::memory_order_release);
+    }
+    wake_condition_.notify_all();
+  }
+  sleeping_ = command == command_sleep;
+}
+
+bool ThreadPool::claim(Worker& worker, std::uint64_t signal) {
+  std::uint64_t last = worker.claimed.load(std::memory_order_relaxed);
+  return last < signal && worker.claimed.compare_exchange_strong(last, signal, std::memory_order_relaxed);
+}
+
+void ThreadPool::for_each(std::size_t n, std::size_t grain, RangeFunction f) {
+  if (n == 0) return;
+  if (count_ > 1 && !started_ && WorkPartition(n, grain, count_).parts() > 1) start();
+  const WorkPartition partition(n, grain, count_);
+  if (partition.parts() < 2) {
+    f(0, n);
+    return;
+  }
+  SOUPLE_ASSERT(partition.parts() <= static_cast<std::size_t>(count_), "a part per thread");
+  SOUPLE_ASSERT(partition.begin(partition.parts()) == n, "parts cover the range");
+  job_.function = &f;
+  job_.partition = partition;
+  send(partition.parts());
+  const std::uint64_t signal = job_.signal.load(std::memory_order_relaxed);
+  f(0, partition.begin(1));
+  for (std::size_t t = 1; t < partition.parts(); ++t) {
+    if (!claim(workers_[t - 1], signal)) continue;
+    f(partition.begin(t), partition.begin(t + 1));
+    workers_[t - 1].done.store(signal, std::memory_order_relaxed);
+  }
+  for (std::size_t t = 1; t < partition.parts(); ++t)
+    spin_until(spin_limit_, [&] { return workers_[t - 1].done.load(std::memory_order_acquire) == signal; });
+  if (!awake_) send(command_sleep);
+}
+
+void ThreadPool::rest() {
+  awake_ = false;
+  if (started_ && !sleeping_) send(command_sleep);
+}
+
+// Returns the next signal after `seen`: spins for it, or sleeps if `seen` commands sleep.
+std::uint64_t ThreadPool::next_signal(std::uint64_t seen, int spin_limit) {
+  const auto changed = [&] { return job_.signal.load(std::memory_order_acquire) != seen; };
+  if ((seen & command_mask) == command_sleep) {
+    std::unique_lock lock(mutex_);
+    wake_condition_.wait(lock, changed);
+  } else {
+    spin_until(spin_limit, changed);
+  }
+  return job_.signal.load(std::memory_order_acquire);
+}
+
+void ThreadPool::work(std::size_t t) noexcept {
+  std::uint64_t signal = 0;
+  for (;;) {
+    signal = next_signal(signal, spin_limit_);
+    const std::uint64_t command = signal & command_mask;
+    if (command == command_end) return;
+    if (command == command_sleep || t >= command || !claim(workers_[t - 1], signal)) continue;
+    (*job_.function)(job_.partition.begin(t), job_.partition.begin(t + 1));
+    workers_[t - 1].done.store(signal, std::memory_order_release);
+  }
+}
+
+}  // namespace souple
