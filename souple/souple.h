@@ -1,7 +1,7 @@
 #pragma once
 
 // The headers that a simulating program needs. User constraints need solver/set_projector.h or
-// solver/custom_constraint.h, scene files scene/scene.h, mesh files io/mesh_file.h.
+// solver/custom_constraint.h, scene files scene/scene.h, mesh files mesh_files/mesh_file.h.
 
 #include "souple/error.h"
 #include "souple/geometry/builders.h"

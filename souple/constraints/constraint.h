@@ -54,7 +54,7 @@
 //                         const float (&w)[arity]);
 //
 // A bending constraint states the lengths of its gradients along the normal of a flat sheet, with their signs: to first
-// order C = |sum_k flat_gradient_k x_k| (solver/stiff_bending.h):
+// order C = |sum_k flat_gradient_k x_k| (multilevel/stiff_bending.h):
 //
 //   static std::array<float, arity> flat_gradient(const Params<float>& p);
 //

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-// Kernels over the links of a coarse level (solver/level_links.h), one register of links at a time. A link keeps
+// Kernels over the links of a coarse level (multilevel/level_links.h), one register of links at a time. A link keeps
 // the distance of its ends J and K between l and L:
 //
 //   u = (X_J - X_K) + (d_J - d_K),   C = |u| - clamp(|u|, l, L)
