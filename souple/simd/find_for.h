@@ -7,8 +7,8 @@
 
 namespace souple::detail {
 
-/// find(tag of the set), or null if this build has no kernels for it. Only what includes this header is
-/// compiled again when SOUPLE_INSTRUCTION_SETS changes.
+/// find(tag of the set); that of simd::Scalar where this build has no kernels for it. Only what includes this header
+/// is compiled again when SOUPLE_INSTRUCTION_SETS changes.
 template <class Find>
 auto find_for(InstructionSet set, const Find& find) {
   switch (set) {
@@ -29,7 +29,7 @@ auto find_for(InstructionSet set, const Find& find) {
       return find(std::type_identity<simd::Neon>{});
 #endif
     default:
-      return decltype(find(std::type_identity<simd::Sse>{})){};
+      return find(std::type_identity<simd::Scalar>{});
   }
 }
 

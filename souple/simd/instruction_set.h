@@ -4,6 +4,7 @@
 
 namespace souple::simd {
 
+struct Scalar;
 struct Sse;
 struct Avx2;
 struct Avx512;

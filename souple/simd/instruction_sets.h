@@ -20,12 +20,29 @@
 // min, max: a < b ? a : b and a > b ? a : b.
 // difference_but_last: a - b, but the fourth float of every record is that of a.
 // broadcast_last: copies the fourth float of every record to all four.
-// any: whether a lane of the mask is set.
+// any: whether a lane of the mask is set. bits: bit l is set where lane l is.
 
 /// Of what must not become a function of its own in code compiled for an instruction set.
 #define SOUPLE_INLINE __attribute__((always_inline))
 
 namespace souple::simd {
+
+/// One lane: a register is a float. It runs on every processor, and it is what the others are tested against. A record
+/// does not fit its register: simd/registers.h loads those for every set.
+struct Scalar {
+  static constexpr int lanes = 1;
+  using Vector = float;
+  using Mask = std::int32_t;
+
+  static Vector broadcast(float a) { return a; }
+  static bool any(Mask a) { return a != 0; }
+  static std::uint32_t bits(Mask a) { return a != 0 ? 1 : 0; }
+  static Vector sqrt(Vector a) { return __builtin_sqrtf(a); }
+  static Vector min(Vector a, Vector b) { return a < b ? a : b; }
+  static Vector max(Vector a, Vector b) { return a > b ? a : b; }
+  static Vector load(const float* p) { return *p; }
+  static void store(float* p, Vector a) { *p = a; }
+};
 
 #if defined(__SSE2__)
 struct Sse {
@@ -35,6 +52,7 @@ struct Sse {
 
   static Vector broadcast(float a) { return _mm_set1_ps(a); }
   static bool any(Mask a) { return _mm_movemask_epi8((__m128i)a) != 0; }
+  static std::uint32_t bits(Mask a) { return static_cast<std::uint32_t>(_mm_movemask_ps((__m128)a)); }
   static Vector sqrt(Vector a) { return _mm_sqrt_ps(a); }
   static Vector min(Vector a, Vector b) { return _mm_min_ps(a, b); }
   static Vector max(Vector a, Vector b) { return _mm_max_ps(a, b); }
@@ -63,6 +81,7 @@ struct Avx2 {
 
   static Vector broadcast(float a) { return _mm256_set1_ps(a); }
   static bool any(Mask a) { return _mm256_movemask_epi8((__m256i)a) != 0; }
+  static std::uint32_t bits(Mask a) { return static_cast<std::uint32_t>(_mm256_movemask_ps((__m256)a)); }
   static Vector sqrt(Vector a) { return _mm256_sqrt_ps(a); }
   static Vector min(Vector a, Vector b) { return _mm256_min_ps(a, b); }
   static Vector max(Vector a, Vector b) { return _mm256_max_ps(a, b); }
@@ -93,6 +112,7 @@ struct Avx512 {
 
   static Vector broadcast(float a) { return _mm512_set1_ps(a); }
   static bool any(Mask a) { return _mm512_movepi32_mask((__m512i)a) != 0; }
+  static std::uint32_t bits(Mask a) { return _mm512_movepi32_mask((__m512i)a); }
   static Vector sqrt(Vector a) { return _mm512_sqrt_ps(a); }
   static Vector min(Vector a, Vector b) { return _mm512_min_ps(a, b); }
   static Vector max(Vector a, Vector b) { return _mm512_max_ps(a, b); }
@@ -129,6 +149,7 @@ struct Neon {
 
   static Vector broadcast(float a) { return vdupq_n_f32(a); }
   static bool any(Mask a) { return vmaxvq_u32((uint32x4_t)a) != 0; }
+  static std::uint32_t bits(Mask a) { return vaddvq_u32((uint32x4_t)a & uint32x4_t{1, 2, 4, 8}); }
   static Vector sqrt(Vector a) { return vsqrtq_f32(a); }
   static Vector min(Vector a, Vector b) { return a < b ? a : b; }
   static Vector max(Vector a, Vector b) { return a > b ? a : b; }

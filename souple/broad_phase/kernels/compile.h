@@ -8,7 +8,7 @@
 
 namespace souple::kernels {
 
-/// Comparisons of all lanes at once. bits(): bit l is set where lane l is true.
+/// Comparisons of all lanes at once.
 template <class Isa>
 struct Lanes {
   static constexpr std::uint32_t count = Isa::lanes;
@@ -27,20 +27,7 @@ struct Lanes {
     __builtin_memcpy(&loaded, a, sizeof loaded);
     return (loaded & (Mask{} + static_cast<std::int32_t>(b))) == Mask{};
   }
-  static std::uint32_t bits(Mask mask) {
-#if defined(__x86_64__)
-    if constexpr (count == 4) {
-      return static_cast<std::uint32_t>(_mm_movemask_ps((__m128)mask));
-    }
-#if defined(__AVX2__)
-    if constexpr (count == 8) {
-      return static_cast<std::uint32_t>(_mm256_movemask_ps((__m256)mask));
-    }
-#endif
-#elif defined(__aarch64__)
-    return vaddvq_u32((uint32x4_t)mask & uint32x4_t{1, 2, 4, 8});
-#endif
-  }
+  static std::uint32_t bits(Mask mask) { return Isa::bits(mask); }
 };
 
 /// A box in every lane.

@@ -44,9 +44,6 @@ struct PatchKernels {
                              std::uint32_t* found);
 };
 
-/// One lane, for processors without these instruction sets, and for tests.
-struct Scalar {};
-
 template <class Isa>
 const PatchKernels& patch_kernels();
 

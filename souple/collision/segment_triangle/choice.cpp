@@ -28,8 +28,13 @@ auto with_test(SegmentTest test, const Function& f) {
 }
 
 const kernels::SegmentKernels* find_segment_kernels(InstructionSet set) {
-  return detail::find_for(
-      set, []<class Isa>(std::type_identity<Isa>) { return &kernels::segment_kernels<Isa>(); });
+  return detail::find_for(set, []<class Isa>(std::type_identity<Isa>) -> const kernels::SegmentKernels* {
+    if constexpr (std::is_same_v<Isa, simd::Scalar>) {
+      return nullptr;
+    } else {
+      return &kernels::segment_kernels<Isa>();
+    }
+  });
 }
 
 Vec3f corner_of(const TriangleColumns& triangles, int k, std::size_t i) {

@@ -2,7 +2,7 @@
 
 #include "souple/fluid/kernels/density_kernels.h"
 #include "souple/fluid/kernels/shapes.h"
-#include "souple/simd/pack.h"
+#include "souple/simd/registers.h"
 
 #include <cstring>
 
@@ -36,7 +36,11 @@ struct Sixteen {
   SOUPLE_INLINE void add(int r, simd::Pack<Isa> terms) { sum[r] += terms.v; }
   /// Sums (k, k + 4, k + 8, k + 12) for k = 0 to 3, first the pairs eight apart.
   SOUPLE_INLINE FourLanes four() const {
-    if constexpr (Isa::lanes == 4) {
+    if constexpr (Isa::lanes == 1) {
+      FourLanes four;
+      for (int k = 0; k < 4; ++k) four[k] = (sum[k] + sum[k + 8]) + (sum[k + 4] + sum[k + 12]);
+      return four;
+    } else if constexpr (Isa::lanes == 4) {
       return (sum[0] + sum[2]) + (sum[1] + sum[3]);
     } else {
       EightLanes half[2];
@@ -62,12 +66,9 @@ struct Gathered {
   typename Isa::Vector x, y, z, w;
 
   SOUPLE_INLINE Gathered(const float* base, const std::uint32_t* list) {
-    const auto r0 = Isa::load_records(base, list), r1 = Isa::load_records(base, list + 1),
-               r2 = Isa::load_records(base, list + 2), r3 = Isa::load_records(base, list + 3);
-    const auto low0 = Isa::unpack_low(r0, r1), low1 = Isa::unpack_low(r2, r3);
-    const auto high0 = Isa::unpack_high(r0, r1), high1 = Isa::unpack_high(r2, r3);
-    x = Isa::pair_low(low0, low1), y = Isa::pair_high(low0, low1);
-    z = Isa::pair_low(high0, high1), w = Isa::pair_high(high0, high1);
+    Records<Isa> records(base, list);
+    records.transpose();
+    x = records.r[0], y = records.r[1], z = records.r[2], w = records.r[3];
   }
 };
 

@@ -22,24 +22,10 @@ struct LaneTable {
   }
 };
 
-/// Conversion of a lane mask to bits, and output of lane numbers.
+/// Output of lane numbers.
 template <class Isa>
 struct Hits {
   using Mask = typename Isa::Mask;
-
-  static std::uint32_t bits(Mask mask) {
-#if defined(__AVX512F__) && defined(__AVX512DQ__)
-    if constexpr (Isa::lanes == 16) return _mm512_movepi32_mask((__m512i)mask);
-#endif
-#if defined(__AVX2__)
-    if constexpr (Isa::lanes == 8) return static_cast<std::uint32_t>(_mm256_movemask_ps((__m256)mask));
-#endif
-#if defined(__x86_64__)
-    if constexpr (Isa::lanes == 4) return static_cast<std::uint32_t>(_mm_movemask_ps((__m128)mask));
-#elif defined(__aarch64__)
-    return vaddvq_u32((uint32x4_t)mask & uint32x4_t{1, 2, 4, 8});
-#endif
-  }
 
   /// Writes 4 (first + l) for each lane l of `bits`, as a whole register. Returns their count.
   static std::uint32_t append(std::uint32_t first, std::uint32_t bits, std::uint32_t* found) {
@@ -85,7 +71,7 @@ std::uint32_t near_point(const PointColumns& points, std::uint32_t i, const Inde
     for (std::uint32_t k = ranges[r].begin; k < ranges[r].end; k += Isa::lanes) {
       const Vector dx = Isa::load(x + k) - xi, dy = Isa::load(y + k) - yi, dz = Isa::load(z + k) - zi;
       const Vector d2 = dx * dx + dy * dy + dz * dz;
-      std::uint32_t bits = Hits<Isa>::bits(d2 < r2);
+      std::uint32_t bits = Isa::bits(d2 < r2);
       const std::uint32_t left = ranges[r].end - k;
       bits &= left < Isa::lanes ? (1u << left) - 1 : ~0u;
       const std::uint32_t self = i - k;

@@ -61,9 +61,6 @@ struct DensityKernels {
                   const std::uint32_t* list, std::size_t count, const SmoothingFactors& factors);
 };
 
-/// Tag of the scalar code: one neighbor at a time, also the reference for tests.
-struct PlainLanes;
-
 template <class Isa, class Shape>
 const DensityKernels& density_kernels();
 

@@ -6,9 +6,8 @@
 namespace souple::kernels {
 
 const NeighborKernels& find_neighbor_kernels(InstructionSet set) {
-  const NeighborKernels* const packed = souple::detail::find_for(
+  return *souple::detail::find_for(
       set, []<class Isa>(std::type_identity<Isa>) { return &neighbor_kernels<Isa>(); });
-  return packed ? *packed : neighbor_kernels<OneLane>();
 }
 
 namespace {
@@ -32,17 +31,15 @@ auto find_for_shape(SmoothingShape shape, const Find& find) {
 
 const DensityKernels& find_density_kernels(InstructionSet set, SmoothingShape shape) {
   return *find_for_shape(shape, [&]<class Shape>(std::type_identity<Shape>) {
-    const DensityKernels* const packed = souple::detail::find_for(
+    return souple::detail::find_for(
         set, []<class Isa>(std::type_identity<Isa>) { return &density_kernels<Isa, Shape>(); });
-    return packed ? packed : &density_kernels<PlainLanes, Shape>();
   });
 }
 
 const VelocityKernels& find_velocity_kernels(InstructionSet set, SmoothingShape shape) {
   return *find_for_shape(shape, [&]<class Shape>(std::type_identity<Shape>) {
-    const VelocityKernels* const packed = souple::detail::find_for(
+    return souple::detail::find_for(
         set, []<class Isa>(std::type_identity<Isa>) { return &velocity_kernels<Isa, Shape>(); });
-    return packed ? packed : &velocity_kernels<PlainLanes, Shape>();
   });
 }
 

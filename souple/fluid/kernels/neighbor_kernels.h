@@ -25,9 +25,6 @@ struct NeighborKernels {
                               std::size_t range_count, float radius_squared, std::uint32_t* found);
 };
 
-/// Tag of the scalar code: for processors without supported registers, and the reference for tests.
-struct OneLane {};
-
 template <class Isa>
 const NeighborKernels& neighbor_kernels();
 

@@ -7,11 +7,26 @@
 #include "souple/solver/kernels/triangles.h"
 
 namespace souple {
+namespace {
+
+/// find(tag of the set), or null for simd::Scalar: projection has scalar code of its own, which users' kinds need.
+template <class Find>
+auto find_packed(InstructionSet set, const Find& find) {
+  return detail::find_for(set, [&]<class Isa>(std::type_identity<Isa> tag) {
+    if constexpr (std::is_same_v<Isa, simd::Scalar>) {
+      return decltype(find(tag)){};
+    } else {
+      return find(tag);
+    }
+  });
+}
+
+}  // namespace
 
 template <class Kind>
 const kernels::KindKernels* detail::find_compiled(InstructionSet set) {
-  return find_for(set,
-                  []<class Isa>(std::type_identity<Isa>) { return &kernels::kind_kernels<Isa, Kind>(); });
+  return find_packed(set,
+                     []<class Isa>(std::type_identity<Isa>) { return &kernels::kind_kernels<Isa, Kind>(); });
 }
 
 // Every kind of EveryConstraint; one that is missing here fails to link.
@@ -30,23 +45,20 @@ template const kernels::KindKernels* detail::find_compiled<TwistLimit>(Instructi
 template const kernels::KindKernels* detail::find_compiled<Tether>(InstructionSet set);
 
 const kernels::LinkKernels* find_link_kernels(InstructionSet set) {
-  return detail::find_for(set,
-                          []<class Isa>(std::type_identity<Isa>) { return &kernels::link_kernels<Isa>(); });
+  return find_packed(set, []<class Isa>(std::type_identity<Isa>) { return &kernels::link_kernels<Isa>(); });
 }
 
 const kernels::CellKernels* find_cell_kernels(InstructionSet set) {
-  return detail::find_for(set,
-                          []<class Isa>(std::type_identity<Isa>) { return &kernels::cell_kernels<Isa>(); });
+  return find_packed(set, []<class Isa>(std::type_identity<Isa>) { return &kernels::cell_kernels<Isa>(); });
 }
 
 const kernels::MotionKernels* find_motion_kernels(InstructionSet set) {
-  return detail::find_for(set,
-                          []<class Isa>(std::type_identity<Isa>) { return &kernels::motion_kernels<Isa>(); });
+  return find_packed(set, []<class Isa>(std::type_identity<Isa>) { return &kernels::motion_kernels<Isa>(); });
 }
 
 const kernels::TriangleKernels* find_triangle_kernels(InstructionSet set) {
-  return detail::find_for(
-      set, []<class Isa>(std::type_identity<Isa>) { return &kernels::triangle_kernels<Isa>(); });
+  return find_packed(set,
+                     []<class Isa>(std::type_identity<Isa>) { return &kernels::triangle_kernels<Isa>(); });
 }
 
 }  // namespace souple

@@ -5,9 +5,8 @@
 namespace souple::kernels {
 
 const SurfaceKernels& find_surface_kernels(InstructionSet set) {
-  const SurfaceKernels* const packed = souple::detail::find_for(
+  return *souple::detail::find_for(
       set, []<class Isa>(std::type_identity<Isa>) { return &surface_kernels<Isa>(); });
-  return packed ? *packed : surface_kernels<PlainLanes>();
 }
 
 }  // namespace souple::kernels

@@ -56,9 +56,6 @@ struct SurfaceKernels {
                  const FieldPoints& points, std::size_t point_count);
 };
 
-/// Tag of scalar code, one lane after another: for processors without SIMD kernels, and for comparison.
-struct PlainLanes;
-
 template <class Isa>
 const SurfaceKernels& surface_kernels();
 

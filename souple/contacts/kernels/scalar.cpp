@@ -1,12 +1,10 @@
-#include "souple/contacts/kernels/single.h"
-
 #include "souple/contacts/kernels/compile_collider_contacts.h"
 #include "souple/contacts/kernels/compile_collider_elements.h"
 #include "souple/contacts/kernels/compile_element_pairs.h"
 
 template const souple::kernels::ColliderContactKernels&
-souple::kernels::collider_contact_kernels<souple::kernels::Single>();
+souple::kernels::collider_contact_kernels<souple::simd::Scalar>();
 template const souple::kernels::ColliderElementKernels&
-souple::kernels::collider_element_kernels<souple::kernels::Single>();
+souple::kernels::collider_element_kernels<souple::simd::Scalar>();
 template const souple::kernels::ElementPairKernels&
-souple::kernels::element_pair_kernels<souple::kernels::Single>();
+souple::kernels::element_pair_kernels<souple::simd::Scalar>();
