@@ -71,21 +71,21 @@ std::size_t ColliderContacts::Contacts::bytes() const {
   return sum;
 }
 
-void ColliderContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                  std::span<const float> radius, std::span<const float> element_radius,
-                                  std::span<const ContactObject> objects, std::span<const Collider> colliders,
-                                  const ContactMaterialTable& materials, const ContactStep& step,
-                                  Threads& threads) {
+void ColliderContacts::begin_step(const ContactInput& input, Threads& threads) {
+  const std::vector<ContactObject>& objects = input.tables.objects;
+  const std::vector<Collider>& colliders = input.tables.colliders;
+  const ContactMaterialTable& materials = input.tables.against_colliders;
   if (!colliders.empty() && (materials.rows() < objects.size() || materials.columns() < colliders.size()))
     throw Error("ColliderContacts: the material table is smaller than objects x colliders; rebuild it");
   kernels_ = &kernels::find_collider_contact_kernels(instruction_set());
-  colliders_ = colliders, objects_ = objects, radius_ = radius, element_radius_ = element_radius;
+  colliders_ = colliders, objects_ = objects;
+  radius_ = input.radius, element_radius_ = input.element_radius;
   materials_ = &materials;
-  step_ = step;
+  step_ = input.step;
   contacts_.resize(0);
   find_bodies();
   find_members();
-  find_candidates(particles, velocity, 0, threads);
+  find_candidates(input.particles, input.velocity, 0, threads);
 }
 
 void ColliderContacts::find_bodies() {
@@ -401,7 +401,8 @@ void ColliderContacts::events(const ParticleView& particles, std::vector<Contact
                    body.collider,
                    Vec3f(point),
                    {columns.normal[0][c], columns.normal[1][c], columns.normal[2][c]},
-                   impulse});
+                   impulse,
+                   true});
   });
 }
 
@@ -422,7 +423,7 @@ void ColliderContacts::visit(const ParticleView& particles, const ConstraintVisi
   });
 }
 
-void ColliderContacts::erase_particles(std::uint32_t, std::uint32_t) {
+void ColliderContacts::clear() {
   bodies_.clear();
   members_.particle.clear(), members_.object.clear();
   candidates_ = {};

@@ -29,7 +29,7 @@ constexpr float deep_part = 0.5f;
 // coarsely than the field.
 constexpr int most_parts = 12;
 
-bool is_edge(const ColliderElementContacts::Element& element) {
+bool is_edge(const ContactElement& element) {
   return element.particle[1] == element.particle[2];
 }
 
@@ -155,22 +155,19 @@ void ColliderElementContacts::find_corners() {
   is_row_.assign(corners_.size(), 0);
 }
 
-void ColliderElementContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                         std::span<const float> radius, std::span<const Collider> colliders,
-                                         const ContactMaterialTable& materials, const ContactStep& step,
-                                         Threads& threads) {
-  colliders_ = colliders, radius_ = radius;
-  materials_ = &materials;
+void ColliderElementContacts::begin_step(const ContactInput& input, Threads& threads) {
+  colliders_ = input.tables.colliders, radius_ = input.radius;
+  materials_ = &input.tables.against_colliders;
   kernels_ = &kernels::find_collider_element_kernels(instruction_set());
   particle_kernels_ = &kernels::find_collider_contact_kernels(instruction_set());
-  step_ = step;
+  step_ = input.step;
   contacts_.clear();
   find_bodies();
   if (bodies_.empty()) return;
   depenetrating_.assign(bodies_.size() * objects_, 0);
   for (Body& body : bodies_)
-    if (!body.packed.moves) find_depenetrating(body, particles, threads);
-  find_candidates(particles, velocity, 0, threads);
+    if (!body.packed.moves) find_depenetrating(body, input.particles, threads);
+  find_candidates(input.particles, input.velocity, 0, threads);
 }
 
 // Planes are skipped: the deepest point of an element is one of its corners.
@@ -507,7 +504,7 @@ void ColliderElementContacts::project_one(Contact& contact, const ParticleView& 
 }
 
 void ColliderElementContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
-                                                const Substep& substep) {
+                                                const Substep& substep, Threads&) {
   for (Contact& contact : contacts_) apply_restitution_to(contact, particles, velocity, substep.h);
 }
 
@@ -552,7 +549,7 @@ void ColliderElementContacts::events(const ParticleView& particles, std::vector<
       const float impulse =
           (contact.normal_sum * inverse_h + contact.restitution_velocity) / contact.inverse_mass;
       out.push_back({contact.particle[k], body.collider, Vec3f(point - n * (C + double(contact.target))),
-                     Vec3f(n), impulse});
+                     Vec3f(n), impulse, true});
     }
   }
 }
@@ -573,11 +570,6 @@ void ColliderElementContacts::visit(const ParticleView& particles, const Constra
     const std::size_t corners = contact.particle[1] == contact.particle[2] ? 2 : 3;
     visitor({{contact.particle.data(), corners}, 0, 0, max(0.0f, -gap(contact, particles))});
   }
-}
-
-/// Removes all elements, because their particles may no longer exist: call set_elements again.
-void ColliderElementContacts::erase_particles(std::uint32_t, std::uint32_t) {
-  set_elements({});
 }
 
 std::size_t ColliderElementContacts::Candidates::bytes() const {

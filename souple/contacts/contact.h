@@ -29,6 +29,7 @@ struct ContactPush {
   Vec3f point{};            ///< point of contact on the surface, world space [m]
   Vec3f normal{};           ///< unit, towards `particle`
   float impulse = 0;        ///< normal impulse on `particle` [N s]
+  bool against_collider = false;
 };
 
 /// A contact that pushes, with restitution, whose sides approached each other.

@@ -4,6 +4,7 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 
 namespace souple {
@@ -102,21 +103,20 @@ void ParticleContacts::find_members(const ParticleView& particles, std::span<con
   if (members_.empty()) largest_diameter_ = 0;  // no pair is possible
 }
 
-void ParticleContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                  std::span<const float> radius, std::span<const ContactObject> objects,
-                                  const ContactMaterialTable& materials, const ContactStep& step,
-                                  Threads& threads) {
+void ParticleContacts::begin_step(const ContactInput& input, Threads& threads) {
+  const std::vector<ContactObject>& objects = input.tables.objects;
+  const ContactMaterialTable& materials = input.tables.against_objects;
   if (materials.rows() < objects.size() || materials.columns() < objects.size())
     throw Error("ParticleContacts: the material table is smaller than objects x objects; rebuild it");
-  objects_ = objects, radius_ = radius;
+  objects_ = objects, radius_ = input.radius;
   materials_ = &materials;
-  step_ = step;
+  step_ = input.step;
   sweeps_.begin_step();
   clear_contacts();
   save_friction();
-  find_members(particles, velocity);
-  const auto speed = [&](std::size_t m) { return velocity[members_[m].particle].xyz(); };
-  find_pairs(particles, 2.2f * largest_from_mean(speed, threads) * step.dt);
+  find_members(input.particles, input.velocity);
+  const auto speed = [&](std::size_t m) { return input.velocity[members_[m].particle].xyz(); };
+  find_pairs(input.particles, 2.2f * largest_from_mean(speed, threads) * step_.dt);
 }
 
 // The largest distance of a member's vector from the mean of all: a heap that falls as a whole needs no
@@ -205,6 +205,20 @@ void ParticleContacts::set_friction_cache(std::span<const CachedFriction> cache)
       friction_cache_.push_back(one);
 }
 
+void ParticleContacts::save(std::vector<std::byte>& out) const {
+  const std::vector<CachedFriction> cache = friction_cache();
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(cache));
+  out.insert(out.end(), bytes.begin(), bytes.end());
+}
+
+void ParticleContacts::load(std::span<const std::byte>& in) {
+  std::vector<CachedFriction> cache(in.size() / sizeof(CachedFriction));
+  const std::size_t size = cache.size() * sizeof(CachedFriction);
+  if (size > 0) std::memcpy(cache.data(), in.data(), size);
+  in = in.subspan(size);
+  set_friction_cache(cache);
+}
+
 void ParticleContacts::record_positions(const ParticleView& particles) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   corner_ = {infinity, infinity, infinity};
@@ -248,11 +262,12 @@ void ParticleContacts::sort_into_cells(float cell_size) {
         broad_phase_position_[m], radius_[members_[m].particle], static_cast<std::uint32_t>(m), cells_[m]};
 }
 
-void ParticleContacts::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
-  for (auto& pair : pairs)
+void ParticleContacts::build(const ContactGeometry& geometry) {
+  excluded_ = geometry.joined;
+  for (auto& pair : excluded_)
     if (pair[0] > pair[1]) std::swap(pair[0], pair[1]);
-  std::sort(pairs.begin(), pairs.end());
-  excluded_ = std::move(pairs);
+  std::sort(excluded_.begin(), excluded_.end());
+  clear_contacts();
 }
 
 bool ParticleContacts::is_excluded(std::uint32_t i, std::uint32_t j) const {
@@ -298,7 +313,8 @@ void ParticleContacts::clear_contacts() {
   color_begin_.assign(1, 0);
 }
 
-void ParticleContacts::refresh(const ParticleView& particles, const Substep& substep, Threads& threads) {
+void ParticleContacts::refresh(const ParticleView& particles, const Substep& substep, double,
+                               Threads& threads) {
   last_h_ = substep.h;
   if (!(largest_diameter_ > 0)) {
     clear_contacts();
@@ -686,6 +702,16 @@ void ParticleContacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
     friction_cache_[kept++] = m;
   }
   friction_cache_.resize(kept);
+  forget_members();
+}
+
+void ParticleContacts::clear() {
+  friction_cache_.clear();
+  pairs_.clear();
+  forget_members();
+}
+
+void ParticleContacts::forget_members() {
   members_.clear();
   broad_phase_position_.clear();
   clear_contacts();

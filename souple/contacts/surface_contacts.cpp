@@ -90,6 +90,11 @@ bool points_to_origin(const Vec3f& q, const Vec3f& k) {
 
 }  // namespace
 
+void SurfaceContacts::build(const ContactGeometry& geometry) {
+  pairs_.exclude(geometry.joined);
+  set_surfaces(geometry.surfaces);
+}
+
 void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
   clear_contacts();
   pairs_.set_surfaces(std::move(surfaces));
@@ -187,21 +192,19 @@ bool SurfaceContacts::is_owner_of_corner(const NearPair& pair, std::size_t corne
 
 // --- search
 
-void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                 std::span<const float> radius, std::span<float> contact_margin,
-                                 const ContactMaterialTable& materials, const ContactStep& step,
-                                 Threads& threads) {
+void SurfaceContacts::begin_step(const ContactInput& input, Threads& threads) {
   clear_contacts();
   pairs_.clear();
   if (!pairs_.any()) return;
+  const ContactMaterialTable& materials = input.tables.against_objects;
   if (materials.rows() < pairs_.surface_count() || materials.columns() < pairs_.surface_count())
     throw Error(
         "SurfaceContacts: the contact material table has fewer rows or columns than there are surfaces; "
         "rebuild it");
   materials_ = &materials;
-  step_ = step;
-  contact_margin_ = contact_margin;
-  pairs_.begin_step(particles, velocity, radius, contact_margin, step, threads);
+  step_ = input.step;
+  contact_margin_ = input.contact_margin;
+  pairs_.begin_step(input.particles, input.velocity, input.radius, input.contact_margin, input.step, threads);
   reset_colors();
 }
 
@@ -251,7 +254,8 @@ void SurfaceContacts::find(std::vector<PairToi>& found, Threads& threads, const 
               found.begin() + static_cast<std::ptrdiff_t>(chunk_results_[c].offset));
 }
 
-void SurfaceContacts::refresh(const ParticleView& particles, const Substep& substep, Threads& threads) {
+void SurfaceContacts::refresh(const ParticleView& particles, const Substep& substep, double,
+                              Threads& threads) {
   clear_contacts();
   if (!pairs_.any()) return;
   limits_ = {1 / substep.h, 2 * step_.gravity * substep.h};
@@ -560,8 +564,8 @@ void SurfaceContacts::update_contact_margins() {
 }
 
 // First correction contacts, which conserve momentum. Then the motions of remaining violations are clamped.
-std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Substep& substep,
-                                        Threads& threads) {
+std::size_t SurfaceContacts::after_solve(const ParticleView& particles, const Substep& substep,
+                                         Threads& threads) {
   if (!pairs_.any()) return 0;
   constexpr int correction_passes = 20, passes = 30;
   correction_pair_.clear(), correction_toi_.clear();
@@ -674,11 +678,6 @@ void SurfaceContacts::visit(const ParticleView& particles, const ConstraintVisit
       const float C = dot(n, apart) - columns_.thickness[c];
       visitor({i, color, 0, max(0.0f, -C)});
     }
-}
-
-// The caller sets the surfaces again before the next step.
-void SurfaceContacts::erase_particles(std::uint32_t, std::uint32_t) {
-  set_surfaces({});
 }
 
 std::size_t SurfaceContacts::bytes() const {
