@@ -247,7 +247,7 @@ void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, 
       if (material.kinetic_friction < material.static_friction)
         columns.kinetic_friction[contact] =
             kinetic_friction_at(material, relative_motion(body, columns.particle[contact], particles),
-                                2 * step_.gravity * last_h_ * last_h_);
+                                step_.sliding_threshold(last_h_));
       columns.restitution[contact] = material.restitution;
       columns.slop[contact] = step_.depenetration_speed(material.radius) * last_h_;
       if (step_.turn.empty()) continue;
@@ -261,7 +261,7 @@ void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, 
 }
 
 kernels::ColliderContactLimits ColliderContacts::limits() const {
-  return {.inverse_h = 1 / last_h_, .restitution_threshold = 2 * step_.gravity * last_h_};
+  return {.inverse_h = 1 / last_h_, .restitution_threshold = step_.restitution_threshold(last_h_)};
 }
 
 kernels::ColliderParticles ColliderContacts::rolling_particles(const ParticleView& particles) const {
@@ -350,8 +350,8 @@ void ColliderContacts::append_impacts(const Substep& substep, std::vector<Impact
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Vec3f normal = vector(columns.normal, c);
     const float approach = -dot(normal, vector(columns.predicted, c)) * inverse_h;
-    if (!(columns.normal_sum[c] > 0) || !(columns.restitution[c] > 0) ||
-        !(approach > 2 * step_.gravity * substep.h))
+    if (!bounces(columns.normal_sum[c], columns.restitution[c], approach,
+                 step_.restitution_threshold(substep.h)))
       continue;
     out.push_back({columns.particle[c], Impact::collider, normal, approach, columns.restitution[c],
                    vector(columns.surface_motion, c) * inverse_h});
@@ -360,13 +360,7 @@ void ColliderContacts::append_impacts(const Substep& substep, std::vector<Impact
 
 ContactReport ColliderContacts::report() const {
   const kernels::ColliderContactColumns columns = contacts_.columns();
-  ContactReport report;
-  for (std::size_t c = 0; c < contacts_.size(); ++c) {
-    if (!(columns.normal_sum[c] > 0)) continue;
-    ++report.count;
-    report.deepest = max(report.deepest, columns.depth[c]);
-  }
-  return report;
+  return report_of(contacts_.size(), columns.normal_sum, columns.depth);
 }
 
 /// Calls f(body, contact, C, surface point in the kernels' frame).
@@ -394,8 +388,8 @@ void ColliderContacts::events(const ParticleView& particles, std::vector<Contact
     if (!(columns.normal_sum[c] > 0)) return;
     const Body& body = bodies_[b];
     const std::uint32_t i = columns.particle[c];
-    const float impulse =
-        (columns.normal_sum[c] * inverse_h + columns.restitution_velocity[c]) / particles.inverse_mass(i);
+    const float impulse = normal_impulse(columns.normal_sum[c], columns.restitution_velocity[c], inverse_h,
+                                         particles.inverse_mass(i));
     const Vec3d point = body.after.to_world(body.origin + body.axes * Vec3d(surface));
     out.push_back({i,
                    body.collider,
@@ -404,17 +398,6 @@ void ColliderContacts::events(const ParticleView& particles, std::vector<Contact
                    impulse,
                    true});
   });
-}
-
-Residual ColliderContacts::residual(const ParticleView& particles) const {
-  Residual result;
-  result.count = contacts_.size();
-  for_each_gap(particles, [&](std::size_t, std::size_t, float C, const Vec3f&) {
-    const double violation = max(0.0, -double(C));
-    result.largest = max(result.largest, violation);
-    result.sum += violation;
-  });
-  return result;
 }
 
 void ColliderContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include "souple/collision/rigid_pose.h"
+#include "souple/contacts/anchor.h"
+#include "souple/contacts/contact_law.h"
 #include "souple/contacts/contact_projector.h"
 #include "souple/contacts/kernels/collider_contacts.h"
 #include "souple/contacts/kernels/collider_elements.h"
@@ -53,7 +55,6 @@ class ColliderElementContacts final : public ContactProjector {
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
-  Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
   void clear() override { set_elements({}); }
@@ -75,9 +76,8 @@ class ColliderElementContacts final : public ContactProjector {
     std::size_t contact_begin = 0, contact_end = 0;
   };
   struct Contact {
-    std::array<std::uint32_t, 3> particle;
-    std::array<float, 3> weight;
-    float inverse_mass;  // sum_k w_k^2 / m_k [1/kg]
+    Anchor<3> anchor;
+    float inverse_mass;  // of the anchor [1/kg]
     float target;        // [m]
     ContactMaterialPair material;
     Vec3f normal;                    // in the world
@@ -85,8 +85,7 @@ class ColliderElementContacts final : public ContactProjector {
     float slop;                      // target of C, at most 0: old overlaps are removed slowly [m]
     Vec3f predicted;                 // motion of the point relative to the surface before any projection [m]
     Vec3f surface_motion;            // displacement of the surface at the contact in the substep [m]
-    float normal_sum = 0;            // sum of normal corrections of the point [m]
-    Vec3f tangent_sum{};             // sum of tangential corrections of the point [m]
+    ContactSums<float> sums{};       // of the point
     float restitution_velocity = 0;  // normal velocity that apply_restitution added [m/s]
     float depth = 0;                 // remaining overlap, of contacts with a normal impulse [m]
   };
@@ -138,8 +137,6 @@ class ColliderElementContacts final : public ContactProjector {
   }
   float radius_of(const Element& element) const;
   static float gap(const Contact& contact, const ParticleView& particles);
-  static Vec3f moved(const Contact& contact, const ParticleView& particles);
-  static void correct(const Contact& contact, const ParticleView& particles, const Vec3f& change);
   static void project_one(Contact& contact, const ParticleView& particles);
   void apply_restitution_to(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity,
                             float h) const;

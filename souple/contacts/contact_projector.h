@@ -92,6 +92,18 @@ class ContactProjector : public Projector {
   virtual void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
                                  const Substep& substep, Threads& threads) = 0;
 
+  /// Sums what `visit` visits.
+  Residual residual(const ParticleView& particles) const final {
+    Residual result;
+    visit(particles, [&result](const ConstraintState& state) {
+      result.largest = max(result.largest, static_cast<double>(state.residual));
+      result.sum += static_cast<double>(state.residual);
+      ++result.count;
+    });
+    return result;
+  }
+  /// Its residual is max(0, -C).
+  void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override = 0;
   virtual ContactReport report() const = 0;
   /// Appends the contacts with a normal impulse in the last substep.
   virtual void events(const ParticleView& particles, std::vector<ContactPush>& out) const = 0;

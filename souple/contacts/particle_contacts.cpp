@@ -397,7 +397,7 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
                          ? Vec3f{}
                          : cross(contact.normal, step_.turn[i].xyz() + step_.turn[j].xyz());
   contact.material.kinetic_friction =
-      kinetic_friction_at(contact.material, motion + slip, 2 * step_.gravity * h * h);
+      kinetic_friction_at(contact.material, motion + slip, step_.sliding_threshold(h));
   const float overlap = start_distance - radius_sum;
   if (overlap < 0) {
     contact.slop = min(0.0f, overlap + step_.depenetration_speed(contact.material.radius) * h);
@@ -433,24 +433,18 @@ void ParticleContacts::project(int color, std::size_t begin, std::size_t end, co
   sweeps_.projected(end - begin, contacts_.size());
 }
 
-// As in collider_contacts.cpp, for the difference of two particles. Its correction dx is split by inverse
-// mass: dx_i = w_i / (w_i + w_j) dx,   dx_j = -w_j / (w_i + w_j) dx
+// As in collider_contacts.cpp, for the difference of two particles.
 void ParticleContacts::project_one(Contact& contact, const ParticleView& particles) const {
   const std::uint32_t i = contact.i, j = contact.j;
   Vec3f n;
   const float C = gap(contact, particles.difference(i, j), n);
-  if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
+  if (!(contact.slop > C) && !(contact.sums.normal_sum > 0)) return;
   if (contact.balls != Balls::none) return project_rolling(contact, C, n, particles);
-  ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
-  const Vec3f moved = particles.moved(i) - particles.moved(j) + contact.displacement.sliding;
-  const Vec3f dx = solve_contact(sums, C, contact.slop, n, moved, contact.material);
-  contact.normal_sum = sums.normal_sum;
-  contact.tangent_sum = sums.tangent_sum;
+  const Anchor<2> anchor = between(i, j);
+  const Vec3f moved = anchor.moved(particles) + contact.displacement.sliding;
+  const Vec3f change = solve_contact(contact.sums, C, contact.slop, n, moved, contact.material);
   contact.normal = n;
-  const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
-  // Contacts of one color may share a particle that cannot move: no thread may write to it.
-  if (w_i > 0) particles.correct(i, dx * (w_i / (w_i + w_j)));
-  if (w_j > 0) particles.correct(j, dx * (-w_j / (w_i + w_j)));
+  anchor.correct(particles, change, anchor.inverse_mass(particles));
 }
 
 ParticleContacts::Balls ParticleContacts::balls_of(const Member& a, const Member& b,
@@ -552,14 +546,14 @@ void ParticleContacts::project_rolling(Contact& contact, float C, const Vec3f& n
   const auto [slip, roll] =
       rotation_between(step_.turn[i].xyz(), step_.turn[j].xyz(), balls.arm_i, balls.arm_j, n);
   const Vec3f moved = particles.moved(i) - particles.moved(j) + displacement.sliding;
-  const float dn = max(contact.slop - C, -contact.normal_sum), normal_sum = contact.normal_sum + dn;
-  const PairFriction before{contact.tangent_sum, contact.moment_sum};
+  const float dn = max(contact.slop - C, -contact.sums.normal_sum), normal_sum = contact.sums.normal_sum + dn;
+  const PairFriction before{contact.sums.tangent_sum, contact.moment_sum};
   PairFriction after{};
   if (normal_sum > 0)
     after =
         solve_pair(before, balls, n, moved + slip, roll + displacement.rolling, contact.material, normal_sum);
-  contact.normal_sum = max(normal_sum, 0.0f);
-  contact.tangent_sum = after.tangent;
+  contact.sums.normal_sum = max(normal_sum, 0.0f);
+  contact.sums.tangent_sum = after.tangent;
   contact.moment_sum = after.moment;
   contact.normal = n;
   const Vec3f tangent = after.tangent - before.tangent, dx = n * dn + tangent;
@@ -586,20 +580,19 @@ void ParticleContacts::apply_restitution_to(Contact& contact, const ParticleView
   if (contact.balls != Balls::none) return apply_rolling_restitution(contact, particles, velocity, h);
   const std::uint32_t i = contact.i, j = contact.j;
   const Vec3f n = contact.normal;
-  const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
+  const Anchor<2> anchor = between(i, j);
+  const Vec3f u = anchor.velocity(velocity);
   const float u_n = dot(n, u);
   Vec3f unused;
   const float C = gap(contact, particles.difference(i, j), unused);
   update_friction_displacement(contact, C, {(u - n * u_n) * h, {}});
-  if (!(contact.normal_sum > 0)) return;
+  if (!(contact.sums.normal_sum > 0)) return;
   const float inverse_h = 1 / h;
-  const auto [change, restitution_velocity] = solve_restitution(
-      {contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
-      2 * step_.gravity * h, contact.material, inverse_h);
+  const auto [change, restitution_velocity] =
+      solve_restitution(contact.sums, n, u, -dot(n, contact.predicted) * inverse_h,
+                        step_.restitution_threshold(h), contact.material, inverse_h);
   contact.restitution_velocity = restitution_velocity;
-  const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
-  if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i / (w_i + w_j)));
-  if (w_j > 0) velocity[j].set_xyz(velocity[j].xyz() - change * (w_j / (w_i + w_j)));
+  anchor.accelerate(velocity, particles, change, anchor.inverse_mass(particles));
   contact.depth = max(0.0f, -C);
 }
 
@@ -615,11 +608,13 @@ void ParticleContacts::apply_rolling_restitution(Contact& contact, const Particl
   Vec3f unused;
   const float C = gap(contact, particles.difference(i, j), unused);
   update_friction_displacement(contact, C, {(u - n * u_n) * h + slip, roll});
-  if (!(contact.normal_sum > 0)) return;
-  const float approach = -dot(n, contact.predicted) * inverse_h, normal_sum = contact.normal_sum * inverse_h;
-  const float target = approach > 2 * step_.gravity * h ? contact.material.restitution * approach : 0.0f;
+  if (!(contact.sums.normal_sum > 0)) return;
+  const float approach = -dot(n, contact.predicted) * inverse_h,
+              normal_sum = contact.sums.normal_sum * inverse_h;
+  const float target =
+      approach > step_.restitution_threshold(h) ? contact.material.restitution * approach : 0.0f;
   contact.restitution_velocity = max(target - u_n, -normal_sum);
-  const PairFriction before{contact.tangent_sum * inverse_h, contact.moment_sum * inverse_h};
+  const PairFriction before{contact.sums.tangent_sum * inverse_h, contact.moment_sum * inverse_h};
   const PairFriction after = solve_pair(before, balls, n, u + slip * inverse_h, roll * inverse_h,
                                         contact.material, normal_sum + contact.restitution_velocity);
   const Vec3f tangent = after.tangent - before.tangent, change = n * contact.restitution_velocity + tangent;
@@ -641,11 +636,11 @@ void ParticleContacts::update_friction_displacement(const Contact& contact, floa
                                                     const FrictionDisplacement& change) {
   const bool near = C < 0.02f * contact.radius_sum;
   const auto at_limit = [&](const Vec3f& sum, float friction) {
-    const float limit = 0.999f * friction * contact.normal_sum;
-    return contact.normal_sum > 0 && dot(sum, sum) > limit * limit;
+    const float limit = 0.999f * friction * contact.sums.normal_sum;
+    return contact.sums.normal_sum > 0 && dot(sum, sum) > limit * limit;
   };
   auto& [sliding, rolling] = displacement_[contact.pair];
-  const bool slides = at_limit(contact.tangent_sum, contact.material.kinetic_friction);
+  const bool slides = at_limit(contact.sums.tangent_sum, contact.material.kinetic_friction);
   const bool rolls = at_limit(contact.moment_sum, contact.material.rolling_friction) ||
                      !(contact.material.rolling_friction > 0);
   sliding = near && !slides ? sliding + change.sliding : Vec3f{};
@@ -656,29 +651,16 @@ void ParticleContacts::events(const ParticleView& particles, std::vector<Contact
   const float inverse_h = last_h_ > 0 ? 1 / last_h_ : 0.0f;
   const auto first = static_cast<std::ptrdiff_t>(out.size());
   for (const Contact& contact : contacts_) {
-    if (!(contact.normal_sum > 0)) continue;
+    if (!(contact.sums.normal_sum > 0)) continue;
     const std::uint32_t i = contact.i, j = contact.j;
-    const float mass = 1 / (particles.inverse_mass(i) + particles.inverse_mass(j));
+    const float impulse = normal_impulse(contact.sums.normal_sum, contact.restitution_velocity, inverse_h,
+                                         between(i, j).inverse_mass(particles));
     const Vec3f point = particles.relative(i, {}) - contact.normal * radius_[i];
-    out.push_back({i, j, point, contact.normal,
-                   (contact.normal_sum * inverse_h + contact.restitution_velocity) * mass});
+    out.push_back({i, j, point, contact.normal, impulse});
   }
   std::sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
     return a.particle != b.particle ? a.particle < b.particle : a.other < b.other;
   });
-}
-
-Residual ParticleContacts::residual(const ParticleView& particles) const {
-  Residual result;
-  result.count = contacts_.size();
-  for (const Contact& contact : contacts_) {
-    Vec3f unused;
-    const float C = gap(contact, particles.difference(contact.i, contact.j), unused);
-    const double violation = double(max(0.0f, -C));
-    result.largest = max(result.largest, violation);
-    result.sum += violation;
-  }
-  return result;
 }
 
 void ParticleContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/contacts/anchor.h"
 #include "souple/contacts/contact_law.h"
 #include "souple/contacts/contact_projector.h"
 
@@ -72,7 +73,6 @@ class ParticleContacts final : public ContactProjector {
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
-  Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
   void clear() override;
@@ -123,8 +123,7 @@ class ParticleContacts final : public ContactProjector {
     float slop;                           // target of C, at most 0: old overlaps are removed slowly [m]
     Vec3f predicted;                      // motion of i relative to j before any projection [m]
     Vec3f normal;                         // from j to i, of the last projection
-    float normal_sum = 0;                 // sum of normal corrections of x_i - x_j [m]
-    Vec3f tangent_sum{};                  // sum of tangential corrections of x_i - x_j [m]
+    ContactSums<float> sums{};            // of x_i - x_j
     Vec3f moment_sum{};                   // G: sum of rolling friction (contact_law.h) [m]
     FrictionDisplacement displacement{};  // of the pair, at the substep's start
     float restitution_velocity = 0;       // relative normal velocity that apply_restitution added [m/s]

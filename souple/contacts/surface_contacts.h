@@ -72,7 +72,6 @@ class SurfaceContacts final : public ContactProjector {
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
-  Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
   void clear() override { set_surfaces({}); }
