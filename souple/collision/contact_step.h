@@ -34,6 +34,10 @@ struct ContactStep {
   float depenetration_speed(float R) const { return std::sqrt(2 * pull() * R); }
   /// Duration of such a fall [s].
   float fall_time(float R) const { return std::sqrt(2 * R / pull()); }
+  /// Contacts that approach slower do not bounce: the speed of a fall of two substeps of length `of_substep` [m/s].
+  float restitution_threshold(float of_substep) const { return 2 * gravity * of_substep; }
+  /// Sides that move by less in a substep stick to each other, or begin to slide [m].
+  float sliding_threshold(float of_substep) const { return restitution_threshold(of_substep) * of_substep; }
 
  private:
   float pull() const { return gravity > 0 ? gravity : 9.81f; }

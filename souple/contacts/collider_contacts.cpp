@@ -71,21 +71,21 @@ std::size_t ColliderContacts::Contacts::bytes() const {
   return sum;
 }
 
-void ColliderContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                  std::span<const float> radius, std::span<const float> element_radius,
-                                  std::span<const ContactObject> objects, std::span<const Collider> colliders,
-                                  const ContactMaterialTable& materials, const ContactStep& step,
-                                  Threads& threads) {
+void ColliderContacts::begin_step(const ContactInput& input, Threads& threads) {
+  const std::vector<ContactObject>& objects = input.tables.objects;
+  const std::vector<Collider>& colliders = input.tables.colliders;
+  const ContactMaterialTable& materials = input.tables.against_colliders;
   if (!colliders.empty() && (materials.rows() < objects.size() || materials.columns() < colliders.size()))
     throw Error("ColliderContacts: the material table is smaller than objects x colliders; rebuild it");
   kernels_ = &kernels::find_collider_contact_kernels(instruction_set());
-  colliders_ = colliders, objects_ = objects, radius_ = radius, element_radius_ = element_radius;
+  colliders_ = colliders, objects_ = objects;
+  radius_ = input.radius, element_radius_ = input.element_radius;
   materials_ = &materials;
-  step_ = step;
+  step_ = input.step;
   contacts_.resize(0);
   find_bodies();
   find_members();
-  find_candidates(particles, velocity, 0, threads);
+  find_candidates(input.particles, input.velocity, 0, threads);
 }
 
 void ColliderContacts::find_bodies() {
@@ -247,7 +247,7 @@ void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, 
       if (material.kinetic_friction < material.static_friction)
         columns.kinetic_friction[contact] =
             kinetic_friction_at(material, relative_motion(body, columns.particle[contact], particles),
-                                2 * step_.gravity * last_h_ * last_h_);
+                                step_.sliding_threshold(last_h_));
       columns.restitution[contact] = material.restitution;
       columns.slop[contact] = step_.depenetration_speed(material.radius) * last_h_;
       if (step_.turn.empty()) continue;
@@ -261,7 +261,7 @@ void ColliderContacts::find_contacts(Body& body, const ParticleView& particles, 
 }
 
 kernels::ColliderContactLimits ColliderContacts::limits() const {
-  return {.inverse_h = 1 / last_h_, .restitution_threshold = 2 * step_.gravity * last_h_};
+  return {.inverse_h = 1 / last_h_, .restitution_threshold = step_.restitution_threshold(last_h_)};
 }
 
 kernels::ColliderParticles ColliderContacts::rolling_particles(const ParticleView& particles) const {
@@ -350,8 +350,8 @@ void ColliderContacts::append_impacts(const Substep& substep, std::vector<Impact
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
     const Vec3f normal = vector(columns.normal, c);
     const float approach = -dot(normal, vector(columns.predicted, c)) * inverse_h;
-    if (!(columns.normal_sum[c] > 0) || !(columns.restitution[c] > 0) ||
-        !(approach > 2 * step_.gravity * substep.h))
+    if (!bounces(columns.normal_sum[c], columns.restitution[c], approach,
+                 step_.restitution_threshold(substep.h)))
       continue;
     out.push_back({columns.particle[c], Impact::collider, normal, approach, columns.restitution[c],
                    vector(columns.surface_motion, c) * inverse_h});
@@ -360,13 +360,7 @@ void ColliderContacts::append_impacts(const Substep& substep, std::vector<Impact
 
 ContactReport ColliderContacts::report() const {
   const kernels::ColliderContactColumns columns = contacts_.columns();
-  ContactReport report;
-  for (std::size_t c = 0; c < contacts_.size(); ++c) {
-    if (!(columns.normal_sum[c] > 0)) continue;
-    ++report.count;
-    report.deepest = max(report.deepest, columns.depth[c]);
-  }
-  return report;
+  return report_of(contacts_.size(), columns.normal_sum, columns.depth);
 }
 
 /// Calls f(body, contact, C, surface point in the kernels' frame).
@@ -394,26 +388,16 @@ void ColliderContacts::events(const ParticleView& particles, std::vector<Contact
     if (!(columns.normal_sum[c] > 0)) return;
     const Body& body = bodies_[b];
     const std::uint32_t i = columns.particle[c];
-    const float impulse =
-        (columns.normal_sum[c] * inverse_h + columns.restitution_velocity[c]) / particles.inverse_mass(i);
+    const float impulse = normal_impulse(columns.normal_sum[c], columns.restitution_velocity[c], inverse_h,
+                                         particles.inverse_mass(i));
     const Vec3d point = body.after.to_world(body.origin + body.axes * Vec3d(surface));
     out.push_back({i,
                    body.collider,
                    Vec3f(point),
                    {columns.normal[0][c], columns.normal[1][c], columns.normal[2][c]},
-                   impulse});
+                   impulse,
+                   true});
   });
-}
-
-Residual ColliderContacts::residual(const ParticleView& particles) const {
-  Residual result;
-  result.count = contacts_.size();
-  for_each_gap(particles, [&](std::size_t, std::size_t, float C, const Vec3f&) {
-    const double violation = max(0.0, -double(C));
-    result.largest = max(result.largest, violation);
-    result.sum += violation;
-  });
-  return result;
 }
 
 void ColliderContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
@@ -422,7 +406,7 @@ void ColliderContacts::visit(const ParticleView& particles, const ConstraintVisi
   });
 }
 
-void ColliderContacts::erase_particles(std::uint32_t, std::uint32_t) {
+void ColliderContacts::clear() {
   bodies_.clear();
   members_.particle.clear(), members_.object.clear();
   candidates_ = {};

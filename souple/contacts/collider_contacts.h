@@ -1,11 +1,8 @@
 #pragma once
 
 #include "souple/collision/rigid_pose.h"
-#include "souple/contacts/collider.h"
-#include "souple/contacts/contact.h"
+#include "souple/contacts/contact_projector.h"
 #include "souple/contacts/kernels/collider_contacts.h"
-#include "souple/solver/projector.h"
-#include "souple/threads/threads.h"
 
 #include <array>
 #include <span>
@@ -16,15 +13,6 @@ namespace souple {
 /// Contacts of particles with analytic colliders, static or moving.
 ///
 ///   C = n . (p - s) - r >= 0,   s the surface point, n the outward normal, r the particle's radius.
-///
-/// Calls in a step:
-///   begin_step(...)                                 once: broad phase of particles and colliders
-///   for each substep, at time t:
-///     refresh(view, substep, t)                     after prediction: the contacts along x -> p,
-///                                                   colliders t -> t + h
-///     project(color, view, substep)                each iteration: normal correction, friction
-///     apply_restitution(view, velocities, substep)  after v = (p - x) / h
-///     report(), events()
 ///
 /// While the particle's center is outside the shape, each projection reads n and s from the shape again
 /// (outside a convex shape the normal is continuous, so it cannot flip). Two cases use one plane for the
@@ -38,36 +26,19 @@ namespace souple {
 /// stays within mu times the sum of normal corrections. So the law does not depend on the number of
 /// iterations, and resting particles do not creep. Particles of inverse mass 0 are ignored. No state outlives
 /// a step.
-class ColliderContacts final : public Projector {
+class ColliderContacts final : public ContactProjector {
  public:
-  /// `particles`: as the last substep left them. The table is read as materials.at(object, collider).
-  /// `colliders`, `objects`, `materials` and `radius` must live until the step ends, all other spans during
-  /// the call only. Exceptions of a motion callback pass through; the contacts are then empty.
-  void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                  std::span<const float> radius, std::span<const float> element_radius,
-                  std::span<const ContactObject> objects, std::span<const Collider> colliders,
-                  const ContactMaterialTable& materials, const ContactStep& step, Threads& threads);
-
-  /// Finds the contacts of the substep [time, time + h]. Call it after prediction and before the first
-  /// project.
-  void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads);
-
-  /// For contacts with a normal impulse: sets v_n, the normal velocity relative to the collider's surface, to
-  /// e times the approach speed where that was above 2 |g| h, else to 0. The approach speed is that of the
-  /// predicted motion. Velocity that came from removing an overlap is taken out, but never more than the
-  /// contact itself added. Friction follows the change of the normal impulse. `velocity`: per particle [m/s].
+  void build(const ContactGeometry&) override { clear(); }
+  void begin_step(const ContactInput& input, Threads& threads) override;
+  void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads) override;
   void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
-                         Threads& threads);
-
-  /// Appends the impacts of the substep that are faster than the threshold of restitution.
-  void append_impacts(const Substep& substep, std::vector<Impact>& out) const;
-
-  ContactReport report() const;
-  /// Appends the contacts with a normal impulse in the last substep, in order of collider, then particle.
-  void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
+                         Threads& threads) override;
+  void append_impacts(const Substep& substep, std::vector<Impact>& out) const override;
+  ContactReport report() const override;
+  /// In order of collider, then particle.
+  void events(const ParticleView& particles, std::vector<ContactPush>& out) const override;
 
   std::string_view kind() const override { return "collider contact"; }
-  bool is_contact() const override { return true; }
   bool is_collider_contact() const override { return true; }
   bool removes_overlaps() const override;
   std::size_t take_some(std::span<const std::uint32_t> chosen) override;
@@ -75,7 +46,6 @@ class ColliderContacts final : public Projector {
   void project_some(const ParticleView& particles, bool again) override;
   void put_back_some() override;
   std::size_t size() const override { return contacts_.size(); }
-  void prepare(std::size_t) override {}
   /// One color per enabled collider: a particle has at most one contact with each.
   int color_count() const override { return static_cast<int>(bodies_.size()); }
   std::size_t color_size(int color) const override {
@@ -86,11 +56,9 @@ class ColliderContacts final : public Projector {
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
-  Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
-  /// Drops all contacts: they live for one step only.
-  void erase_particles(std::uint32_t begin, std::uint32_t end) override;
+  void clear() override;
 
  private:
   /// An enabled collider during the step.

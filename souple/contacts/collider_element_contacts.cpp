@@ -1,6 +1,5 @@
 #include "souple/contacts/collider_element_contacts.h"
 
-#include "souple/contacts/contact_law.h"
 #include "souple/contacts/element_clearance.h"
 #include "souple/contacts/kernels/find_kernels.h"
 #include "souple/contacts/packed_collider.h"
@@ -29,7 +28,7 @@ constexpr float deep_part = 0.5f;
 // coarsely than the field.
 constexpr int most_parts = 12;
 
-bool is_edge(const ColliderElementContacts::Element& element) {
+bool is_edge(const ContactElement& element) {
   return element.particle[1] == element.particle[2];
 }
 
@@ -155,22 +154,19 @@ void ColliderElementContacts::find_corners() {
   is_row_.assign(corners_.size(), 0);
 }
 
-void ColliderElementContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                         std::span<const float> radius, std::span<const Collider> colliders,
-                                         const ContactMaterialTable& materials, const ContactStep& step,
-                                         Threads& threads) {
-  colliders_ = colliders, radius_ = radius;
-  materials_ = &materials;
+void ColliderElementContacts::begin_step(const ContactInput& input, Threads& threads) {
+  colliders_ = input.tables.colliders, radius_ = input.radius;
+  materials_ = &input.tables.against_colliders;
   kernels_ = &kernels::find_collider_element_kernels(instruction_set());
   particle_kernels_ = &kernels::find_collider_contact_kernels(instruction_set());
-  step_ = step;
+  step_ = input.step;
   contacts_.clear();
   find_bodies();
   if (bodies_.empty()) return;
   depenetrating_.assign(bodies_.size() * objects_, 0);
   for (Body& body : bodies_)
-    if (!body.packed.moves) find_depenetrating(body, particles, threads);
-  find_candidates(particles, velocity, 0, threads);
+    if (!body.packed.moves) find_depenetrating(body, input.particles, threads);
+  find_candidates(input.particles, input.velocity, 0, threads);
 }
 
 // Planes are skipped: the deepest point of an element is one of its corners.
@@ -438,16 +434,16 @@ bool ColliderElementContacts::contact_of(const Body& body, const kernels::Collid
                                          std::size_t candidate, const ParticleView& particles, float h,
                                          Contact& contact) const {
   const Element& element = elements_[candidates_.element[candidate]];
-  contact.particle = element.particle;
+  contact.anchor.particle = element.particle;
   Vec3d start, end;
   for (std::size_t k = 0; k < 3; ++k) {
     const float w = found.weight[k][candidate];
     const std::uint32_t i = element.particle[k];
-    contact.weight[k] = w;
-    contact.inverse_mass += w * w * particles.inverse_mass(i);
+    contact.anchor.weight[k] = w;
     start += particle_start_position(particles, i) * double(w);
     end += particle_position(particles, i) * double(w);
   }
+  contact.inverse_mass = contact.anchor.inverse_mass(particles);
   Vec3d n;
   for (int axis = 0; axis < 3; ++axis) n[axis] = double(found.normal[axis][candidate]);
   const double offset = double(found.plane_offset[candidate]) + dot(n, body.origin);
@@ -459,7 +455,7 @@ bool ColliderElementContacts::contact_of(const Body& body, const kernels::Collid
   contact.predicted = Vec3f(body.after.rotation * (body.after.to_local(end) - body.before.to_local(start)));
   if (body.packed.moves) contact.surface_motion = Vec3f(end - body.before.to_world(body.after.to_local(end)));
   contact.material.kinetic_friction = kinetic_friction_at(
-      contact.material, Vec3f(end - start) - contact.surface_motion, 2 * step_.gravity * h * h);
+      contact.material, Vec3f(end - start) - contact.surface_motion, step_.sliding_threshold(h));
   const double overlap = double(found.start_distance[candidate]) - target;
   contact.slop =
       overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed(contact.material.radius) * h)))
@@ -469,23 +465,7 @@ bool ColliderElementContacts::contact_of(const Body& body, const kernels::Collid
 
 // The plane is fixed within the substep, so C changes by the point's motion along the normal.
 float ColliderElementContacts::gap(const Contact& contact, const ParticleView& particles) {
-  return contact.start_gap + dot(contact.normal, moved(contact, particles));
-}
-
-Vec3f ColliderElementContacts::moved(const Contact& contact, const ParticleView& particles) {
-  Vec3f sum;
-  for (std::size_t k = 0; k < 3; ++k) sum += particles.moved(contact.particle[k]) * contact.weight[k];
-  return sum;
-}
-
-// The point moves by `change` if corner k moves by change w_k / m_k / sum_j (w_j^2 / m_j).
-void ColliderElementContacts::correct(const Contact& contact, const ParticleView& particles,
-                                      const Vec3f& change) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint32_t i = contact.particle[k];
-    const float factor = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
-    if (factor > 0) particles.correct(i, change * factor);
-  }
+  return contact.start_gap + dot(contact.normal, contact.anchor.moved(particles));
 }
 
 void ColliderElementContacts::project(int, std::size_t begin, std::size_t end, const ParticleView& particles,
@@ -495,40 +475,30 @@ void ColliderElementContacts::project(int, std::size_t begin, std::size_t end, c
 
 // As ColliderContacts::project, for a point of an element.
 void ColliderElementContacts::project_one(Contact& contact, const ParticleView& particles) {
-  const Vec3f motion = moved(contact, particles);
+  const Vec3f motion = contact.anchor.moved(particles);
   const float C = contact.start_gap + dot(contact.normal, motion);
-  if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
-  ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
-  correct(contact, particles,
-          solve_contact(sums, C, contact.slop, contact.normal, motion - contact.surface_motion,
-                        contact.material));
-  contact.normal_sum = sums.normal_sum;
-  contact.tangent_sum = sums.tangent_sum;
+  if (!(contact.slop > C) && !(contact.sums.normal_sum > 0)) return;
+  const Vec3f change = solve_contact(contact.sums, C, contact.slop, contact.normal,
+                                     motion - contact.surface_motion, contact.material);
+  contact.anchor.correct(particles, change, contact.inverse_mass);
 }
 
 void ColliderElementContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
-                                                const Substep& substep) {
+                                                const Substep& substep, Threads&) {
   for (Contact& contact : contacts_) apply_restitution_to(contact, particles, velocity, substep.h);
 }
 
 // As ColliderContacts::apply_restitution.
 void ColliderElementContacts::apply_restitution_to(Contact& contact, const ParticleView& particles,
                                                    std::span<Vec4f> velocity, float h) const {
-  if (!(contact.normal_sum > 0)) return;
-  Vec3f v;
-  for (std::size_t k = 0; k < 3; ++k) v += velocity[contact.particle[k]].xyz() * contact.weight[k];
-  const Vec3f u = v - contact.surface_motion * (1 / h);
+  if (!(contact.sums.normal_sum > 0)) return;
+  const Vec3f u = contact.anchor.velocity(velocity) - contact.surface_motion * (1 / h);
   const float inverse_h = 1 / h;
   const auto [change, restitution_velocity] =
-      solve_restitution({contact.normal_sum, contact.tangent_sum}, contact.normal, u,
-                        -dot(contact.normal, contact.predicted) * inverse_h, 2 * step_.gravity * h,
-                        contact.material, inverse_h);
+      solve_restitution(contact.sums, contact.normal, u, -dot(contact.normal, contact.predicted) * inverse_h,
+                        step_.restitution_threshold(h), contact.material, inverse_h);
   contact.restitution_velocity = restitution_velocity;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::uint32_t i = contact.particle[k];
-    const float factor = contact.weight[k] * particles.inverse_mass(i) / contact.inverse_mass;
-    if (factor > 0) velocity[i].set_xyz(velocity[i].xyz() + change * factor);
-  }
+  contact.anchor.accelerate(velocity, particles, change, contact.inverse_mass);
   contact.depth = max(0.0f, -gap(contact, particles));
 }
 
@@ -541,43 +511,29 @@ void ColliderElementContacts::events(const ParticleView& particles, std::vector<
   for (const Body& body : bodies_) {
     for (std::size_t c = body.contact_begin; c < body.contact_end; ++c) {
       const Contact& contact = contacts_[c];
-      if (!(contact.normal_sum > 0)) continue;
-      const auto heaviest = std::max_element(contact.weight.begin(), contact.weight.end());
-      const auto k = static_cast<std::size_t>(heaviest - contact.weight.begin());
+      if (!(contact.sums.normal_sum > 0)) continue;
+      const auto& [particle, weight] = contact.anchor;
+      const auto heaviest = std::max_element(weight.begin(), weight.end());
+      const auto k = static_cast<std::size_t>(heaviest - weight.begin());
       Vec3d point;
       for (std::size_t j = 0; j < 3; ++j)
-        point += particle_position(particles, contact.particle[j]) * double(contact.weight[j]);
+        point += particle_position(particles, particle[j]) * double(weight[j]);
       const auto C = double(gap(contact, particles));
       const Vec3d n(contact.normal);
-      const float impulse =
-          (contact.normal_sum * inverse_h + contact.restitution_velocity) / contact.inverse_mass;
-      out.push_back({contact.particle[k], body.collider, Vec3f(point - n * (C + double(contact.target))),
-                     Vec3f(n), impulse});
+      const float impulse = normal_impulse(contact.sums.normal_sum, contact.restitution_velocity, inverse_h,
+                                           contact.inverse_mass);
+      out.push_back({particle[k], body.collider, Vec3f(point - n * (C + double(contact.target))), Vec3f(n),
+                     impulse, true});
     }
   }
 }
 
-Residual ColliderElementContacts::residual(const ParticleView& particles) const {
-  Residual result;
-  result.count = contacts_.size();
-  for (const Contact& contact : contacts_) {
-    const double violation = max(0.0, -double(gap(contact, particles)));
-    result.largest = max(result.largest, violation);
-    result.sum += violation;
-  }
-  return result;
-}
-
 void ColliderElementContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
   for (const Contact& contact : contacts_) {
-    const std::size_t corners = contact.particle[1] == contact.particle[2] ? 2 : 3;
-    visitor({{contact.particle.data(), corners}, 0, 0, max(0.0f, -gap(contact, particles))});
+    const auto& particle = contact.anchor.particle;
+    const std::size_t corners = particle[1] == particle[2] ? 2 : 3;
+    visitor({{particle.data(), corners}, 0, 0, max(0.0f, -gap(contact, particles))});
   }
-}
-
-/// Removes all elements, because their particles may no longer exist: call set_elements again.
-void ColliderElementContacts::erase_particles(std::uint32_t, std::uint32_t) {
-  set_elements({});
 }
 
 std::size_t ColliderElementContacts::Candidates::bytes() const {

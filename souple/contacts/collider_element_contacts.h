@@ -1,12 +1,11 @@
 #pragma once
 
 #include "souple/collision/rigid_pose.h"
-#include "souple/contacts/collider.h"
-#include "souple/contacts/contact.h"
+#include "souple/contacts/anchor.h"
+#include "souple/contacts/contact_law.h"
+#include "souple/contacts/contact_projector.h"
 #include "souple/contacts/kernels/collider_contacts.h"
 #include "souple/contacts/kernels/collider_elements.h"
-#include "souple/solver/projector.h"
-#include "souple/threads/threads.h"
 
 #include <array>
 #include <cstdint>
@@ -34,34 +33,21 @@ namespace souple {
 /// The point, its weights and its plane are fixed for a substep. For a fast element they are those
 /// of its first touch. Friction and restitution are those of ColliderContacts, distributed to the corners by
 /// their weights. Contacts are few. They are projected one after another, by collider, then element.
-class ColliderElementContacts final : public Projector {
+class ColliderElementContacts final : public ContactProjector {
  public:
-  /// A triangle, or an edge that repeats its second corner.
-  struct Element {
-    std::array<std::uint32_t, 3> particle;
-    std::uint32_t object;  ///< row in the material table
-    float radius;          ///< of the smallest circle around it at rest [m]
-  };
-  /// Sets the elements of all objects. Their order determines the order of contacts: triangles, edges, edges of
-  /// triangles.
-  void set_elements(std::vector<Element> elements);
-
-  /// As for ColliderContacts. `colliders`, `materials` and `radius` must live until the step ends.
-  void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                  std::span<const float> radius, std::span<const Collider> colliders,
-                  const ContactMaterialTable& materials, const ContactStep& step, Threads& threads);
-  void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads);
-  void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep);
-  ContactReport report() const;
-  /// Appends the contacts with a normal impulse in the last substep. `particle` is the corner with the
-  /// largest weight.
-  void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
+  /// Contacts are in the order of triangles, edges, edges of triangles.
+  void build(const ContactGeometry& geometry) override { set_elements(geometry.elements); }
+  void begin_step(const ContactInput& input, Threads& threads) override;
+  void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads) override;
+  void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
+                         Threads& threads) override;
+  ContactReport report() const override;
+  /// `particle` is the corner with the largest weight.
+  void events(const ParticleView& particles, std::vector<ContactPush>& out) const override;
 
   std::string_view kind() const override { return "collider element contact"; }
-  bool is_contact() const override { return true; }
   bool is_collider_contact() const override { return true; }
   std::size_t size() const override { return contacts_.size(); }
-  void prepare(std::size_t) override {}
   int color_count() const override { return contacts_.empty() ? 0 : 1; }
   std::size_t color_size(int) const override { return contacts_.size(); }
   /// Contacts share particles, so one thread projects all of them.
@@ -69,12 +55,12 @@ class ColliderElementContacts final : public Projector {
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
-  Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
-  void erase_particles(std::uint32_t begin, std::uint32_t end) override;
+  void clear() override { set_elements({}); }
 
  private:
+  using Element = ContactElement;
   /// A collider during the step.
   struct Body {
     std::uint32_t collider = 0;
@@ -90,9 +76,8 @@ class ColliderElementContacts final : public Projector {
     std::size_t contact_begin = 0, contact_end = 0;
   };
   struct Contact {
-    std::array<std::uint32_t, 3> particle;
-    std::array<float, 3> weight;
-    float inverse_mass;  // sum_k w_k^2 / m_k [1/kg]
+    Anchor<3> anchor;
+    float inverse_mass;  // of the anchor [1/kg]
     float target;        // [m]
     ContactMaterialPair material;
     Vec3f normal;                    // in the world
@@ -100,8 +85,7 @@ class ColliderElementContacts final : public Projector {
     float slop;                      // target of C, at most 0: old overlaps are removed slowly [m]
     Vec3f predicted;                 // motion of the point relative to the surface before any projection [m]
     Vec3f surface_motion;            // displacement of the surface at the contact in the substep [m]
-    float normal_sum = 0;            // sum of normal corrections of the point [m]
-    Vec3f tangent_sum{};             // sum of tangential corrections of the point [m]
+    ContactSums<float> sums{};       // of the point
     float restitution_velocity = 0;  // normal velocity that apply_restitution added [m/s]
     float depth = 0;                 // remaining overlap, of contacts with a normal impulse [m]
   };
@@ -127,6 +111,7 @@ class ColliderElementContacts final : public Projector {
     std::size_t bytes() const;
   };
 
+  void set_elements(std::vector<Element> elements);
   void append_edges_of_triangles();
   void find_corners();
   void find_bodies();
@@ -152,8 +137,6 @@ class ColliderElementContacts final : public Projector {
   }
   float radius_of(const Element& element) const;
   static float gap(const Contact& contact, const ParticleView& particles);
-  static Vec3f moved(const Contact& contact, const ParticleView& particles);
-  static void correct(const Contact& contact, const ParticleView& particles, const Vec3f& change);
   static void project_one(Contact& contact, const ParticleView& particles);
   void apply_restitution_to(Contact& contact, const ParticleView& particles, std::span<Vec4f> velocity,
                             float h) const;

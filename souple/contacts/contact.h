@@ -3,6 +3,7 @@
 #include "souple/collision/contact_step.h"
 #include "souple/math/vec3.h"
 
+#include <cstddef>
 #include <cstdint>
 
 // Types that all contact projectors share.
@@ -29,6 +30,7 @@ struct ContactPush {
   Vec3f point{};            ///< point of contact on the surface, world space [m]
   Vec3f normal{};           ///< unit, towards `particle`
   float impulse = 0;        ///< normal impulse on `particle` [N s]
+  bool against_collider = false;
 };
 
 /// A contact that pushes, with restitution, whose sides approached each other.
@@ -47,16 +49,30 @@ struct ContactReport {
   float deepest = 0;      ///< largest penetration left after the last substep [m]
 };
 
-/// Report of contacts that have a `normal_sum` and the `depth` that is left.
-template <class Contacts>
-ContactReport report_of(const Contacts& contacts) {
+/// Report of contacts 0 to count - 1, given their sums of normal corrections and the depth that is left.
+template <class NormalSum, class Depth>
+ContactReport summarize(std::size_t count, const NormalSum& normal_sum, const Depth& depth) {
   ContactReport report;
-  for (const auto& contact : contacts) {
-    if (!(contact.normal_sum > 0)) continue;
+  for (std::size_t c = 0; c < count; ++c) {
+    if (!(normal_sum(c) > 0)) continue;
     ++report.count;
-    report.deepest = max(report.deepest, contact.depth);
+    report.deepest = max(report.deepest, depth(c));
   }
   return report;
+}
+
+/// As above, of contacts that have `sums` and a `depth`.
+template <class Contacts>
+ContactReport report_of(const Contacts& contacts) {
+  return summarize(
+      contacts.size(), [&](std::size_t c) { return contacts[c].sums.normal_sum; },
+      [&](std::size_t c) { return contacts[c].depth; });
+}
+
+/// As above, of columns.
+inline ContactReport report_of(std::size_t count, const float* normal_sum, const float* depth) {
+  return summarize(
+      count, [=](std::size_t c) { return normal_sum[c]; }, [=](std::size_t c) { return depth[c]; });
 }
 
 }  // namespace souple

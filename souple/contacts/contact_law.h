@@ -34,6 +34,18 @@ struct ContactSums {
   Vec3<T> tangent_sum;  ///< sum of tangential corrections of the relative position [m]
 };
 
+/// Normal impulse of a contact in the substep: what its corrections and its restitution changed, times the effective
+/// mass [N s]. `restitution_velocity`: normal velocity that restitution added [m/s].
+inline float normal_impulse(float normal_sum, float restitution_velocity, float inverse_h,
+                            float inverse_mass) {
+  return (normal_sum * inverse_h + restitution_velocity) / inverse_mass;
+}
+
+/// Whether a contact that pushes makes its sides bounce. `approach`: speed of the predicted motion [m/s].
+inline bool bounces(float normal_sum, float restitution, float approach, float threshold) {
+  return normal_sum > 0 && restitution > 0 && approach > threshold;
+}
+
 /// One projection of C >= slop with friction (Macklin et al. 2014, section 6.1). Updates the sums and returns
 /// their change, which is the correction of the relative position [m]. `motion`: of the first side relative
 /// to the second since the substep began [m]. A correction that a neighboring contact made too large is

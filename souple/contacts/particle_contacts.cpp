@@ -4,6 +4,7 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
+#include <cstring>
 #include <limits>
 
 namespace souple {
@@ -102,21 +103,20 @@ void ParticleContacts::find_members(const ParticleView& particles, std::span<con
   if (members_.empty()) largest_diameter_ = 0;  // no pair is possible
 }
 
-void ParticleContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                  std::span<const float> radius, std::span<const ContactObject> objects,
-                                  const ContactMaterialTable& materials, const ContactStep& step,
-                                  Threads& threads) {
+void ParticleContacts::begin_step(const ContactInput& input, Threads& threads) {
+  const std::vector<ContactObject>& objects = input.tables.objects;
+  const ContactMaterialTable& materials = input.tables.against_objects;
   if (materials.rows() < objects.size() || materials.columns() < objects.size())
     throw Error("ParticleContacts: the material table is smaller than objects x objects; rebuild it");
-  objects_ = objects, radius_ = radius;
+  objects_ = objects, radius_ = input.radius;
   materials_ = &materials;
-  step_ = step;
+  step_ = input.step;
   sweeps_.begin_step();
   clear_contacts();
   save_friction();
-  find_members(particles, velocity);
-  const auto speed = [&](std::size_t m) { return velocity[members_[m].particle].xyz(); };
-  find_pairs(particles, 2.2f * largest_from_mean(speed, threads) * step.dt);
+  find_members(input.particles, input.velocity);
+  const auto speed = [&](std::size_t m) { return input.velocity[members_[m].particle].xyz(); };
+  find_pairs(input.particles, 2.2f * largest_from_mean(speed, threads) * step_.dt);
 }
 
 // The largest distance of a member's vector from the mean of all: a heap that falls as a whole needs no
@@ -205,6 +205,20 @@ void ParticleContacts::set_friction_cache(std::span<const CachedFriction> cache)
       friction_cache_.push_back(one);
 }
 
+void ParticleContacts::save(std::vector<std::byte>& out) const {
+  const std::vector<CachedFriction> cache = friction_cache();
+  const std::span<const std::byte> bytes = std::as_bytes(std::span(cache));
+  out.insert(out.end(), bytes.begin(), bytes.end());
+}
+
+void ParticleContacts::load(std::span<const std::byte>& in) {
+  std::vector<CachedFriction> cache(in.size() / sizeof(CachedFriction));
+  const std::size_t size = cache.size() * sizeof(CachedFriction);
+  if (size > 0) std::memcpy(cache.data(), in.data(), size);
+  in = in.subspan(size);
+  set_friction_cache(cache);
+}
+
 void ParticleContacts::record_positions(const ParticleView& particles) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
   corner_ = {infinity, infinity, infinity};
@@ -248,11 +262,12 @@ void ParticleContacts::sort_into_cells(float cell_size) {
         broad_phase_position_[m], radius_[members_[m].particle], static_cast<std::uint32_t>(m), cells_[m]};
 }
 
-void ParticleContacts::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
-  for (auto& pair : pairs)
+void ParticleContacts::build(const ContactGeometry& geometry) {
+  excluded_ = geometry.joined;
+  for (auto& pair : excluded_)
     if (pair[0] > pair[1]) std::swap(pair[0], pair[1]);
-  std::sort(pairs.begin(), pairs.end());
-  excluded_ = std::move(pairs);
+  std::sort(excluded_.begin(), excluded_.end());
+  clear_contacts();
 }
 
 bool ParticleContacts::is_excluded(std::uint32_t i, std::uint32_t j) const {
@@ -298,7 +313,8 @@ void ParticleContacts::clear_contacts() {
   color_begin_.assign(1, 0);
 }
 
-void ParticleContacts::refresh(const ParticleView& particles, const Substep& substep, Threads& threads) {
+void ParticleContacts::refresh(const ParticleView& particles, const Substep& substep, double,
+                               Threads& threads) {
   last_h_ = substep.h;
   if (!(largest_diameter_ > 0)) {
     clear_contacts();
@@ -381,7 +397,7 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
                          ? Vec3f{}
                          : cross(contact.normal, step_.turn[i].xyz() + step_.turn[j].xyz());
   contact.material.kinetic_friction =
-      kinetic_friction_at(contact.material, motion + slip, 2 * step_.gravity * h * h);
+      kinetic_friction_at(contact.material, motion + slip, step_.sliding_threshold(h));
   const float overlap = start_distance - radius_sum;
   if (overlap < 0) {
     contact.slop = min(0.0f, overlap + step_.depenetration_speed(contact.material.radius) * h);
@@ -417,24 +433,18 @@ void ParticleContacts::project(int color, std::size_t begin, std::size_t end, co
   sweeps_.projected(end - begin, contacts_.size());
 }
 
-// As in collider_contacts.cpp, for the difference of two particles. Its correction dx is split by inverse
-// mass: dx_i = w_i / (w_i + w_j) dx,   dx_j = -w_j / (w_i + w_j) dx
+// As in collider_contacts.cpp, for the difference of two particles.
 void ParticleContacts::project_one(Contact& contact, const ParticleView& particles) const {
   const std::uint32_t i = contact.i, j = contact.j;
   Vec3f n;
   const float C = gap(contact, particles.difference(i, j), n);
-  if (!(contact.slop > C) && !(contact.normal_sum > 0)) return;
+  if (!(contact.slop > C) && !(contact.sums.normal_sum > 0)) return;
   if (contact.balls != Balls::none) return project_rolling(contact, C, n, particles);
-  ContactSums<float> sums{contact.normal_sum, contact.tangent_sum};
-  const Vec3f moved = particles.moved(i) - particles.moved(j) + contact.displacement.sliding;
-  const Vec3f dx = solve_contact(sums, C, contact.slop, n, moved, contact.material);
-  contact.normal_sum = sums.normal_sum;
-  contact.tangent_sum = sums.tangent_sum;
+  const Anchor<2> anchor = between(i, j);
+  const Vec3f moved = anchor.moved(particles) + contact.displacement.sliding;
+  const Vec3f change = solve_contact(contact.sums, C, contact.slop, n, moved, contact.material);
   contact.normal = n;
-  const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
-  // Contacts of one color may share a particle that cannot move: no thread may write to it.
-  if (w_i > 0) particles.correct(i, dx * (w_i / (w_i + w_j)));
-  if (w_j > 0) particles.correct(j, dx * (-w_j / (w_i + w_j)));
+  anchor.correct(particles, change, anchor.inverse_mass(particles));
 }
 
 ParticleContacts::Balls ParticleContacts::balls_of(const Member& a, const Member& b,
@@ -536,14 +546,14 @@ void ParticleContacts::project_rolling(Contact& contact, float C, const Vec3f& n
   const auto [slip, roll] =
       rotation_between(step_.turn[i].xyz(), step_.turn[j].xyz(), balls.arm_i, balls.arm_j, n);
   const Vec3f moved = particles.moved(i) - particles.moved(j) + displacement.sliding;
-  const float dn = max(contact.slop - C, -contact.normal_sum), normal_sum = contact.normal_sum + dn;
-  const PairFriction before{contact.tangent_sum, contact.moment_sum};
+  const float dn = max(contact.slop - C, -contact.sums.normal_sum), normal_sum = contact.sums.normal_sum + dn;
+  const PairFriction before{contact.sums.tangent_sum, contact.moment_sum};
   PairFriction after{};
   if (normal_sum > 0)
     after =
         solve_pair(before, balls, n, moved + slip, roll + displacement.rolling, contact.material, normal_sum);
-  contact.normal_sum = max(normal_sum, 0.0f);
-  contact.tangent_sum = after.tangent;
+  contact.sums.normal_sum = max(normal_sum, 0.0f);
+  contact.sums.tangent_sum = after.tangent;
   contact.moment_sum = after.moment;
   contact.normal = n;
   const Vec3f tangent = after.tangent - before.tangent, dx = n * dn + tangent;
@@ -570,20 +580,19 @@ void ParticleContacts::apply_restitution_to(Contact& contact, const ParticleView
   if (contact.balls != Balls::none) return apply_rolling_restitution(contact, particles, velocity, h);
   const std::uint32_t i = contact.i, j = contact.j;
   const Vec3f n = contact.normal;
-  const Vec3f u = velocity[i].xyz() - velocity[j].xyz();
+  const Anchor<2> anchor = between(i, j);
+  const Vec3f u = anchor.velocity(velocity);
   const float u_n = dot(n, u);
   Vec3f unused;
   const float C = gap(contact, particles.difference(i, j), unused);
   update_friction_displacement(contact, C, {(u - n * u_n) * h, {}});
-  if (!(contact.normal_sum > 0)) return;
+  if (!(contact.sums.normal_sum > 0)) return;
   const float inverse_h = 1 / h;
-  const auto [change, restitution_velocity] = solve_restitution(
-      {contact.normal_sum, contact.tangent_sum}, n, u, -dot(n, contact.predicted) * inverse_h,
-      2 * step_.gravity * h, contact.material, inverse_h);
+  const auto [change, restitution_velocity] =
+      solve_restitution(contact.sums, n, u, -dot(n, contact.predicted) * inverse_h,
+                        step_.restitution_threshold(h), contact.material, inverse_h);
   contact.restitution_velocity = restitution_velocity;
-  const float w_i = particles.inverse_mass(i), w_j = particles.inverse_mass(j);
-  if (w_i > 0) velocity[i].set_xyz(velocity[i].xyz() + change * (w_i / (w_i + w_j)));
-  if (w_j > 0) velocity[j].set_xyz(velocity[j].xyz() - change * (w_j / (w_i + w_j)));
+  anchor.accelerate(velocity, particles, change, anchor.inverse_mass(particles));
   contact.depth = max(0.0f, -C);
 }
 
@@ -599,11 +608,13 @@ void ParticleContacts::apply_rolling_restitution(Contact& contact, const Particl
   Vec3f unused;
   const float C = gap(contact, particles.difference(i, j), unused);
   update_friction_displacement(contact, C, {(u - n * u_n) * h + slip, roll});
-  if (!(contact.normal_sum > 0)) return;
-  const float approach = -dot(n, contact.predicted) * inverse_h, normal_sum = contact.normal_sum * inverse_h;
-  const float target = approach > 2 * step_.gravity * h ? contact.material.restitution * approach : 0.0f;
+  if (!(contact.sums.normal_sum > 0)) return;
+  const float approach = -dot(n, contact.predicted) * inverse_h,
+              normal_sum = contact.sums.normal_sum * inverse_h;
+  const float target =
+      approach > step_.restitution_threshold(h) ? contact.material.restitution * approach : 0.0f;
   contact.restitution_velocity = max(target - u_n, -normal_sum);
-  const PairFriction before{contact.tangent_sum * inverse_h, contact.moment_sum * inverse_h};
+  const PairFriction before{contact.sums.tangent_sum * inverse_h, contact.moment_sum * inverse_h};
   const PairFriction after = solve_pair(before, balls, n, u + slip * inverse_h, roll * inverse_h,
                                         contact.material, normal_sum + contact.restitution_velocity);
   const Vec3f tangent = after.tangent - before.tangent, change = n * contact.restitution_velocity + tangent;
@@ -625,11 +636,11 @@ void ParticleContacts::update_friction_displacement(const Contact& contact, floa
                                                     const FrictionDisplacement& change) {
   const bool near = C < 0.02f * contact.radius_sum;
   const auto at_limit = [&](const Vec3f& sum, float friction) {
-    const float limit = 0.999f * friction * contact.normal_sum;
-    return contact.normal_sum > 0 && dot(sum, sum) > limit * limit;
+    const float limit = 0.999f * friction * contact.sums.normal_sum;
+    return contact.sums.normal_sum > 0 && dot(sum, sum) > limit * limit;
   };
   auto& [sliding, rolling] = displacement_[contact.pair];
-  const bool slides = at_limit(contact.tangent_sum, contact.material.kinetic_friction);
+  const bool slides = at_limit(contact.sums.tangent_sum, contact.material.kinetic_friction);
   const bool rolls = at_limit(contact.moment_sum, contact.material.rolling_friction) ||
                      !(contact.material.rolling_friction > 0);
   sliding = near && !slides ? sliding + change.sliding : Vec3f{};
@@ -640,29 +651,16 @@ void ParticleContacts::events(const ParticleView& particles, std::vector<Contact
   const float inverse_h = last_h_ > 0 ? 1 / last_h_ : 0.0f;
   const auto first = static_cast<std::ptrdiff_t>(out.size());
   for (const Contact& contact : contacts_) {
-    if (!(contact.normal_sum > 0)) continue;
+    if (!(contact.sums.normal_sum > 0)) continue;
     const std::uint32_t i = contact.i, j = contact.j;
-    const float mass = 1 / (particles.inverse_mass(i) + particles.inverse_mass(j));
+    const float impulse = normal_impulse(contact.sums.normal_sum, contact.restitution_velocity, inverse_h,
+                                         between(i, j).inverse_mass(particles));
     const Vec3f point = particles.relative(i, {}) - contact.normal * radius_[i];
-    out.push_back({i, j, point, contact.normal,
-                   (contact.normal_sum * inverse_h + contact.restitution_velocity) * mass});
+    out.push_back({i, j, point, contact.normal, impulse});
   }
   std::sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
     return a.particle != b.particle ? a.particle < b.particle : a.other < b.other;
   });
-}
-
-Residual ParticleContacts::residual(const ParticleView& particles) const {
-  Residual result;
-  result.count = contacts_.size();
-  for (const Contact& contact : contacts_) {
-    Vec3f unused;
-    const float C = gap(contact, particles.difference(contact.i, contact.j), unused);
-    const double violation = double(max(0.0f, -C));
-    result.largest = max(result.largest, violation);
-    result.sum += violation;
-  }
-  return result;
 }
 
 void ParticleContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
@@ -686,6 +684,16 @@ void ParticleContacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
     friction_cache_[kept++] = m;
   }
   friction_cache_.resize(kept);
+  forget_members();
+}
+
+void ParticleContacts::clear() {
+  friction_cache_.clear();
+  pairs_.clear();
+  forget_members();
+}
+
+void ParticleContacts::forget_members() {
   members_.clear();
   broad_phase_position_.clear();
   clear_contacts();

@@ -1,10 +1,8 @@
 #pragma once
 
-#include "souple/contacts/contact.h"
+#include "souple/contacts/anchor.h"
 #include "souple/contacts/contact_law.h"
-#include "souple/contacts/contact_material.h"
-#include "souple/solver/projector.h"
-#include "souple/threads/threads.h"
+#include "souple/contacts/contact_projector.h"
 
 #include <array>
 #include <atomic>
@@ -31,8 +29,7 @@ struct CachedFriction {
 ///
 ///   C = |x_i - x_j| - (r_i + r_j) >= 0
 ///
-/// Use it like ColliderContacts: begin_step once, then per substep refresh, project, apply_restitution. The
-/// broad phase is a uniform grid, filled by counting sort. It runs once per step with a margin for motion
+/// The broad phase is a uniform grid, filled by counting sort. It runs once per step with a margin for motion
 /// relative to the mean, and again in the middle of a step when a particle has left its margin.
 ///
 /// The result is that of solving contacts one after another (Gauss-Seidel) in order of (i, j), every second
@@ -44,35 +41,28 @@ struct CachedFriction {
 ///
 /// A pair may be apart before and after a substep and yet collide within it. It is found while both particles
 /// are within each other's margin (at most one largest diameter).
-class ParticleContacts final : public Projector {
+class ParticleContacts final : public ContactProjector {
  public:
-  /// As for ColliderContacts; the table is read as materials.at(object, object). `objects`, `materials` and
-  /// `radius` must live until the step ends.
-  void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                  std::span<const float> radius, std::span<const ContactObject> objects,
-                  const ContactMaterialTable& materials, const ContactStep& step, Threads& threads);
-  void refresh(const ParticleView& particles, const Substep& substep, Threads& threads);
+  /// Keeps the friction state of pairs of particles.
+  void build(const ContactGeometry& geometry) override;
+  void begin_step(const ContactInput& input, Threads& threads) override;
+  void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads) override;
   void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
-                         Threads& threads);
+                         Threads& threads) override;
 
-  /// Friction state that one step passes to the next, in order of (i, j), and its restoration: for
-  /// checkpoints and snapshots. erase_particles drops the entries of erased particles and renumbers the
-  /// others.
+  /// Friction state that one step passes to the next, in order of (i, j), and its restoration. erase_particles
+  /// drops the entries of erased particles and renumbers the others.
   std::vector<CachedFriction> friction_cache() const;
   void set_friction_cache(std::span<const CachedFriction> cache);
 
-  /// Pairs of particles that never collide, such as those of distance joints. Replaces the pairs of earlier
-  /// calls.
-  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
-
-  ContactReport report() const;
-  /// Appends the contacts with a normal impulse in the last substep, in order of (i, j).
-  void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
+  ContactReport report() const override;
+  /// In order of (i, j).
+  void events(const ParticleView& particles, std::vector<ContactPush>& out) const override;
+  void save(std::vector<std::byte>& out) const override;
+  void load(std::span<const std::byte>& in) override;
 
   std::string_view kind() const override { return "particle contact"; }
-  bool is_contact() const override { return true; }
   std::size_t size() const override { return contacts_.size(); }
-  void prepare(std::size_t) override {}
   /// At least the number of contacts in the longest chain (i, j), (j, k), ... of ascending particles.
   int color_count() const override { return static_cast<int>(color_begin_.size()) - 1; }
   std::size_t color_size(int color) const override {
@@ -83,13 +73,13 @@ class ParticleContacts final : public Projector {
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
-  Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
+  void clear() override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
  private:
-  std::vector<std::array<std::uint32_t, 2>> excluded_;  // sorted; each pair ascending
+  std::vector<std::array<std::uint32_t, 2>> excluded_;  // never collide; sorted, each pair ascending
   bool is_excluded(std::uint32_t i, std::uint32_t j) const;
 
   /// A particle in the broad phase.
@@ -133,8 +123,7 @@ class ParticleContacts final : public Projector {
     float slop;                           // target of C, at most 0: old overlaps are removed slowly [m]
     Vec3f predicted;                      // motion of i relative to j before any projection [m]
     Vec3f normal;                         // from j to i, of the last projection
-    float normal_sum = 0;                 // sum of normal corrections of x_i - x_j [m]
-    Vec3f tangent_sum{};                  // sum of tangential corrections of x_i - x_j [m]
+    ContactSums<float> sums{};            // of x_i - x_j
     Vec3f moment_sum{};                   // G: sum of rolling friction (contact_law.h) [m]
     FrictionDisplacement displacement{};  // of the pair, at the substep's start
     float restitution_velocity = 0;       // relative normal velocity that apply_restitution added [m/s]
@@ -188,6 +177,7 @@ class ParticleContacts final : public Projector {
   void color_contacts(const ParticleView& particles);
   Contact contact_of(std::uint32_t pair, const ParticleView& particles, float h) const;
   void clear_contacts();
+  void forget_members();
   Range contacts_of(int color) const;
   float gap(const Contact& contact, const Vec3f& difference, Vec3f& normal) const;
   void project_one(Contact& contact, const ParticleView& particles) const;

@@ -3,6 +3,7 @@
 #include "souple/assert.h"
 #include "souple/collision/continuous.h"
 #include "souple/collision/nearest.h"
+#include "souple/contacts/anchor.h"
 #include "souple/contacts/contact_law.h"
 #include "souple/contacts/kernels/find_kernels.h"
 #include "souple/error.h"
@@ -73,11 +74,14 @@ bool has_normal(const NearPair& pair, const Motion& motion, float toi, bool edge
   return inverse_mass > 0 && length(at[1] * c[1] + at[2] * c[2] + at[3] * c[3]) > 0;
 }
 
-/// Of the nearest points of a contact's elements in the substep [m].
-Vec3f relative_motion(const kernels::ContactColumns& contacts, std::size_t c, const ParticleView& particles) {
-  Vec3f motion;
-  for (std::size_t k = 0; k < 4; ++k) motion += particles.moved(contacts.particle[k][c]) * contacts.c[k][c];
-  return motion;
+/// Nearest point of the first element relative to that of the second.
+Anchor<4> anchor_of(const kernels::ContactColumns& contacts, std::size_t c) {
+  Anchor<4> anchor;
+  for (std::size_t k = 0; k < 4; ++k) {
+    anchor.particle[k] = contacts.particle[k][c];
+    anchor.weight[k] = contacts.c[k][c];
+  }
+  return anchor;
 }
 
 // Whether the path from q to k starts towards the origin, by more than rounding errors. Otherwise a vertex
@@ -89,6 +93,11 @@ bool points_to_origin(const Vec3f& q, const Vec3f& k) {
 }
 
 }  // namespace
+
+void SurfaceContacts::build(const ContactGeometry& geometry) {
+  pairs_.exclude(geometry.joined);
+  set_surfaces(geometry.surfaces);
+}
 
 void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
   clear_contacts();
@@ -187,21 +196,19 @@ bool SurfaceContacts::is_owner_of_corner(const NearPair& pair, std::size_t corne
 
 // --- search
 
-void SurfaceContacts::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                                 std::span<const float> radius, std::span<float> contact_margin,
-                                 const ContactMaterialTable& materials, const ContactStep& step,
-                                 Threads& threads) {
+void SurfaceContacts::begin_step(const ContactInput& input, Threads& threads) {
   clear_contacts();
   pairs_.clear();
   if (!pairs_.any()) return;
+  const ContactMaterialTable& materials = input.tables.against_objects;
   if (materials.rows() < pairs_.surface_count() || materials.columns() < pairs_.surface_count())
     throw Error(
         "SurfaceContacts: the contact material table has fewer rows or columns than there are surfaces; "
         "rebuild it");
   materials_ = &materials;
-  step_ = step;
-  contact_margin_ = contact_margin;
-  pairs_.begin_step(particles, velocity, radius, contact_margin, step, threads);
+  step_ = input.step;
+  contact_margin_ = input.contact_margin;
+  pairs_.begin_step(input.particles, input.velocity, input.radius, input.contact_margin, input.step, threads);
   reset_colors();
 }
 
@@ -251,10 +258,11 @@ void SurfaceContacts::find(std::vector<PairToi>& found, Threads& threads, const 
               found.begin() + static_cast<std::ptrdiff_t>(chunk_results_[c].offset));
 }
 
-void SurfaceContacts::refresh(const ParticleView& particles, const Substep& substep, Threads& threads) {
+void SurfaceContacts::refresh(const ParticleView& particles, const Substep& substep, double,
+                              Threads& threads) {
   clear_contacts();
   if (!pairs_.any()) return;
-  limits_ = {1 / substep.h, 2 * step_.gravity * substep.h};
+  limits_ = {1 / substep.h, step_.restitution_threshold(substep.h)};
   pairs_.begin_substep(substep.h);
   reset_colors_from(pairs_.update(particles, substep.h, threads));
   pairs_.measure(particles, threads);
@@ -308,17 +316,15 @@ void SurfaceContacts::describe_crossing(std::uint32_t pair, std::size_t contact,
                                         const ParticleView& particles) {
   const PathCrossing crossing = path_crossing_of(pair, particles);
   const auto& i = pairs_.pair(pair).particle;
-  Vec3f approach;
   float inverse_mass = 0;
   for (std::size_t k = 0; k < 4; ++k) {
     const float c = k == 0 ? 1 : -crossing.weight[static_cast<int>(k) - 1];
     columns_.c[k][contact] = c;
-    approach -= particles.moved(i[k]) * c;
     inverse_mass += particles.inverse_mass(i[k]) * c * c;
   }
   for (int axis = 0; axis < 3; ++axis) columns_.normal[axis][contact] = crossing.normal[axis];
   columns_.inverse_mass[contact] = inverse_mass;
-  columns_.approach[contact] = dot(crossing.normal, approach);
+  columns_.approach[contact] = -dot(crossing.normal, anchor_of(columns_, contact).moved(particles));
 }
 
 bool SurfaceContacts::is_contact(std::uint32_t pair, unsigned classification, const ParticleView& particles,
@@ -424,7 +430,7 @@ void SurfaceContacts::describe(bool edges, std::size_t begin, std::size_t end, c
     out.static_friction[c] = surface.static_friction;
     out.kinetic_friction[c] = surface.kinetic_friction;
     if (surface.kinetic_friction < surface.static_friction)
-      out.kinetic_friction[c] = kinetic_friction_at(surface, relative_motion(out, c, particles),
+      out.kinetic_friction[c] = kinetic_friction_at(surface, anchor_of(out, c).moved(particles),
                                                     limits_.restitution_threshold / limits_.inverse_h);
     out.restitution[c] = surface.restitution;
     if (step_.turn.empty()) continue;
@@ -560,8 +566,8 @@ void SurfaceContacts::update_contact_margins() {
 }
 
 // First correction contacts, which conserve momentum. Then the motions of remaining violations are clamped.
-std::size_t SurfaceContacts::keep_apart(const ParticleView& particles, const Substep& substep,
-                                        Threads& threads) {
+std::size_t SurfaceContacts::after_solve(const ParticleView& particles, const Substep& substep,
+                                         Threads& threads) {
   if (!pairs_.any()) return 0;
   constexpr int correction_passes = 20, passes = 30;
   correction_pair_.clear(), correction_toi_.clear();
@@ -604,8 +610,7 @@ void SurfaceContacts::apply_restitution(const ParticleView& particles, std::span
 void SurfaceContacts::append_impacts(const Substep&, std::vector<Impact>& out) const {
   for (std::size_t c = 0; c < size(); ++c) {
     const float approach = columns_.approach[c] * limits_.inverse_h;
-    if (!(columns_.normal_sum[c] > 0) || !(columns_.restitution[c] > 0) ||
-        !(approach > limits_.restitution_threshold))
+    if (!bounces(columns_.normal_sum[c], columns_.restitution[c], approach, limits_.restitution_threshold))
       continue;
     out.push_back({columns_.particle[0][c],
                    columns_.particle[3][c],
@@ -619,13 +624,7 @@ void SurfaceContacts::append_impacts(const Substep&, std::vector<Impact>& out) c
 // --- reports
 
 ContactReport SurfaceContacts::report() const {
-  ContactReport report;
-  for (std::size_t c = 0; c < size(); ++c) {
-    if (!(columns_.normal_sum[c] > 0)) continue;
-    ++report.count;
-    report.deepest = max(report.deepest, columns_.depth[c]);
-  }
-  return report;
+  return report_of(size(), columns_.normal_sum, columns_.depth);
 }
 
 void SurfaceContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
@@ -642,24 +641,13 @@ void SurfaceContacts::events(const ParticleView& particles, std::vector<ContactP
     for (std::size_t k = other; k < 4; ++k)
       if (c(k) < c(other)) other = k;
     const Vec3f point = particles.relative(one, {}) - normal * (0.5f * columns_.thickness[contact]);
-    out.push_back(
-        {one, i(other), point, normal,
-         (columns_.normal_sum[contact] * limits_.inverse_h + columns_.restitution_velocity[contact]) /
-             columns_.inverse_mass[contact]});
+    out.push_back({one, i(other), point, normal,
+                   normal_impulse(columns_.normal_sum[contact], columns_.restitution_velocity[contact],
+                                  limits_.inverse_h, columns_.inverse_mass[contact])});
   }
   std::stable_sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
     return a.particle != b.particle ? a.particle < b.particle : a.other < b.other;
   });
-}
-
-Residual SurfaceContacts::residual(const ParticleView& particles) const {
-  Residual result;
-  visit(particles, [&](const ConstraintState& state) {
-    result.largest = max(result.largest, static_cast<double>(state.residual));
-    result.sum += static_cast<double>(state.residual);
-    ++result.count;
-  });
-  return result;
 }
 
 void SurfaceContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
@@ -674,11 +662,6 @@ void SurfaceContacts::visit(const ParticleView& particles, const ConstraintVisit
       const float C = dot(n, apart) - columns_.thickness[c];
       visitor({i, color, 0, max(0.0f, -C)});
     }
-}
-
-// The caller sets the surfaces again before the next step.
-void SurfaceContacts::erase_particles(std::uint32_t, std::uint32_t) {
-  set_surfaces({});
 }
 
 std::size_t SurfaceContacts::bytes() const {

@@ -1,12 +1,9 @@
 #pragma once
 
-#include "souple/contacts/contact.h"
 #include "souple/contacts/contact_arrays.h"
-#include "souple/contacts/contact_material.h"
+#include "souple/contacts/contact_projector.h"
 #include "souple/contacts/element_pairs.h"
 #include "souple/contacts/path_crossing.h"
-#include "souple/solver/projector.h"
-#include "souple/threads/threads.h"
 
 #include <array>
 #include <span>
@@ -41,47 +38,31 @@ namespace souple {
 /// With discrete detection only a vertex whose path crosses a triangle gets a contact, at the crossing and
 /// along the triangle's normal (path_crossing.h).
 ///
-/// After the solver, `keep_apart` tests all motions again. Pairs that would still pass through each other
+/// After the solver, `after_solve` tests all motions again. Pairs that would still pass through each other
 /// receive correction contacts. If these do not suffice (an object is squeezed between walls), motions are
 /// clamped. So objects without intersections never start to intersect.
-class SurfaceContacts final : public Projector {
+class SurfaceContacts final : public ContactProjector {
  public:
-  /// Replaces all surfaces: call it again when objects are added, removed or changed.
-  void set_surfaces(std::vector<ContactSurface> surfaces);
-  /// Sets the end of a surface that consists of particles alone, from the next step on: at most its
-  /// reserved_end.
-  void set_end(std::size_t surface, std::uint32_t end) { pairs_.set_end(surface, end); }
-  /// Pairs of particles with a distance joint: no contact between an element of one and an element of the
-  /// other.
-  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs) { pairs_.exclude(std::move(pairs)); }
   /// Contacts ignore the pairs that the resolver exempts; null: none. It must outlive this object.
-  void set_intersection_resolver(const IntersectionResolver* intersection_resolver) {
+  explicit SurfaceContacts(const IntersectionResolver* intersection_resolver = nullptr) {
     pairs_.set_intersection_resolver(intersection_resolver);
   }
 
-  /// `materials` and `radius` as for ParticleContacts. contact_margin[i]: additional distance at which
-  /// contacts of particle i begin [m]; `keep_apart` updates it. All must live until the step ends.
-  void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
-                  std::span<const float> radius, std::span<float> contact_margin,
-                  const ContactMaterialTable& materials, const ContactStep& step, Threads& threads);
-  /// Finds the contacts of this substep. Call after prediction.
-  void refresh(const ParticleView& particles, const Substep& substep, Threads& threads);
-  /// Prevents intersections. Call after the solver and before the velocity update. Returns the number of
-  /// clamps.
-  std::size_t keep_apart(const ParticleView& particles, const Substep& substep, Threads& threads);
+  /// No contact between an element of one particle of a joined pair and an element of the other particle.
+  void build(const ContactGeometry& geometry) override;
+  void set_end(std::size_t object, std::uint32_t end) override { pairs_.set_end(object, end); }
+  void begin_step(const ContactInput& input, Threads& threads) override;
+  void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads) override;
+  /// Prevents intersections. Returns the number of clamps.
+  std::size_t after_solve(const ParticleView& particles, const Substep& substep, Threads& threads) override;
   void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
-                         Threads& threads);
-
-  /// Appends the impacts of the substep that are faster than the threshold of restitution.
-  void append_impacts(const Substep& substep, std::vector<Impact>& out) const;
-
-  ContactReport report() const;
-  void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
+                         Threads& threads) override;
+  void append_impacts(const Substep& substep, std::vector<Impact>& out) const override;
+  ContactReport report() const override;
+  void events(const ParticleView& particles, std::vector<ContactPush>& out) const override;
 
   std::string_view kind() const override { return "surface contact"; }
-  bool is_contact() const override { return true; }
   std::size_t size() const override { return contacts_.size(); }
-  void prepare(std::size_t) override {}
   int color_count() const override { return static_cast<int>((begin_.size() - 1) / 2); }
   std::size_t color_size(int color) const override {
     const auto c = static_cast<std::size_t>(color);
@@ -91,10 +72,9 @@ class SurfaceContacts final : public Projector {
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
-  Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
-  void erase_particles(std::uint32_t begin, std::uint32_t end) override;
+  void clear() override { set_surfaces({}); }
 
  private:
   /// A contact or a TOI violation: an index in pairs_, and the part of the motion at which its nearest points
@@ -109,6 +89,7 @@ class SurfaceContacts final : public Projector {
     std::size_t offset = 0;  // in the list of all chunks
   };
 
+  void set_surfaces(std::vector<ContactSurface> surfaces);
   void clear_contacts();
   void reset_colors_from(std::size_t first_new);
   void reset_colors();
@@ -168,11 +149,11 @@ class SurfaceContacts final : public Projector {
   std::vector<std::size_t> begin_{0}, next_slot_;
   ContactArrays contacts_;
   kernels::ContactColumns columns_{};  // of contacts_
-  std::vector<float> clamp_toi_;       // per particle, in keep_apart: part of the motion that remains
+  std::vector<float> clamp_toi_;       // per particle, in after_solve: part of the motion that remains
   std::vector<PairToi> violations_;
   std::vector<std::uint32_t> correction_pair_;
   std::vector<float> correction_toi_;
-  std::vector<std::uint32_t> corrected_particles_;  // moved by the last pass of keep_apart
+  std::vector<std::uint32_t> corrected_particles_;  // moved by the last pass of after_solve
   ContactArrays corrections_;                       // correction contacts, of correction_pair_
 };
 

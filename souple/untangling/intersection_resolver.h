@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/collision/contact_step.h"
+#include "souple/untangling/intersecting_pair.h"
 #include "souple/untangling/intersection_finder.h"
 #include "souple/untangling/layers.h"
 
@@ -9,13 +10,6 @@
 #include <vector>
 
 namespace souple {
-
-/// Two intersecting objects, or one with self-intersections.
-struct IntersectingPair {
-  std::uint32_t edge_surface = 0, surface = 0;  ///< indices of the objects of the edges and of the triangles
-  std::size_t edges = 0;                        ///< number of edges that pass through triangles
-  bool immovable = false;                       ///< no particle of these edges and triangles can move
-};
 
 /// Resolves intersections slowly, with corrections that conserve momentum.
 ///

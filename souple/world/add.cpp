@@ -255,9 +255,7 @@ void remove_object(WorldState& world, const Object& object) {
   for (const auto& other : world.objects)
     if (other->begin >= end) other->begin -= end - begin, other->end -= end - begin;
   for (UserConstraint& user_constraint : world.user_constraints) user_constraint.erase_particles(begin, end);
-  world.particle_contacts.erase_particles(begin, end);
-  world.surface_contacts.erase_particles(begin, end);
-  world.collider_element_contacts.erase_particles(begin, end);
+  world.contacts.erase_particles(begin, end);
   world.mirrors.erase(object.id.value);
   std::erase_if(world.emitters, [&](const EmitterRecord& record) { return record.fluid == object.id.value; });
   world.names.remove(world.objects[index]->name);

@@ -74,8 +74,7 @@ bool concerns_bodies(const WorldState& world, Impact& impact) {
 void restitute_bodies(WorldState& world, const Substep& substep) {
   world.impacts.clear();
   world.bodies_at_impact.clear();
-  world.surface_contacts.append_impacts(substep, world.impacts);
-  world.collider_contacts.append_impacts(substep, world.impacts);
+  world.contacts.append_impacts(substep, world.impacts);
   const double threshold = 2 * static_cast<double>(length(world.settings.gravity) * substep.h);
   for (Impact& impact : world.impacts)
     if (concerns_bodies(world, impact)) solve_impact(world, impact, threshold);

@@ -73,7 +73,7 @@ ContactSurface contact_surface(const WorldState& world, std::uint32_t index, flo
 
 // Bodies with an embedded surface have no elements: their particles collide instead.
 void append_elements(const Object& object, std::uint32_t index, std::span<const Edge> rope_edges,
-                     std::vector<ColliderElementContacts::Element>& elements) {
+                     std::vector<ContactElement>& elements) {
   if (object.kind == ObjectKind::obstacle || is_particle_only(object)) return;
   const std::uint32_t b = object.begin;
   const auto append = [&](std::uint32_t p, std::uint32_t q, std::uint32_t r) {
@@ -82,6 +82,31 @@ void append_elements(const Object& object, std::uint32_t index, std::span<const 
   };
   for (const Triangle& t : object.surface) append(t[0], t[1], t[2]);
   for (const Edge& edge : rope_edges) append(edge[0], edge[1], edge[1]);
+}
+
+std::vector<std::array<std::uint32_t, 2>> joined_particles(const WorldState& world) {
+  std::vector<std::array<std::uint32_t, 2>> joined;
+  for (const UserConstraint& user_constraint : world.user_constraints)
+    for (std::size_t i = 0; user_constraint.distance_joint && user_constraint.is_active &&
+                            i < user_constraint.distance_joint->size();
+         ++i)
+      joined.push_back(user_constraint.distance_joint->set().indices(i));
+  return joined;
+}
+
+// Reads world.tables. Elements concern solid colliders only.
+ContactGeometry contact_geometry(const WorldState& world, std::span<const NamedContactMaterial> materials) {
+  const ContactTables& tables = world.tables;
+  ContactGeometry geometry;
+  geometry.joined = joined_particles(world);
+  const bool any_solid = std::any_of(tables.colliders.begin(), tables.colliders.end(), [](const Collider& c) {
+    return !std::holds_alternative<Plane>(c.shape);
+  });
+  for (std::uint32_t a = 0; a < world.objects.size(); ++a) {
+    geometry.surfaces.push_back(contact_surface(world, a, materials[a].radius));
+    if (any_solid) append_elements(*world.objects[a], a, tables.rope_edges[a], geometry.elements);
+  }
+  return geometry;
 }
 
 ContactMaterial contact_material_of(const Material& material) {
@@ -103,15 +128,14 @@ ContactMaterial contact_material_of(const Material& material) {
       material);
 }
 
-void append_event(const WorldState& world, const ContactPush& push, bool against_collider,
-                  std::vector<ContactEvent>& events) {
+void append_event(const WorldState& world, const ContactPush& push, std::vector<ContactEvent>& events) {
   if (!std::isfinite(push.impulse)) return;  // pinned since
   const Object& object = *world.objects[world.object_of[push.particle]];
   ContactEvent event;
   event.object = object.name;
   event.vertex = object.vertex_of[push.particle - object.begin];
-  event.other_is_collider = against_collider;
-  if (against_collider) {
+  event.other_is_collider = push.against_collider;
+  if (push.against_collider) {
     event.other = world.colliders[push.other].options.name;
   } else {
     const Object& other = *world.objects[world.object_of[push.other]];
@@ -137,7 +161,6 @@ bool is_particle_only(const Object& object) {
 }
 
 void build_contact_tables(WorldState& world) {
-  world.collider_contacts.erase_particles(0, 0);  // they refer to the old tables
   world.invalidate_contacts();
   ContactTables& tables = world.tables;
   world.sleep.proximity.invalidate();
@@ -157,34 +180,11 @@ void build_contact_tables(WorldState& world) {
   }
   tables.against_colliders = ContactMaterialTable(object_materials, collider_materials, world.pairs);
   tables.against_objects = ContactMaterialTable(object_materials, object_materials, world.pairs);
-  std::vector<std::array<std::uint32_t, 2>> joined;
-  for (const UserConstraint& user_constraint : world.user_constraints)
-    for (std::size_t i = 0; user_constraint.distance_joint && user_constraint.is_active &&
-                            i < user_constraint.distance_joint->size();
-         ++i)
-      joined.push_back(user_constraint.distance_joint->set().indices(i));
-  world.surface_contacts.exclude(joined);
-  world.intersection_resolver.exclude(joined);
-  world.particle_contacts.exclude(std::move(joined));
   tables.rope_edges.clear();
   for (const auto& object : world.objects) tables.rope_edges.push_back(edges_of_rope(*object));
-  std::vector<ContactSurface> surfaces;
-  for (std::uint32_t a = 0; a < world.objects.size(); ++a)
-    surfaces.push_back(contact_surface(world, a, object_materials[a].radius));
-  world.intersection_resolver.set_surfaces(surfaces);
-  world.check_intersections = true;
-  world.surface_contacts.set_surfaces(std::move(surfaces));
-  world.surface_contacts.set_intersection_resolver(&world.intersection_resolver);
-  std::vector<ColliderElementContacts::Element> elements;
-  const bool any_solid = std::any_of(tables.colliders.begin(), tables.colliders.end(), [](const Collider& c) {
-    return !std::holds_alternative<Plane>(c.shape);
-  });
-  for (std::uint32_t a = 0; any_solid && a < world.objects.size(); ++a)
-    append_elements(*world.objects[a], a, tables.rope_edges[a], elements);
-  world.dirty_counts = true;
+  world.contacts.build(contact_geometry(world, object_materials));
+  world.check_intersections = world.dirty_counts = true;
   world.fluids.build(world);
-  elements.shrink_to_fit();
-  world.collider_element_contacts.set_elements(std::move(elements));
 }
 
 void update_fluid_counts(WorldState& world) {
@@ -193,7 +193,7 @@ void update_fluid_counts(WorldState& world) {
     const Object& object = *world.objects[a];
     if (object.kind != ObjectKind::fluid) continue;
     world.tables.objects[a].end = object.end;
-    world.surface_contacts.set_end(a, object.end);
+    world.contacts.set_end(a, object.end);
   }
   world.sleep.proximity.invalidate();
   world.dirty_counts = false;
@@ -220,7 +220,7 @@ bool may_intersect(const WorldState& world) {
 void report_intersections(WorldState& world) {
   std::string words;
   std::size_t described = 0;
-  for (const IntersectingPair& pair : world.intersection_resolver.pairs()) {
+  for (const IntersectingPair& pair : world.contacts.intersecting_pairs()) {
     world.report.intersections += pair.edges;
     if (++described > 3) continue;
     const std::string& one = world.objects[pair.edge_surface]->name;
@@ -233,13 +233,6 @@ void report_intersections(WorldState& world) {
   }
   if (world.report.intersections > 0)
     world.warn(Flag::intersecting, words + std::string(advice(Flag::intersecting)));
-}
-
-void find_intersections(WorldState& world, const ContactStep& step) {
-  world.intersection_resolver.begin_step(world.view(), step, may_intersect(world), *world.threads);
-  world.check_intersections = false;
-  world.report.layer_violations = world.intersection_resolver.layer_violations().size();
-  report_intersections(world);
 }
 
 }  // namespace
@@ -260,53 +253,37 @@ void find_candidates(WorldState& world, double dt) {
   const ParticleView view = world.view();
   for (std::size_t a = 0; a < tables.objects.size(); ++a)
     tables.objects[a].moves = world.objects[a]->island == 0;
-  world.collider_element_contacts.begin_step(view, particles.velocity, particles.radius, tables.colliders,
-                                             tables.against_colliders, step, *world.threads);
+  const ContactInput input{
+      view, particles.velocity, particles.radius, particles.element_radius, particles.contact_margin, tables,
+      step};
   world.guarded("a collider's motion", [&] {
-    world.collider_contacts.begin_step(view, particles.velocity, particles.radius, particles.element_radius,
-                                       tables.objects, tables.colliders, tables.against_colliders, step,
-                                       *world.threads);
+    const bool search_intersections = may_intersect(world);
+    world.check_intersections = false;
+    world.contacts.begin_step(input, search_intersections, *world.threads);
   });
-  find_intersections(world, step);
-  world.surface_contacts.begin_step(view, particles.velocity, particles.radius, particles.contact_margin,
-                                    tables.against_objects, step, *world.threads);
-  world.particle_contacts.begin_step(view, particles.velocity, particles.radius, tables.objects,
-                                     tables.against_objects, step, *world.threads);
+  world.report.layer_violations = world.contacts.layer_violations();
+  report_intersections(world);
 }
 
 void generate_contacts(WorldState& world, const Substep& substep) {
   if (world.sleep.all) return;
-  const ParticleView view = world.view();
-  world.intersection_resolver.separate(view, substep);
   world.guarded("a collider's motion",
-                [&] { world.collider_contacts.refresh(view, substep, world.time, *world.threads); });
-  world.guarded("a collider's motion",
-                [&] { world.collider_element_contacts.refresh(view, substep, world.time, *world.threads); });
-  world.surface_contacts.refresh(view, substep, *world.threads);
-  world.particle_contacts.refresh(view, substep, *world.threads);
+                [&] { world.contacts.refresh(world.view(), substep, world.time, *world.threads); });
 }
 
 void keep_apart(WorldState& world, const Substep& substep) {
-  world.report.kept_apart += world.surface_contacts.keep_apart(world.view(), substep, *world.threads);
+  world.report.kept_apart += world.contacts.after_solve(world.view(), substep, *world.threads);
 }
 
 void apply_restitution(WorldState& world, const Substep& substep) {
-  const ParticleView view = world.view();
   restitute_bodies(world, substep);
-  world.surface_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
-  world.particle_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
-  world.collider_element_contacts.apply_restitution(view, world.particles.velocity, substep);
-  world.collider_contacts.apply_restitution(view, world.particles.velocity, substep, *world.threads);
+  world.contacts.apply_restitution(world.view(), world.particles.velocity, substep, *world.threads);
 }
 
 void report_contacts(WorldState& world) {
-  const ContactReport colliders = world.collider_contacts.report();
-  const ContactReport elements = world.collider_element_contacts.report();
-  const ContactReport particles = world.particle_contacts.report();
-  const ContactReport surfaces = world.surface_contacts.report();
-  world.report.contacts = colliders.count + elements.count + particles.count + surfaces.count;
-  world.report.deepest_contact = static_cast<double>(
-      std::max({colliders.deepest, elements.deepest, particles.deepest, surfaces.deepest}));
+  const ContactReport report = world.contacts.report();
+  world.report.contacts = report.count;
+  world.report.deepest_contact = static_cast<double>(report.deepest);
 }
 
 std::span<const ContactEvent> World::contacts() const {
@@ -315,15 +292,9 @@ std::span<const ContactEvent> World::contacts() const {
   world.events.clear();
   if (!world.contacts_valid && !world.stepping) return world.events;
   world.events_valid = !world.stepping;
-  const ParticleView view = world.view();
   std::vector<ContactPush> pushes;
-  world.collider_contacts.events(view, pushes);
-  world.collider_element_contacts.events(view, pushes);
-  for (const ContactPush& push : pushes) append_event(world, push, true, world.events);
-  pushes.clear();
-  world.surface_contacts.events(view, pushes);
-  world.particle_contacts.events(view, pushes);
-  for (const ContactPush& push : pushes) append_event(world, push, false, world.events);
+  world.contacts.events(world.view(), pushes);
+  for (const ContactPush& push : pushes) append_event(world, push, world.events);
   return world.events;
 }
 

@@ -92,10 +92,7 @@ MemoryReport World::memory() {
   report.simulation.push_back({"forces and predictions", bytes_of(world.predicted, world.force,
                                                                   world.triangle_force, world.rigid_sums)});
   add_constraints(world, report);
-  report.simulation.push_back(
-      {"contacts", world.surface_contacts.bytes() + world.particle_contacts.bytes() +
-                       world.collider_contacts.bytes() + world.collider_element_contacts.bytes() +
-                       world.sleep.proximity.bytes() + world.intersection_resolver.bytes()});
+  report.simulation.push_back({"contacts", world.contacts.bytes() + world.sleep.proximity.bytes()});
   if (const std::size_t foam = world.fluids.foam().bytes(); foam > 0)
     report.simulation.push_back({"foam", foam});
   add_objects(world, report);

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cstring>
 
-// Layout of a snapshot: magic number, shape (a hash of the objects), time, steps, number of frictional
-// contacts, foam count and origin; then per particle position (with inverse mass), offset, velocity and
+// Layout of a snapshot: magic number, shape (a hash of the objects), time, steps, size of the
+// contacts' state, foam count and origin; then per particle position (with inverse mass), offset, velocity and
 // contact margin (how far contacts recently pushed it); then the angular velocities of grains, object by object;
-// the friction cache of particle contacts; per
+// the contacts' state (the friction of pairs of particles); per
 // object rest time, island, particle count and imbalance; state of emitters and drains; foam; the poses of the
 // colliders that move_collider moved; a checksum of all preceding bytes.
 
@@ -51,6 +51,7 @@ struct Header {
   double foam_origin[3];
 };
 
+constexpr std::size_t contact_unit = 32;  // bytes: unit of Header::contacts, the size of one pair's friction
 constexpr std::size_t foam_bytes = 2 * sizeof(Vec3f) + 2 * sizeof(float) + sizeof(FoamKind);  // per particle
 
 /// Sleep state, particle count and last measured imbalance of an object.
@@ -129,9 +130,8 @@ std::size_t bytes_of_spins(const WorldState& world) {
 }
 
 std::size_t size_for(const WorldState& world, std::size_t contacts, std::size_t foam) {
-  return sizeof(Header) + bytes_of_particles(world) + bytes_of_spins(world) +
-         contacts * sizeof(CachedFriction) + world.objects.size() * sizeof(Rest) +
-         world.emitters.size() * sizeof(EmitterRecord::layers) +
+  return sizeof(Header) + bytes_of_particles(world) + bytes_of_spins(world) + contacts * contact_unit +
+         world.objects.size() * sizeof(Rest) + world.emitters.size() * sizeof(EmitterRecord::layers) +
          world.drains.size() * sizeof(DrainRecord::credit) + foam * foam_bytes + sizeof(std::uint64_t);
 }
 
@@ -172,26 +172,26 @@ void resume_objects(WorldState& world, std::span<const std::byte>& in) {
 Snapshot World::snapshot() const {
   const WorldState& world = impl_->state;
   const Particles& particles = world.particles;
-  const std::vector<CachedFriction> friction = world.particle_contacts.friction_cache();
+  const std::vector<std::byte> contacts = world.contacts.save();
   const FluidFoam& foam = world.fluids.foam();
   const Vec3d& origin = foam.origin();
   const Header header{magic,
                       shape_of(world),
                       world.time,
                       world.steps,
-                      friction.size(),
+                      contacts.size() / contact_unit,
                       foam.size(),
                       {origin.x, origin.y, origin.z}};
   Snapshot result;
   std::vector<std::byte>& out = result.bytes;
-  out.reserve(size_for(world, friction.size(), foam.size()));
+  out.reserve(size_for(world, header.contacts, foam.size()));
   put(out, &header, 1);
   put(out, particles.position.data(), particles.size());
   put(out, particles.offset.data(), particles.size());
   put(out, particles.velocity.data(), particles.size());
   put(out, particles.contact_margin.data(), particles.size());
   for_each_spin(world, particles.spin, [&out](const Vec4f* spin, std::size_t n) { put(out, spin, n); });
-  put(out, friction.data(), friction.size());
+  put(out, contacts.data(), contacts.size());
   for (const auto& object : world.objects) {
     const Rest rest{object->rest_time, object->island, object->particle_count(), object->imbalance};
     put(out, &rest, 1);
@@ -213,8 +213,8 @@ void World::restore(const Snapshot& snapshot) {
   Particles& particles = world.particles;
   world.time = header.time;
   world.steps = header.steps;
-  std::span<const std::byte> later = in.subspan(bytes_of_particles(world) + bytes_of_spins(world) +
-                                                header.contacts * sizeof(CachedFriction));
+  std::span<const std::byte> later =
+      in.subspan(bytes_of_particles(world) + bytes_of_spins(world) + header.contacts * contact_unit);
   resume_objects(world, later);
   const auto& origin = header.foam_origin;
   world.fluids.foam().set_state(get_foam(later, header.foam), {origin[0], origin[1], origin[2]});
@@ -224,9 +224,7 @@ void World::restore(const Snapshot& snapshot) {
   get(in, particles.velocity.data(), particles.size());
   get(in, particles.contact_margin.data(), particles.size());
   for_each_spin(world, particles.spin, [&in](Vec4f* spin, std::size_t n) { get(in, spin, n); });
-  std::vector<CachedFriction> friction(header.contacts);
-  get(in, friction.data(), friction.size());
-  world.particle_contacts.set_friction_cache(friction);
+  world.contacts.load(in.first(header.contacts * contact_unit));
   world.invalidate_contacts();
   world.check_intersections = true;
   ++world.version;

@@ -4,17 +4,12 @@
 
 #include "souple/constraints/attachment.h"
 #include "souple/constraints/distance.h"
-#include "souple/contacts/collider.h"
-#include "souple/contacts/collider_contacts.h"
-#include "souple/contacts/collider_element_contacts.h"
-#include "souple/contacts/particle_contacts.h"
-#include "souple/contacts/surface_contacts.h"
+#include "souple/contacts/contacts.h"
 #include "souple/geometry/embedding.h"
 #include "souple/solver/custom_constraint.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/set_projector.h"
 #include "souple/state/particles.h"
-#include "souple/untangling/intersection_resolver.h"
 #include "souple/world/arrivals.h"
 #include "souple/world/balance.h"
 #include "souple/world/flow.h"
@@ -145,14 +140,6 @@ struct ColliderRecord {
   ColliderMotion given{};              ///< the motion before
 };
 
-/// Input of the contact projectors during a step, built from objects and colliders.
-struct ContactTables {
-  std::vector<ContactObject> objects;
-  std::vector<Collider> colliders;
-  std::vector<std::vector<Edge>> rope_edges;  ///< per object; empty except for ropes
-  ContactMaterialTable against_colliders, against_objects;
-};
-
 /// A soft body at an impact, see body_restitution.h.
 struct BodyAtImpact {
   std::uint32_t object = 0;
@@ -197,11 +184,7 @@ struct WorldState {
   SolverSettings solver_settings;    ///< those that `solver` was made with
   std::unique_ptr<Threads> threads;  ///< null: create before the next step
   JobSystem* jobs = nullptr;         ///< the host's, in place of our threads
-  ColliderContacts collider_contacts;
-  ColliderElementContacts collider_element_contacts;
-  ParticleContacts particle_contacts;
-  SurfaceContacts surface_contacts;
-  IntersectionResolver intersection_resolver;
+  Contacts contacts;
   Balance balance;
   bool last_substep = false;               ///< of a step
   double step_start = 0, step_length = 1;  ///< of the current step [s]
@@ -209,7 +192,7 @@ struct WorldState {
   bool check_intersections = true;             ///< an object was placed without continuous motion
   std::vector<Impact> impacts;                 ///< of the substep, see body_restitution.h
   std::vector<BodyAtImpact> bodies_at_impact;  ///< bodies at impacts
-  ContactTables tables;
+  ContactTables tables;  ///< built from objects and colliders, read by `contacts` in a step
   PairOverrides pairs;
   bool dirty_constraints = true;  ///< objects or materials changed: rebuild before the next step
   bool dirty_tables = true;       ///< input of the contacts changed: rebuild the tables
@@ -227,7 +210,7 @@ struct WorldState {
   StepReport report;
   std::vector<ContactEvent> events;
   SleepScratch sleep;
-  bool contacts_valid = false;  ///< the contact projectors hold the result of the last step and may be read
+  bool contacts_valid = false;  ///< `contacts` holds the result of the last step and may be read
   bool events_valid = false;    ///< `events` match these contacts
   void invalidate_contacts() { contacts_valid = events_valid = false; }
   std::vector<Vec4f> last_valid_position, last_valid_offset, last_valid_velocity,
@@ -265,10 +248,7 @@ struct WorldState {
   template <class Function>
   void for_each_projector(const Function& f) {
     for_each_constraint_projector(f);
-    f(surface_contacts);
-    f(particle_contacts);
-    f(collider_element_contacts);
-    f(collider_contacts);
+    for (const auto& kind : contacts.kinds()) f(*kind);
   }
 
   /// Calls f for all projectors except contacts, in the same order.

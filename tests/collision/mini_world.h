@@ -41,17 +41,25 @@ struct MiniWorld {
     colliders.push_back({"collider", shape, motion, material, true});
   }
 
-  void step(double dt, int substeps, int iterations = 1) {
+  /// Finds the contact candidates of a step.
+  void begin_step(double dt) {
     std::vector<NamedContactMaterial> named, obstacles;
     for (std::size_t k = 0; k < objects.size(); ++k)
       named.push_back({names(k), materials[k].second, {}, radius_at_3_mps});
     for (const Collider& collider : colliders) obstacles.push_back({collider.name, collider.material});
-    const ContactMaterialTable with_colliders(named, obstacles, table), with_objects(named, named, table);
+    tables = {objects, colliders, {}, {named, obstacles, table}, {named, named, table}};
     start = moving();
-    const ContactStep contact_step{time, float(dt), length(gravity)};
-    on_colliders.begin_step(view(), velocity, radius, element_radius, objects, colliders, with_colliders,
-                            contact_step, *threads);
-    on_particles.begin_step(view(), velocity, radius, objects, with_objects, contact_step, *threads);
+    begin_step(ContactStep{time, float(dt), length(gravity)});
+  }
+  /// With `tables` as they are.
+  void begin_step(const ContactStep& step) {
+    const ContactInput input{view(), velocity, radius, element_radius, {}, tables, step};
+    on_colliders.begin_step(input, *threads);
+    on_particles.begin_step(input, *threads);
+  }
+
+  void step(double dt, int substeps, int iterations = 1) {
+    begin_step(dt);
     for (int s = 0; s < substeps; ++s) substep({float(dt / substeps), iterations, Mode::small_steps, form});
   }
 
@@ -64,7 +72,7 @@ struct MiniWorld {
       moving()[i].set_xyz(moving()[i].xyz() + velocity[i].xyz() * h);
     }
     on_colliders.refresh(view(), substep, time, *threads);
-    on_particles.refresh(view(), substep, *threads);
+    on_particles.refresh(view(), substep, time, *threads);
     for (int k = 0; k < substep.iterations; ++k) {
       for (int c = 0; c < on_particles.color_count(); ++c) on_particles.project(c, view(), substep);
       for (int c = 0; c < on_colliders.color_count(); ++c) on_colliders.project(c, view(), substep);
@@ -109,6 +117,7 @@ struct MiniWorld {
   std::vector<std::pair<std::string, ContactMaterial>> materials;
   std::vector<Collider> colliders;
   PairOverrides table;
+  ContactTables tables;
   ColliderContacts on_colliders;
   ParticleContacts on_particles;
   std::shared_ptr<Threads> threads = make_threads(Threading::serial, 1);

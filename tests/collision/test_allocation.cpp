@@ -22,17 +22,10 @@ TEST(Contacts, AWarmStepAllocatesNothing) {
                      }));
   for (int frame = 0; frame < 60; ++frame) world.step(1.0 / 60, 10);
 
-  const std::vector<NamedContactMaterial> materials(2);
-  const ContactMaterialTable matrix(materials, materials, {});
-  const ContactStep step{world.time, 1.0f / 60, 9.81f};
   const Substep substep{1.0f / 600, 1, Mode::small_steps, Form::displacement};
   world.start = world.moving();
-  const ParticleView view = world.view();
   const long before = test::allocations();
-  world.on_colliders.begin_step(view, world.velocity, world.radius, world.element_radius, world.objects,
-                                world.colliders, matrix, step, *world.threads);
-  world.on_particles.begin_step(view, world.velocity, world.radius, world.objects, matrix, step,
-                                *world.threads);
+  world.begin_step(ContactStep{world.time, 1.0f / 60, 9.81f});
   for (int k = 0; k < 10; ++k) world.substep(substep);
   EXPECT_GT(world.on_particles.report().count + world.on_colliders.report().count, 300u);
 

@@ -1,0 +1,120 @@
+#include "souple/contacts/contacts.h"
+
+#include "souple/contacts/collider_contacts.h"
+#include "souple/contacts/collider_element_contacts.h"
+#include "souple/contacts/particle_contacts.h"
+#include "souple/contacts/surface_contacts.h"
+#include "souple/untangling/intersection_resolver.h"
+
+#include <exception>
+
+namespace souple {
+
+// The order of solution. Colliders come last: nothing pushes a particle back into one.
+Contacts::Contacts() : intersection_resolver_(std::make_unique<IntersectionResolver>()) {
+  kinds_.push_back(std::make_unique<SurfaceContacts>(intersection_resolver_.get()));
+  kinds_.push_back(std::make_unique<ParticleContacts>());
+  kinds_.push_back(std::make_unique<ColliderElementContacts>());
+  kinds_.push_back(std::make_unique<ColliderContacts>());
+}
+
+Contacts::~Contacts() = default;
+
+void Contacts::build(const ContactGeometry& geometry) {
+  intersection_resolver_->exclude(geometry.joined);
+  intersection_resolver_->set_surfaces(geometry.surfaces);
+  for (const auto& kind : kinds_) kind->build(geometry);
+}
+
+void Contacts::set_end(std::size_t object, std::uint32_t end) {
+  for (const auto& kind : kinds_) kind->set_end(object, end);
+}
+
+// A user's callback may throw in one kind: the others find their contacts all the same.
+template <class Function>
+void Contacts::guarded_for_each(const Function& f) {
+  std::exception_ptr first;
+  for (const auto& kind : kinds_) {
+    try {
+      f(*kind);
+    } catch (...) {
+      if (!first) first = std::current_exception();
+    }
+  }
+  if (first) std::rethrow_exception(first);
+}
+
+void Contacts::begin_step(const ContactInput& input, bool search_intersections, Threads& threads) {
+  intersection_resolver_->begin_step(input.particles, input.step, search_intersections, threads);
+  guarded_for_each([&](ContactProjector& kind) { kind.begin_step(input, threads); });
+}
+
+void Contacts::refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads) {
+  intersection_resolver_->separate(particles, substep);
+  guarded_for_each([&](ContactProjector& kind) { kind.refresh(particles, substep, time, threads); });
+}
+
+std::size_t Contacts::after_solve(const ParticleView& particles, const Substep& substep, Threads& threads) {
+  std::size_t clamped = 0;
+  for (const auto& kind : kinds_) clamped += kind->after_solve(particles, substep, threads);
+  return clamped;
+}
+
+void Contacts::append_impacts(const Substep& substep, std::vector<Impact>& out) const {
+  for (const auto& kind : kinds_) kind->append_impacts(substep, out);
+}
+
+void Contacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
+                                 const Substep& substep, Threads& threads) {
+  for (const auto& kind : kinds_) kind->apply_restitution(particles, velocity, substep, threads);
+}
+
+ContactReport Contacts::report() const {
+  ContactReport sum;
+  for (const auto& kind : kinds_) {
+    const ContactReport report = kind->report();
+    sum.count += report.count;
+    sum.deepest = max(sum.deepest, report.deepest);
+  }
+  return sum;
+}
+
+void Contacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
+  for (const bool colliders : {true, false})
+    for (const auto& kind : kinds_)
+      if (kind->is_collider_contact() == colliders) kind->events(particles, out);
+}
+
+bool Contacts::untangles() const {
+  return intersection_resolver_->acts();
+}
+
+std::span<const IntersectingPair> Contacts::intersecting_pairs() const {
+  return intersection_resolver_->pairs();
+}
+
+std::size_t Contacts::layer_violations() const {
+  return intersection_resolver_->layer_violations().size();
+}
+
+std::vector<std::byte> Contacts::save() const {
+  std::vector<std::byte> state;
+  for (const auto& kind : kinds_) kind->save(state);
+  return state;
+}
+
+void Contacts::load(std::span<const std::byte> state) {
+  for (const auto& kind : kinds_) kind->load(state);
+}
+
+void Contacts::erase_particles(std::uint32_t begin, std::uint32_t end) {
+  for (const auto& kind : kinds_) kind->erase_particles(begin, end);
+}
+
+std::size_t Contacts::bytes() const {
+  std::size_t sum = intersection_resolver_->bytes();
+  for (const auto& kind : kinds_) sum += kind->bytes();
+  return sum;
+}
+
+}  // namespace souple
