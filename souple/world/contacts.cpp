@@ -132,14 +132,15 @@ void append_event(const WorldState& world, const ContactPush& push, std::vector<
   if (!std::isfinite(push.impulse)) return;  // pinned since
   const Object& object = *world.objects[world.object_of[push.particle]];
   ContactEvent event;
-  event.object = object.name;
+  event.object = object.name, event.object_id = object.id;
   event.vertex = object.vertex_of[push.particle - object.begin];
   event.other_is_collider = push.against_collider;
   if (push.against_collider) {
     event.other = world.colliders[push.other].options.name;
+    event.collider_id = world.colliders[push.other].id;
   } else {
     const Object& other = *world.objects[world.object_of[push.other]];
-    event.other = other.name;
+    event.other = other.name, event.other_id = other.id;
     event.other_vertex = other.vertex_of[push.other - other.begin];
   }
   event.point = push.point;
@@ -174,7 +175,7 @@ void build_contact_tables(WorldState& world) {
   }
   for (const ColliderRecord& record : world.colliders) {
     const ContactMaterial material = contact_material_of(record.options);
-    tables.colliders.push_back({record.options.name, record.shape, record.options.motion, material, true});
+    tables.colliders.push_back({record.options.name, record.shape, record.options.motion, material, !record.options.sensor});
     collider_materials.push_back(
         {record.options.name, material, {record.options.collision_groups, record.options.collision_mask}});
   }
@@ -288,6 +289,7 @@ void report_contacts(WorldState& world) {
 
 std::span<const ContactEvent> World::contacts() const {
   WorldState& world = impl_->state;
+  const std::lock_guard<std::mutex> lock(world.cache_lock);
   if (world.events_valid) return world.events;
   world.events.clear();
   if (!world.contacts_valid && !world.stepping) return world.events;

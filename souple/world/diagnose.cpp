@@ -270,6 +270,8 @@ void end_step(WorldState& world, bool valid) {
   world.contacts_valid = true;
   world.report.time = world.time;
   report_contacts(world);
+  world.contact_tracker.end_step(world, valid);
+  world.erase_removed_callbacks();
   report_fluids(world);
   report_custom_errors(world);
   measure(world);
@@ -277,8 +279,10 @@ void end_step(WorldState& world, bool valid) {
 }
 
 void run_callbacks(World& self, WorldState& world,
-                   const std::vector<std::function<void(World&)>>& callbacks) {
-  for (const auto& callback : callbacks) world.guarded("a stage's callback", [&] { callback(self); });
+                   const CallbackList<std::function<void(World&)>>& callbacks) {
+  callbacks.for_each([&](const std::function<void(World&)>& callback) {
+    world.guarded("a stage's callback", [&] { callback(self); });
+  });
 }
 
 }  // namespace souple

@@ -18,6 +18,7 @@ Substep substep_of(const Settings& settings, double dt);
 /// Completes the report. If the step was not valid, reports the particle and restores the last valid state.
 void end_step(WorldState& world, bool valid);
 /// Runs callbacks; an exception is reported, not passed on.
-void run_callbacks(World& self, WorldState& world, const std::vector<std::function<void(World&)>>& callbacks);
+void run_callbacks(World& self, WorldState& world,
+                   const CallbackList<std::function<void(World&)>>& callbacks);
 
 }  // namespace souple

@@ -69,6 +69,8 @@ void add_objects(const WorldState& world, MemoryReport& report) {
   report.objects.push_back({"motions of obstacles", motions});
   report.objects.push_back({"maps from vertices to particles", maps});
   report.objects.push_back({"mirrors of positions and normals", mirrors});
+  const std::size_t queries = world.query_index.bytes();
+  if (queries > 0) report.objects.push_back({"box trees of queries", queries});
   std::size_t fields = 0;
   for (const ColliderRecord& record : world.colliders)
     if (const auto* field = std::get_if<SignedDistanceField>(&record.shape)) fields += field->bytes();

@@ -1,3 +1,5 @@
+#include "souple/world/mirror.h"
+
 #include "souple/assert.h"
 #include "souple/geometry/measures.h"
 #include "souple/math/fnv1a.h"
@@ -31,15 +33,6 @@ void fill(const Object& object, std::vector<Vec3f>& out, const Function& f) {
     for (std::size_t k = 0; k < 4; ++k) sum += f(object.begin + tet[k]) * weights[k];
     out[v] = Vec3f(sum);
   }
-}
-
-Mirror& fresh_mirror(const WorldState& world, ObjectId id) {
-  const Object& object = world.object(id);
-  Mirror& mirror = world.mirrors[id.value];
-  if (mirror.version == world.version) return mirror;
-  fill(object, mirror.positions, [&](std::size_t i) { return world.exact_position(i); });
-  mirror.version = world.version;
-  return mirror;
 }
 
 // Minimum number of triangles or vertices per thread.
@@ -89,12 +82,23 @@ void fill_normals(const WorldState& world, std::span<const Triangle> triangles, 
 
 }  // namespace
 
+Mirror& fresh_mirror(const WorldState& world, ObjectId id) {
+  const Object& object = world.object(id);
+  Mirror& mirror = world.mirrors[id.value];
+  if (mirror.version == world.version) return mirror;
+  fill(object, mirror.positions, [&](std::size_t i) { return world.exact_position(i); });
+  mirror.version = world.version;
+  return mirror;
+}
+
 std::span<const Vec3f> World::positions(ObjectId id) const {
+  const std::lock_guard<std::mutex> lock(impl_->state.cache_lock);
   return fresh_mirror(impl_->state, id).positions;
 }
 std::span<const Vec3f> World::velocities(ObjectId id) const {
   const WorldState& world = impl_->state;
   const Object& object = world.object(id);
+  const std::lock_guard<std::mutex> lock(world.cache_lock);
   Mirror& mirror = world.mirrors[id.value];
   if (mirror.velocities_version == world.version) return mirror.velocities;
   fill(object, mirror.velocities, [&](std::size_t i) { return Vec3d(world.particles.velocity[i].xyz()); });
@@ -106,6 +110,7 @@ std::span<const Vec3f> World::angular_velocities(ObjectId id) const {
   const WorldState& world = impl_->state;
   const Object& object = world.object(id);
   if (object.kind != ObjectKind::grains) return {};
+  const std::lock_guard<std::mutex> lock(world.cache_lock);
   Mirror& mirror = world.mirrors[id.value];
   if (mirror.angular_velocities_version == world.version) return mirror.angular_velocities;
   fill(object, mirror.angular_velocities,
@@ -118,6 +123,7 @@ std::span<const Vec3f> World::normals(ObjectId id) const {
   const WorldState& world = impl_->state;
   const std::vector<Triangle>& triangles = world.object(id).mesh.triangles;
   if (triangles.empty()) return {};
+  const std::lock_guard<std::mutex> lock(world.cache_lock);
   Mirror& mirror = fresh_mirror(world, id);
   if (mirror.normals_version == world.version) return mirror.normals;
   mirror.normals_version = world.version;

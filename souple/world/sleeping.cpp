@@ -307,7 +307,7 @@ void wake_disturbed(WorldState& world, double dt) {
   if (world.report.asleep == 0) return;
   wake_near_movers(world, static_cast<float>(dt));
   for (std::size_t c = 0; c < world.colliders.size(); ++c)
-    if (!world.colliders[c].options.motion.is_static())
+    if (!world.colliders[c].options.motion.is_static() && !world.colliders[c].options.sensor)
       world.guarded("a collider's motion", [&] { wake_near_collider(world, c, dt); });
   count_sleepers(world);
   sleep.woken = false;  // the search for near pairs follows

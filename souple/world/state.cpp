@@ -58,6 +58,12 @@ void WorldState::set_position(std::size_t i, const Vec3d& x) {
   if (settings.form == Form::displacement) particles.offset[i].set_xyz(Vec3f(x - Vec3d(rounded)));
 }
 
+void WorldState::erase_removed_callbacks() {
+  for (auto* lists : {&before, &after})
+    for (auto& callbacks : *lists) callbacks.erase_removed();
+  force_fields.erase_removed();
+}
+
 std::string WorldState::unique_name(const std::string& wanted, std::string_view base) const {
   if (wanted.empty()) return names.first_free(base);
   names.require_free(wanted);

@@ -12,9 +12,12 @@
 #include "souple/state/particles.h"
 #include "souple/world/arrivals.h"
 #include "souple/world/balance.h"
+#include "souple/world/callback_list.h"
+#include "souple/world/contact_tracker.h"
 #include "souple/world/flow.h"
 #include "souple/world/fluids.h"
 #include "souple/world/name_registry.h"
+#include "souple/world/query_index.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/world.h"
 
@@ -23,6 +26,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <variant>
@@ -83,6 +87,7 @@ struct Object {
   ObstacleMotion motion;     ///< of obstacles
   Transform placement;       ///< of obstacles: transform of the mesh sequence
   float wind_exposure = 1;   ///< share of the wind's velocity
+  std::uint64_t user_data = 0;
 
   std::uint32_t reserved_end() const { return begin + capacity; }
   std::uint32_t particle_count() const { return static_cast<std::uint32_t>(rest.size()); }
@@ -138,6 +143,7 @@ struct ColliderRecord {
   Shape shape;
   std::shared_ptr<Arrival> arrival{};  ///< `options.motion`, once move_collider has set it
   ColliderMotion given{};              ///< the motion before
+  std::uint64_t user_data = 0;
 };
 
 /// A soft body at an impact, see body_restitution.h.
@@ -174,7 +180,7 @@ struct WorldState {
   NameRegistry names;                            ///< of objects and colliders
   std::vector<EmitterRecord> emitters;
   std::vector<DrainRecord> drains;
-  std::uint32_t next_id = 1;
+  std::uint32_t next_id = 1, next_callback_id = 1;
 
   /// Built from the objects, in order of solution.
   std::vector<std::unique_ptr<Projector>> object_constraints;
@@ -201,8 +207,9 @@ struct WorldState {
   bool dirty_masses = true;  ///< particles were pinned or freed, or masses changed: prepare the solver
   void dirty_all() { dirty_constraints = dirty_tables = true; }
 
-  std::vector<VertexForceField> force_fields;
-  std::array<std::vector<std::function<void(World&)>>, stage_count> before, after;
+  CallbackList<VertexForceField> force_fields;
+  std::array<CallbackList<std::function<void(World&)>>, stage_count> before, after;
+  void erase_removed_callbacks();
   std::function<void(LogLevel, std::string_view)> log;
   /// Warnings of the last and of the current step without their numbers: the log has each once until it clears.
   std::vector<std::string> warned_before, warned;
@@ -215,7 +222,11 @@ struct WorldState {
   void invalidate_contacts() { contacts_valid = events_valid = false; }
   std::vector<Vec4f> last_valid_position, last_valid_offset, last_valid_velocity,
       last_valid_spin;                              ///< state before the step
+  ContactTracker contact_tracker;
   mutable std::map<std::uint32_t, Mirror> mirrors;  ///< by object id
+  mutable QueryIndex query_index;
+  /// Const functions that fill `mirrors`, `query_index` or `events` hold it meanwhile.
+  mutable std::mutex cache_lock;
 
   std::optional<std::size_t> first_non_finite;  ///< in this step: the lowest particle with a non-finite value
   /// Inside World::step: callbacks may read and apply forces, but not add or remove objects.

@@ -40,6 +40,7 @@ const StepReport& World::step(double dt) {
     run(*this, world, Stage::solve, [&] { solve(world, substep); });
     run(*this, world, Stage::finish, [&] { valid = finish(world, substep); });
     run(*this, world, Stage::velocity, [&] { update_velocities(world, substep); });
+    world.contact_tracker.end_substep(world);
     world.time = start + dt * i / substep.count;
   }
   if (valid) run(*this, world, Stage::foam, [&] { step_foam(world, start, dt); });

@@ -71,12 +71,29 @@ void World::set_settings(const Settings& settings) {
   world.settings = settings;
 }
 
-void World::before(Stage stage, std::function<void(World&)> callback) {
-  impl_->state.before[static_cast<std::size_t>(stage)].push_back(std::move(callback));
+CallbackId World::before(Stage stage, std::function<void(World&)> callback) {
+  WorldState& world = impl_->state;
+  if (!callback) throw Error("before: the function is empty");
+  world.before[static_cast<std::size_t>(stage)].add(world.next_callback_id, std::move(callback));
+  return {world.next_callback_id++};
 }
 
-void World::after(Stage stage, std::function<void(World&)> callback) {
-  impl_->state.after[static_cast<std::size_t>(stage)].push_back(std::move(callback));
+CallbackId World::after(Stage stage, std::function<void(World&)> callback) {
+  WorldState& world = impl_->state;
+  if (!callback) throw Error("after: the function is empty");
+  world.after[static_cast<std::size_t>(stage)].add(world.next_callback_id, std::move(callback));
+  return {world.next_callback_id++};
+}
+
+void World::remove(CallbackId id) {
+  WorldState& world = impl_->state;
+  bool found = false;
+  for (auto* lists : {&world.before, &world.after})
+    for (auto& callbacks : *lists) found = found || callbacks.remove(id.value);
+  if (!found)
+    throw Error(
+        fmt::format("no callback has the handle {}: it was removed, or belongs to another world", id.value));
+  if (!world.stepping) world.erase_removed_callbacks();
 }
 
 // --- objects -------------------------------------------------------------------------------------
@@ -148,6 +165,7 @@ void change_material(WorldState& world, ObjectId id, const M& material) {
   wake_island(world, object);
   if (density_ratio != 1) scale_mass(world, object, density_ratio);
   world.dirty_all();
+  ++world.version;  // the radius of balls, for queries
 }
 
 }  // namespace
@@ -533,22 +551,57 @@ void World::set_collide(std::string_view a, std::string_view b, bool collide) {
   wake_all(world);
 }
 
-void World::add_force_field(ForceField field) {
+ForceFieldId World::add_force_field(ForceField field) {
   if (!field) throw Error("add_force_field: the function is empty");
-  add_force_field(VertexForceField([field = std::move(field)](const ForcePoint& point) {
+  return add_force_field(VertexForceField([field = std::move(field)](const ForcePoint& point) {
     return field(point.position, point.velocity, point.mass, point.time);
   }));
 }
 
-void World::add_force_field(VertexForceField field) {
+ForceFieldId World::add_force_field(VertexForceField field) {
   if (!field) throw Error("add_force_field: the function is empty");
-  impl_->state.force_fields.push_back(std::move(field));
-  wake_all(impl_->state);
+  WorldState& world = impl_->state;
+  world.force_fields.add(world.next_callback_id, std::move(field));
+  wake_all(world);
+  return {world.next_callback_id++};
+}
+
+void World::remove(ForceFieldId id) {
+  WorldState& world = impl_->state;
+  if (!world.force_fields.remove(id.value))
+    throw Error(fmt::format("no force field has the handle {}: it was removed, or belongs to another world",
+                            id.value));
+  if (!world.stepping) world.erase_removed_callbacks();
+  wake_all(world);
 }
 
 void World::clear_force_fields() {
-  impl_->state.force_fields.clear();
-  wake_all(impl_->state);
+  WorldState& world = impl_->state;
+  world.force_fields.clear();
+  if (!world.stepping) world.erase_removed_callbacks();
+  wake_all(world);
+}
+
+void World::track_contacts(bool on) {
+  impl_->state.require_between_steps("track_contacts");
+  impl_->state.contact_tracker.track(on);
+}
+
+std::span<const ContactPair> World::contact_pairs() const {
+  return impl_->state.contact_tracker.pairs();
+}
+
+void World::set_user_data(ObjectId id, std::uint64_t data) {
+  impl_->state.object(id).user_data = data;
+}
+void World::set_user_data(ColliderId id, std::uint64_t data) {
+  impl_->state.collider(id).user_data = data;
+}
+std::uint64_t World::user_data(ObjectId id) const {
+  return impl_->state.object(id).user_data;
+}
+std::uint64_t World::user_data(ColliderId id) const {
+  return impl_->state.collider(id).user_data;
 }
 
 void World::set_wind(const Wind& wind) {

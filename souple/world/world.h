@@ -12,10 +12,12 @@
 #include "souple/threads/threads.h"
 #include "souple/world/debug_draw.h"
 #include "souple/world/emitter.h"
+#include "souple/world/handles.h"
 #include "souple/world/materials.h"
 #include "souple/world/memory.h"
 #include "souple/world/obstacle_motion.h"
 #include "souple/world/profile.h"
+#include "souple/world/query.h"
 #include "souple/world/report.h"
 #include "souple/world/selector.h"
 #include "souple/world/settings.h"
@@ -32,22 +34,6 @@
 #include <vector>
 
 namespace souple {
-
-/// Handle of an object. It stays valid until the object is removed. The world never reuses it.
-struct ObjectId {
-  std::uint32_t value = 0;
-  friend bool operator==(const ObjectId&, const ObjectId&) = default;
-};
-struct ColliderId {
-  std::uint32_t value = 0;
-  friend bool operator==(const ColliderId&, const ColliderId&) = default;
-};
-struct ProjectorId {
-  std::uint32_t value = 0;
-};
-
-enum class ObjectKind { cloth, soft_body, rope, grains, obstacle, fluid };
-std::string_view kind_name(ObjectKind kind);
 
 /// Options common to all kinds of objects.
 struct ObjectOptions {
@@ -83,6 +69,8 @@ struct ColliderOptions {
   ColliderMotion motion{};                  ///< static by default; its poses are applied to the shape
   std::uint32_t collision_groups = 1;       ///< as in ObjectOptions
   std::uint32_t collision_mask = ~0u;
+  /// Pushes nothing and stops no fluid; World::contact_pairs says which objects overlap it after each step.
+  bool sensor = false;
 };
 
 /// Target position of a pinned or attached vertex: (vertex in user order, time in s) -> meters.
@@ -117,25 +105,16 @@ struct Carrier {
   Vec3d position{};        ///< m
 };
 
-/// Result of a ray cast or a closest-point query.
-struct Hit {
-  bool found = false;
-  ObjectId object{};  ///< valid if `is_collider` is false
-  ColliderId collider{};
-  bool is_collider = false;
-  std::uint32_t vertex = 0;    ///< vertex of the object that is nearest to `point`, user order
-  std::uint32_t triangle = 0;  ///< triangle of the object's surface, if it has one
-  Vec3f point{};               ///< m
-  double distance = 0;         ///< from the ray's origin or from the query point [m]
-};
-
 /// A contact that applied a correction in the last substep of a step.
 struct ContactEvent {
   std::string_view object, other;  ///< names; `other` is an object or a collider
   std::uint32_t vertex = 0, other_vertex = 0;
   bool other_is_collider = true;
-  Vec3f point{}, normal{};  ///< m; the normal points toward `object`
-  float impulse = 0;        ///< N s
+  Vec3f point{}, normal{};   ///< m; the normal points toward `object`
+  float impulse = 0;         ///< N s
+  ObjectId object_id{};      ///< of `object`
+  ObjectId other_id{};       ///< of `other`, if it is an object
+  ColliderId collider_id{};  ///< of `other`, if it is a collider
 };
 
 /// Spray, foam and bubbles of all fluids. The order of the particles changes from step to step. The spans are
@@ -156,7 +135,8 @@ enum class LogLevel { info, warning, error };
 /// Objects, colliders and the simulation loop. Meters, kilograms, seconds; Y up, right-handed.
 ///
 /// All functions but `step` throw Error on invalid arguments and then leave the world unchanged. `step` never
-/// throws. Not thread-safe: only one thread at a time may call a world.
+/// throws. Between steps several threads may call const functions at the same time, except elastic_energy,
+/// unconverged_energy and debug_draw; all other calls need a thread that is alone with the world.
 class World {
  public:
   explicit World(const Settings& settings = {});
@@ -174,10 +154,12 @@ class World {
   /// The world computes on the threads of the host's job system, which must outlive the world or the next
   /// call; null: on its own (Settings::threads). The results are the same bits.
   void set_job_system(JobSystem* jobs);
-  /// Adds a callback that runs before or after each execution of a stage. The step catches and reports its
-  /// exceptions.
-  void before(Stage stage, std::function<void(World&)> callback);
-  void after(Stage stage, std::function<void(World&)> callback);
+  /// Adds a callback that runs before or after each execution of a stage, in order of addition. The step catches
+  /// and reports its exceptions.
+  CallbackId before(Stage stage, std::function<void(World&)> callback);
+  CallbackId after(Stage stage, std::function<void(World&)> callback);
+  /// Also during a step, by the callback itself too: it does not run again.
+  void remove(CallbackId callback);
 
   // --- objects -----------------------------------------------------------------------------------
   ObjectId add_cloth(const TriangleMesh& mesh, const ClothMaterial& material = {},
@@ -347,12 +329,26 @@ class World {
   /// same name twice, false disables self-collision of that object; true only revokes that. Picking and
   /// queries ignore this setting.
   void set_collide(std::string_view a, std::string_view b, bool collide);
-  void add_force_field(ForceField field);
-  void add_force_field(VertexForceField field);
+  ForceFieldId add_force_field(ForceField field);
+  ForceFieldId add_force_field(VertexForceField field);
+  void remove(ForceFieldId field);
   void clear_force_fields();
   /// Contacts of the last step. The span is valid until the next step. It becomes empty when an object or
   /// collider is added, changed or removed.
   std::span<const ContactEvent> contacts() const;
+  /// Tracks from the next step on which bodies touch; off by default, because it looks at the contacts of every
+  /// substep. Sensors are always tracked.
+  void track_contacts(bool on);
+  /// The pairs of bodies that touched during the last step, or no longer do, sorted by object, then objects before
+  /// colliders, then by handle. A pair touches if a contact between its bodies pushed in any substep; it persists
+  /// while its bodies sleep. A body that was removed ends its pairs at the next step. Contacts of an object with
+  /// itself are no pairs. After `restore` the next step compares with the pairs before it. Valid until the next step.
+  std::span<const ContactPair> contact_pairs() const;
+  /// A number that the world keeps for its user, 0 at first; snapshots do not have it.
+  void set_user_data(ObjectId object, std::uint64_t data);
+  void set_user_data(ColliderId collider, std::uint64_t data);
+  std::uint64_t user_data(ObjectId object) const;
+  std::uint64_t user_data(ColliderId collider) const;
   /// Wind of Settings::wind.
   void set_wind(const Wind& wind);
   /// Share of the wind's velocity that reaches an object, 0 (sheltered: still air) to 1, the default; more than
@@ -369,8 +365,25 @@ class World {
   void wake(ObjectId object);
 
   // --- queries -----------------------------------------------------------------------------------
-  Hit ray_cast(const Vec3f& origin, const Vec3f& direction, double max_distance = 1e30) const;
-  Hit closest_point(const Vec3f& point) const;
+  // They see the surfaces of objects that have triangles, else balls of `particle_radius` around the vertices. The
+  // first query after a change builds or refits hierarchies of boxes; docs/cpp-guide.md has the cost.
+
+  /// The first hit. Of equally distant ones that of the first object, then the lower triangle or vertex; colliders
+  /// come last. A ray that starts in a ball or a collider hits it at once.
+  Hit ray_cast(const Vec3f& origin, const Vec3f& direction, double max_distance = 1e30,
+               const QueryFilter& filter = {}) const;
+  /// All triangles, balls and colliders that the ray hits, in order of distance.
+  std::vector<Hit> ray_cast_all(const Vec3f& origin, const Vec3f& direction, double max_distance = 1e30,
+                                const QueryFilter& filter = {}) const;
+  /// The first hit of a ball whose center moves along the ray; at distance 0 of what it touches at the start.
+  Hit sphere_cast(const Vec3f& origin, float radius, const Vec3f& direction, double max_distance = 1e30,
+                  const QueryFilter& filter = {}) const;
+  Hit closest_point(const Vec3f& point, const QueryFilter& filter = {}) const;
+  /// Objects, in order of addition, then colliders that a shape at a pose (of scale 1) overlaps. Surfaces count as
+  /// surfaces: a shape inside a closed one overlaps nothing. Exact where a vertex or ball is in the shape; otherwise
+  /// to a ten-thousandth of the shape's size.
+  std::vector<Overlap> overlap(const Shape& shape, const Transform& pose = {},
+                               const QueryFilter& filter = {}) const;
   double kinetic_energy(ObjectId object) const;    ///< with the rotation of grains [J]
   double potential_energy(ObjectId object) const;  ///< of its weight; 0 at the origin [J]
   /// 1/2 C^T alpha^-1 C of all constraints with compliance > 0 [J].

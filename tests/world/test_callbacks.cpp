@@ -89,6 +89,40 @@ TEST(Callbacks, ABadNumberStopsTheStepAndRestoresTheLastGoodState) {
   for (const Vec3f& x : world.positions(cloth)) EXPECT_TRUE(is_finite(x));
 }
 
+TEST(Callbacks, AreRemovedOneByOne) {
+  World world({.substeps = 1});
+  const ObjectId cloth = world.add_cloth(grid(2, 2, 1));
+  std::string calls;
+  const CallbackId a = world.before(Stage::solve, [&](World&) { calls += 'a'; });
+  CallbackId once{};
+  once = world.before(Stage::solve, [&](World& w) { calls += 'o', w.remove(once); });
+  world.after(Stage::solve, [&](World& w) {
+    calls += 'b';
+    w.after(Stage::solve, [&](World&) { calls += 'n'; });  // from the next step on
+  });
+  world.step(0.01);
+  EXPECT_EQ(calls, "aob");
+  world.remove(a);
+  calls.clear();
+  world.step(0.01);
+  EXPECT_EQ(calls, "bn");
+  expect_error([&] { world.remove(a); }, {"no callback has the handle"});
+  expect_error([&] { world.remove(once); }, {"no callback has the handle"});
+  expect_error([&] { world.before(Stage::solve, {}); }, {"empty"});
+
+  const auto lift = [](const Vec3f&, const Vec3f&, float mass, double) { return Vec3f{0, 9.81f * mass, 0}; };
+  const ForceFieldId first = world.add_force_field(lift);
+  const ForceFieldId second = world.add_force_field(lift);
+  world.set_velocities(cloth, std::vector<Vec3f>(4));
+  world.remove(first);
+  world.step(0.01);
+  EXPECT_NEAR(world.velocities(cloth)[0].y, 0, 1e-5);  // one field carries the weight
+  world.remove(second);
+  world.step(0.01);
+  EXPECT_NEAR(world.velocities(cloth)[0].y, -0.0981, 1e-4);
+  expect_error([&] { world.remove(first); }, {"no force field has the handle"});
+}
+
 TEST(Callbacks, TheLogHearsWhatWasMended) {
   World world;
   std::string heard;
