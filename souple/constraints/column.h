@@ -26,6 +26,19 @@ class Column {
     if (!uniform_) values_.push_back(value);
     ++size_;
   }
+  /// Adds values [begin, end) of another column.
+  void append(const Column& from, std::size_t begin, std::size_t end) {
+    if (begin == end) return;
+    if (from.uniform_ && (size_ == 0 || (uniform_ && same(from.values_[0])))) {
+      if (size_ == 0) values_.assign(1, from.values_[0]), uniform_ = true;
+      size_ += end - begin;
+      return;
+    }
+    while (begin < end && (uniform_ || from.uniform_)) push_back(from[begin++]);
+    values_.insert(values_.end(), from.values_.begin() + static_cast<std::ptrdiff_t>(begin < end ? begin : 0),
+                   from.values_.begin() + static_cast<std::ptrdiff_t>(begin < end ? end : 0));
+    size_ += end - begin;
+  }
   void set(std::size_t i, float value) {
     if (uniform_ && same(value)) return;
     if (uniform_) expand();

@@ -74,6 +74,17 @@ struct ConstraintSet {
     stiffnesses.push_back(stiffness);
   }
 
+  /// Adds constraints [begin, end) of another set; the number of each particle plus `shift`, modulo 2^32.
+  void append(const ConstraintSet& from, std::size_t begin, std::size_t end, std::uint32_t shift) {
+    for (std::size_t k = 0; k < arity; ++k)
+      for (std::size_t i = begin; i < end; ++i) records[k].push_back(from.records[k][i] + 4 * shift);
+    for (std::size_t k = 0; k < param_count; ++k) parameters[k].append(from.parameters[k], begin, end);
+    for (std::size_t k = 0; k < compliances.size(); ++k)
+      compliances[k].append(from.compliances[k], begin, end);
+    damping_times.append(from.damping_times, begin, end);
+    stiffnesses.append(from.stiffnesses, begin, end);
+  }
+
   /// Makes constraint order[k] the k-th; removes constraints that `order` omits. Clears the multipliers and
   /// invalidates the colors.
   void reorder(std::span<const std::uint32_t> order) {

@@ -29,15 +29,27 @@ EdgeUse edge_use(std::uint32_t a, std::uint32_t b, std::uint64_t slot) {
   return {std::min(a, b), std::max(a, b), slot};
 }
 
-std::vector<EdgeUse> sorted_uses(std::span<const Triangle> triangles) {
-  std::vector<EdgeUse> uses;
-  uses.reserve(triangles.size() * 3);
+/// Calls f for each side of the triangles that joins two vertices, in order of appearance.
+template <class Function>
+void for_each_use(std::span<const Triangle> triangles, const Function& f) {
   for (std::size_t t = 0; t < triangles.size(); ++t)
     for (std::size_t i = 0; i < 3; ++i) {
       const std::uint32_t a = triangles[t][i], b = triangles[t][(i + 1) % 3];
-      if (a != b) uses.push_back(edge_use(a, b, t * 3 + i));
+      if (a != b) f(edge_use(a, b, t * 3 + i));
     }
-  std::sort(uses.begin(), uses.end());
+}
+
+// A counting sort by the lower vertex, then a sort of the few uses of each.
+std::vector<EdgeUse> sorted_uses(std::span<const Triangle> triangles) {
+  std::uint32_t vertices = 0;
+  for (const Triangle& t : triangles) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
+  std::vector<std::uint32_t> begin(std::size_t{vertices} + 1);
+  for_each_use(triangles, [&](const EdgeUse& use) { ++begin[use.low + std::size_t{1}]; });
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<EdgeUse> uses(begin.back());
+  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+  for_each_use(triangles, [&](const EdgeUse& use) { uses[next[use.low]++] = use; });
+  for (std::size_t v = 0; v < vertices; ++v) std::sort(uses.begin() + begin[v], uses.begin() + begin[v + 1]);
   return uses;
 }
 
@@ -154,13 +166,17 @@ std::vector<Edge> unique_edges(std::span<const Tet> tets) {
 
 std::vector<Hinge> interior_edges(std::span<const Triangle> triangles) {
   const std::vector<EdgeUse> uses = sorted_uses(triangles);
-  std::vector<std::array<std::uint64_t, 2>> pairs;
+  constexpr std::uint64_t none = ~std::uint64_t{0};
+  std::vector<std::uint64_t> next_use(triangles.size() * 3,
+                                      none);  // per slot: the next slot with the same edge
+  std::size_t count = 0;
   for (std::size_t u = 0; u + 1 < uses.size(); ++u)
-    if (uses[u].same_edge(uses[u + 1])) pairs.push_back({uses[u].slot, uses[u + 1].slot});
-  std::sort(pairs.begin(), pairs.end());
+    if (uses[u].same_edge(uses[u + 1])) next_use[uses[u].slot] = uses[u + 1].slot, ++count;
   std::vector<Hinge> hinges;
-  hinges.reserve(pairs.size());
-  for (const auto& [first, second] : pairs) {
+  hinges.reserve(count);
+  for (std::uint64_t first = 0; first < next_use.size(); ++first) {
+    const std::uint64_t second = next_use[first];
+    if (second == none) continue;
     const Edge edge = edge_at(triangles, first);
     const std::uint32_t c = opposite_at(triangles, first), d = opposite_at(triangles, second);
     // Two triangles on the same corners, or a needle (a, b, a), have no hinge angle.

@@ -165,6 +165,13 @@ void remove_small(std::vector<Link>& links, std::size_t particles) {
   std::erase_if(links, [&](const Link& link) { return removed[components.root(link.a)]; });
 }
 
+/// Whether links differ in their stiffness at most.
+bool same_shape(std::span<const Link> links, std::span<const Link> others) {
+  return std::equal(
+      links.begin(), links.end(), others.begin(), others.end(),
+      [](const Link& p, const Link& q) { return p.a == q.a && p.b == q.b && p.length == q.length; });
+}
+
 float inverse(float mass) {
   return mass > 0 ? 1 / mass : 0;
 }
@@ -225,6 +232,19 @@ std::vector<Link> Hierarchical::links_of(std::span<Projector* const> projectors,
   return links;
 }
 
+// What the levels take from the stiffness of the finest links alone. The rest depends on their shape and the masses.
+void Hierarchical::take_stiffness() {
+  std::span<const Link> finer = links_;
+  for (Level& level : levels_) {
+    take_energies(finer, level.map);
+    finer = level.map.links;
+  }
+  compliant_ =
+      std::any_of(links_.begin(), links_.end(), [](const Link& link) { return std::isfinite(link.energy); });
+  stretched_.take_stiffness(links_);
+  gains_for_ = {};
+}
+
 void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
   prepare(projectors, particles, *make_threads(Threading::serial, 1));
 }
@@ -232,15 +252,19 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const Particl
 void Hierarchical::prepare(std::span<Projector* const> projectors, const LeftOut& left_out,
                            const ParticleView& particles, Threads& threads) {
   TiedParticles tied(projectors, particles);
-  bool links_changed = tied != tied_;
+  bool links_changed = tied != tied_, stiffness_changed = false;
   tied_ = std::move(tied);
   if (constraints_changed(projectors) || links_changed) {
     std::vector<Link> links = links_of(projectors, left_out, particles.position.size());
-    links_changed = links_changed || links != links_;
+    links_changed = links_changed || !same_shape(links, links_);
+    stiffness_changed = links != links_;
     links_ = std::move(links);
     particle_ = linked(links_, particles.position.size());
   }
-  if (!links_changed && !masses_changed(particles)) return;
+  if (!links_changed && !masses_changed(particles)) {
+    if (stiffness_changed) take_stiffness();
+    return;
+  }
   const ActiveScope awake(threads);
   masses_.clear();
   for (const std::uint32_t i : particle_) masses_.push_back(tied_.mass(i, particles));

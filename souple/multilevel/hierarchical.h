@@ -114,6 +114,7 @@ class Hierarchical final : public Solver {
                       Threads& threads);
   int sweeps_of(std::size_t l) const;
 
+  void take_stiffness();
   bool constraints_changed(std::span<Projector* const> projectors);
   bool masses_changed(const ParticleView& particles) const;
   std::vector<Link> links_of(std::span<Projector* const> projectors, const LeftOut& left_out,

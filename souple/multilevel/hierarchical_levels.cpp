@@ -351,9 +351,6 @@ class LevelBuilder {
 
 // Müller 2008, section 4.2: a removed particle collapses into its nearest parent together with its links. If
 // two coarse particles get several links, the link with the shortest path along finer links is kept.
-//
-// The energy of the finer links goes to the coarse links: that of a link between the clusters of two coarse particles
-// to the link of these two, that of a link within a cluster to all links of its coarse particle.
 void LevelBuilder::collapse(const Near& near, const CoarseLengths& lengths) {
   struct Candidate {
     std::uint32_t a, b, link;
@@ -361,17 +358,12 @@ void LevelBuilder::collapse(const Near& near, const CoarseLengths& lengths) {
   };
   const std::size_t count = level_.finer.size();
   std::vector<std::uint32_t> begin(count + 1);
-  std::vector<double> inside(count);  // energy per cluster
   const auto clusters = [&](const Link& link) {
     return std::minmax({near.cluster(link.a), near.cluster(link.b)});
   };
   for (const Link& link : links_) {
     const auto [a, b] = clusters(link);
-    if (a == b) {
-      inside[a] += static_cast<double>(link.energy);
-    } else {
-      ++begin[a + 1];
-    }
+    if (a != b) ++begin[a + 1];
   }
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<Candidate> candidates(begin.back());
@@ -383,8 +375,8 @@ void LevelBuilder::collapse(const Near& near, const CoarseLengths& lengths) {
           a, b, e,
           near.of(links_[e].a).front().length + links_[e].length + near.of(links_[e].b).front().length};
   }
-  std::vector<std::uint32_t> ends(count), place(count, none);
-  std::vector<double> energy;
+  std::vector<std::uint32_t> place(count, none);
+  level_.energy_to.assign(links_.size(), none);
   std::vector<Candidate> best;
   level_.path_begin.push_back(0);
   for (std::uint32_t a = 0; a < count; ++a) {
@@ -404,23 +396,20 @@ void LevelBuilder::collapse(const Near& near, const CoarseLengths& lengths) {
     for (std::size_t k = 0; k < best.size(); ++k) {
       const Link& link = links_[best[k].link];
       place[best[k].b] = static_cast<std::uint32_t>(k);
-      ++ends[a], ++ends[best[k].b];
       float length = link.length;
       level_.path.push_back(best[k].link);
       add_path(near, link.a, near.cluster(link.a), length);
       add_path(near, link.b, near.cluster(link.b), length);
       level_.path_begin.push_back(static_cast<std::uint32_t>(level_.path.size()));
-      level_.links.push_back({a, best[k].b, std::min(length, lengths(a, best[k].b)), 0, link.stiffness});
-      energy.push_back(0);
+      level_.links.push_back({a, best[k].b, std::min(length, lengths(a, best[k].b))});
     }
     for (std::uint32_t c = begin[a]; c < begin[a + 1]; ++c)
-      energy[first + place[candidates[c].b]] += static_cast<double>(links_[candidates[c].link].energy);
+      level_.energy_to[candidates[c].link] = static_cast<std::uint32_t>(first + place[candidates[c].b]);
   }
-  const auto share = [&](std::uint32_t j) { return inside[j] / static_cast<double>(ends[j]); };
-  for (std::size_t e = 0; e < level_.links.size(); ++e) {
-    Link& link = level_.links[e];
-    link.energy = static_cast<float>(energy[e] + share(link.a) + share(link.b));
-  }
+  for (std::uint32_t e = 0; e < links_.size(); ++e)
+    if (level_.energy_to[e] == none)
+      level_.energy_to[e] = static_cast<std::uint32_t>(level_.links.size()) + near.cluster(links_[e].a);
+  take_energies(links_, level_);
 }
 
 // The links from particle i to coarse particle j, each towards the neighbor that is nearest to j along it. Across an
@@ -541,6 +530,23 @@ CoarseLevel LevelBuilder::build() {
 }
 
 }  // namespace
+
+// The energy of the finer links goes to the coarse links: that of a link between the clusters of two coarse particles
+// to the link of these two, that of a link within a cluster to all links of its coarse particle.
+void take_energies(std::span<const Link> finer, CoarseLevel& level) {
+  const std::size_t count = level.links.size();
+  std::vector<double> energy(count + level.finer.size());  // per coarse link, then inside each cluster
+  std::vector<std::uint32_t> ends(level.finer.size());
+  for (std::size_t e = 0; e < finer.size(); ++e)
+    energy[level.energy_to[e]] += static_cast<double>(finer[e].energy);
+  for (const Link& link : level.links) ++ends[link.a], ++ends[link.b];
+  const auto share = [&](std::uint32_t j) { return energy[count + j] / static_cast<double>(ends[j]); };
+  for (std::size_t e = 0; e < count; ++e) {
+    Link& link = level.links[e];
+    link.energy = static_cast<float>(energy[e] + share(link.a) + share(link.b));
+    link.stiffness = finer[level.path[level.path_begin[e]]].stiffness;
+  }
+}
 
 std::vector<CoarseLevel> build_levels(std::span<const Link> links, std::span<const float> masses,
                                       std::size_t coarsest_size, Threads& threads) {

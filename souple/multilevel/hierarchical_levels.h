@@ -35,6 +35,8 @@ struct CoarseLevel {
   std::vector<std::uint32_t> child_begin, child;
   std::vector<float> child_weight;
   std::vector<float> mass;  ///< sum_i weight_iJ m_i over the free particles [kg]; 0: fixed
+  /// Per finer link: the coarse link that gets its energy, or links.size() + j: all links of coarse particle j.
+  std::vector<std::uint32_t> energy_to;
 };
 
 /// Levels above particles [0, masses.size()), finest first, until a level has at most `coarsest_size`
@@ -42,5 +44,8 @@ struct CoarseLevel {
 /// n) time.
 std::vector<CoarseLevel> build_levels(std::span<const Link> links, std::span<const float> masses,
                                       std::size_t coarsest_size, Threads& threads);
+
+/// Gives the links of a level the energies and the stiffness of its finer links.
+void take_energies(std::span<const Link> finer, CoarseLevel& level);
 
 }  // namespace souple

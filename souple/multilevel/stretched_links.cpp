@@ -117,25 +117,29 @@ void StretchedLinks::prepare_search(std::span<const Link> of_level) {
   found_.reserve(of_level.size());
 }
 
+void StretchedLinks::take_stiffness(std::span<const Link> of_level) {
+  for (Swept& swept : links_) swept.compliance = compliance_of(of_level[swept.link]);
+}
+
 void StretchedLinks::build(std::span<const Link> of_level, const TiedParticles& tied,
                            const ParticleView& particles) {
   const std::size_t count = particles.position.size();
-  std::vector<Link> links;
-  std::vector<std::uint32_t> ends;
+  std::vector<std::uint32_t> counted, ends;
   counted_.clear();
-  for (const Link& link : of_level) {
+  for (std::uint32_t e = 0; e < of_level.size(); ++e) {
+    const Link& link = of_level[e];
     const bool counts = tied.is_alone(link.a) && tied.is_alone(link.b);
     counted_.push_back(counts ? particles.inverse_mass(link.a) + particles.inverse_mass(link.b) : 0);
-    if (counted_.back() > 0) links.push_back(link), ends.push_back(link.a), ends.push_back(link.b);
+    if (counted_.back() > 0) counted.push_back(e), ends.push_back(link.a), ends.push_back(link.b);
   }
   const Coloring colors = color_constraints(ends, 2, count);
   color_begin_.assign(colors.color_begin.begin(), colors.color_begin.end());
   links_.clear();
   neighbors_begin_.assign(count + 1, 0);
   for (const std::uint32_t e : colors.order) {
-    const Link& link = links[e];
+    const Link& link = of_level[counted[e]];
     links_.push_back({4 * link.a, 4 * link.b, link.length * (1 + threshold), compliance_of(link),
-                      particles.inverse_mass(link.a) + particles.inverse_mass(link.b)});
+                      particles.inverse_mass(link.a) + particles.inverse_mass(link.b), counted[e]});
     ++neighbors_begin_[link.a + 1], ++neighbors_begin_[link.b + 1];
   }
   for (std::size_t i = 0; i < count; ++i) neighbors_begin_[i + 1] += neighbors_begin_[i];
@@ -220,7 +224,7 @@ void StretchedLinks::mark_links() {
 void StretchedLinks::gather_links() {
   mark_links();
   const auto fixed = static_cast<std::uint32_t>(4 * number_.size());
-  const Swept padding{fixed, fixed, 0, 0, 1};
+  const Swept padding{fixed, fixed, 0, 0, 1, 0};
   std::size_t slot = 0;
   region_.color_begin.assign(1, 0);
   for (std::size_t c = 0; c + 1 < color_begin_.size(); ++c) {

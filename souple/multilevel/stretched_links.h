@@ -26,6 +26,8 @@ namespace souple {
 /// Which links are swept depends on the state of the substep alone.
 class StretchedLinks {
  public:
+  /// After the stiffness of the links changed and nothing else about them.
+  void take_stiffness(std::span<const Link> links);
   /// Finds the links that are stretched now and sweeps those around them.
   /// `links`: of the finest level, always the same; ends are the world's particles.
   void sweep(std::span<const Link> links, const TiedParticles& tied, std::span<Projector* const> projectors,
@@ -50,6 +52,7 @@ class StretchedLinks {
     float longest;       ///< the length it is shortened to [m]
     float compliance;    ///< [m/N]
     float inverse_mass;  ///< sum of its ends' [1/kg]
+    std::uint32_t link;  ///< its place among the links of the level
   };
   /// The chosen links as kernels take them, color after color, each color padded to whole registers.
   struct Region {
