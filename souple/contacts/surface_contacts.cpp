@@ -102,10 +102,10 @@ void SurfaceContacts::build(const ContactGeometry& geometry) {
 void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
   clear_contacts();
   pairs_.set_surfaces(std::move(surfaces));
-  if (!pairs_.any()) return;
+  if (!pairs_.surfaces().any()) return;
   build_vertex_edges();
   // The numbers of colors and of violations vary between substeps.
-  used_.reserve(3 * pairs_.particle_count());
+  used_.reserve(3 * pairs_.surfaces().particle_count());
   begin_.reserve(512), next_slot_.reserve(512);
   correction_pair_.reserve(256), correction_toi_.reserve(256), violations_.reserve(256);
   corrected_particles_.reserve(2048);
@@ -115,15 +115,15 @@ void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
 // --- feature owners
 
 void SurfaceContacts::build_vertex_edges() {
-  const std::size_t n = pairs_.particle_count();
+  const std::size_t n = pairs_.surfaces().particle_count();
   owner_of_vertex_.assign(n, {no_vertex, no_vertex, no_vertex});
   struct Entry {
     std::uint32_t vertex;
     VertexEdge edge;
   };
   std::vector<Entry> found;
-  for (std::size_t a = 0; a < pairs_.surface_count(); ++a) {
-    const ContactSurface& surface = pairs_.surface(a);
+  for (std::size_t a = 0; a < pairs_.surfaces().size(); ++a) {
+    const ContactSurface& surface = pairs_.surfaces()[a];
     for (std::array<std::uint32_t, 3> t : surface.triangles) {
       for (std::uint32_t& i : t) i += surface.begin;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -199,9 +199,9 @@ bool SurfaceContacts::is_owner_of_corner(const NearPair& pair, std::size_t corne
 void SurfaceContacts::begin_step(const ContactInput& input, Threads& threads) {
   clear_contacts();
   pairs_.clear();
-  if (!pairs_.any()) return;
+  if (!pairs_.surfaces().any()) return;
   const ContactMaterialTable& materials = input.tables.against_objects;
-  if (materials.rows() < pairs_.surface_count() || materials.columns() < pairs_.surface_count())
+  if (materials.rows() < pairs_.surfaces().size() || materials.columns() < pairs_.surfaces().size())
     throw Error(
         "SurfaceContacts: the contact material table has fewer rows or columns than there are surfaces; "
         "rebuild it");
@@ -228,7 +228,7 @@ void SurfaceContacts::reset_colors_from(std::size_t first_new) {
 void SurfaceContacts::reset_colors() {
   resize_with_spare(color_, pairs_.size());
   std::fill(color_.begin(), color_.end(), no_color);
-  used_.assign(pairs_.particle_count(), 0);
+  used_.assign(pairs_.surfaces().particle_count(), 0);
 }
 
 // Calls of_chunk(index of the chunk, its results) and joins the results of all chunks in order.
@@ -261,7 +261,7 @@ void SurfaceContacts::find(std::vector<PairToi>& found, Threads& threads, const 
 void SurfaceContacts::refresh(const ParticleView& particles, const Substep& substep, double,
                               Threads& threads) {
   clear_contacts();
-  if (!pairs_.any()) return;
+  if (!pairs_.surfaces().any()) return;
   limits_ = {1 / substep.h, step_.restitution_threshold(substep.h)};
   pairs_.begin_substep(substep.h);
   reset_colors_from(pairs_.update(particles, substep.h, threads));
@@ -340,7 +340,7 @@ bool SurfaceContacts::is_contact(std::uint32_t pair, unsigned classification, co
   const unsigned on_border = classification / Classification::on_border;
   if (!edges) return is_owner(particle, on_border, particles);
   const auto is_rope = [&](std::uint32_t i) {
-    return pairs_.surface(pairs_.surface_of(i)).triangles.empty();
+    return pairs_.surfaces()[pairs_.surfaces().of(i)].triangles.empty();
   };
   return on_border == 0 || is_rope(particle.particle[0]) || is_rope(particle.particle[2]);
 }
@@ -349,7 +349,7 @@ bool SurfaceContacts::is_contact(std::uint32_t pair, unsigned classification, co
 
 // The lowest color that none of its movable particles has.
 std::uint16_t SurfaceContacts::color_of(const NearPair& pair, const ParticleView& particles) {
-  const std::size_t n = pairs_.particle_count();
+  const std::size_t n = pairs_.surfaces().particle_count();
   for (std::size_t round = 0;; ++round) {
     if (used_.size() == round * n) used_.resize(used_.size() + n, 0);
     std::uint64_t* const used = used_.data() + round * n;
@@ -398,7 +398,7 @@ void SurfaceContacts::sort_by_color(const ParticleView& particles) {
 bool SurfaceContacts::colors_are_independent(const ParticleView& particles) const {
   // Per particle: its last contact, counted from 1. Warm steps allocate nothing, with assertions too.
   thread_local std::vector<std::size_t> last;
-  last.assign(pairs_.particle_count(), 0);
+  last.assign(pairs_.surfaces().particle_count(), 0);
   for (std::size_t kind = 0; kind + 1 < begin_.size(); ++kind)
     for (std::size_t slot = begin_[kind]; slot < begin_[kind + 1]; ++slot)
       for (const std::uint32_t i : pairs_.pair(pair_[slot]).particle) {
@@ -418,7 +418,7 @@ void SurfaceContacts::describe(bool edges, std::size_t begin, std::size_t end, c
   for (std::size_t c = begin; c < end; ++c) {
     const NearPair& pair = pairs_.pair(pairs[c]);
     const float radius =
-        materials_->radius(pairs_.surface_of(pair.particle[0]), pairs_.surface_of(pair.particle[3]));
+        materials_->radius(pairs_.surfaces().of(pair.particle[0]), pairs_.surfaces().of(pair.particle[3]));
     out.slop[c] = step_.depenetration_speed(radius) / limits_.inverse_h;
   }
   simd_kernels().describe[edges ? 1 : 0](pairs_.particle_records(particles), pairs_.columns(), pairs.data(),
@@ -426,7 +426,7 @@ void SurfaceContacts::describe(bool edges, std::size_t begin, std::size_t end, c
   for (std::size_t c = begin; c < end; ++c) {
     const NearPair& pair = pairs_.pair(pairs[c]);
     const ContactMaterialPair& surface =
-        materials_->at(pairs_.surface_of(pair.particle[0]), pairs_.surface_of(pair.particle[3]));
+        materials_->at(pairs_.surfaces().of(pair.particle[0]), pairs_.surfaces().of(pair.particle[3]));
     out.static_friction[c] = surface.static_friction;
     out.kinetic_friction[c] = surface.kinetic_friction;
     if (surface.kinetic_friction < surface.static_friction)
@@ -435,7 +435,7 @@ void SurfaceContacts::describe(bool edges, std::size_t begin, std::size_t end, c
     out.restitution[c] = surface.restitution;
     if (step_.turn.empty()) continue;
     const std::uint32_t ball = pair.particle[0];
-    out.share[c] = pairs_.surface(pairs_.surface_of(ball)).rolls
+    out.share[c] = pairs_.surfaces()[pairs_.surfaces().of(ball)].rolls
                        ? inverse_inertia_factor * particles.inverse_mass(ball) / out.inverse_mass[c]
                        : 0.0f;
     out.rolling_friction[c] = surface.rolling_friction;
@@ -540,7 +540,7 @@ void SurfaceContacts::solve_corrections(const ParticleView& particles) {
 
 // Particles of violations keep the part of their motion that is safe.
 void SurfaceContacts::clamp_to_toi(const ParticleView& particles) {
-  clamp_toi_.assign(pairs_.particle_count(), 1);
+  clamp_toi_.assign(pairs_.surfaces().particle_count(), 1);
   for (const PairToi& violation : violations_)
     for (const std::uint32_t i : pairs_.pair(violation.pair).particle)
       clamp_toi_[i] = min(clamp_toi_[i], violation.toi);
@@ -568,7 +568,7 @@ void SurfaceContacts::update_contact_margins() {
 // First correction contacts, which conserve momentum. Then the motions of remaining violations are clamped.
 std::size_t SurfaceContacts::after_solve(const ParticleView& particles, const Substep& substep,
                                          Threads& threads) {
-  if (!pairs_.any()) return 0;
+  if (!pairs_.surfaces().any()) return 0;
   constexpr int correction_passes = 20, passes = 30;
   correction_pair_.clear(), correction_toi_.clear();
   std::size_t count = 0;
