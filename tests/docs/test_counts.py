@@ -152,7 +152,7 @@ COUNTS = [
     ("docs/collisions.md", r"\*(\d+) x \d+ vertices with `self_collision`",
      lambda: find(CLOTH_TESTS, r"drop_and_look\((\d+),")),
     ("docs/collisions.md", r"in chunks of (\d+)\.", lambda: constant("souple/contacts/pair_chunks.h", "chunk_size")),
-    ("docs/collisions.md", r"If (\w+) rounds do not", lambda: constant("souple/contacts/surface_contacts.cpp", "correction_passes")),
+    ("docs/collisions.md", r"If (\w+) rounds do not", lambda: constant("souple/contacts/motion_filter.cpp", "correction_passes")),
     ("docs/collisions.md", r"than `speed` \(([\d.]+) m/s,", lambda: default("sleeping", "speed")),
     ("docs/collisions.md", r"for `seconds` \(([\d.]+) s\)", lambda: default("sleeping", "seconds")),
     ("docs/collisions.md", r"a cloth of (\d+) x \d+ falls on",
