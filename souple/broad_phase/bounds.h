@@ -21,6 +21,12 @@ inline Bounds united(const Bounds& a, const Bounds& b) {
           {max(a.hi.x, b.hi.x), max(a.hi.y, b.hi.y), max(a.hi.z, b.hi.z)}};
 }
 
+/// The smallest box around two points, widened by a margin [m].
+inline Bounds around(const Vec3f& a, const Vec3f& b, float margin) {
+  return {{min(a.x, b.x) - margin, min(a.y, b.y) - margin, min(a.z, b.z) - margin},
+          {max(a.x, b.x) + margin, max(a.y, b.y) + margin, max(a.z, b.z) + margin}};
+}
+
 /// Whether the boxes share a point.
 inline bool overlap(const Bounds& a, const Bounds& b) {
   return a.lo.x <= b.hi.x && b.lo.x <= a.hi.x && a.lo.y <= b.hi.y && b.lo.y <= a.hi.y && a.lo.z <= b.hi.z &&

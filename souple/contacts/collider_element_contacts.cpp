@@ -123,35 +123,36 @@ void ColliderElementContacts::append_edges_of_triangles() {
 }
 
 void ColliderElementContacts::find_corners() {
-  corners_.clear();
+  corners_.all.clear();
   objects_ = 0;
   largest_radius_ = 0;
   for (const Element& element : elements_) {
-    for (const std::uint32_t i : element.particle) corners_.push_back({i, element.object});
+    for (const std::uint32_t i : element.particle) corners_.all.push_back({i, element.object});
     largest_radius_ = max(largest_radius_, element.radius);
     objects_ = std::max(objects_, element.object + 1);
   }
   const auto before = [](const Corner& a, const Corner& b) { return a.particle < b.particle; };
   const auto same = [](const Corner& a, const Corner& b) { return a.particle == b.particle; };
-  std::sort(corners_.begin(), corners_.end(), before);
-  corners_.erase(std::unique(corners_.begin(), corners_.end(), same), corners_.end());
-  corner_particle_.clear();
-  for (const Corner& corner : corners_) corner_particle_.push_back(corner.particle);
-  first_float_.clear();
+  std::sort(corners_.all.begin(), corners_.all.end(), before);
+  corners_.all.erase(std::unique(corners_.all.begin(), corners_.all.end(), same), corners_.all.end());
+  corners_.particle.clear();
+  for (const Corner& corner : corners_.all) corners_.particle.push_back(corner.particle);
+  corners_.first_float.clear();
   for (const Element& element : elements_) {
     std::array<std::uint32_t, 3> first;
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto at = std::lower_bound(corner_particle_.begin(), corner_particle_.end(), element.particle[k]);
-      first[k] = 4 * static_cast<std::uint32_t>(at - corner_particle_.begin());
+      const auto at =
+          std::lower_bound(corners_.particle.begin(), corners_.particle.end(), element.particle[k]);
+      first[k] = 4 * static_cast<std::uint32_t>(at - corners_.particle.begin());
     }
-    first_float_.push_back(first);
+    corners_.first_float.push_back(first);
   }
-  for (auto& axis : at_) axis.resize(corners_.size());
-  margin_.resize(corners_.size()), distance_.resize(corners_.size());
-  from_.resize(corners_.size()), to_.resize(corners_.size());
-  all_rows_.resize(corners_.size());
-  std::iota(all_rows_.begin(), all_rows_.end(), 0u);
-  is_row_.assign(corners_.size(), 0);
+  for (auto& axis : corners_.at) axis.resize(corners_.all.size());
+  corners_.margin.resize(corners_.all.size()), corners_.distance.resize(corners_.all.size());
+  corners_.from.resize(corners_.all.size()), corners_.to.resize(corners_.all.size());
+  corners_.all_rows.resize(corners_.all.size());
+  std::iota(corners_.all_rows.begin(), corners_.all_rows.end(), 0u);
+  corners_.is_row.assign(corners_.all.size(), 0);
 }
 
 void ColliderElementContacts::begin_step(const ContactInput& input, Threads& threads) {
@@ -215,8 +216,8 @@ void ColliderElementContacts::place(const Body& body, std::span<const std::uint3
                                     const ParticleView& particles, Threads& threads) {
   const kernels::ColliderParticles packed = packed_particles(particles);
   threads.for_each(rows.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
-    kernels_->place(packed, body.packed, corner_particle_.data(), rows.data(), begin, end,
-                    {&from_.data()->x, &to_.data()->x});
+    kernels_->place(packed, body.packed, corners_.particle.data(), rows.data(), begin, end,
+                    {&corners_.from.data()->x, &corners_.to.data()->x});
   });
 }
 
@@ -225,17 +226,17 @@ void ColliderElementContacts::place(const Body& body, std::span<const std::uint3
 void ColliderElementContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
                                               float h, Threads& threads) {
   const float t = step_.dt;
-  threads.for_each(corners_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(corners_.all.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
-      const std::uint32_t i = corner_particle_[c];
+      const std::uint32_t i = corners_.particle[c];
       const float speed = h > 0 ? length(particles.moved(i)) / h : length(velocity[i].xyz());
       const Vec3f x(particle_position(particles, i));
-      for (int axis = 0; axis < 3; ++axis) at_[static_cast<std::size_t>(axis)][c] = x[axis];
-      margin_[c] = 2 * t * (speed + step_.gravity * t) + radius_[i];
+      for (int axis = 0; axis < 3; ++axis) corners_.at[static_cast<std::size_t>(axis)][c] = x[axis];
+      corners_.margin[c] = 2 * t * (speed + step_.gravity * t) + radius_[i];
     }
   });
   candidates_.clear();
-  rows_.clear();
+  corners_.rows.clear();
   for (Body& body : bodies_) {
     find_candidates_of(body, particles, threads);
     find_rows(body);
@@ -256,15 +257,16 @@ void ColliderElementContacts::find_candidates_of(Body& body, const ParticleView&
     const auto& [i, j, k] = element.particle;
     if (!(particles.inverse_mass(i) > 0 || particles.inverse_mass(j) > 0 || particles.inverse_mass(k) > 0))
       continue;
-    const auto& row = first_float_[e];
-    const float margin = max(margin_[row[0] / 4], max(margin_[row[1] / 4], margin_[row[2] / 4]));
+    const auto& row = corners_.first_float[e];
+    const float margin =
+        max(corners_.margin[row[0] / 4], max(corners_.margin[row[1] / 4], corners_.margin[row[2] / 4]));
     candidates_.append(e, row, radius_of(element), 3 * margin);
   }
   if (!body.packed.moves) {
-    place(body, all_rows_, particles, threads);
+    place(body, corners_.all_rows, particles, threads);
     candidates_.near.resize(candidates_.element.size());
     const auto columns = candidates_.columns(0);
-    const kernels::ColliderFrameRecords records{&from_.data()->x, &to_.data()->x};
+    const kernels::ColliderFrameRecords records{&corners_.from.data()->x, &corners_.to.data()->x};
     const auto test = [&](auto kernel, std::size_t from, std::size_t to) {
       threads.for_each(to - from, element_grain, [&](std::size_t begin, std::size_t end) {
         kernel(body.packed, records, columns, candidates_.reach.data(), from + begin, from + end,
@@ -289,25 +291,26 @@ std::size_t ColliderElementContacts::first_edge(std::size_t candidate) const {
 }
 
 void ColliderElementContacts::find_rows(Body& body) {
-  body.row_begin = rows_.size();
+  body.row_begin = corners_.rows.size();
   for (std::size_t c = body.candidate_begin; c < body.candidate_end; ++c) {
     for (const auto& column : candidates_.corner) {
       const std::uint32_t row = column[c] / 4;
-      if (is_row_[row] != 0) continue;
-      is_row_[row] = 1;
-      rows_.push_back(row);
+      if (corners_.is_row[row] != 0) continue;
+      corners_.is_row[row] = 1;
+      corners_.rows.push_back(row);
     }
   }
-  body.row_end = rows_.size();
-  for (std::size_t r = body.row_begin; r < body.row_end; ++r) is_row_[rows_[r]] = 0;
+  body.row_end = corners_.rows.size();
+  for (std::size_t r = body.row_begin; r < body.row_end; ++r) corners_.is_row[corners_.rows[r]] = 0;
 }
 
 bool ColliderElementContacts::left_margins(const ParticleView& particles, Threads& threads) const {
   std::atomic<bool> left{false};
   const kernels::ColliderParticles packed = packed_particles(particles);
-  threads.for_each(corners_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
-    if (particle_kernels_->left(packed, corner_particle_.data(),
-                                {at_[0].data(), at_[1].data(), at_[2].data()}, margin_.data(), begin, end))
+  threads.for_each(corners_.all.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    if (particle_kernels_->left(packed, corners_.particle.data(),
+                                {corners_.at[0].data(), corners_.at[1].data(), corners_.at[2].data()},
+                                corners_.margin.data(), begin, end))
       left.store(true, std::memory_order_relaxed);
   });
   return left.load(std::memory_order_relaxed);
@@ -344,11 +347,12 @@ void ColliderElementContacts::find_depenetrating(Body& body, const ParticleView&
   kernels::ColliderParticles start = packed_particles(particles);
   if (start.position == start.moving) start.position = start.start;
   start.moving = start.start;
-  threads.for_each(corners_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
-    particle_kernels_->distances(start, at_start, corner_particle_.data(), begin, end, distance_.data());
+  threads.for_each(corners_.all.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    particle_kernels_->distances(start, at_start, corners_.particle.data(), begin, end,
+                                 corners_.distance.data());
   });
-  for (std::size_t c = 0; c < corners_.size(); ++c)
-    if (distance_[c] < -radius_[corners_[c].particle]) depenetrating[corners_[c].object] = 1;
+  for (std::size_t c = 0; c < corners_.all.size(); ++c)
+    if (corners_.distance[c] < -radius_[corners_.all[c].particle]) depenetrating[corners_.all[c].object] = 1;
 }
 
 // All threads test the candidates; one thread then appends the contacts in order. So the contacts and their
@@ -357,7 +361,8 @@ void ColliderElementContacts::find_contacts(Body& body, const ParticleView& part
                                             Threads& threads) {
   body.contact_begin = body.contact_end = contacts_.size();
   if (body.candidate_begin == body.candidate_end) return;
-  place(body, std::span(rows_).subspan(body.row_begin, body.row_end - body.row_begin), particles, threads);
+  place(body, std::span(corners_.rows).subspan(body.row_begin, body.row_end - body.row_begin), particles,
+        threads);
   find_touches(body, threads);
   const kernels::ColliderElementTouches found = candidates_.touches();
   std::uint8_t* const depenetrating = depenetrating_of(body);
@@ -376,7 +381,7 @@ void ColliderElementContacts::find_contacts(Body& body, const ParticleView& part
 
 void ColliderElementContacts::find_touches(const Body& body, Threads& threads) {
   const auto columns = candidates_.columns(float(element_clearance_part));
-  const kernels::ColliderFrameRecords records{&from_.data()->x, &to_.data()->x};
+  const kernels::ColliderFrameRecords records{&corners_.from.data()->x, &corners_.to.data()->x};
   const kernels::ColliderElementTouches out = candidates_.touches();
   const std::size_t first = body.candidate_begin, middle = body.triangle_end, last = body.candidate_end;
   if (body.is_field) {
@@ -392,7 +397,7 @@ void ColliderElementContacts::find_touches(const Body& body, Threads& threads) {
 }
 
 float ColliderElementContacts::path_of(std::size_t candidate) const {
-  const auto path = [&](std::size_t k) { return from_[candidates_.corner[k][candidate] / 4].w; };
+  const auto path = [&](std::size_t k) { return corners_.from[candidates_.corner[k][candidate] / 4].w; };
   return max(path(0), max(path(1), path(2)));
 }
 
@@ -415,7 +420,7 @@ void ColliderElementContacts::find_touches_of_field(const Body& body, Threads& t
     if (!(all.travel[c] <= spacing)) stale_.push_back(static_cast<std::uint32_t>(c));
   }
   const auto columns = all.columns(float(element_clearance_part));
-  const kernels::ColliderFrameRecords records{&from_.data()->x, &to_.data()->x};
+  const kernels::ColliderFrameRecords records{&corners_.from.data()->x, &corners_.to.data()->x};
   const kernels::ColliderFieldSearch search = all.field_search(body);
   threads.for_each(stale_.size(), element_grain, [&](std::size_t begin, std::size_t end) {
     kernels_->sample_field_elements(body.packed, records, columns, search, stale_.data(), begin, end);
@@ -545,8 +550,9 @@ std::size_t ColliderElementContacts::Candidates::bytes() const {
 }
 
 std::size_t ColliderElementContacts::bytes() const {
-  return bytes_of(elements_, corners_, corner_particle_, first_float_, bodies_, at_[0], at_[1], at_[2],
-                  margin_, distance_, from_, to_, all_rows_, is_row_, rows_, stale_, near_, contacts_) +
+  return bytes_of(elements_, corners_.all, corners_.particle, corners_.first_float, bodies_, corners_.at[0],
+                  corners_.at[1], corners_.at[2], corners_.margin, corners_.distance, corners_.from,
+                  corners_.to, corners_.all_rows, corners_.is_row, corners_.rows, stale_, near_, contacts_) +
          candidates_.bytes();
 }
 

@@ -111,6 +111,24 @@ class ColliderElementContacts final : public ContactProjector {
     std::size_t bytes() const;
   };
 
+  struct Corner {
+    std::uint32_t particle, object;
+  };
+  /// Particles of all elements, each once, in order.
+  struct Corners {
+    std::vector<Corner> all;
+    std::vector<std::uint32_t> particle;                    // per corner
+    std::vector<std::array<std::uint32_t, 3>> first_float;  // per element: of its corners' records
+    // Per corner:
+    std::array<std::vector<float>, 3> at;  // position in the last broad phase [m]
+    std::vector<float> margin;             // motion allowed before the next one [m]
+    std::vector<float> distance;           // from a body [m]
+    std::vector<Vec4f> from, to;           // records of kernels::ColliderFrameRecords
+    std::vector<std::uint32_t> all_rows;   // 0, 1, ...
+    std::vector<std::uint8_t> is_row;
+    std::vector<std::uint32_t> rows;  // corners of candidates, body by body
+  };
+
   void set_elements(std::vector<Element> elements);
   void append_edges_of_triangles();
   void find_corners();
@@ -143,14 +161,9 @@ class ColliderElementContacts final : public ContactProjector {
 
   std::vector<Element> elements_;  // triangles, edges, edges of triangles
   std::size_t triangles_ = 0, given_ = 0;
-  struct Corner {
-    std::uint32_t particle, object;
-  };
-  std::vector<Corner> corners_;                            // particles of all elements, each once
-  std::vector<std::uint32_t> corner_particle_;             // per corner
-  std::vector<std::array<std::uint32_t, 3>> first_float_;  // per element: of its corners' records
-  float largest_radius_ = 0;                               // of all elements [m]
-  std::uint32_t objects_ = 0;                              // one more than the largest object of an element
+  Corners corners_;
+  float largest_radius_ = 0;   // of all elements [m]
+  std::uint32_t objects_ = 0;  // one more than the largest object of an element
   std::span<const Collider> colliders_;
   std::span<const float> radius_;
   const ContactMaterialTable* materials_ = nullptr;
@@ -159,14 +172,6 @@ class ColliderElementContacts final : public ContactProjector {
   ContactStep step_;
   float last_h_ = 0;  // [s]
   std::vector<Body> bodies_;
-  // Per corner:
-  std::array<std::vector<float>, 3> at_;  // position in the last broad phase [m]
-  std::vector<float> margin_;             // motion allowed before the next one [m]
-  std::vector<float> distance_;           // from a body [m]
-  std::vector<Vec4f> from_, to_;          // records of kernels::ColliderFrameRecords
-  std::vector<std::uint32_t> all_rows_;   // 0, 1, ...
-  std::vector<std::uint8_t> is_row_;
-  std::vector<std::uint32_t> rows_;  // corners of candidates, body by body
   Candidates candidates_;
   std::vector<std::uint32_t> stale_, near_;  // candidates in a field: to be sampled, and that may touch
   std::vector<std::uint8_t> depenetrating_;  // [body][object]: a part of the object started inside

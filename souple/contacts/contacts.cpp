@@ -85,7 +85,7 @@ void Contacts::events(const ParticleView& particles, std::vector<ContactPush>& o
       if (kind->is_collider_contact() == colliders) kind->events(particles, out);
 }
 
-bool Contacts::untangles() const {
+bool Contacts::separates() const {
   return intersection_resolver_->acts();
 }
 

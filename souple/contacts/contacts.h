@@ -38,7 +38,7 @@ class Contacts {
   std::span<const std::unique_ptr<ContactProjector>> kinds() const { return kinds_; }
 
   /// Whether `refresh` separates anything in this step.
-  bool untangles() const;
+  bool separates() const;
   /// Intersecting pairs of objects that begin_step found.
   std::span<const IntersectingPair> intersecting_pairs() const;
   /// Number of layer violations that begin_step found.

@@ -18,12 +18,6 @@ constexpr float max_margin = 1.0f;
 // beyond their velocities' margin: an object may be dragged along within the step.
 constexpr float box_margin_part = 0.125f;
 constexpr std::size_t pair_grain = 256;  // least number of pairs that pays for a thread
-constexpr std::int32_t nowhere = std::numeric_limits<std::int32_t>::max();
-
-std::int32_t cell_index(float x, float cell_size) {
-  return static_cast<std::int32_t>(std::floor(min(double(x) / double(cell_size), 1e9)));
-}
-
 // The first s in [0, 1] with |d + s motion| = radius_sum, from outside; negative when there is none.
 float first_touch(const Vec3f& d, const Vec3f& motion, float radius_sum) {
   const Vec3d d0(d), m(motion);
@@ -153,8 +147,7 @@ void ParticleContacts::find_pairs(const ParticleView& particles, float wanted_ma
   save_friction();
   if (!(largest_diameter_ > 0)) return;
   margin_ = max(min_margin * largest_diameter_, min(wanted_margin, max_margin * largest_diameter_));
-  record_positions(particles);
-  sort_into_cells(largest_diameter_ + margin_);
+  fill_grid(particles);
   for (std::uint32_t m = 0; m < members_.size(); ++m) append_pairs_of(m);
   restore_friction();
 }
@@ -219,47 +212,30 @@ void ParticleContacts::load(std::span<const std::byte>& in) {
   set_friction_cache(cache);
 }
 
-void ParticleContacts::record_positions(const ParticleView& particles) {
+void ParticleContacts::fill_grid(const ParticleView& particles) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
-  corner_ = {infinity, infinity, infinity};
+  Vec3f corner{infinity, infinity, infinity};
   for (const Member& member : members_) {
     const Vec3f x = particles.relative(member.particle, {});
     if (!is_finite(x)) continue;
-    corner_ = {min(corner_.x, x.x), min(corner_.y, x.y), min(corner_.z, x.z)};
+    corner = {min(corner.x, x.x), min(corner.y, x.y), min(corner.z, x.z)};
   }
-  broad_phase_position_.clear();
-  for (const Member& member : members_)
-    broad_phase_position_.push_back(particles.relative(member.particle, corner_));
+  grid_.fill(
+      members_.size(), corner, largest_diameter_ + margin_,
+      [&](std::size_t m) { return particles.relative(members_[m].particle, corner); },
+      [&](std::size_t m) { return radius_[members_[m].particle]; });
 }
 
-// Cells that are neighbors along x have neighboring buckets, so that three of them are contiguous in memory.
-std::uint32_t ParticleContacts::bucket_of_row(std::int32_t y, std::int32_t z) const {
-  return static_cast<std::uint32_t>(y) * 2654435761u ^ static_cast<std::uint32_t>(z) * 2246822519u;
-}
-
-// Counting sort. bucket_begin_ holds the counts, then the ends, then the begins of buckets. Members keep
-// their order within a bucket.
-void ParticleContacts::sort_into_cells(float cell_size) {
-  std::size_t buckets = 64;
-  while (buckets < 2 * members_.size()) buckets *= 2;
-  bucket_begin_.assign(buckets + 1, 0);
-  const auto bucket_of = [&](const Cell& cell) {
-    return (bucket_of_row(cell.y, cell.z) + static_cast<std::uint32_t>(cell.x)) & (buckets - 1);
-  };
-  cells_.clear();
-  for (const Vec3f& at : broad_phase_position_) {
-    const Cell cell = is_finite(at) ? Cell{cell_index(at.x, cell_size), cell_index(at.y, cell_size),
-                                           cell_index(at.z, cell_size)}
-                                    : Cell{nowhere, nowhere, nowhere};
-    cells_.push_back(cell);
-    ++bucket_begin_[bucket_of(cell)];
-  }
-  std::uint32_t end = 0;
-  for (std::uint32_t& count : bucket_begin_) count = end += count;
-  entries_.resize(members_.size());
-  for (std::size_t m = members_.size(); m-- > 0;)
-    entries_[--bucket_begin_[bucket_of(cells_[m])]] = {
-        broad_phase_position_[m], radius_[members_[m].particle], static_cast<std::uint32_t>(m), cells_[m]};
+// Appends the pairs of `member` with later members within the margin, in their order.
+void ParticleContacts::append_pairs_of(std::uint32_t member) {
+  const std::size_t first = pairs_.size();
+  grid_.for_each_near(member, margin_, [&](std::uint32_t other) {
+    if (interact(members_[member].object, members_[other].object) &&
+        !is_excluded(members_[member].particle, members_[other].particle))
+      pairs_.push_back({member, other});
+  });
+  std::sort(pairs_.begin() + static_cast<std::ptrdiff_t>(first), pairs_.end(),
+            [](const Pair& a, const Pair& b) { return a.j < b.j; });
 }
 
 void ParticleContacts::build(const ContactGeometry& geometry) {
@@ -276,38 +252,6 @@ bool ParticleContacts::is_excluded(std::uint32_t i, std::uint32_t j) const {
                             std::array<std::uint32_t, 2>{std::min(i, j), std::max(i, j)});
 }
 
-// Appends the pairs of `member` with later members within the margin, in their order.
-void ParticleContacts::append_pairs_of(std::uint32_t member) {
-  const Cell cell = cells_[member];
-  if (cell.x == nowhere) return;
-  const Vec3f at = broad_phase_position_[member];
-  const float r = radius_[members_[member].particle] + margin_;
-  const std::size_t mask = bucket_begin_.size() - 2;
-  const std::size_t first = pairs_.size();
-  const auto scan = [&](std::size_t begin, std::size_t end, std::int32_t y, std::int32_t z) {
-    for (std::size_t e = bucket_begin_[begin]; e < bucket_begin_[end]; ++e) {
-      const Entry& other = entries_[e];
-      const float search_radius = r + other.radius;
-      // One branch, not four: the outcome of each is random to a branch predictor.
-      const bool near = (other.member > member) & (other.cell.y == y) & (other.cell.z == z) &
-                        (length_squared(at - other.at) < search_radius * search_radius);
-      if (near && interact(members_[member].object, members_[other.member].object) &&
-          !is_excluded(members_[member].particle, members_[other.member].particle))
-        pairs_.push_back({member, other.member});
-    }
-  };
-  for (std::int32_t z = cell.z - 1; z <= cell.z + 1; ++z) {
-    for (std::int32_t y = cell.y - 1; y <= cell.y + 1; ++y) {
-      const std::size_t begin = (bucket_of_row(y, z) + static_cast<std::uint32_t>(cell.x) - 1u) & mask;
-      const std::size_t end = min(begin + 3, mask + 1);
-      scan(begin, end, y, z);
-      if (end - begin < 3) scan(0, 3 - (end - begin), y, z);  // the row continues at the table's begin
-    }
-  }
-  std::sort(pairs_.begin() + static_cast<std::ptrdiff_t>(first), pairs_.end(),
-            [](const Pair& a, const Pair& b) { return a.j < b.j; });
-}
-
 void ParticleContacts::clear_contacts() {
   contacts_.clear();
   color_begin_.assign(1, 0);
@@ -321,7 +265,7 @@ void ParticleContacts::refresh(const ParticleView& particles, const Substep& sub
     return;
   }
   const auto displacement = [&](std::size_t m) {
-    return particles.relative(members_[m].particle, corner_) - broad_phase_position_[m];
+    return particles.relative(members_[m].particle, grid_.corner()) - grid_.position(m);
   };
   if (2 * largest_from_mean(displacement, threads) > margin_) {
     const auto moved = [&](std::size_t m) { return particles.moved(members_[m].particle); };
@@ -695,14 +639,14 @@ void ParticleContacts::clear() {
 
 void ParticleContacts::forget_members() {
   members_.clear();
-  broad_phase_position_.clear();
+  grid_.clear();
   clear_contacts();
   largest_diameter_ = 0;
 }
 
 std::size_t ParticleContacts::bytes() const {
-  return bytes_of(excluded_, boxes_, members_, broad_phase_position_, cells_, bucket_begin_, entries_, pairs_,
-                  displacement_, friction_cache_, contacts_);
+  return bytes_of(excluded_, boxes_, members_, pairs_, displacement_, friction_cache_, contacts_) +
+         grid_.bytes();
 }
 
 }  // namespace souple

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/contacts/anchor.h"
+#include "souple/contacts/ball_grid.h"
 #include "souple/contacts/contact_law.h"
 #include "souple/contacts/contact_projector.h"
 
@@ -86,16 +87,6 @@ class ParticleContacts final : public ContactProjector {
   struct Member {
     std::uint32_t particle, object;
   };
-  struct Cell {
-    std::int32_t x, y, z;
-  };
-  /// A member in the grid: a copy, so that neighbors are contiguous in memory.
-  struct Entry {
-    Vec3f at;
-    float radius;
-    std::uint32_t member;
-    Cell cell;
-  };
   /// Bounds of an object's motion within the step.
   struct Box {
     Vec3f lo, hi;
@@ -169,10 +160,8 @@ class ParticleContacts final : public ContactProjector {
   void find_pairs(const ParticleView& particles, float wanted_margin);
   void save_friction();
   void restore_friction();
-  void record_positions(const ParticleView& particles);
-  void sort_into_cells(float cell_size);
+  void fill_grid(const ParticleView& particles);
   void append_pairs_of(std::uint32_t member);
-  std::uint32_t bucket_of_row(std::int32_t y, std::int32_t z) const;
   bool may_touch(std::uint32_t pair, const ParticleView& particles) const;
   void color_contacts(const ParticleView& particles);
   Contact contact_of(std::uint32_t pair, const ParticleView& particles, float h) const;
@@ -203,13 +192,9 @@ class ParticleContacts final : public ContactProjector {
   float largest_diameter_ = 0;
   float margin_ = 0;  // of the last broad phase: how far two members may approach each other [m]
   Sweeps sweeps_;     // of this step; odd sweeps run in reverse order
-  Vec3f corner_{};    // lower corner of the grid [m]; positions below are relative to it
   std::vector<Box> boxes_;
   std::vector<Member> members_;
-  std::vector<Vec3f> broad_phase_position_;  // per member, of the last broad phase [m]
-  std::vector<Cell> cells_;                  // per member
-  std::vector<std::uint32_t> bucket_begin_;
-  std::vector<Entry> entries_;  // sorted by bucket, then member
+  BallGrid grid_;  // of members, in the last broad phase
   std::vector<Pair> pairs_;
   std::vector<FrictionDisplacement> displacement_;  // per pair
   std::vector<CachedFriction> friction_cache_;      // from one broad phase to the next

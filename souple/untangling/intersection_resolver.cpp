@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace souple {
@@ -29,19 +30,29 @@ constexpr Vec3f directions[] = {{0, 1, 0},
                                 {third, third, -third},
                                 {-third, -third, third}};
 constexpr std::uint32_t fixed_directions = 14, all_directions = 16;
-constexpr int distances = 10;           // tested for each direction
-constexpr float distance_ratio = 1.5f;  // of a distance to the one before
+// Distances tested for each direction, and the ratio of each to the one before: from a 38th of the search range to all of
+// it, none more than half again as far as needed.
+constexpr int distances = 10;
+constexpr float distance_ratio = 1.5f;
 // Target duration of a separation if the speed limit allows, in times of a fall by the smaller object's radius.
 constexpr float separation_falls = 1.3f;
-constexpr float slowest_part = 1.0f / 30;  // lower limit of speeds, as a part of the upper limit
+// Lower limit of speeds, as a part of the upper limit: a separation by a small distance ends within 30 such falls.
+constexpr float slowest_part = 1.0f / 30;
 // A new direction may take deadline_factor times its expected time plus the time of such a fall. After each
 // improvement and each escalation the deadline is the time of a fall.
 constexpr double deadline_factor = 1.5;
-constexpr int max_escalations = 3;        // doublings of the speed before another direction is chosen
-constexpr int max_range_doublings = 6;    // each attempt doubles the search range of the one before
-constexpr int max_searches_per_step = 4;  // further components wait for the next step
-constexpr int immovable_interval = 16;  // steps between two searches while no intersecting particle can move
-constexpr std::size_t samples = 16;     // intersections of a component whose corners is_outside tests
+// Doublings of the speed before another direction is chosen: at eight times the speed, a direction that does not
+// resolve a component is blocked rather than slow.
+constexpr int max_escalations = 3;
+// Each attempt doubles the search range of the one before: at 64 times the component's size, its objects are apart.
+constexpr int max_range_doublings = 6;
+// A search tests 160 displacements of a component. Further components wait for the next step, so that a step with many
+// of them takes no longer.
+constexpr int max_searches_per_step = 4;
+// Steps between two searches while no intersecting particle can move: only the user's changes end such intersections.
+constexpr int immovable_interval = 16;
+// Intersections of a component whose corners is_outside tests: each test casts rays, and neighbors agree.
+constexpr std::size_t samples = 16;
 constexpr std::size_t vertex_grain = 64;
 
 Bounds around(const Vec3f& x) {
@@ -338,22 +349,44 @@ void IntersectionResolver::choose_direction(Component& component, const Particle
   component.escalations = 0;
 }
 
-// A component that does not become smaller in time gets a higher speed, then another direction.
+// A component that does not become smaller in time gets a higher speed, then another direction. The first row that
+// applies decides.
+IntersectionResolver::Action IntersectionResolver::action_of(const Component& component, double time,
+                                                             const Pace& pace, int searches) const {
+  struct Row {
+    bool applies;
+    Action action;
+  };
+  const bool escalates = component.escalations < max_escalations && component.speed < pace.fastest;
+  const Row rows[] = {
+      {component.chosen && time <= component.deadline, Action::keep},
+      {layers_.ordered(component.a, component.b), Action::alternate},
+      {component.chosen && escalates, Action::escalate},
+      {searches < max_searches_per_step, Action::choose_direction},
+      {true, Action::keep},  // until the next step
+  };
+  return std::find_if(std::begin(rows), std::end(rows), [](const Row& row) { return row.applies; })->action;
+}
+
 void IntersectionResolver::update_strategy(Component& component, const ParticleView& particles, double time,
                                            const Pace& pace, int& searches) {
   if (component.count < component.min_count) {
     component.min_count = component.count;
     component.deadline = time + pace.fall_time;
   }
-  if (component.chosen && time <= component.deadline) return;
-  if (layers_.ordered(component.a, component.b))
-    return alternate_strategies(component, particles, time, pace);
-  if (component.chosen && component.escalations < max_escalations && component.speed < pace.fastest) {
-    ++component.escalations;
-    component.speed = min(pace.fastest, 2 * component.speed);
-    component.deadline = time + pace.fall_time;
-  } else if (searches++ < max_searches_per_step) {
-    choose_direction(component, particles, time, pace);
+  switch (action_of(component, time, pace, searches)) {
+    case Action::keep:
+      return;
+    case Action::alternate:
+      return alternate_strategies(component, particles, time, pace);
+    case Action::escalate:
+      ++component.escalations;
+      component.speed = min(pace.fastest, 2 * component.speed);
+      component.deadline = time + pace.fall_time;
+      return;
+    case Action::choose_direction:
+      ++searches;
+      return choose_direction(component, particles, time, pace);
   }
 }
 

@@ -76,6 +76,13 @@ class IntersectionResolver {
     std::size_t first = 0, count = 0;  // order_[first, first + count)
     Bounds bounds{};                   // of all their particles
   };
+  /// What a component does in a step.
+  enum class Action : std::uint8_t {
+    keep,              ///< its strategy
+    alternate,         ///< between outward motion and the contour, for layers
+    escalate,          ///< double its speed
+    choose_direction,  ///< search for another one
+  };
   /// How fast two objects may be separated.
   struct Pace {
     float fastest = 0;     // m/s
@@ -106,6 +113,7 @@ class IntersectionResolver {
   void alternate_strategies(Component& component, const ParticleView& particles, double time,
                             const Pace& pace);
   void choose_direction(Component& component, const ParticleView& particles, double time, const Pace& pace);
+  Action action_of(const Component& component, double time, const Pace& pace, int searches) const;
   void update_strategy(Component& component, const ParticleView& particles, double time, const Pace& pace,
                        int& searches);
   bool is_separated(const Component& component, const ParticleView& particles, const Bounds& region,

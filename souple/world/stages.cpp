@@ -226,7 +226,7 @@ void solve(WorldState& world, const Substep& substep) {
   const ParticleView view = world.view();
   world.for_each_projector([&](Projector& projector) { projector.begin_substep(view, substep); });
   Substep solved = substep;
-  solved.levels = !world.contacts.untangles();
+  solved.levels = !world.contacts.separates();
   if (measures_balance(world)) {
     solved.external = &world.balance.external();
     world.balance.begin(world.steps, view);

@@ -1,0 +1,61 @@
+#pragma once
+
+#include "souple/broad_phase/contact_surface.h"
+#include "souple/broad_phase/near_pairs.h"
+#include "souple/math/vec4.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+inline constexpr std::uint32_t no_surface = ~0u;
+
+/// The surfaces whose elements may come into contact, and what does not change between two calls of `set`.
+class ElementSurfaces {
+ public:
+  /// Keeps the excluded pairs.
+  void set(std::vector<ContactSurface> surfaces);
+  /// Sets the end of a surface that consists of particles alone: at most its reserved_end.
+  void set_end(std::size_t surface, std::uint32_t end);
+  /// Sets the pairs of particles with a distance joint. Elements with a particle each of such a pair get no
+  /// contact.
+  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
+
+  /// Whether any surface may collide with another one or with itself.
+  bool any() const { return any_; }
+  std::size_t size() const { return surfaces_.size(); }
+  const ContactSurface& operator[](std::size_t index) const { return surfaces_[index]; }
+  bool collides_with_other(std::uint32_t a, std::uint32_t b) const {
+    return a != b && may_collide(surfaces_, a, b);
+  }
+  std::size_t particle_count() const { return surface_of_.size(); }
+  /// The surface of a particle, or no_surface.
+  std::uint32_t of(std::uint32_t particle) const { return surface_of_[particle]; }
+  bool is_excluded(const NearPair& pair, bool edges) const;
+  /// Limits the thickness of pairs of one surface: contacts keep them no farther apart than at rest. At most
+  /// max_batch pairs.
+  void limit_to_rest_distance(std::span<const NearPair> pairs, bool edges, float* thickness) const;
+  static constexpr std::size_t max_batch = 1024;
+  /// Calls f(particle) for evenly spaced particles of a surface, which stand for all of them in a mean.
+  template <class Function>
+  void for_each_sample(std::size_t surface, const Function& f) const {
+    constexpr std::uint32_t max_samples = 512;
+    const ContactSurface& one = surfaces_[surface];
+    const std::uint32_t stride = (one.end - one.begin) / max_samples + 1;
+    for (std::uint32_t i = one.begin; i < one.end; i += stride) f(i);
+  }
+  std::size_t bytes() const;
+
+ private:
+  std::vector<ContactSurface> surfaces_;
+  std::vector<std::array<std::uint32_t, 2>> excluded_;  // in both orders, sorted
+  std::vector<std::uint32_t> surface_of_;               // per particle: its surface, or no_surface
+  std::vector<Vec4f> rest_;          // per particle: rest position relative to its surface's first one [m]
+  std::vector<float> longest_edge_;  // per surface: longest edge at rest [m]
+  bool any_ = false;
+};
+
+}  // namespace souple
