@@ -81,6 +81,7 @@ struct Object {
   /// Per particle: distance outside the embedded surface [m]; may be empty.
   std::vector<float> embedding_offset;
   std::vector<PinnedParticle> pins;                        ///< ascending by particle
+  std::vector<std::uint32_t> pin_guess;                    ///< per particle: its last known index in `pins`
   bool self_collision = false;                             ///< the surface collides with itself
   int layer = 0;                                           ///< cloth layer; 0: none
   CollisionFilter filter;                                  ///< with which other objects it collides
