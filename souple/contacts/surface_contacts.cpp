@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <tuple>
+#include <tuple>
 
 namespace souple {
 namespace {
@@ -647,8 +649,12 @@ void SurfaceContacts::events(const ParticleView& particles, std::vector<ContactP
          (columns_.normal_sum[contact] * limits_.inverse_h + columns_.restitution_velocity[contact]) /
              columns_.inverse_mass[contact]});
   }
-  std::stable_sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
-    return a.particle != b.particle ? a.particle < b.particle : a.other < b.other;
+  // Not a stable sort, which would allocate: contacts of the same particles are in order of their points.
+  std::sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
+    const auto key = [](const ContactPush& push) {
+      return std::tie(push.particle, push.other, push.point.x, push.point.y, push.point.z, push.impulse);
+    };
+    return key(a) < key(b);
   });
 }
 
