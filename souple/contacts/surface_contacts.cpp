@@ -12,7 +12,6 @@
 #include <bit>
 #include <limits>
 #include <tuple>
-#include <tuple>
 
 namespace souple {
 namespace {
