@@ -239,7 +239,7 @@ struct WorldState {
   bool events_valid = false;    ///< `events` match these contacts
   void invalidate_contacts() { contacts_valid = events_valid = false; }
   std::vector<Vec4f> last_valid_position, last_valid_offset, last_valid_velocity,
-      last_valid_spin;                              ///< state before the step
+      last_valid_spin;  ///< state before the step
   ContactTracker contact_tracker;
   mutable std::map<std::uint32_t, Mirror> mirrors;  ///< by object id
   mutable QueryIndex query_index;
