@@ -6,6 +6,7 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
+#include <tuple>
 #include <utility>
 
 namespace souple {
@@ -167,8 +168,12 @@ void SurfaceContacts::events(const ParticleView& particles, std::vector<ContactP
                    normal_impulse(columns_.normal_sum[contact], columns_.restitution_velocity[contact],
                                   narrow_phase_.limits().inverse_h, columns_.inverse_mass[contact])});
   }
-  std::stable_sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
-    return a.particle != b.particle ? a.particle < b.particle : a.other < b.other;
+  // Not a stable sort, which would allocate: contacts of the same particles are in order of their points.
+  std::sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
+    const auto key = [](const ContactPush& push) {
+      return std::tie(push.particle, push.other, push.point.x, push.point.y, push.point.z, push.impulse);
+    };
+    return key(a) < key(b);
   });
 }
 

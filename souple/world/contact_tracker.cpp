@@ -12,26 +12,21 @@ void ContactTracker::end_substep(WorldState& world) {
   if (!tracks_) return;
   const ParticleView view = world.view();
   pushes_.clear();
-  world.collider_contacts.events(view, pushes_);
-  world.collider_element_contacts.events(view, pushes_);
-  add_pushes(world, true);
-  pushes_.clear();
-  world.surface_contacts.events(view, pushes_);
-  world.particle_contacts.events(view, pushes_);
-  add_pushes(world, false);
+  world.contacts.events(view, pushes_);
+  add_pushes(world);
   merge();
 }
 
-void ContactTracker::add_pushes(const WorldState& world, bool against_colliders) {
+void ContactTracker::add_pushes(const WorldState& world) {
   for (const ContactPush& push : pushes_) {
     if (!std::isfinite(push.impulse)) continue;  // pinned since
     const std::uint32_t object = world.objects[world.object_of[push.particle]]->id.value;
-    Touch touch{.key = {object, against_colliders, 0},
+    Touch touch{.key = {object, push.against_collider, 0},
                 .impulse = push.impulse,
                 .largest = push.impulse,
                 .point = push.point,
                 .normal = push.normal};
-    if (against_colliders) {
+    if (push.against_collider) {
       touch.key.other = world.colliders[push.other].id.value;
     } else {
       touch.key.other = world.objects[world.object_of[push.other]]->id.value;

@@ -3,9 +3,9 @@
 #include "souple/contacts/contact.h"
 #include "souple/world/query.h"
 
-#include <compare>
 #include <cstdint>
 #include <span>
+#include <tuple>
 #include <vector>
 
 namespace souple {
@@ -28,7 +28,10 @@ class ContactTracker {
     std::uint32_t object = 0;
     bool is_collider = false;
     std::uint32_t other = 0;
-    friend auto operator<=>(const Key&, const Key&) = default;
+    friend bool operator==(const Key&, const Key&) = default;
+    friend bool operator<(const Key& a, const Key& b) {
+      return std::tie(a.object, a.is_collider, a.other) < std::tie(b.object, b.is_collider, b.other);
+    }
   };
   struct Touch {
     Key key;
@@ -38,7 +41,7 @@ class ContactTracker {
     Vec3f point{}, normal{};         ///< of the largest impulse
   };
 
-  void add_pushes(const WorldState& world, bool against_colliders);
+  void add_pushes(const WorldState& world);
   void add(const Touch& touch);
   void add_sensors(const WorldState& world);
   void keep_sleepers(const WorldState& world);

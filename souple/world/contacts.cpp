@@ -175,7 +175,8 @@ void build_contact_tables(WorldState& world) {
   }
   for (const ColliderRecord& record : world.colliders) {
     const ContactMaterial material = contact_material_of(record.options);
-    tables.colliders.push_back({record.options.name, record.shape, record.options.motion, material, !record.options.sensor});
+    tables.colliders.push_back(
+        {record.options.name, record.shape, record.options.motion, material, !record.options.sensor});
     collider_materials.push_back(
         {record.options.name, material, {record.options.collision_groups, record.options.collision_mask}});
   }

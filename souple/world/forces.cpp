@@ -125,9 +125,8 @@ Vec3f acceleration(WorldState& world, std::size_t i, const Vec3f& x, const Vec3f
   if (world.force_fields.empty()) return a;
   const Object& object = *world.objects[world.object_of[i]];
   const ForcePoint point{object.id, object.vertex_of[i - object.begin], x, v, world.particles.mass[i], t};
-  world.force_fields.for_each([&](const VertexForceField& field) {
-    world.guarded("a force field", [&] { a += field(point) * w; });
-  });
+  world.force_fields.for_each(
+      [&](const VertexForceField& field) { world.guarded("a force field", [&] { a += field(point) * w; }); });
   return a;
 }
 

@@ -76,6 +76,7 @@ struct Object {
   /// Per particle: distance outside the embedded surface [m]; may be empty.
   std::vector<float> embedding_offset;
   std::vector<PinnedParticle> pins;                        ///< ascending by particle
+  std::vector<std::uint32_t> pin_guess;                    ///< per particle: its last known index in `pins`
   bool self_collision = false;                             ///< the surface collides with itself
   int layer = 0;                                           ///< cloth layer; 0: none
   CollisionFilter filter;                                  ///< with which other objects it collides
@@ -221,7 +222,7 @@ struct WorldState {
   bool events_valid = false;    ///< `events` match these contacts
   void invalidate_contacts() { contacts_valid = events_valid = false; }
   std::vector<Vec4f> last_valid_position, last_valid_offset, last_valid_velocity,
-      last_valid_spin;                              ///< state before the step
+      last_valid_spin;  ///< state before the step
   ContactTracker contact_tracker;
   mutable std::map<std::uint32_t, Mirror> mirrors;  ///< by object id
   mutable QueryIndex query_index;

@@ -80,6 +80,34 @@ TEST(WarmStepBesideSleepers, AllocatesNothing) {
   EXPECT_TRUE(world.is_asleep(grains));
 }
 
+// Contact pairs, a sensor, rays after each step and a batch of pin targets.
+TEST(WarmStepOfAGame, AllocatesNothing) {
+  World world({.threads = 2});
+  const ObjectId cloth = world.add_cloth(grid(30, 30, 1.0), {}, {.transform = {.translation = {0, 0.3, 0}}});
+  const Vec3d centers[] = {{0, 0.1, 0}, {0.3, 0.1, 0}, {0.3, 0.29, 0}};
+  world.add_grains(centers, {.radius = 0.1f});
+  world.add_collider(Plane{});
+  world.add_collider(Sphere{.radius = 0.2f}, {.sensor = true});
+  const std::vector<std::uint32_t> row{0, 29};
+  world.pin(cloth, vertices(row));
+  world.track_contacts(true);
+  const CallbackId rays = world.after(Stage::velocity, [&](World& w) {
+    w.ray_cast({0.1f, 2, 0}, {0, -1, 0});
+    w.closest_point({0.1f, 2, 0});
+    w.sphere_cast({0.1f, 2, 0}, 0.1f, {0, -1, 0});
+  });
+  std::vector<Vec3f> targets{world.positions(cloth)[0], world.positions(cloth)[29]};
+  const CallbackId back = world.before(Stage::broad_phase, [&](World&) { targets[0].x += 1e-4f; });
+  EXPECT_EQ(allocations_of_a_warm_step(world, 60), 0);
+  EXPECT_GE(world.contact_pairs().size(), 4u);
+  world.remove(rays);
+  world.remove(back);
+  for (int frame = 0; frame < 3; ++frame) world.move_pins(cloth, row, targets), world.step(1.0 / 60);
+  const long before = test::allocations();
+  world.move_pins(cloth, row, targets);
+  EXPECT_EQ(test::allocations(), before);
+}
+
 // A step with a warning writes its report into the memory of the last report.
 TEST(WarmStepThatWarns, AllocatesNothing) {
   World world({.substeps = 1, .threads = 2});
