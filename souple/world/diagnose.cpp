@@ -152,15 +152,12 @@ bool ranges_are_contiguous(const WorldState& world) {
 }  // namespace
 
 void bring_constraints_up_to_date(WorldState& world) {
-  const bool rebuilt = world.dirty_constraints;
-  if (rebuilt) {
-    build_constraints(world);
-    build_contact_radii(world);
-    world.particles.shrink_to_fit();
-    world.object_of.shrink_to_fit();
-    world.dirty_constraints = false;
-    world.dirty_solver = true;
-  }
+  if (world.dirty_objects) world.particles.shrink_to_fit(), world.object_of.shrink_to_fit();
+  if (world.dirty_objects || world.dirty_radii) build_contact_radii(world);
+  const bool changed = world.dirty_constraints || world.dirty_groups;
+  const bool rebuilt = changed && build_constraints(world);
+  world.dirty_solver = world.dirty_solver || changed;
+  world.dirty_constraints = world.dirty_objects = world.dirty_radii = false;
   world.for_each_constraint_projector(
       [&](Projector& projector) { projector.prepare(world.particles.size()); });
   if (rebuilt) world.balance.choose(world), world.report.objects.clear();

@@ -348,7 +348,7 @@ void World::set_pressure(ObjectId id, float pascals) {
   Object& object = closed_cloth(impl_->state, id, "set_pressure");
   wake_island(impl_->state, object);
   object.pressure = pascals;
-  impl_->state.dirty_constraints = true;
+  impl_->state.dirty_groups = true;
 }
 
 void World::set_enclosed_volume(ObjectId id, float factor, float compliance) {
@@ -359,7 +359,7 @@ void World::set_enclosed_volume(ObjectId id, float factor, float compliance) {
   Object& object = closed_cloth(impl_->state, id, "set_enclosed_volume");
   wake_island(impl_->state, object);
   object.enclosed_volume = {factor, compliance};
-  impl_->state.dirty_constraints = true;
+  impl_->state.dirty_groups = true;
 }
 
 }  // namespace souple
