@@ -1,0 +1,166 @@
+#include "souple/world/step_report.h"
+
+#include "souple/assert.h"
+#include "souple/constraints/neo_hookean.h"
+#include "souple/world/sleeping.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <iterator>
+
+#include <fmt/format.h>
+
+namespace souple {
+namespace {
+
+constexpr double large_strain = 0.1;
+constexpr double max_fluid_step = 0.36;  // a third, and a tolerance for waves on a fluid at rest
+
+void measure(WorldState& world) {
+  StepReport& report = world.report;
+  const ParticleView view = world.view();
+  world.for_each_projector([&](Projector& projector) {
+    if (projector.size() == 0) return;
+    report.constraints += projector.size();
+    KindReport kind{.kind = projector.kind(), .count = projector.size()};
+    if (world.settings.measure_residuals) {
+      const Residual residual = projector.measure(view, *world.threads);
+      kind.largest = residual.largest;
+      kind.mean = residual.count > 0 ? residual.sum / static_cast<double>(residual.count) : 0;
+      kind.largest_strain = residual.largest_strain;
+      report.largest_strain = std::max(report.largest_strain, residual.largest_strain);
+    }
+    report.kinds.push_back(kind);
+  });
+}
+
+// Reports exceptions and non-finite results of users' run-time constraints.
+void report_custom_errors(WorldState& world) {
+  for (const UserConstraint& user_constraint : world.user_constraints)
+    if (auto* custom = dynamic_cast<CustomProjector*>(user_constraint.projector.get())) {
+      const std::string error = custom->take_error();
+      if (!error.empty()) world.warn(Flag::callback_failed, error);
+    }
+}
+
+void report_fluids(WorldState& world) {
+  const FluidReport flow = world.report.fluid;
+  FluidReport& report = world.report.fluid = world.fluids.report();
+  report.emitted = flow.emitted, report.drained = flow.drained, report.held_back = flow.held_back;
+}
+
+void flag_not_converged(WorldState& world) {
+  const ObjectReport* worst = world.balance.worst(world);
+  if (worst == nullptr) return;
+  fmt::memory_buffer line;  // a string would allocate
+  fmt::format_to(std::back_inserter(line), "{}: {}", worst->name, advice(Flag::not_converged));
+  world.warn(Flag::not_converged, {line.data(), line.size()});
+}
+
+/// Where the solver has converged, the material itself is as soft as that.
+std::string_view strain_advice(const WorldState& world) {
+  constexpr double converged = 0.01;  // of the stretch that would restore the balance
+  const std::vector<ObjectReport>& objects = world.report.objects;
+  if (objects.empty() || std::any_of(objects.begin(), objects.end(),
+                                     [](const ObjectReport& o) { return o.stretch > converged; }))
+    return advice(Flag::large_strain);
+  return "an edge or a membrane is stretched by more than 10 %, as its stiffness allows: raise the "
+         "stiffness, or "
+         "lower the load";
+}
+
+void raise_flags(WorldState& world) {
+  const StepReport& report = world.report;
+  flag_not_converged(world);
+  if (std::any_of(report.kinds.begin(), report.kinds.end(), [](const KindReport& kind) {
+        return kind.kind != NeoHookean::name && kind.largest_strain > large_strain;
+      }))
+    world.warn(Flag::large_strain, strain_advice(world));
+  if (report.fluid.largest_step > max_fluid_step)
+    world.warn(Flag::coarse_substeps, advice(Flag::coarse_substeps));
+  if (!(report.deepest_contact > 0)) return;
+  float thickest = 0;
+  for (const float radius : world.particles.radius) thickest = std::max(thickest, radius);
+  if (report.deepest_contact > 2 * static_cast<double>(thickest))
+    world.warn(Flag::deep_contact, advice(Flag::deep_contact));
+}
+
+}  // namespace
+
+void restore_last_valid(WorldState& world) {
+  Particles& particles = world.particles;
+  const std::size_t particle = *world.first_non_finite;
+  const Object& object = *world.objects[world.object_of[particle]];
+  world.report.bad_object = object.name;
+  world.report.bad_vertex = object.vertex_of[particle - object.begin];
+  particles.position = world.last_valid_position;
+  particles.offset = world.last_valid_offset;
+  particles.velocity = world.last_valid_velocity;
+  particles.spin = world.last_valid_spin;
+  update_sleeping_masses(world);
+  world.warn(Flag::non_finite, fmt::format("{}, vertex {}: {}", object.name, world.report.bad_vertex,
+                                           advice(Flag::non_finite)));
+}
+
+bool begin_report(WorldState& world, double dt) {
+  StepReport& report = world.report;
+  if (world.stepping) {
+    world.warn(Flag::callback_failed, "step: a callback called step during a step; nothing was done");
+    return false;
+  }
+  std::swap(world.warned_before, world.warned);
+  world.warned.clear();
+  std::vector<KindReport> kinds = std::move(report.kinds);
+  std::vector<ObjectReport> objects = std::move(report.objects);
+  kinds.clear();
+  report = {};
+  report.kinds = std::move(kinds);
+  report.objects = std::move(objects);
+  report.step = world.steps;
+  report.time = world.time;
+  if (!(dt > 0) || !std::isfinite(dt) || !(static_cast<float>(dt / world.settings.substeps) > 0)) {
+    report.message = fmt::format("step: dt is {} s, expected a positive finite time; nothing was done", dt);
+    return false;
+  }
+  return true;
+}
+
+void count_step(WorldState& world) {
+  StepReport& report = world.report;
+  world.first_non_finite.reset();
+  report.step = ++world.steps;
+  report.substeps = world.settings.substeps;
+  report.iterations = world.settings.iterations;
+  for (const auto& object : world.objects) report.particles += object->particle_count();
+}
+
+void save_last_valid(WorldState& world) {
+  const Particles& particles = world.particles;
+  const auto keep = [&world](const std::vector<Vec4f>& array, std::vector<Vec4f>& valid) {
+    valid.resize(array.size());
+    world.threads->for_each(array.size(), 8192, [&](std::size_t begin, std::size_t end) {
+      std::memcpy(&valid[begin], &array[begin], (end - begin) * sizeof(Vec4f));
+    });
+  };
+  keep(particles.position, world.last_valid_position);
+  keep(particles.offset, world.last_valid_offset);
+  keep(particles.velocity, world.last_valid_velocity);
+  keep(particles.spin, world.last_valid_spin);
+  SOUPLE_ASSERT(world.last_valid_offset.size() == particles.size(), "arrays of particles have one length");
+}
+
+void end_report(WorldState& world, bool valid) {
+  world.report.time = world.time;
+  report_fluids(world);
+  report_custom_errors(world);
+  measure(world);
+  if (valid) raise_flags(world);
+}
+
+void run_callbacks(World& self, WorldState& world,
+                   const std::vector<std::function<void(World&)>>& callbacks) {
+  for (const auto& callback : callbacks) world.guarded("a stage's callback", [&] { callback(self); });
+}
+
+}  // namespace souple
