@@ -2,17 +2,13 @@
 
 // Internal state of a World, for the files of this folder. Users include world.h.
 
-#include "souple/constraints/attachment.h"
-#include "souple/constraints/distance.h"
 #include "souple/contacts/collider.h"
 #include "souple/contacts/collider_contacts.h"
 #include "souple/contacts/collider_element_contacts.h"
 #include "souple/contacts/particle_contacts.h"
 #include "souple/contacts/surface_contacts.h"
 #include "souple/geometry/embedding.h"
-#include "souple/solver/custom_constraint.h"
 #include "souple/solver/projector.h"
-#include "souple/solver/set_projector.h"
 #include "souple/state/particles.h"
 #include "souple/untangling/intersection_resolver.h"
 #include "souple/world/arrivals.h"
@@ -51,6 +47,10 @@ struct PinnedParticle {
   std::optional<Vec3d> arrival;  ///< end of the next step [m]
 };
 
+template <class Kind>
+class SetProjector;
+struct Attachment;
+struct Distance;
 struct ConstraintSets;
 struct ObjectConstraints;
 

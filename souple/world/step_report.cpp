@@ -2,6 +2,7 @@
 
 #include "souple/assert.h"
 #include "souple/constraints/neo_hookean.h"
+#include "souple/solver/custom_constraint.h"
 #include "souple/world/sleeping.h"
 
 #include <algorithm>
