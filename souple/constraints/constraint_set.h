@@ -98,6 +98,12 @@ struct ConstraintSet {
     for (std::vector<float>& values : multipliers) values.clear();
   }
 
+  void shrink_to_fit() {
+    for (std::vector<std::uint32_t>& index : records) index.shrink_to_fit();
+    for_each_column([](Column& column) { column.shrink_to_fit(); });
+    color_begin.shrink_to_fit();
+  }
+
   /// Heap memory of the arrays. [bytes]
   std::size_t bytes() const {
     std::size_t sum =

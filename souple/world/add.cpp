@@ -122,7 +122,7 @@ ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectO
   if (object.capacity == 0) throw Error(object.name + ": there are no vertices");
   object.stiffness_map = gather_map(options.stiffness_map, object, object.vertex_count(), "stiffness");
   object.thickness_map = gather_map(options.thickness_map, object, object.vertex_count(), "thickness");
-  const std::size_t skipped = check_constraints(object);
+  const std::size_t skipped = build_elements(object, SetKinds::all());
   if (skipped > 0)
     world.log_info(object.name,
                    {fmt::format("{} elements are too thin for a bending or membrane constraint", skipped)});

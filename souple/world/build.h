@@ -4,14 +4,20 @@
 
 namespace souple {
 
-/// Rebuilds the objects' constraint projectors (distances, bending, tets, pressure, ...). They are a pure
-/// function of the objects: adding and removing an object leaves no trace. Kinds are solved in the order of
-/// this function's body, constraints of one kind in the order of their objects.
-void build_constraints(WorldState& world);
+/// Builds the constraints of one object, of the kinds that its material changed or all that are new: they wait in the
+/// object until build_constraints. Throws Error, beginning with the object's name, if they cannot be built. Returns the
+/// number of cloth elements that are too thin for bending or a membrane and are skipped.
+std::size_t build_elements(Object& object, const SetKinds& kinds);
+/// Gives an object another material of its kind, and builds the constraints that change with it. If it throws, nothing
+/// has changed.
+void replace_material(WorldState& world, Object& object, const Material& material);
 
-/// Throws Error, beginning with the object's name, if its constraints cannot be built. Returns the number of
-/// cloth elements that are too thin for bending or a membrane and are skipped.
-std::size_t check_constraints(const Object& object);
+/// Takes over the constraints that objects have built since the last call, and removes those of objects that are gone.
+/// The result is a pure function of the objects, bit for bit: neither an object that was removed nor another material
+/// leaves a trace. Kinds are solved in the order of SetKind, then shape matching and enclosed volumes; constraints of
+/// one kind in the order of their colors and objects. Returns false if only values changed, not which particles
+/// constraints link.
+bool build_constraints(WorldState& world);
 
 /// Per particle: half the object's thickness, the radius of a grain or rope, or a quarter of a fluid's
 /// spacing; times the thickness map, minus the embedding offset.

@@ -1,6 +1,8 @@
 #include "souple/world/contacts.h"
 
+#include "souple/constraints/distance.h"
 #include "souple/geometry/measures.h"
+#include "souple/solver/set_projector.h"
 #include "souple/world/body_restitution.h"
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"

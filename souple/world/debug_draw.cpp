@@ -1,8 +1,8 @@
 #include "souple/world/debug_draw.h"
 
 #include "souple/geometry/adjacency.h"
-#include "souple/world/diagnose.h"
 #include "souple/world/impl.h"
+#include "souple/world/prepare.h"
 
 namespace souple {
 namespace {

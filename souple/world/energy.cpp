@@ -1,6 +1,6 @@
 #include "souple/solver/kernels/projection.h"
-#include "souple/world/diagnose.h"
 #include "souple/world/impl.h"
+#include "souple/world/prepare.h"
 
 #include <algorithm>
 #include <vector>

@@ -1,8 +1,8 @@
 #include "souple/world/memory.h"
 
 #include "souple/state/bytes.h"
-#include "souple/world/diagnose.h"
 #include "souple/world/impl.h"
+#include "souple/world/prepare.h"
 
 namespace souple {
 namespace {

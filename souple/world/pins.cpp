@@ -1,6 +1,9 @@
+#include "souple/constraints/attachment.h"
 #include "souple/constraints/distance.h"
 #include "souple/constraints/tether.h"
 #include "souple/geometry/adjacency.h"
+#include "souple/solver/custom_constraint.h"
+#include "souple/solver/set_projector.h"
 #include "souple/world/add.h"
 #include "souple/world/impl.h"
 #include "souple/world/sleeping.h"
@@ -348,7 +351,7 @@ void World::set_pressure(ObjectId id, float pascals) {
   Object& object = closed_cloth(impl_->state, id, "set_pressure");
   wake_island(impl_->state, object);
   object.pressure = pascals;
-  impl_->state.dirty_constraints = true;
+  impl_->state.dirty_groups = true;
 }
 
 void World::set_enclosed_volume(ObjectId id, float factor, float compliance) {
@@ -359,7 +362,7 @@ void World::set_enclosed_volume(ObjectId id, float factor, float compliance) {
   Object& object = closed_cloth(impl_->state, id, "set_enclosed_volume");
   wake_island(impl_->state, object);
   object.enclosed_volume = {factor, compliance};
-  impl_->state.dirty_constraints = true;
+  impl_->state.dirty_groups = true;
 }
 
 }  // namespace souple

@@ -1,8 +1,8 @@
 #include "souple/world/profile.h"
 
 #include "souple/constraints/distance.h"
-#include "souple/world/diagnose.h"
 #include "souple/world/impl.h"
+#include "souple/world/prepare.h"
 
 #include <algorithm>
 #include <chrono>

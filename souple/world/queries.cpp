@@ -3,8 +3,8 @@
 #include "souple/contacts/contact_law.h"
 #include "souple/geometry/closest_point.h"
 #include "souple/world/add.h"
-#include "souple/world/diagnose.h"
 #include "souple/world/impl.h"
+#include "souple/world/prepare.h"
 #include "souple/world/query_search.h"
 
 #include <algorithm>

@@ -1,6 +1,9 @@
 #include "souple/world/sleeping.h"
 
 #include "souple/assert.h"
+#include "souple/constraints/attachment.h"
+#include "souple/constraints/distance.h"
+#include "souple/solver/set_projector.h"
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/spin.h"

@@ -1,10 +1,17 @@
 #include "souple/world/state.h"
 
+#include "souple/world/constraint_sets.h"
+
 #include <algorithm>
 
 #include <fmt/core.h>
 
 namespace souple {
+
+Object::Object() = default;
+Object::~Object() = default;
+WorldState::WorldState() = default;
+WorldState::~WorldState() = default;
 
 void UserConstraint::update_targets(double t) {
   if (!attachment || !target) return;

@@ -2,13 +2,9 @@
 
 // Internal state of a World, for the files of this folder. Users include world.h.
 
-#include "souple/constraints/attachment.h"
-#include "souple/constraints/distance.h"
 #include "souple/contacts/contacts.h"
 #include "souple/geometry/embedding.h"
-#include "souple/solver/custom_constraint.h"
 #include "souple/solver/projector.h"
-#include "souple/solver/set_projector.h"
 #include "souple/state/particles.h"
 #include "souple/world/arrivals.h"
 #include "souple/world/balance.h"
@@ -18,6 +14,7 @@
 #include "souple/world/fluids.h"
 #include "souple/world/name_registry.h"
 #include "souple/world/query_index.h"
+#include "souple/world/set_kinds.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/world.h"
 
@@ -48,6 +45,13 @@ struct PinnedParticle {
   Vec3d from{};                  ///< start of the step [m]
   std::optional<Vec3d> arrival;  ///< end of the next step [m]
 };
+
+template <class Kind>
+class SetProjector;
+struct Attachment;
+struct Distance;
+struct ConstraintSets;
+struct ObjectConstraints;
 
 /// The definition of an object. Its constraints are a pure function of this struct (see build.h).
 struct Object {
@@ -89,6 +93,15 @@ struct Object {
   Transform placement;       ///< of obstacles: transform of the mesh sequence
   float wind_exposure = 1;   ///< share of the wind's velocity
   std::uint64_t user_data = 0;
+
+  std::unique_ptr<ConstraintSets>
+      fresh;  ///< constraints built since the last build_constraints, of fresh_kinds
+  SetKinds fresh_kinds;
+  std::uint32_t merged_begin = 0,
+                merged_end = 0;  ///< its particles at the last build_constraints; equal: none
+
+  Object();
+  ~Object();
 
   std::uint32_t reserved_end() const { return begin + capacity; }
   std::uint32_t particle_count() const { return static_cast<std::uint32_t>(rest.size()); }
@@ -183,8 +196,11 @@ struct WorldState {
   std::vector<DrainRecord> drains;
   std::uint32_t next_id = 1, next_callback_id = 1;
 
-  /// Built from the objects, in order of solution.
-  std::vector<std::unique_ptr<Projector>> object_constraints;
+  WorldState();
+  ~WorldState();
+
+  std::unique_ptr<ObjectConstraints> constraints_of_objects;  ///< see build.h
+  std::vector<Projector*> object_constraints;  ///< those that are not empty, in order of solution
   std::vector<UserConstraint> user_constraints;
   std::vector<Projector*> order;  ///< all projectors in order of solution, contacts last
   std::unique_ptr<Solver> solver;
@@ -201,12 +217,15 @@ struct WorldState {
   std::vector<BodyAtImpact> bodies_at_impact;  ///< bodies at impacts
   ContactTables tables;  ///< built from objects and colliders, read by `contacts` in a step
   PairOverrides pairs;
-  bool dirty_constraints = true;  ///< objects or materials changed: rebuild before the next step
+  bool dirty_constraints = true;  ///< constraints of objects changed: merge them before the next step
+  bool dirty_objects = true;      ///< objects were added or removed
+  bool dirty_groups = true;       ///< shape matching or enclosed volumes changed
+  bool dirty_radii = true;        ///< contact radii changed
   bool dirty_tables = true;       ///< input of the contacts changed: rebuild the tables
   bool dirty_counts = false;      ///< the particle count of a fluid differs from the contacts' count
   bool dirty_solver = true;  ///< projectors were added or removed, or settings changed: prepare the solver
   bool dirty_masses = true;  ///< particles were pinned or freed, or masses changed: prepare the solver
-  void dirty_all() { dirty_constraints = dirty_tables = true; }
+  void dirty_all() { dirty_constraints = dirty_objects = dirty_tables = true; }
 
   CallbackList<VertexForceField> force_fields;
   std::array<CallbackList<std::function<void(World&)>>, stage_count> before, after;

@@ -1,7 +1,9 @@
-#include "souple/world/diagnose.h"
+#include "souple/world/contacts.h"
 #include "souple/world/impl.h"
+#include "souple/world/prepare.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/stages.h"
+#include "souple/world/step_report.h"
 
 #include <chrono>
 
@@ -18,6 +20,31 @@ void run(World& self, WorldState& world, Stage stage, const Function& function) 
   run_callbacks(self, world, world.after[index]);
   const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
   world.report.milliseconds[index] += spent.count();
+}
+
+/// The prologue. Returns false, with a message in the report, if there can be no step.
+bool begin_step(WorldState& world, double dt) {
+  if (!begin_report(world, dt) || !prepare_step(world)) return false;
+  world.invalidate_contacts();
+  begin_arrivals(world, dt);
+  update_flow(world, dt);
+  update_fluid_counts(world);
+  world.fluids.begin_step(world, dt);
+  count_step(world);
+  return true;
+}
+
+/// The epilogue.
+void end_step(WorldState& world, double dt, bool valid) {
+  if (valid) fall_asleep(world, dt);
+  if (!valid) restore_last_valid(world);
+  end_arrivals(world, valid);
+  ++world.version;
+  world.contacts_valid = true;
+  report_contacts(world);
+  world.contact_tracker.end_step(world, valid);
+  world.erase_removed_callbacks();
+  end_report(world, valid);
 }
 
 }  // namespace
@@ -46,8 +73,7 @@ const StepReport& World::step(double dt) {
   if (valid) run(*this, world, Stage::foam, [&] { step_foam(world, start, dt); });
   world.stepping = false;
   if (!valid) world.time = start;
-  if (valid) fall_asleep(world, dt);
-  end_step(world, valid);
+  end_step(world, dt, valid);
   return world.report;
 }
 

@@ -151,20 +151,9 @@ template <class M>
 void change_material(WorldState& world, ObjectId id, const M& material) {
   world.require_between_steps("set_material");
   Object& object = world.object(id);
-  const M& old = material_of<M>(world, id);
+  material_of<M>(world, id);  // throws if it is of another kind
   validate(material, object.name);
-  const float density_ratio = density(material) / density(old);
-  const Material before = object.material;
-  object.material = material;
-  try {
-    check_constraints(object);
-  } catch (const Error&) {
-    object.material = before;
-    throw;
-  }
-  wake_island(world, object);
-  if (density_ratio != 1) scale_mass(world, object, density_ratio);
-  world.dirty_all();
+  replace_material(world, object, material);
   ++world.version;  // the radius of balls, for queries
 }
 

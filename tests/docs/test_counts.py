@@ -174,7 +174,7 @@ COUNTS = [
 
     ("docs/fluids.md", r"0 to (\d+)\. With 0 a substep", lambda: largest("fluid_settings", "iterations")),
     ("docs/fluids.md", r"Above ([\d.]+) the step raises",
-     lambda: constant("souple/world/diagnose.cpp", "max_fluid_step")),
+     lambda: constant("souple/world/step_report.cpp", "max_fluid_step")),
     ("docs/fluids.md", r"measured inside the drop, from (\d+) to",
      lambda: find("souple/fluid/surface_tension.cpp", r"degrees\[\] = {[^}]*, (\d+)}")),
     ("docs/fluids.md", r"measured inside the drop, from \d+ to (\d+)\.",

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "souple/constraints/dihedral_bending.h"
+#include "souple/constraints/distance.h"
+#include "souple/constraints/isometric_bending.h"
+#include "souple/constraints/neo_hookean.h"
+#include "souple/constraints/rope_bending.h"
+#include "souple/constraints/tet_volume.h"
+#include "souple/constraints/triangle_membrane.h"
+#include "souple/solver/enclosed_volume.h"
+#include "souple/solver/set_projector.h"
+#include "souple/solver/shape_matching.h"
+#include "souple/world/set_kinds.h"
+
+#include <tuple>
+
+namespace souple {
+
+/// The sets of constraints that objects are built of: of one object, with particles numbered from 0, or of all objects of
+/// a world.
+struct ConstraintSets {
+  /// In the order of SetKind, which is that of solution.
+  std::tuple<SetProjector<Distance>, SetProjector<TriangleMembrane>, SetProjector<IsometricBending>,
+             SetProjector<DihedralBending>, SetProjector<RopeBending>, SetProjector<NeoHookean>,
+             SetProjector<TetVolume>>
+      sets;
+  std::size_t skipped = 0;  ///< elements of cloths that are too thin
+};
+static_assert(std::tuple_size_v<decltype(ConstraintSets::sets)> == set_kind_count);
+
+/// Constraints on whole objects, solved after the sets.
+struct ConstraintGroups {
+  ShapeMatching shape_matching;
+  EnclosedVolume enclosed_volume;
+};
+
+/// Constraints of all objects.
+struct ObjectConstraints {
+  ConstraintSets of_elements;
+  ConstraintGroups of_objects;
+};
+
+}  // namespace souple

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "souple/world/state.h"
+
+// What a step reports, and what it does about states that are not finite.
+
+namespace souple {
+
+/// Clears the report. Returns false, with a message in it, if dt is not positive and finite or if a callback called step.
+bool begin_report(WorldState& world, double dt);
+/// Counts the step that begins, and what takes part in it.
+void count_step(WorldState& world);
+/// Saves the state that restore_last_valid restores after a step with non-finite values.
+void save_last_valid(WorldState& world);
+/// Reports the particle that is not finite and restores the state before the step.
+void restore_last_valid(WorldState& world);
+/// Fluids, errors of users' constraints, residuals and, after a valid step, flags. Contacts have reported.
+void end_report(WorldState& world, bool valid);
+/// Runs callbacks; an exception is reported, not passed on.
+void run_callbacks(World& self, WorldState& world,
+                   const CallbackList<std::function<void(World&)>>& callbacks);
+
+}  // namespace souple
