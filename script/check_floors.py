@@ -16,7 +16,7 @@ FLOORS = {
     "souple/simd": 1.5, "souple/threads": 1.5,
     "souple/constraints": 2, "souple/state": 2, "souple/geometry": 2,
     "souple/solver": 3, "souple/linear_solvers": 3.2, "souple/multilevel": 3.4,
-    "souple/collision": 4, "souple/broad_phase": 4.2, "souple/untangling": 4.4, "souple/contacts": 4.6,
+    "souple/collision": 4, "souple/broad_phase": 4.2, "souple/intersections": 4.4, "souple/contacts": 4.6,
     "souple/fluid": 5,
     "souple/world": 6, "souple/surface": 6,
     "souple/files": 6.5, "souple/mesh_files": 6.7, "souple/io": 7, "render": 7,

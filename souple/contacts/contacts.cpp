@@ -4,7 +4,7 @@
 #include "souple/contacts/collider_element_contacts.h"
 #include "souple/contacts/particle_contacts.h"
 #include "souple/contacts/surface_contacts.h"
-#include "souple/untangling/intersection_resolver.h"
+#include "souple/intersections/intersection_resolver.h"
 
 #include <exception>
 

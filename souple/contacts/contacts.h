@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/contacts/contact_projector.h"
-#include "souple/untangling/intersecting_pair.h"
+#include "souple/intersections/intersecting_pair.h"
 
 #include <cstddef>
 #include <memory>

@@ -3,7 +3,7 @@
 #include "souple/assert.h"
 #include "souple/contacts/kernels/find_kernels.h"
 #include "souple/state/bytes.h"
-#include "souple/untangling/intersection_resolver.h"
+#include "souple/intersections/intersection_resolver.h"
 
 #include <algorithm>
 #include <cmath>

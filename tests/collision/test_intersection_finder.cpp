@@ -1,5 +1,5 @@
 #include "souple/geometry/builders.h"
-#include "souple/untangling/intersection_finder.h"
+#include "souple/intersections/intersection_finder.h"
 #include "tests/collision/crossings.h"
 #include "tests/collision/random.h"
 #include "tests/count_allocations.h"

@@ -114,7 +114,7 @@ SOFT_TESTS = "tests/physics/test_collision_soft.cpp"
 LIQUID_TESTS = "tests/render/test_liquid.cpp"
 MESH_TESTS = "tests/surface/test_fluid_surface.cpp"
 EXACT_TESTS = "tests/collision/segment_triangle/test_exact.cpp"
-RESOLVER = "souple/untangling/intersection_resolver.cpp"
+RESOLVER = "souple/intersections/intersection_resolver.cpp"
 
 # Page, pattern with one group for the number (a space stands for any white space), the truth.
 COUNTS = [
@@ -168,7 +168,7 @@ COUNTS = [
     ("docs/collisions.md", r"objects (\d+) directions and", lambda: constant(RESOLVER, "all_directions")),
     ("docs/collisions.md", r"directions and (\d+) distances are", lambda: constant(RESOLVER, "distances")),
     ("docs/collisions.md", r"within a (\w+) of the lower object's size",
-     lambda: 1 / constant("souple/untangling/layers.cpp", "range_part")),
+     lambda: 1 / constant("souple/intersections/layers.cpp", "range_part")),
     ("docs/collisions.md", r"exact at grid points within (\d+) spacings",
      lambda: constant("souple/collision/signed_distance_field.h", "fine_cells")),
 

@@ -34,12 +34,12 @@ Case sheet_case(const std::string& name, const M& first, const M& second) {
 }
 
 std::vector<Case> cases() {
-  ClothMaterial springs, stiffer, membrane, dihedral, distance, rubbed, thick;
+  ClothMaterial springs, stiffer, membrane, dihedral, distance, with_friction, thick;
   stiffer.membrane_stiffness = 9000, stiffer.bending_stiffness = 3e-4f, stiffer.damping_time = 1e-3f;
   membrane.stretch = StretchModel::membrane, membrane.shear_stiffness = 500;
   dihedral.bending = BendingModel::dihedral;
   distance.bending = BendingModel::distance, distance.bending_stiffness = 1e-3f;
-  rubbed.friction = 0.9f, rubbed.kinetic_friction = 0.5f;
+  with_friction.friction = 0.9f, with_friction.kinetic_friction = 0.5f;
   thick.thickness = 0.02f;
   ClothMaterial soft_membrane = membrane, no_bending = springs;
   soft_membrane.membrane_stiffness = 800, soft_membrane.poisson_ratio = 0.1f;
@@ -52,7 +52,7 @@ std::vector<Case> cases() {
                         sheet_case("dihedral to distance", dihedral, distance),
                         sheet_case("distance to none", distance, no_bending),
                         sheet_case("none to isometric", no_bending, stiffer),
-                        sheet_case("friction", springs, rubbed),
+                        sheet_case("friction", springs, with_friction),
                         sheet_case("thickness", springs, thick)};
   const auto add_body = [&](const std::string& name, const SoftBodyMaterial& first,
                             const SoftBodyMaterial& second) {

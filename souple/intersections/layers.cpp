@@ -1,4 +1,4 @@
-#include "souple/untangling/layers.h"
+#include "souple/intersections/layers.h"
 
 #include "souple/collision/nearest.h"
 #include "souple/math/scalar.h"

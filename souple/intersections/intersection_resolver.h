@@ -1,9 +1,9 @@
 #pragma once
 
 #include "souple/collision/contact_step.h"
-#include "souple/untangling/intersecting_pair.h"
-#include "souple/untangling/intersection_finder.h"
-#include "souple/untangling/layers.h"
+#include "souple/intersections/intersecting_pair.h"
+#include "souple/intersections/intersection_finder.h"
+#include "souple/intersections/layers.h"
 
 #include <cstdint>
 #include <span>

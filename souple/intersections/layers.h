@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/untangling/intersection_finder.h"
+#include "souple/intersections/intersection_finder.h"
 
 #include <array>
 #include <cstdint>

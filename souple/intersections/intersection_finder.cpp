@@ -1,4 +1,4 @@
-#include "souple/untangling/intersection_finder.h"
+#include "souple/intersections/intersection_finder.h"
 
 #include "souple/collision/segment_triangle/watertight.h"
 #include "souple/state/bytes.h"

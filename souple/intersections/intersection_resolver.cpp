@@ -1,4 +1,4 @@
-#include "souple/untangling/intersection_resolver.h"
+#include "souple/intersections/intersection_resolver.h"
 
 #include "souple/state/bytes.h"
 
