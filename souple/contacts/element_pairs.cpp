@@ -2,8 +2,8 @@
 
 #include "souple/assert.h"
 #include "souple/contacts/kernels/find_kernels.h"
-#include "souple/state/bytes.h"
 #include "souple/intersections/intersection_resolver.h"
+#include "souple/state/bytes.h"
 
 #include <algorithm>
 #include <cmath>
