@@ -91,8 +91,11 @@ Found closest_of_all_elements(const World& world, const Vec3f& point) {
 World crumpled_world() {
   World world({.substeps = 5});
   world.add_cloth(grid(30, 30, 1), {}, {.name = "sheet", .transform = {.translation = {0, 0.6, 0}}});
-  std::vector<Vec3d> centers;
-  for (int i = 0; i < 40; ++i) centers.push_back({0.12 * (i % 7) - 0.4, 0.06, 0.12 * (i / 7) - 0.35});
+  std::vector<Vec3d> centers(40);
+  for (std::size_t i = 0; i < centers.size(); ++i) {
+    const std::size_t row = i / 7, column = i % 7;
+    centers[i] = {0.12 * static_cast<double>(column) - 0.4, 0.06, 0.12 * static_cast<double>(row) - 0.35};
+  }
   world.add_grains(centers, {.radius = 0.05f});
   const Vec3d line[] = {{-0.6, 0.9, 0.1}, {0.6, 0.9, -0.1}};
   world.add_rope(line, 25, {.radius = 0.02f});
