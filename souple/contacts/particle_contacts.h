@@ -1,7 +1,7 @@
 #pragma once
 
+#include "souple/broad_phase/ball_grid.h"
 #include "souple/contacts/anchor.h"
-#include "souple/contacts/ball_grid.h"
 #include "souple/contacts/contact_law.h"
 #include "souple/contacts/contact_projector.h"
 

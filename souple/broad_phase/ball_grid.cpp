@@ -1,4 +1,4 @@
-#include "souple/contacts/ball_grid.h"
+#include "souple/broad_phase/ball_grid.h"
 
 #include "souple/state/bytes.h"
 
