@@ -11,10 +11,16 @@
 #include "souple/geometry/reorder.h"
 #include "souple/geometry/weld.h"
 #include "souple/world/build.h"
+#include "souple/world/caches.h"
+#include "souple/world/contact_state.h"
 #include "souple/world/embedding_offset.h"
+#include "souple/world/flow.h"
 #include "souple/world/impl.h"
+#include "souple/world/object.h"
 #include "souple/world/obstacles.h"
+#include "souple/world/user_constraint.h"
 #include "souple/world/validate.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <cmath>
@@ -145,8 +151,8 @@ ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectO
     world.teleport_particle(i, object.rest[i - object.begin]);
   }
   if (object.kind != ObjectKind::obstacle) set_motion(world, object, options);
-  world.dirty_all();
-  world.invalidate_contacts();
+  world.dirty.all();
+  world.contact->invalidate();
   ++world.version;
   SOUPLE_ASSERT(world.object_of.size() == particles.size(), "every particle belongs to an object");
   world.names.add(object.name, {NameRegistry::Owner::object, object.id.value});
@@ -214,7 +220,7 @@ float contact_radius(const Material& material) {
 }
 
 void scale_mass(WorldState& world, const Object& object, float factor) {
-  world.dirty_masses = true;
+  world.dirty.masses = true;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     world.particles.mass[i] *= factor;
     if (world.particles.position[i].w > 0) world.particles.position[i].w = 1 / world.particles.mass[i];
@@ -254,14 +260,15 @@ void remove_object(WorldState& world, const Object& object) {
     if (i > index) --i;
   for (const auto& other : world.objects)
     if (other->begin >= end) other->begin -= end - begin, other->end -= end - begin;
-  for (UserConstraint& user_constraint : world.user_constraints) user_constraint.erase_particles(begin, end);
-  world.contacts.erase_particles(begin, end);
-  world.mirrors.erase(object.id.value);
-  std::erase_if(world.emitters, [&](const EmitterRecord& record) { return record.fluid == object.id.value; });
+  for (UserConstraint& user_constraint : world.constraints.users) user_constraint.erase_particles(begin, end);
+  world.contact->contacts.erase_particles(begin, end);
+  world.caches->mirrors.erase(object.id.value);
+  std::erase_if(world.flow.emitters,
+                [&](const EmitterRecord& record) { return record.fluid == object.id.value; });
   world.names.remove(world.objects[index]->name);
   world.objects.erase(world.objects.begin() + static_cast<std::ptrdiff_t>(index));
-  world.dirty_all();
-  world.invalidate_contacts();
+  world.dirty.all();
+  world.contact->invalidate();
   ++world.version;
 }
 

@@ -1,8 +1,12 @@
 #include "souple/world/arrivals.h"
 
+#include "souple/world/collider_record.h"
+#include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
+#include "souple/world/object.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/validate.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,8 +23,8 @@ Transform Arrival::at(double time) const {
 }
 
 void begin_arrivals(WorldState& world, double dt) {
-  world.step_start = world.time;
-  world.step_length = dt;
+  world.current.start = world.time;
+  world.current.length = dt;
   for (ColliderRecord& record : world.colliders)
     if (record.arrival) record.arrival->start = world.time, record.arrival->length = dt;
   for (const auto& object : world.objects)
@@ -49,7 +53,7 @@ void arrive(WorldState& world, ColliderRecord& record) {
   record.options.motion =
       ColliderMotion::callback([arrival = record.arrival](double time) { return arrival->at(time); });
   const auto index = static_cast<std::size_t>(&record - world.colliders.data());
-  if (!world.dirty_tables) world.tables.colliders[index].motion = record.options.motion;
+  if (!world.dirty.tables) world.contact->tables.colliders[index].motion = record.options.motion;
 }
 
 }  // namespace

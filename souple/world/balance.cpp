@@ -1,6 +1,7 @@
 #include "souple/world/balance.h"
 
 #include "souple/solver/kernels/projection.h"
+#include "souple/world/object.h"
 #include "souple/world/state.h"
 
 #include <algorithm>
@@ -96,7 +97,7 @@ void Balance::choose(WorldState& world) {
     part.samples.push_back({number, begin, end, static_cast<double>(count) / (end - begin)});
     objects_.emplace_back().index = o;
   }
-  for (const auto& projector : world.object_constraints) choose_constraints(world, *projector);
+  for (const auto& projector : world.constraints.object_projectors) choose_constraints(world, *projector);
 }
 
 void Balance::choose_constraints(WorldState& world, const Projector& projector) {

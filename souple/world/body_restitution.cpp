@@ -1,5 +1,9 @@
 #include "souple/world/body_restitution.h"
 
+#include "souple/world/contact_state.h"
+#include "souple/world/object.h"
+#include "souple/world/step_scratch.h"
+
 #include <utility>
 
 namespace souple {
@@ -22,14 +26,14 @@ BodyAtImpact measure(const WorldState& world, std::uint32_t index) {
 
 BodyAtImpact& body_at(WorldState& world, std::uint32_t particle) {
   const std::uint32_t index = world.object_of[particle];
-  for (BodyAtImpact& body : world.bodies_at_impact)
+  for (BodyAtImpact& body : world.scratch->bodies_at_impact)
     if (body.object == index) return body;
-  return world.bodies_at_impact.emplace_back(measure(world, index));
+  return world.scratch->bodies_at_impact.emplace_back(measure(world, index));
 }
 
-// Index of the body in world.bodies_at_impact, as the list grows.
+// Index of the body in world.scratch->bodies_at_impact, as the list grows.
 std::size_t index_of(WorldState& world, std::uint32_t particle) {
-  return static_cast<std::size_t>(&body_at(world, particle) - world.bodies_at_impact.data());
+  return static_cast<std::size_t>(&body_at(world, particle) - world.scratch->bodies_at_impact.data());
 }
 
 // J = (e a - u_n) / (1/M_0 + 1/M_1) along the normal, where the bodies approach.
@@ -38,8 +42,8 @@ void solve_impact(WorldState& world, const Impact& impact, double threshold) {
   const std::size_t one = index_of(world, impact.particle);
   const bool against_body = impact.other != Impact::collider && world.particles.position[impact.other].w > 0;
   const std::size_t other = against_body ? index_of(world, impact.other) : one;
-  BodyAtImpact& a = world.bodies_at_impact[one];
-  BodyAtImpact& b = world.bodies_at_impact[other];
+  BodyAtImpact& a = world.scratch->bodies_at_impact[one];
+  BodyAtImpact& b = world.scratch->bodies_at_impact[other];
   const double w_a = a.mass > 0 ? 1 / a.mass : 0, w_b = against_body && b.mass > 0 ? 1 / b.mass : 0;
   if (!(w_a + w_b > 0)) return;
   Vec3d fixed(impact.surface_velocity);
@@ -72,13 +76,13 @@ bool concerns_bodies(const WorldState& world, Impact& impact) {
 }  // namespace
 
 void restitute_bodies(WorldState& world, const Substep& substep) {
-  world.impacts.clear();
-  world.bodies_at_impact.clear();
-  world.contacts.append_impacts(substep, world.impacts);
+  world.scratch->impacts.clear();
+  world.scratch->bodies_at_impact.clear();
+  world.contact->contacts.append_impacts(substep, world.scratch->impacts);
   const double threshold = 2 * static_cast<double>(length(world.settings.gravity) * substep.h);
-  for (Impact& impact : world.impacts)
+  for (Impact& impact : world.scratch->impacts)
     if (concerns_bodies(world, impact)) solve_impact(world, impact, threshold);
-  for (const BodyAtImpact& body : world.bodies_at_impact) {
+  for (const BodyAtImpact& body : world.scratch->bodies_at_impact) {
     const Object& object = *world.objects[body.object];
     for (std::uint32_t i = object.begin; body.mass > 0 && i < object.end; ++i) {
       Vec4f& velocity = world.particles.velocity[i];

@@ -5,6 +5,7 @@
 #include "souple/geometry/rest_frames.h"
 #include "souple/world/add.h"
 #include "souple/world/constraint_sets.h"
+#include "souple/world/object.h"
 #include "souple/world/sleeping.h"
 
 #include <algorithm>
@@ -417,13 +418,13 @@ void replace_material(WorldState& world, Object& object, const Material& materia
   wake_island(world, object);
   const float density_ratio = density(material) / density(before);
   if (density_ratio != 1) scale_mass(world, object, density_ratio);
-  world.dirty_constraints = world.dirty_constraints || changed.any();
-  world.dirty_groups = world.dirty_groups || groups_change;
-  world.dirty_radii = world.dirty_radii || contact_radius(material) != contact_radius(before);
+  world.dirty.constraints = world.dirty.constraints || changed.any();
+  world.dirty.groups = world.dirty.groups || groups_change;
+  world.dirty.radii = world.dirty.radii || contact_radius(material) != contact_radius(before);
   // Fluids read the materials and masses of all objects when tables are built.
   const bool with_fluids = std::any_of(world.objects.begin(), world.objects.end(),
                                        [](const auto& o) { return o->kind == ObjectKind::fluid; });
-  world.dirty_tables = world.dirty_tables || with_fluids || !same_contacts(before, material);
+  world.dirty.tables = world.dirty.tables || with_fluids || !same_contacts(before, material);
 }
 
 namespace {
@@ -448,25 +449,25 @@ bool merge(WorldState& world, SetKind kind, std::span<const ObjectPart> parts, S
     any_fresh = any_fresh || fresh[o]->size() > 0;
   }
   const bool any = any_fresh || of_all.size() > 0;
-  if (!any || !(world.dirty_objects || std::any_of(fresh.begin(), fresh.end(), [](auto* f) { return f; })))
+  if (!any || !(world.dirty.objects || std::any_of(fresh.begin(), fresh.end(), [](auto* f) { return f; })))
     return false;
   return !of_all.merge(parts, fresh);
 }
 
 void build_groups(WorldState& world) {
-  ConstraintGroups& groups = world.constraints_of_objects->of_objects;
+  ConstraintGroups& groups = world.constraints.of_objects->of_objects;
   groups = {};
   for (const auto& object : world.objects) add_groups(*object, groups);
-  world.dirty_groups = false;
+  world.dirty.groups = false;
 }
 
 }  // namespace
 
 bool build_constraints(WorldState& world) {
-  if (!world.constraints_of_objects) world.constraints_of_objects = std::make_unique<ObjectConstraints>();
-  ObjectConstraints& all = *world.constraints_of_objects;
+  if (!world.constraints.of_objects) world.constraints.of_objects = std::make_unique<ObjectConstraints>();
+  ObjectConstraints& all = *world.constraints.of_objects;
   const std::vector<ObjectPart> parts = parts_of(world);
-  bool changed = world.dirty_objects;
+  bool changed = world.dirty.objects;
   std::size_t kind = 0;
   const auto merge_one = [&](auto& set) {
     changed |= merge(world, static_cast<SetKind>(kind++), parts, set);
@@ -477,10 +478,10 @@ bool build_constraints(WorldState& world) {
     object->fresh_kinds = {};
     object->merged_begin = object->begin, object->merged_end = object->reserved_end();
   }
-  if (world.dirty_groups || world.dirty_objects) build_groups(world);
-  world.object_constraints.clear();
+  if (world.dirty.groups || world.dirty.objects) build_groups(world);
+  world.constraints.object_projectors.clear();
   const auto list = [&](Projector& projector) {
-    if (projector.size() > 0) world.object_constraints.push_back(&projector);
+    if (projector.size() > 0) world.constraints.object_projectors.push_back(&projector);
   };
   std::apply([&](auto&... sets) { (list(sets), ...); }, all.of_elements.sets);
   list(all.of_objects.shape_matching), list(all.of_objects.enclosed_volume);

@@ -1,5 +1,9 @@
 #include "souple/world/contact_tracker.h"
 
+#include "souple/world/caches.h"
+#include "souple/world/collider_record.h"
+#include "souple/world/contact_state.h"
+#include "souple/world/object.h"
 #include "souple/world/overlap.h"
 #include "souple/world/state.h"
 
@@ -12,7 +16,7 @@ void ContactTracker::end_substep(WorldState& world) {
   if (!tracks_) return;
   const ParticleView view = world.view();
   pushes_.clear();
-  world.contacts.events(view, pushes_);
+  world.contact->contacts.events(view, pushes_);
   add_pushes(world);
   merge();
 }
@@ -70,13 +74,13 @@ void ContactTracker::merge() {
 }
 
 void ContactTracker::add_sensors(const WorldState& world) {
-  world.query_index.refresh(world);
+  world.caches->query_index.refresh(world);
   for (std::size_t c = 0; c < world.colliders.size(); ++c) {
     const ColliderRecord& record = world.colliders[c];
     if (!record.options.sensor) continue;
     const Transform pose = record.options.motion.at(world.time);
     for (std::size_t a = 0; a < world.objects.size(); ++a) {
-      if (!world.tables.against_colliders.collide(a, c)) continue;
+      if (!world.contact->tables.against_colliders.collide(a, c)) continue;
       if (!overlaps(world, a, record.shape, pose)) continue;
       add({.key = {world.objects[a]->id.value, true, record.id.value}, .is_sensor = true});
     }

@@ -4,10 +4,17 @@
 #include "souple/geometry/measures.h"
 #include "souple/solver/set_projector.h"
 #include "souple/world/body_restitution.h"
+#include "souple/world/caches.h"
+#include "souple/world/collider_record.h"
+#include "souple/world/contact_state.h"
+#include "souple/world/fluids.h"
 #include "souple/world/impl.h"
+#include "souple/world/object.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/stages.h"
+#include "souple/world/user_constraint.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,13 +58,13 @@ std::vector<Edge> edges_of_rope(const Object& object) {
 
 ContactSurface contact_surface(const WorldState& world, std::uint32_t index, float radius) {
   const Object& object = *world.objects[index];
-  const ContactMaterialTable& matrix = world.tables.against_objects;
+  const ContactMaterialTable& matrix = world.contact->tables.against_objects;
   ContactSurface result{
       .begin = object.begin,
       .end = object.end,
       .reserved_end = object.reserved_end(),
       .triangles = object.surface,
-      .edges = world.tables.rope_edges[index],
+      .edges = world.contact->tables.rope_edges[index],
       .particles_only = is_particle_only(object),
       .self_collision = object.self_collision && !is_particle_only(object) && matrix.collide(index, index),
       .groups = object.filter.groups,
@@ -88,7 +95,7 @@ void append_elements(const Object& object, std::uint32_t index, std::span<const 
 
 std::vector<std::array<std::uint32_t, 2>> joined_particles(const WorldState& world) {
   std::vector<std::array<std::uint32_t, 2>> joined;
-  for (const UserConstraint& user_constraint : world.user_constraints)
+  for (const UserConstraint& user_constraint : world.constraints.users)
     for (std::size_t i = 0; user_constraint.distance_joint && user_constraint.is_active &&
                             i < user_constraint.distance_joint->size();
          ++i)
@@ -96,9 +103,9 @@ std::vector<std::array<std::uint32_t, 2>> joined_particles(const WorldState& wor
   return joined;
 }
 
-// Reads world.tables. Elements concern solid colliders only.
+// Reads world.contact->tables. Elements concern solid colliders only.
 ContactGeometry contact_geometry(const WorldState& world, std::span<const NamedContactMaterial> materials) {
-  const ContactTables& tables = world.tables;
+  const ContactTables& tables = world.contact->tables;
   ContactGeometry geometry;
   geometry.joined = joined_particles(world);
   const bool any_solid = std::any_of(tables.colliders.begin(), tables.colliders.end(), [](const Collider& c) {
@@ -164,9 +171,9 @@ bool is_particle_only(const Object& object) {
 }
 
 void build_contact_tables(WorldState& world) {
-  world.invalidate_contacts();
-  ContactTables& tables = world.tables;
-  world.sleep.proximity.invalidate();
+  world.contact->invalidate();
+  ContactTables& tables = world.contact->tables;
+  world.sleep->proximity.invalidate();
   tables.objects.clear();
   tables.colliders.clear();
   std::vector<NamedContactMaterial> object_materials, collider_materials;
@@ -182,25 +189,25 @@ void build_contact_tables(WorldState& world) {
     collider_materials.push_back(
         {record.options.name, material, {record.options.collision_groups, record.options.collision_mask}});
   }
-  tables.against_colliders = ContactMaterialTable(object_materials, collider_materials, world.pairs);
-  tables.against_objects = ContactMaterialTable(object_materials, object_materials, world.pairs);
+  tables.against_colliders = ContactMaterialTable(object_materials, collider_materials, world.contact->pairs);
+  tables.against_objects = ContactMaterialTable(object_materials, object_materials, world.contact->pairs);
   tables.rope_edges.clear();
   for (const auto& object : world.objects) tables.rope_edges.push_back(edges_of_rope(*object));
-  world.contacts.build(contact_geometry(world, object_materials));
-  world.check_intersections = world.dirty_counts = true;
-  world.fluids.build(world);
+  world.contact->contacts.build(contact_geometry(world, object_materials));
+  world.contact->check_intersections = world.dirty.counts = true;
+  world.fluids->build(world);
 }
 
 void update_fluid_counts(WorldState& world) {
-  if (!world.dirty_counts) return;
+  if (!world.dirty.counts) return;
   for (std::size_t a = 0; a < world.objects.size(); ++a) {
     const Object& object = *world.objects[a];
     if (object.kind != ObjectKind::fluid) continue;
-    world.tables.objects[a].end = object.end;
-    world.contacts.set_end(a, object.end);
+    world.contact->tables.objects[a].end = object.end;
+    world.contact->contacts.set_end(a, object.end);
   }
-  world.sleep.proximity.invalidate();
-  world.dirty_counts = false;
+  world.sleep->proximity.invalidate();
+  world.dirty.counts = false;
 }
 
 namespace {
@@ -210,7 +217,7 @@ namespace {
 // For the latter a check every few steps is early enough.
 bool may_intersect(const WorldState& world) {
   constexpr std::uint64_t interval = 8;  // steps
-  if (world.check_intersections) return true;
+  if (world.contact->check_intersections) return true;
   if (world.steps % interval != 0) return false;
   bool driven = false, pinned = false;
   for (const auto& object : world.objects) {
@@ -224,7 +231,7 @@ bool may_intersect(const WorldState& world) {
 void report_intersections(WorldState& world) {
   std::string words;
   std::size_t described = 0;
-  for (const IntersectingPair& pair : world.contacts.intersecting_pairs()) {
+  for (const IntersectingPair& pair : world.contact->contacts.intersecting_pairs()) {
     world.report.intersections += pair.edges;
     if (++described > 3) continue;
     const std::string& one = world.objects[pair.edge_surface]->name;
@@ -249,7 +256,7 @@ void find_candidates(WorldState& world, double dt) {
                          .detection = world.settings.detection,
                          .segment_test = world.settings.segment_test,
                          .turn = world.particles.turn};
-  ContactTables& tables = world.tables;
+  ContactTables& tables = world.contact->tables;
   Particles& particles = world.particles;
   predict_obstacles(world, dt);
   wake_disturbed(world, dt);
@@ -262,45 +269,45 @@ void find_candidates(WorldState& world, double dt) {
       step};
   world.guarded("a collider's motion", [&] {
     const bool search_intersections = may_intersect(world);
-    world.check_intersections = false;
-    world.contacts.begin_step(input, search_intersections, *world.threads);
+    world.contact->check_intersections = false;
+    world.contact->contacts.begin_step(input, search_intersections, *world.threads);
   });
-  world.report.layer_violations = world.contacts.layer_violations();
+  world.report.layer_violations = world.contact->contacts.layer_violations();
   report_intersections(world);
 }
 
 void generate_contacts(WorldState& world, const Substep& substep) {
-  if (world.sleep.all) return;
+  if (world.sleep->all) return;
   world.guarded("a collider's motion",
-                [&] { world.contacts.refresh(world.view(), substep, world.time, *world.threads); });
+                [&] { world.contact->contacts.refresh(world.view(), substep, world.time, *world.threads); });
 }
 
 void keep_apart(WorldState& world, const Substep& substep) {
-  world.report.kept_apart += world.contacts.after_solve(world.view(), substep, *world.threads);
+  world.report.kept_apart += world.contact->contacts.after_solve(world.view(), substep, *world.threads);
 }
 
 void apply_restitution(WorldState& world, const Substep& substep) {
   restitute_bodies(world, substep);
-  world.contacts.apply_restitution(world.view(), world.particles.velocity, substep, *world.threads);
+  world.contact->contacts.apply_restitution(world.view(), world.particles.velocity, substep, *world.threads);
 }
 
 void report_contacts(WorldState& world) {
-  const ContactReport report = world.contacts.report();
+  const ContactReport report = world.contact->contacts.report();
   world.report.contacts = report.count;
   world.report.deepest_contact = static_cast<double>(report.deepest);
 }
 
 std::span<const ContactEvent> World::contacts() const {
   WorldState& world = impl_->state;
-  const std::lock_guard<std::mutex> lock(world.cache_lock);
-  if (world.events_valid) return world.events;
-  world.events.clear();
-  if (!world.contacts_valid && !world.stepping) return world.events;
-  world.events_valid = !world.stepping;
+  const std::lock_guard<std::mutex> lock(world.caches->lock);
+  if (world.contact->events_valid) return world.contact->events;
+  world.contact->events.clear();
+  if (!world.contact->valid && !world.current.running) return world.contact->events;
+  world.contact->events_valid = !world.current.running;
   std::vector<ContactPush> pushes;
-  world.contacts.events(world.view(), pushes);
-  for (const ContactPush& push : pushes) append_event(world, push, world.events);
-  return world.events;
+  world.contact->contacts.events(world.view(), pushes);
+  for (const ContactPush& push : pushes) append_event(world, push, world.contact->events);
+  return world.contact->events;
 }
 
 }  // namespace souple

@@ -1,5 +1,8 @@
 #include "souple/world/damping.h"
 
+#include "souple/world/object.h"
+#include "souple/world/step_scratch.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -46,7 +49,7 @@ void add(RigidSums& sums, const RigidSums& more) {
 RigidSums rigid_sums(WorldState& world, const Object& object, const Vec3d& origin) {
   const Particles& particles = world.particles;
   const std::size_t count = object.particle_count(), chunks = (count + chunk_size - 1) / chunk_size;
-  world.rigid_sums.resize(std::max(world.rigid_sums.size(), chunks));
+  world.scratch->rigid_sums.resize(std::max(world.scratch->rigid_sums.size(), chunks));
   world.threads->for_each(chunks, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t chunk = first; chunk < last; ++chunk) {
       RigidSums sums;
@@ -55,11 +58,11 @@ RigidSums rigid_sums(WorldState& world, const Object& object, const Vec3d& origi
         if (particles.position[i].w != 0)
           add(sums, static_cast<double>(particles.mass[i]), Vec3d(particles.position[i].xyz()) - origin,
               Vec3d(particles.velocity[i].xyz()));
-      world.rigid_sums[chunk] = sums;
+      world.scratch->rigid_sums[chunk] = sums;
     }
   });
   RigidSums all;
-  for (std::size_t chunk = 0; chunk < chunks; ++chunk) add(all, world.rigid_sums[chunk]);
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk) add(all, world.scratch->rigid_sums[chunk]);
   return all;
 }
 

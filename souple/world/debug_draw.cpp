@@ -1,14 +1,18 @@
 #include "souple/world/debug_draw.h"
 
 #include "souple/geometry/adjacency.h"
+#include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
+#include "souple/world/object.h"
 #include "souple/world/prepare.h"
+#include "souple/world/projectors.h"
+#include "souple/world/world.h"
 
 namespace souple {
 namespace {
 
 void draw_constraints(WorldState& world, const std::function<void(const DebugConstraint&)>& draw) {
-  if (!world.stepping) bring_constraints_up_to_date(world);
+  if (!world.current.running) bring_constraints_up_to_date(world);
   const ParticleView view = world.view();
   std::vector<Vec3f> points;
   const auto visit = [&](const Projector& projector) {
@@ -19,10 +23,10 @@ void draw_constraints(WorldState& world, const std::function<void(const DebugCon
       draw({kind, points, constraint.color, constraint.strain, constraint.residual});
     });
   };
-  if (world.contacts_valid || world.stepping) {
-    world.for_each_projector(visit);
+  if (world.contact->valid || world.current.running) {
+    for_each_projector(world, visit);
   } else {
-    world.for_each_constraint_projector(visit);
+    for_each_constraint_projector(world, visit);
   }
 }
 
@@ -49,7 +53,7 @@ void World::debug_draw(const DebugDraw& draw) const {
   if (draw.contact)
     for (const ContactEvent& event : contacts()) draw.contact({event.point, event.normal, event.impulse});
   if (draw.particle) {
-    if (!world.stepping) bring_constraints_up_to_date(world);  // and the radii
+    if (!world.current.running) bring_constraints_up_to_date(world);  // and the radii
     draw_particles(world, draw.particle);
   }
   if (draw.tet_edge) draw_tet_edges(world, draw.tet_edge);

@@ -1,6 +1,9 @@
 #include "souple/world/emitter.h"
+#include "souple/world/flow.h"
 #include "souple/world/impl.h"
+#include "souple/world/object.h"
 #include "souple/world/sleeping.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <string>
@@ -32,14 +35,15 @@ EmitterId World::add_emitter(ObjectId fluid, const Emitter& emitter) {
   validate(emitter, owner);
   require_layer_size(emitter, std::get<FluidMaterial>(object.material).spacing, owner);
   wake_island(world, object);
-  world.emitters.push_back({{world.next_id++}, fluid.value, emitter, layers_before(world, object, emitter)});
-  return world.emitters.back().id;
+  world.flow.emitters.push_back(
+      {{world.next_id++}, fluid.value, emitter, layers_before(world, object, emitter)});
+  return world.flow.emitters.back().id;
 }
 
 void World::set_emitter(EmitterId id, const Emitter& emitter) {
   WorldState& world = impl_->state;
   world.require_between_steps("set_emitter");
-  EmitterRecord& record = find(world.emitters, id.value, "emitter");
+  EmitterRecord& record = find(world.flow.emitters, id.value, "emitter");
   const Object& object = world.object({record.fluid});
   const std::string owner = "an emitter of " + object.name;
   validate(emitter, owner);
@@ -51,8 +55,8 @@ void World::set_emitter(EmitterId id, const Emitter& emitter) {
 void World::remove(EmitterId id) {
   WorldState& world = impl_->state;
   world.require_between_steps("remove");
-  world.emitters.erase(world.emitters.begin() +
-                       (&find(world.emitters, id.value, "emitter") - world.emitters.data()));
+  world.flow.emitters.erase(world.flow.emitters.begin() +
+                            (&find(world.flow.emitters, id.value, "emitter") - world.flow.emitters.data()));
 }
 
 DrainId World::add_drain(const Drain& drain) {
@@ -60,14 +64,15 @@ DrainId World::add_drain(const Drain& drain) {
   world.require_between_steps("add_drain");
   validate(drain, "a drain");
   wake_all(world);
-  world.drains.push_back({{world.next_id++}, drain, 0});
-  return world.drains.back().id;
+  world.flow.drains.push_back({{world.next_id++}, drain, 0});
+  return world.flow.drains.back().id;
 }
 
 void World::remove(DrainId id) {
   WorldState& world = impl_->state;
   world.require_between_steps("remove");
-  world.drains.erase(world.drains.begin() + (&find(world.drains, id.value, "drain") - world.drains.data()));
+  world.flow.drains.erase(world.flow.drains.begin() +
+                          (&find(world.flow.drains, id.value, "drain") - world.flow.drains.data()));
 }
 
 }  // namespace souple

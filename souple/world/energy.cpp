@@ -1,6 +1,8 @@
 #include "souple/solver/kernels/projection.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
+#include "souple/world/projectors.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <vector>
@@ -97,23 +99,23 @@ class Sweeps {
 
 double World::elastic_energy() const {
   WorldState& world = impl_->state;
-  if (!world.stepping) bring_constraints_up_to_date(world);
+  if (!world.current.running) bring_constraints_up_to_date(world);
   double sum = 0;
-  world.for_each_constraint_projector(
-      [&](const Projector& projector) { sum += projector.residual(world.view()).energy; });
+  for_each_constraint_projector(
+      world, [&](const Projector& projector) { sum += projector.residual(world.view()).energy; });
   return sum;
 }
 
 double World::unconverged_energy(double dt) const {
   WorldState& world = impl_->state;
-  if (!world.stepping) bring_constraints_up_to_date(world);
+  if (!world.current.running) bring_constraints_up_to_date(world);
   const Substep substep = substep_of(world.settings, dt);
   if (substep.mode == Mode::pbd) return 0;
   const ParticleView particles = world.view();
-  const LeftOut exact = world.solver->solved_exactly(substep);
+  const LeftOut exact = world.solving.solver->solved_exactly(substep);
   double sum = 0;
-  world.for_each_constraint_projector([&](const Projector& projector) {
-    const int n = world.solver->sweep_count(projector, substep);
+  for_each_constraint_projector(world, [&](const Projector& projector) {
+    const int n = world.solving.solver->sweep_count(projector, substep);
     if (n == 0) return;
     const std::vector<bool> shared = shared_particles(projector, particles, substep);
     const Sweeps sweeps(particles, substep, n, shared);

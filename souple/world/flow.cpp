@@ -3,6 +3,7 @@
 #include "souple/contacts/collider_queries.h"
 #include "souple/world/add.h"
 #include "souple/world/inflow_particles.h"
+#include "souple/world/object.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/state.h"
 #include "souple/world/validate.h"
@@ -229,8 +230,8 @@ std::uint64_t layers_before(const WorldState& world, const Object& fluid, const 
 }
 
 void update_flow(WorldState& world, double dt) {
-  for (DrainRecord& record : world.drains) drain(world, record, dt);
-  for (EmitterRecord& record : world.emitters) emit(world, record);
+  for (DrainRecord& record : world.flow.drains) drain(world, record, dt);
+  for (EmitterRecord& record : world.flow.emitters) emit(world, record);
 }
 
 // In a fluid vertex n is particle n.
@@ -253,7 +254,7 @@ void set_count(WorldState& world, Object& fluid, std::uint32_t count) {
   fluid.particle_of.resize(count), fluid.vertex_of.resize(count);
   for (std::uint32_t k = before; k < count; ++k) fluid.particle_of[k] = fluid.vertex_of[k] = k;
   fluid.end = fluid.begin + count;
-  world.dirty_counts = true;
+  world.dirty.counts = true;
 }
 
 }  // namespace souple

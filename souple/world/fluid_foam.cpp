@@ -1,6 +1,9 @@
 #include "souple/world/fluid_foam.h"
 
 #include "souple/state/bytes.h"
+#include "souple/world/collider_record.h"
+#include "souple/world/contact_state.h"
+#include "souple/world/fluids.h"
 #include "souple/world/stages.h"
 #include "souple/world/state.h"
 
@@ -38,7 +41,7 @@ void FluidFoam::step(WorldState& world, const FluidView& fluid, const Source& so
   if (!(origin_ == source.origin)) foam_->shift(Vec3f(origin_ - source.origin));
   origin_ = source.origin;
   world.guarded("a collider's motion", [&] {
-    walls_.begin_step(world.tables.colliders, source.collides_with_collider, origin_, 0, time);
+    walls_.begin_step(world.contact->tables.colliders, source.collides_with_collider, origin_, 0, time);
     walls_.begin_substep(time, dt);
   });
   const float gap = min_wall_distance * fluid.smoothing.spacing();
@@ -75,7 +78,7 @@ void FluidFoam::find_bodies(const WorldState& world, const Source& source, float
         const auto weight = static_cast<double>(mesh.weights[v][k]);
         if (weight == 0) continue;
         before +=
-            (Vec3d(world.last_valid_position[i].xyz()) + Vec3d(world.last_valid_offset[i].xyz()) - origin_) *
+            (Vec3d(world.last_valid.position[i].xyz()) + Vec3d(world.last_valid.offset[i].xyz()) - origin_) *
             weight;
         after += (Vec3d(particles.position[i].xyz()) + Vec3d(particles.offset[i].xyz()) - origin_) * weight;
       }
@@ -171,7 +174,8 @@ void Fluids::step_foam(WorldState& world, double time, double dt) {
     result.assign(count, 0);
     for (std::size_t n = 0; n < of_each.size(); ++n) result[n % count] |= of_each[n];
   };
-  some(registry_.collides_with_collider, world.tables.colliders.size(), source.collides_with_collider);
+  some(registry_.collides_with_collider, world.contact->tables.colliders.size(),
+       source.collides_with_collider);
   some(registry_.collides_with_body, registry_.with_boundary.size(), source.collides_with_body);
   source.meshes = bodies_.meshes();
   source.origin = origin_;
@@ -179,7 +183,7 @@ void Fluids::step_foam(WorldState& world, double time, double dt) {
 }
 
 void step_foam(WorldState& world, double time, double dt) {
-  world.fluids.step_foam(world, time, dt);
+  world.fluids->step_foam(world, time, dt);
 }
 
 }  // namespace souple

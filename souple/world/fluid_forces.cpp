@@ -1,9 +1,9 @@
-// Forces on a world's fluids: viscosity, wall friction, surface tension, vorticity confinement, air drag.
-
 #include "souple/fluid/air_drag.h"
 #include "souple/world/fluids.h"
 #include "souple/world/forces.h"
 #include "souple/world/state.h"
+
+// Forces on a world's fluids: viscosity, wall friction, surface tension, vorticity confinement, air drag.
 
 #include <algorithm>
 #include <cmath>

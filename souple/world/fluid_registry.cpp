@@ -1,6 +1,9 @@
 #include "souple/world/fluid_registry.h"
 
+#include "souple/world/collider_record.h"
+#include "souple/world/contact_state.h"
 #include "souple/world/fluid_boundary.h"
+#include "souple/world/object.h"
 #include "souple/world/state.h"
 
 #include <optional>
@@ -51,14 +54,14 @@ void FluidRegistry::find_particles(const WorldState& world) {
       fluid.push_back(static_cast<std::uint16_t>(materials.size()));
     }
     for (const std::uint32_t body : with_boundary)
-      collides_with_body.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
+      collides_with_body.push_back(world.contact->tables.against_objects.collide(o, body) ? 1 : 0);
     for (const std::uint32_t body : sub_resolution)
-      collides_with_sub_resolution.push_back(world.tables.against_objects.collide(o, body) ? 1 : 0);
+      collides_with_sub_resolution.push_back(world.contact->tables.against_objects.collide(o, body) ? 1 : 0);
     viscosities.push_back(material->viscosity);
     wind_exposures.push_back(object.wind_exposure);
     materials.push_back(*material);
-    for (std::uint32_t c = 0; c < world.tables.colliders.size(); ++c)
-      collides_with_collider.push_back(world.tables.against_colliders.collide(o, c) ? 1 : 0);
+    for (std::uint32_t c = 0; c < world.contact->tables.colliders.size(); ++c)
+      collides_with_collider.push_back(world.contact->tables.against_colliders.collide(o, c) ? 1 : 0);
   }
 }
 

@@ -1,6 +1,8 @@
 #include "souple/world/fluids.h"
 
 #include "souple/contacts/particle_position.h"
+#include "souple/world/collider_record.h"
+#include "souple/world/contact_state.h"
 #include "souple/world/state.h"
 
 #include <algorithm>
@@ -80,7 +82,7 @@ void Fluids::begin_step(WorldState& world, double dt) {
   sub_resolution_bodies_.begin_step(registry_.collides_with_sub_resolution, registry_.sub_resolution.size(),
                                     registry_.fluid, origin_);
   world.guarded("a collider's motion", [&] {
-    walls_.begin_step(world.tables.colliders, registry_.collides_with_collider, origin_,
+    walls_.begin_step(world.contact->tables.colliders, registry_.collides_with_collider, origin_,
                       registry_.particle.size(), world.time);
   });
 }
@@ -159,7 +161,7 @@ void Fluids::solve_incompressibility(WorldState& world, const Substep& substep) 
   Boundary boundary{local_boundary_, bodies_, sub_resolution_bodies_, smoothing};
   solver_->solve(boundary, threads, substep.h);
   apply_corrections(particles, threads);
-  statistics_.add_pressures(*solver_, local_boundary_, world.tables.colliders.size(), substep.h,
+  statistics_.add_pressures(*solver_, local_boundary_, world.contact->tables.colliders.size(), substep.h,
                             substep.count, threads);
 }
 

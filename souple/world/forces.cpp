@@ -3,6 +3,8 @@
 #include "souple/simd/instruction_set.h"
 #include "souple/solver/kernels/find_kernels.h"
 #include "souple/solver/kernels/triangles.h"
+#include "souple/world/object.h"
+#include "souple/world/step_scratch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,13 +60,13 @@ void push_triangles(const Object& object, const Air& air, WorldState& world) {
   const kernels::TriangleKernels* kernels = find_triangle_kernels(instruction_set());
   const kernels::TriangleArrays arrays{
       &view.position.data()->x, &view.moving.data()->x, &world.particles.velocity.data()->x,
-      object.surface.data(),    object.begin,           &world.triangle_force.data()->x};
+      object.surface.data(),    object.begin,           &world.scratch->triangle_force.data()->x};
   world.threads->for_each(object.surface.size(), grain, [&](std::size_t t, std::size_t end) {
     if (kernels) t = kernels->air_forces[view.form == Form::displacement](arrays, air, t, end);
     for (; t < end; ++t) {
       const Triangle& corner = object.surface[t];
       const std::uint32_t first = object.begin;
-      world.triangle_force[t].set_xyz(
+      world.scratch->triangle_force[t].set_xyz(
           third_of_air_force(world, view, first + corner[0], first + corner[1], first + corner[2], air));
     }
   });
@@ -77,8 +79,8 @@ void gather_forces(const Object& object, WorldState& world) {
     for (std::size_t i = begin; i < end; ++i) {
       Vec3f sum;
       for (std::uint32_t k = object.triangle_begin[i]; k < object.triangle_begin[i + 1]; ++k)
-        sum += world.triangle_force[object.triangles_of[k]].xyz();
-      world.force[object.begin + i].set_xyz(sum);
+        sum += world.scratch->triangle_force[object.triangles_of[k]].xyz();
+      world.scratch->force[object.begin + i].set_xyz(sum);
     }
   });
 }
@@ -101,15 +103,17 @@ bool accumulate_wind(WorldState& world, float h) {
   const bool windy = !(world.settings.wind.velocity == Vec3f{});
   if (!windy) return false;
   const Vec3f wind = wind_at(world.settings, world.time);
-  world.force.resize(world.particles.size());
+  world.scratch->force.resize(world.particles.size());
   for (const auto& object : world.objects) {
     if (const auto* material = std::get_if<ClothMaterial>(&object->material)) {
       find_triangles_of_particles(*object);
-      world.triangle_force.resize(std::max(world.triangle_force.size(), object->surface.size()));
+      world.scratch->triangle_force.resize(
+          std::max(world.scratch->triangle_force.size(), object->surface.size()));
       push_triangles(*object, air_of(world, *material, wind * object->wind_exposure, h), world);
       gather_forces(*object, world);
     } else {
-      std::fill(world.force.begin() + object->begin, world.force.begin() + object->end, Vec4f{});
+      std::fill(world.scratch->force.begin() + object->begin, world.scratch->force.begin() + object->end,
+                Vec4f{});
     }
   }
   return true;
@@ -121,11 +125,11 @@ Vec3f acceleration(WorldState& world, std::size_t i, const Vec3f& x, const Vec3f
   const float w = world.particles.position[i].w;
   Vec3f a = settings.gravity;
   if (settings.drag > 0) a -= (v - wind * world.objects[world.object_of[i]]->wind_exposure) * settings.drag;
-  if (windy) a += world.force[i].xyz() * w;
-  if (world.force_fields.empty()) return a;
+  if (windy) a += world.scratch->force[i].xyz() * w;
+  if (world.callbacks.force_fields.empty()) return a;
   const Object& object = *world.objects[world.object_of[i]];
   const ForcePoint point{object.id, object.vertex_of[i - object.begin], x, v, world.particles.mass[i], t};
-  world.force_fields.for_each(
+  world.callbacks.force_fields.for_each(
       [&](const VertexForceField& field) { world.guarded("a force field", [&] { a += field(point) * w; }); });
   return a;
 }

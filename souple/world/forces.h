@@ -8,7 +8,7 @@ namespace souple {
 /// every run has the same weather.
 Vec3f wind_at(const Settings& settings, double t);
 
-/// Fills world.force with the wind's drag and lift on the triangles of cloths [N]. Returns false without
+/// Fills world.scratch.force with the wind's drag and lift on the triangles of cloths [N]. Returns false without
 /// wind.
 bool accumulate_wind(WorldState& world, float h);
 

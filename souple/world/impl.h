@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/world/state.h"
+#include "souple/world/world.h"
 
 namespace souple {
 

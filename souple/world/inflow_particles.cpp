@@ -1,6 +1,7 @@
 #include "souple/world/inflow_particles.h"
 
 #include "souple/world/flow.h"
+#include "souple/world/object.h"
 #include "souple/world/state.h"
 
 #include <algorithm>
@@ -10,7 +11,7 @@ namespace {
 
 std::vector<Inflow> inflows_at(const WorldState& world, double t) {
   std::vector<Inflow> result;
-  for (const EmitterRecord& record : world.emitters) {
+  for (const EmitterRecord& record : world.flow.emitters) {
     const auto d =
         static_cast<double>(std::get<FluidMaterial>(world.object(ObjectId{record.fluid}).material).spacing);
     const Nozzle nozzle = nozzle_at(record.emitter, t);
@@ -37,7 +38,7 @@ void InflowParticles::begin_step(WorldState& world, double dt, std::span<const s
   inflows_.clear();
   world.guarded("an emitter's motion", [&] { inflows_ = inflows_at(world, world.time + dt); });
   for (std::uint32_t e = 0; e < inflows_.size(); ++e) {
-    const Object& fluid = world.object(ObjectId{world.emitters[e].fluid});
+    const Object& fluid = world.object(ObjectId{world.flow.emitters[e].fluid});
     const double range = inflows_[e].radius + inflows_[e].depth + 2 * dt * length(inflows_[e].velocity);
     auto i = std::lower_bound(particles.begin(), particles.end(), fluid.begin);
     for (; i != particles.end() && *i < fluid.end; ++i)

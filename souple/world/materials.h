@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 namespace souple {
@@ -121,6 +122,10 @@ struct ObstacleMaterial {
   std::optional<float> kinetic_friction{};
   float restitution = 0;
 };
+
+/// Of an object of any kind.
+using Material = std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial, ObstacleMaterial,
+                              FluidMaterial>;
 
 /// Named materials. materials.cpp gives the source of each value.
 namespace material {

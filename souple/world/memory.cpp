@@ -1,8 +1,17 @@
 #include "souple/world/memory.h"
 
 #include "souple/state/bytes.h"
+#include "souple/world/caches.h"
+#include "souple/world/collider_record.h"
+#include "souple/world/contact_state.h"
+#include "souple/world/fluids.h"
 #include "souple/world/impl.h"
+#include "souple/world/object.h"
 #include "souple/world/prepare.h"
+#include "souple/world/sleeping.h"
+#include "souple/world/step_scratch.h"
+#include "souple/world/user_constraint.h"
+#include "souple/world/world.h"
 
 namespace souple {
 namespace {
@@ -47,8 +56,8 @@ void add_constraints(const WorldState& world, MemoryReport& report) {
       }
     report.simulation.push_back({std::string(projector.kind()), projector.bytes()});
   };
-  for (const auto& projector : world.object_constraints) add(*projector);
-  for (const UserConstraint& user_constraint : world.user_constraints) add(*user_constraint.projector);
+  for (const auto& projector : world.constraints.object_projectors) add(*projector);
+  for (const UserConstraint& user_constraint : world.constraints.users) add(*user_constraint.projector);
 }
 
 void add_objects(const WorldState& world, MemoryReport& report) {
@@ -59,7 +68,7 @@ void add_objects(const WorldState& world, MemoryReport& report) {
     motions += bytes_of_motion(object->motion);
     maps += sizeof(Object) + bytes_of_maps(*object);
   }
-  for (const auto& [id, mirror] : world.mirrors)
+  for (const auto& [id, mirror] : world.caches->mirrors)
     mirrors +=
         sizeof mirror + bytes_of(mirror.positions, mirror.velocities, mirror.normals,
                                  mirror.angular_velocities, mirror.triangles_of.begin,
@@ -69,7 +78,7 @@ void add_objects(const WorldState& world, MemoryReport& report) {
   report.objects.push_back({"motions of obstacles", motions});
   report.objects.push_back({"maps from vertices to particles", maps});
   report.objects.push_back({"mirrors of positions and normals", mirrors});
-  const std::size_t queries = world.query_index.bytes();
+  const std::size_t queries = world.caches->query_index.bytes();
   if (queries > 0) report.objects.push_back({"box trees of queries", queries});
   std::size_t fields = 0;
   for (const ColliderRecord& record : world.colliders)
@@ -81,7 +90,7 @@ void add_objects(const WorldState& world, MemoryReport& report) {
 
 MemoryReport World::memory() {
   WorldState& world = impl_->state;
-  if (!world.stepping) bring_up_to_date(world);
+  if (!world.current.running) bring_up_to_date(world);
   const Particles& p = world.particles;
   MemoryReport report;
   report.particles = p.size();
@@ -89,13 +98,14 @@ MemoryReport World::memory() {
       {"particles", bytes_of(p.position, p.offset, p.start, p.velocity, p.mass, p.radius, p.contact_margin,
                              p.spin, p.turn, world.object_of)});
   report.simulation.push_back(
-      {"last valid state", bytes_of(world.last_valid_position, world.last_valid_offset,
-                                    world.last_valid_velocity, world.last_valid_spin)});
-  report.simulation.push_back({"forces and predictions", bytes_of(world.predicted, world.force,
-                                                                  world.triangle_force, world.rigid_sums)});
+      {"last valid state", bytes_of(world.last_valid.position, world.last_valid.offset,
+                                    world.last_valid.velocity, world.last_valid.spin)});
+  report.simulation.push_back(
+      {"forces and predictions", bytes_of(world.scratch->predicted, world.scratch->force,
+                                          world.scratch->triangle_force, world.scratch->rigid_sums)});
   add_constraints(world, report);
-  report.simulation.push_back({"contacts", world.contacts.bytes() + world.sleep.proximity.bytes()});
-  if (const std::size_t foam = world.fluids.foam().bytes(); foam > 0)
+  report.simulation.push_back({"contacts", world.contact->contacts.bytes() + world.sleep->proximity.bytes()});
+  if (const std::size_t foam = world.fluids->foam().bytes(); foam > 0)
     report.simulation.push_back({"foam", foam});
   add_objects(world, report);
   return report;

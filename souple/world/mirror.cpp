@@ -6,7 +6,10 @@
 #include "souple/simd/instruction_set.h"
 #include "souple/solver/kernels/find_kernels.h"
 #include "souple/solver/kernels/triangles.h"
+#include "souple/world/caches.h"
 #include "souple/world/impl.h"
+#include "souple/world/object.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 
@@ -84,7 +87,7 @@ void fill_normals(const WorldState& world, std::span<const Triangle> triangles, 
 
 Mirror& fresh_mirror(const WorldState& world, ObjectId id) {
   const Object& object = world.object(id);
-  Mirror& mirror = world.mirrors[id.value];
+  Mirror& mirror = world.caches->mirrors[id.value];
   if (mirror.version == world.version) return mirror;
   fill(object, mirror.positions, [&](std::size_t i) { return world.exact_position(i); });
   mirror.version = world.version;
@@ -92,14 +95,14 @@ Mirror& fresh_mirror(const WorldState& world, ObjectId id) {
 }
 
 std::span<const Vec3f> World::positions(ObjectId id) const {
-  const std::lock_guard<std::mutex> lock(impl_->state.cache_lock);
+  const std::lock_guard<std::mutex> lock(impl_->state.caches->lock);
   return fresh_mirror(impl_->state, id).positions;
 }
 std::span<const Vec3f> World::velocities(ObjectId id) const {
   const WorldState& world = impl_->state;
   const Object& object = world.object(id);
-  const std::lock_guard<std::mutex> lock(world.cache_lock);
-  Mirror& mirror = world.mirrors[id.value];
+  const std::lock_guard<std::mutex> lock(world.caches->lock);
+  Mirror& mirror = world.caches->mirrors[id.value];
   if (mirror.velocities_version == world.version) return mirror.velocities;
   fill(object, mirror.velocities, [&](std::size_t i) { return Vec3d(world.particles.velocity[i].xyz()); });
   mirror.velocities_version = world.version;
@@ -110,8 +113,8 @@ std::span<const Vec3f> World::angular_velocities(ObjectId id) const {
   const WorldState& world = impl_->state;
   const Object& object = world.object(id);
   if (object.kind != ObjectKind::grains) return {};
-  const std::lock_guard<std::mutex> lock(world.cache_lock);
-  Mirror& mirror = world.mirrors[id.value];
+  const std::lock_guard<std::mutex> lock(world.caches->lock);
+  Mirror& mirror = world.caches->mirrors[id.value];
   if (mirror.angular_velocities_version == world.version) return mirror.angular_velocities;
   fill(object, mirror.angular_velocities,
        [&](std::size_t i) { return Vec3d(world.particles.spin[i].xyz()); });
@@ -123,7 +126,7 @@ std::span<const Vec3f> World::normals(ObjectId id) const {
   const WorldState& world = impl_->state;
   const std::vector<Triangle>& triangles = world.object(id).mesh.triangles;
   if (triangles.empty()) return {};
-  const std::lock_guard<std::mutex> lock(world.cache_lock);
+  const std::lock_guard<std::mutex> lock(world.caches->lock);
   Mirror& mirror = fresh_mirror(world, id);
   if (mirror.normals_version == world.version) return mirror.normals;
   mirror.normals_version = world.version;

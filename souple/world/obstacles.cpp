@@ -1,5 +1,8 @@
 #include "souple/world/obstacles.h"
 
+#include "souple/world/contact_state.h"
+#include "souple/world/object.h"
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -152,7 +155,7 @@ void drive_obstacles(WorldState& world, const Substep& substep) {
   for (const auto& object : world.objects) {
     if (object->kind != ObjectKind::obstacle || is_static(object->motion)) continue;
     const bool jump = jumps(object->motion, world.time, t);
-    world.check_intersections = world.check_intersections || jump;
+    world.contact->check_intersections = world.contact->check_intersections || jump;
     at_moment(world, *object, t, [&](std::size_t i, const Vec3d& x) {
       p[i].set_xyz(Vec3f(plain ? x : x - Vec3d(particles.position[i].xyz())));
       if (jump) particles.start[i].set_xyz(p[i].xyz());  // it did not move there

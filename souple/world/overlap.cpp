@@ -2,9 +2,13 @@
 
 #include "souple/geometry/closest_point.h"
 #include "souple/geometry/measures.h"
+#include "souple/world/caches.h"
+#include "souple/world/collider_record.h"
 #include "souple/world/impl.h"
+#include "souple/world/object.h"
 #include "souple/world/query_search.h"
 #include "souple/world/validate.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <cmath>
@@ -97,7 +101,7 @@ void for_each_overlap(const WorldState& world, const QueryIndex::Entry& entry, c
     if (inside) goes_on = f(vertex, true);
     return inside;
   };
-  world.query_index.tree(world, entry)
+  world.caches->query_index.tree(world, entry)
       .search(
           bound, [&] { return goes_on ? 0.0 : -1.0; },
           [&](std::uint32_t e) {
@@ -142,7 +146,7 @@ bool may_overlap(const Placed& a, const Placed& b) {
 }  // namespace
 
 bool overlaps(const WorldState& world, std::size_t object, const Shape& shape, const Transform& pose) {
-  const QueryIndex::Entry& entry = world.query_index.entry(object);
+  const QueryIndex::Entry& entry = world.caches->query_index.entry(object);
   bool found = false;
   if (entry.x.empty()) return false;
   for_each_overlap(world, entry, {shape, {pose}}, [&](std::uint32_t, bool) { return !(found = true); });
@@ -157,9 +161,9 @@ std::vector<Overlap> World::overlap(const Shape& shape, const Transform& pose,
   if (pose.scale != 1) throw Error(fmt::format("overlap: the scale is {}, expected 1", pose.scale));
   const Placed placed{shape, {pose}};
   std::vector<Overlap> result;
-  world.query_index.refresh(world);
+  world.caches->query_index.refresh(world);
   for (std::size_t a = 0; a < world.objects.size(); ++a) {
-    const QueryIndex::Entry& entry = world.query_index.entry(a);
+    const QueryIndex::Entry& entry = world.caches->query_index.entry(a);
     if (entry.x.empty() || !passes(*entry.object, filter)) continue;
     Overlap overlap{.object = entry.object->id};
     bool found = false;

@@ -6,8 +6,11 @@
 #include "souple/solver/set_projector.h"
 #include "souple/world/add.h"
 #include "souple/world/impl.h"
+#include "souple/world/object.h"
 #include "souple/world/sleeping.h"
+#include "souple/world/user_constraint.h"
 #include "souple/world/validate.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <cmath>
@@ -83,7 +86,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> particles_with_vertices(
 void set_inverse_mass(WorldState& world, const Object& object, std::uint32_t particle, bool pinned) {
   const std::uint32_t i = object.begin + particle;
   world.particles.position[i].w = pinned ? 0 : 1 / world.particles.mass[i];
-  world.dirty_masses = true;
+  world.dirty.masses = true;
   if (pinned) world.particles.velocity[i] = {};
   if (pinned && object.kind == ObjectKind::grains) world.particles.spin[i] = {};
 }
@@ -294,17 +297,17 @@ ProjectorId WorldState::add_user_constraint(UserConstraint user_constraint,
                                             std::unique_ptr<Projector> projector) {
   user_constraint.id = {next_id++};
   user_constraint.projector = std::move(projector);
-  dirty_tables = dirty_tables || user_constraint.distance_joint;  // contacts exclude joined particles
-  dirty_solver = true;
-  user_constraints.push_back(std::move(user_constraint));
-  return user_constraints.back().id;
+  dirty.tables = dirty.tables || user_constraint.distance_joint;  // contacts exclude joined particles
+  dirty.solver = true;
+  constraints.users.push_back(std::move(user_constraint));
+  return constraints.users.back().id;
 }
 
 namespace {
 
 std::size_t find_user_constraint(const WorldState& world, ProjectorId id) {
-  for (std::size_t k = 0; k < world.user_constraints.size(); ++k)
-    if (world.user_constraints[k].id.value == id.value) return k;
+  for (std::size_t k = 0; k < world.constraints.users.size(); ++k)
+    if (world.constraints.users[k].id.value == id.value) return k;
   throw Error(
       fmt::format("no projector has the handle {}: it was removed, or belongs to another world", id.value));
 }
@@ -315,16 +318,16 @@ void World::remove(ProjectorId id) {
   WorldState& world = impl_->state;
   world.require_between_steps("remove");
   const std::size_t found = find_user_constraint(world, id);
-  world.dirty_tables = world.dirty_tables || world.user_constraints[found].distance_joint;
-  world.dirty_solver = true;
-  wake_particles_of(world, *world.user_constraints[found].projector);
-  world.user_constraints.erase(world.user_constraints.begin() + static_cast<std::ptrdiff_t>(found));
+  world.dirty.tables = world.dirty.tables || world.constraints.users[found].distance_joint;
+  world.dirty.solver = true;
+  wake_particles_of(world, *world.constraints.users[found].projector);
+  world.constraints.users.erase(world.constraints.users.begin() + static_cast<std::ptrdiff_t>(found));
 }
 
 Projector& World::projector(ProjectorId id) {
   WorldState& world = impl_->state;
-  Projector& found = *world.user_constraints[find_user_constraint(world, id)].projector;
-  world.dirty_solver = true;  // the caller may change it
+  Projector& found = *world.constraints.users[find_user_constraint(world, id)].projector;
+  world.dirty.solver = true;  // the caller may change it
   wake_particles_of(world, found);
   return found;
 }
@@ -351,7 +354,7 @@ void World::set_pressure(ObjectId id, float pascals) {
   Object& object = closed_cloth(impl_->state, id, "set_pressure");
   wake_island(impl_->state, object);
   object.pressure = pascals;
-  impl_->state.dirty_groups = true;
+  impl_->state.dirty.groups = true;
 }
 
 void World::set_enclosed_volume(ObjectId id, float factor, float compliance) {
@@ -362,7 +365,7 @@ void World::set_enclosed_volume(ObjectId id, float factor, float compliance) {
   Object& object = closed_cloth(impl_->state, id, "set_enclosed_volume");
   wake_island(impl_->state, object);
   object.enclosed_volume = {factor, compliance};
-  impl_->state.dirty_groups = true;
+  impl_->state.dirty.groups = true;
 }
 
 }  // namespace souple

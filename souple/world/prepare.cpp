@@ -2,9 +2,13 @@
 
 #include "souple/assert.h"
 #include "souple/multilevel/make_solver.h"
+#include "souple/world/balance.h"
 #include "souple/world/build.h"
 #include "souple/world/contacts.h"
+#include "souple/world/object.h"
+#include "souple/world/projectors.h"
 #include "souple/world/sleeping.h"
+#include "souple/world/user_constraint.h"
 
 namespace souple {
 
@@ -54,40 +58,41 @@ bool ranges_are_contiguous(const WorldState& world) {
 }  // namespace
 
 void bring_constraints_up_to_date(WorldState& world) {
-  if (world.dirty_objects) world.particles.shrink_to_fit(), world.object_of.shrink_to_fit();
-  if (world.dirty_objects || world.dirty_radii) build_contact_radii(world);
-  const bool changed = world.dirty_constraints || world.dirty_groups;
+  if (world.dirty.objects) world.particles.shrink_to_fit(), world.object_of.shrink_to_fit();
+  if (world.dirty.objects || world.dirty.radii) build_contact_radii(world);
+  const bool changed = world.dirty.constraints || world.dirty.groups;
   const bool rebuilt = changed && build_constraints(world);
-  world.dirty_solver = world.dirty_solver || changed;
-  world.dirty_constraints = world.dirty_objects = world.dirty_radii = false;
-  world.for_each_constraint_projector(
-      [&](Projector& projector) { projector.prepare(world.particles.size()); });
-  if (rebuilt) world.balance.choose(world), world.report.objects.clear();
+  world.dirty.solver = world.dirty.solver || changed;
+  world.dirty.constraints = world.dirty.objects = world.dirty.radii = false;
+  for_each_constraint_projector(world,
+                                [&](Projector& projector) { projector.prepare(world.particles.size()); });
+  if (rebuilt) world.balance->choose(world), world.report.objects.clear();
   if (!world.threads)
     world.threads = world.jobs ? make_threads(*world.jobs)
                                : make_threads(world.settings.threading, world.settings.threads);
-  if (!world.dirty_solver && !world.dirty_masses) return;
-  world.order.clear();
-  world.for_each_projector([&](Projector& projector) { world.order.push_back(&projector); });
-  for (Projector* projector : world.order) projector->split(0, 0);  // undo splits of the last solver
+  if (!world.dirty.solver && !world.dirty.masses) return;
+  world.constraints.order.clear();
+  for_each_projector(world, [&](Projector& projector) { world.constraints.order.push_back(&projector); });
+  for (Projector* projector : world.constraints.order)
+    projector->split(0, 0);  // undo splits of the last solver
   const std::vector<Vec4f> awake = awake_positions(world);
   ParticleView view = world.view();
   view.position = awake;
-  for (Projector* projector : world.order) projector->prepare_sweeps(view, world.dirty_masses);
-  if (!world.solver || !(world.solver_settings == world.settings.solver)) {
-    world.solver = make_solver(world.settings.solver);
-    world.solver_settings = world.settings.solver;
+  for (Projector* projector : world.constraints.order) projector->prepare_sweeps(view, world.dirty.masses);
+  if (!world.solving.solver || !(world.solving.settings == world.settings.solver)) {
+    world.solving.solver = make_solver(world.settings.solver);
+    world.solving.settings = world.settings.solver;
   }
-  world.solver->prepare(world.order, view, *world.threads);
-  world.dirty_solver = world.dirty_masses = false;
+  world.solving.solver->prepare(world.constraints.order, view, *world.threads);
+  world.dirty.solver = world.dirty.masses = false;
 }
 
 void bring_up_to_date(WorldState& world) {
   SOUPLE_ASSERT(ranges_are_contiguous(world), "objects divide the particles in order");
   bring_constraints_up_to_date(world);
-  if (!world.dirty_tables) return;
+  if (!world.dirty.tables) return;
   build_contact_tables(world);
-  world.dirty_tables = false;
+  world.dirty.tables = false;
 }
 
 namespace {
@@ -96,11 +101,11 @@ namespace {
 // Time is a sum of steps: a billionth of a second too little must not delay the release by a step.
 void release_joints(WorldState& world) {
   constexpr double rounding = 1e-9;  // s
-  for (UserConstraint& user_constraint : world.user_constraints) {
+  for (UserConstraint& user_constraint : world.constraints.users) {
     const bool is_active = !user_constraint.until || world.time + rounding < *user_constraint.until;
     if (is_active == user_constraint.is_active) continue;
     user_constraint.is_active = is_active;
-    world.dirty_tables = world.dirty_solver = true;  // contacts exclude joined particles
+    world.dirty.tables = world.dirty.solver = true;  // contacts exclude joined particles
     wake_particles_of(world, *user_constraint.projector);
   }
 }

@@ -3,6 +3,8 @@
 #include "souple/constraints/distance.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
+#include "souple/world/projectors.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <chrono>
@@ -69,7 +71,7 @@ std::vector<KindTime> World::time_projections(double dt, int sweeps) {
   const Substep substep = substep_of(world.settings, dt);
   const ParticleView view = world.view();
   std::vector<KindTime> result;
-  world.for_each_constraint_projector([&](Projector& projector) {
+  for_each_constraint_projector(world, [&](Projector& projector) {
     std::vector<double> seconds;
     projector.begin_substep(view, substep);
     for (int i = 0; i < std::max(sweeps, 1); ++i) {
@@ -90,12 +92,12 @@ SolveTime World::time_solve(double dt, int iterations) {
   const ParticleView view = world.view();
   SolveTime result;
   const auto start = Clock::now();
-  world.for_each_projector([&](Projector& projector) { projector.begin_substep(view, substep); });
-  if (iterations > 0) world.solver->solve(world.order, view, substep, *world.threads);
+  for_each_projector(world, [&](Projector& projector) { projector.begin_substep(view, substep); });
+  if (iterations > 0) world.solving.solver->solve(world.constraints.order, view, substep, *world.threads);
   result.seconds = seconds_since(start);
-  result.diagnostic = world.solver->diagnostic();
-  world.for_each_constraint_projector(
-      [&](const Projector& projector) { add_strains(projector, view, result); });
+  result.diagnostic = world.solving.solver->diagnostic();
+  for_each_constraint_projector(world,
+                                [&](const Projector& projector) { add_strains(projector, view, result); });
   if (result.count > 0) {
     result.mean_strain /= static_cast<double>(result.count);
     result.rms_strain = std::sqrt(result.rms_strain / static_cast<double>(result.count));

@@ -2,7 +2,10 @@
 
 #include "souple/collision/nearest.h"
 #include "souple/state/bytes.h"
+#include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
+#include "souple/world/object.h"
+#include "souple/world/sleeping.h"
 
 #include <algorithm>
 #include <limits>
@@ -31,7 +34,7 @@ void list_objects(const WorldState& world, ProximityQuery& t) {
   t.candidates.clear(), t.listed.clear();
   t.has_candidate.assign(world.objects.size(), 0);
   for (const auto& [a, b] : t.sweep.find(t.bounds)) {
-    if (!is_candidate_pair(t, a, b) || !world.tables.against_objects.collide(a, b)) continue;
+    if (!is_candidate_pair(t, a, b) || !world.contact->tables.against_objects.collide(a, b)) continue;
     t.candidates.push_back({a, b});
     t.is_candidate.add(a, b);
     t.has_candidate[a] = t.has_candidate[b] = 1;
@@ -48,7 +51,7 @@ void build_elements(const WorldState& world, ProximityQuery& t) {
   for (const std::uint32_t a : t.in_elements) {
     const Object& object = *world.objects[a];
     t.elements.add_triangles(object.surface, object.begin, a);
-    t.elements.add_edges(world.tables.rope_edges[a], object.begin, a);
+    t.elements.add_edges(world.contact->tables.rope_edges[a], object.begin, a);
     if (is_particle_only(object)) t.elements.add_particles(object.begin, object.end, a);
   }
 }
@@ -129,7 +132,9 @@ bool are_balls(const ContactObject& a, const ContactObject& b) {
 void check_balls(WorldState& world, ProximityQuery& t) {
   const ParticleView view = world.view();
   for (const auto& [a, b] : t.candidates) {
-    if (t.is_found.contains(a, b) || !are_balls(world.tables.objects[a], world.tables.objects[b])) continue;
+    if (t.is_found.contains(a, b) ||
+        !are_balls(world.contact->tables.objects[a], world.contact->tables.objects[b]))
+      continue;
     list_balls(world, t, a, t.bounds[b], t.balls_a);
     list_balls(world, t, b, t.bounds[a], t.balls_b);
     if (any_touch(view, t, t.balls_a, t.balls_b) || any_touch(view, t, t.balls_b, t.balls_a))
@@ -154,7 +159,7 @@ std::size_t ProximityQuery::bytes() const {
 }
 
 void find_close_objects(WorldState& world) {
-  ProximityQuery& t = world.sleep.proximity;
+  ProximityQuery& t = world.sleep->proximity;
   t.found.clear();
   find_bounds(world, t);
   list_objects(world, t);

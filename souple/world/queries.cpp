@@ -3,9 +3,13 @@
 #include "souple/contacts/contact_law.h"
 #include "souple/geometry/closest_point.h"
 #include "souple/world/add.h"
+#include "souple/world/caches.h"
+#include "souple/world/collider_record.h"
 #include "souple/world/impl.h"
+#include "souple/world/object.h"
 #include "souple/world/prepare.h"
 #include "souple/world/query_search.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <cmath>
@@ -123,7 +127,7 @@ Vec3d normal_of(const Corners<double>& f, const Vec3d& toward) {
 ///   collider(record, frame, limit, hit): the same for a collider.
 template <class Query, class Best>
 void search(const WorldState& world, const QueryFilter& filter, const Query& query, Best& best) {
-  QueryIndex& index = world.query_index;
+  QueryIndex& index = world.caches->query_index;
   index.refresh(world);
   const auto limit = [&] { return best.distance; };
   const auto bound_within = [&](double radius) {

@@ -4,6 +4,7 @@
 #include "souple/world/handles.h"
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 // What queries take and return, and contacts by pair of bodies.
@@ -50,6 +51,18 @@ struct Overlap {
   /// Vertices of the object in the shape, ascending; of ropes, grains and fluids those whose balls touch it. Empty where a
   /// triangle passes through the shape between its corners.
   std::vector<std::uint32_t> vertices{};
+};
+
+/// A contact that applied a correction in the last substep of a step.
+struct ContactEvent {
+  std::string_view object, other;  ///< names; `other` is an object or a collider
+  std::uint32_t vertex = 0, other_vertex = 0;
+  bool other_is_collider = true;
+  Vec3f point{}, normal{};   ///< m; the normal points toward `object`
+  float impulse = 0;         ///< N s
+  ObjectId object_id{};      ///< of `object`
+  ObjectId other_id{};       ///< of `other`, if it is an object
+  ColliderId collider_id{};  ///< of `other`, if it is a collider
 };
 
 enum class ContactPhase { begin, persist, end };

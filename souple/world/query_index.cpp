@@ -2,7 +2,9 @@
 
 #include "souple/contacts/contact_material.h"
 #include "souple/world/add.h"
+#include "souple/world/caches.h"
 #include "souple/world/mirror.h"
+#include "souple/world/object.h"
 #include "souple/world/state.h"
 
 #include <algorithm>
@@ -26,7 +28,7 @@ Bounds box_around(std::span<const Vec3f> points) {
 
 void QueryIndex::refresh(const WorldState& world) {
   if (version_.load(std::memory_order_acquire) == world.version) return;
-  const std::lock_guard<std::mutex> lock(world.cache_lock);
+  const std::lock_guard<std::mutex> lock(world.caches->lock);
   if (version_.load(std::memory_order_relaxed) == world.version) return;
   find_boxes(world);
   version_.store(world.version, std::memory_order_release);
@@ -54,7 +56,7 @@ void QueryIndex::find_boxes(const WorldState& world) {
 
 const BoxTree& QueryIndex::tree(const WorldState& world, const Entry& entry) const {
   if (entry.version.load(std::memory_order_acquire) == world.version) return entry.tree;
-  const std::lock_guard<std::mutex> lock(world.cache_lock);
+  const std::lock_guard<std::mutex> lock(world.caches->lock);
   if (entry.version.load(std::memory_order_relaxed) == world.version) return entry.tree;
   const std::span<const Vec3f> x = entry.x;
   if (entry.triangles.empty()) {

@@ -4,9 +4,14 @@
 #include "souple/constraints/attachment.h"
 #include "souple/constraints/distance.h"
 #include "souple/solver/set_projector.h"
+#include "souple/world/collider_record.h"
+#include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
+#include "souple/world/object.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/spin.h"
+#include "souple/world/user_constraint.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,8 +48,8 @@ void set_awake(WorldState& world, Object& object) {
   if (object.island == 0) return;
   object.island = 0;
   set_inverse_masses(world, object);
-  world.sleep.all = false;
-  world.sleep.woken = world.sleep.woken || world.stepping;
+  world.sleep->all = false;
+  world.sleep->woken = world.sleep->woken || world.current.running;
 }
 
 void set_asleep(WorldState& world, Object& object, std::uint32_t island) {
@@ -73,7 +78,7 @@ void set_box(ProximityQuery& proximity, const WorldState& world, std::uint32_t i
 // Activates the fast particles of a moving object; all particles of an obstacle that has just jumped or
 // moved.
 bool mark_mover(WorldState& world, const Object& object, float dt) {
-  ProximityQuery& proximity = world.sleep.proximity;
+  ProximityQuery& proximity = world.sleep->proximity;
   const ParticleView view = world.view();
   const Settings& settings = world.settings;
   const float threshold = settings.sleeping.speed * (is_obstacle(object) ? carrier_speed_ratio : 1.0f);
@@ -91,7 +96,7 @@ bool mark_mover(WorldState& world, const Object& object, float dt) {
 }
 
 void mark_still(WorldState& world, const Object& object, bool active) {
-  ProximityQuery& proximity = world.sleep.proximity;
+  ProximityQuery& proximity = world.sleep->proximity;
   const ParticleView view = world.view();
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     proximity.active_particles[i] = {0, 0, 0, active ? 1.0f : 0.0f};
@@ -103,7 +108,7 @@ void mark_still(WorldState& world, const Object& object, bool active) {
 // none, even if its last substep left velocities: of two objects that settle together one may fall asleep
 // first.
 void wake_near_movers(WorldState& world, float dt) {
-  ProximityQuery& proximity = world.sleep.proximity;
+  ProximityQuery& proximity = world.sleep->proximity;
   proximity.reset(world);
   bool any = false;
   for (std::size_t a = 0; a < world.objects.size(); ++a) {
@@ -157,7 +162,7 @@ void wake_near_collider(WorldState& world, std::size_t collider, double dt) {
   const auto threshold = static_cast<double>(carrier_speed_ratio * world.settings.sleeping.speed) * dt;
   for (std::size_t a = 0; a < world.objects.size(); ++a) {
     const Object& object = *world.objects[a];
-    if (object.island == 0 || !world.tables.against_colliders.collide(a, collider)) continue;
+    if (object.island == 0 || !world.contact->tables.against_colliders.collide(a, collider)) continue;
     for (std::uint32_t i = object.begin; i < object.end; ++i) {
       const auto radius = static_cast<double>(max(world.particles.radius[i], 0.0f));
       const double margin = (1 + double(margin_ratio)) * radius + double(min_margin);
@@ -173,14 +178,14 @@ void wake_near_collider(WorldState& world, std::size_t collider, double dt) {
 float max_displacement(WorldState& world, const Object& object) {
   const Particles& p = world.particles;
   const std::size_t count = object.particle_count(), chunks = (count + chunk - 1) / chunk;
-  std::vector<float>& squared = world.sleep.chunk_displacement_squared;
+  std::vector<float>& squared = world.sleep->chunk_displacement_squared;
   squared.assign(chunks, 0);
   world.threads->for_each(chunks, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t c = first; c < last; ++c)
       for (std::size_t i = object.begin + c * chunk; i < object.begin + std::min(count, (c + 1) * chunk); ++i)
         squared[c] =
-            max(squared[c], length_squared((p.position[i].xyz() - world.last_valid_position[i].xyz()) +
-                                           (p.offset[i].xyz() - world.last_valid_offset[i].xyz())));
+            max(squared[c], length_squared((p.position[i].xyz() - world.last_valid.position[i].xyz()) +
+                                           (p.offset[i].xyz() - world.last_valid.offset[i].xyz())));
   });
   return std::sqrt(*std::max_element(squared.begin(), squared.end()));
 }
@@ -211,15 +216,15 @@ void mark_object_of(const WorldState& world, std::vector<std::uint8_t>& cannot_s
 
 // Marks objects on which a force may act at any time: they do not sleep.
 void find_sleepless(WorldState& world) {
-  std::vector<std::uint8_t>& cannot_sleep = world.sleep.cannot_sleep;
+  std::vector<std::uint8_t>& cannot_sleep = world.sleep->cannot_sleep;
   const Wind& wind = world.settings.wind;
   const bool gusts = wind.gust > 0 && !(wind.velocity == Vec3f{});
-  cannot_sleep.assign(world.objects.size(), gusts || !world.force_fields.empty() ? 1 : 0);
+  cannot_sleep.assign(world.objects.size(), gusts || !world.callbacks.force_fields.empty() ? 1 : 0);
   for (std::size_t a = 0; a < world.objects.size(); ++a)
     for (const PinnedParticle& pin : world.objects[a]->pins)
       if (pin.target) cannot_sleep[a] = 1;
   const ParticleView view = world.view();
-  for (const UserConstraint& user_constraint : world.user_constraints) {
+  for (const UserConstraint& user_constraint : world.constraints.users) {
     if (user_constraint.attachment && user_constraint.target)
       for (std::size_t k = 0; k < user_constraint.attachment->set().size(); ++k)
         mark_object_of(world, cannot_sleep, user_constraint.attachment->set().indices(k)[0]);
@@ -246,8 +251,8 @@ void unite(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b)
 
 // Islands of objects that are in contact, joined, or asleep together. Obstacles do not connect objects.
 void find_islands(WorldState& world) {
-  std::vector<std::uint32_t>& parent = world.sleep.parent;
-  ProximityQuery& proximity = world.sleep.proximity;
+  std::vector<std::uint32_t>& parent = world.sleep->parent;
+  ProximityQuery& proximity = world.sleep->proximity;
   const auto n = static_cast<std::uint32_t>(world.objects.size());
   parent.resize(n);
   for (std::uint32_t a = 0; a < n; ++a) parent[a] = a;
@@ -263,7 +268,7 @@ void find_islands(WorldState& world) {
   }
   find_close_objects(world);
   for (const auto& [a, b] : proximity.found) unite(parent, a, b);
-  for (const UserConstraint& user_constraint : world.user_constraints)
+  for (const UserConstraint& user_constraint : world.constraints.users)
     for (std::size_t k = 0; user_constraint.distance_joint && user_constraint.is_active &&
                             k < user_constraint.distance_joint->set().size();
          ++k) {
@@ -273,8 +278,8 @@ void find_islands(WorldState& world) {
 }
 
 void put_islands_to_sleep(WorldState& world) {
-  std::vector<std::uint32_t>& parent = world.sleep.parent;
-  std::vector<std::uint8_t>& cannot_sleep = world.sleep.cannot_sleep;
+  std::vector<std::uint32_t>& parent = world.sleep->parent;
+  std::vector<std::uint8_t>& cannot_sleep = world.sleep->cannot_sleep;
   const auto n = static_cast<std::uint32_t>(world.objects.size());
   const auto seconds = static_cast<double>(world.settings.sleeping.seconds);
   for (std::uint32_t a = n; a-- > 0;) {  // roots have the lowest index: they come last
@@ -296,13 +301,13 @@ void count_sleepers(WorldState& world) {
     world.report.asleep += object->island != 0 ? 1 : 0;
     awake += object->island == 0 && !is_obstacle(*object) ? 1 : 0;
   }
-  world.sleep.all = awake == 0 && world.report.asleep > 0;
+  world.sleep->all = awake == 0 && world.report.asleep > 0;
 }
 
 }  // namespace
 
 void wake_disturbed(WorldState& world, double dt) {
-  SleepScratch& sleep = world.sleep;
+  SleepScratch& sleep = *world.sleep;
   sleep.woken = false;
   sleep.all = false;
   if (!world.settings.sleeping.enabled) return;

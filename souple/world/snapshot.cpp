@@ -1,5 +1,12 @@
 #include "souple/math/fnv1a.h"
+#include "souple/world/balance.h"
+#include "souple/world/collider_record.h"
+#include "souple/world/contact_state.h"
+#include "souple/world/flow.h"
+#include "souple/world/fluids.h"
 #include "souple/world/impl.h"
+#include "souple/world/object.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <cstring>
@@ -39,7 +46,7 @@ std::uint64_t shape_of(const WorldState& world) {
                                      object->reserved_end()};
     hash = fnv1a64(std::as_bytes(std::span(numbers)), hash);
   }
-  const std::size_t flows[] = {world.emitters.size(), world.drains.size()};
+  const std::size_t flows[] = {world.flow.emitters.size(), world.flow.drains.size()};
   return flows[0] + flows[1] > 0 ? fnv1a64(std::as_bytes(std::span(flows)), hash) : hash;
 }
 
@@ -131,8 +138,8 @@ std::size_t bytes_of_spins(const WorldState& world) {
 
 std::size_t size_for(const WorldState& world, std::size_t contacts, std::size_t foam) {
   return sizeof(Header) + bytes_of_particles(world) + bytes_of_spins(world) + contacts * contact_unit +
-         world.objects.size() * sizeof(Rest) + world.emitters.size() * sizeof(EmitterRecord::layers) +
-         world.drains.size() * sizeof(DrainRecord::credit) + foam * foam_bytes + sizeof(std::uint64_t);
+         world.objects.size() * sizeof(Rest) + world.flow.emitters.size() * sizeof(EmitterRecord::layers) +
+         world.flow.drains.size() * sizeof(DrainRecord::credit) + foam * foam_bytes + sizeof(std::uint64_t);
 }
 
 /// Checks everything that can be checked before the world is modified.
@@ -163,8 +170,8 @@ void resume_objects(WorldState& world, std::span<const std::byte>& in) {
     if (object->kind == ObjectKind::fluid)
       set_count(world, *object, std::min(rest.particles, object->capacity));
   }
-  for (EmitterRecord& record : world.emitters) get(in, &record.layers, 1);
-  for (DrainRecord& record : world.drains) get(in, &record.credit, 1);
+  for (EmitterRecord& record : world.flow.emitters) get(in, &record.layers, 1);
+  for (DrainRecord& record : world.flow.drains) get(in, &record.credit, 1);
 }
 
 }  // namespace
@@ -172,8 +179,8 @@ void resume_objects(WorldState& world, std::span<const std::byte>& in) {
 Snapshot World::snapshot() const {
   const WorldState& world = impl_->state;
   const Particles& particles = world.particles;
-  const std::vector<std::byte> contacts = world.contacts.save();
-  const FluidFoam& foam = world.fluids.foam();
+  const std::vector<std::byte> contacts = world.contact->contacts.save();
+  const FluidFoam& foam = world.fluids->foam();
   const Vec3d& origin = foam.origin();
   const Header header{magic,
                       shape_of(world),
@@ -196,8 +203,8 @@ Snapshot World::snapshot() const {
     const Rest rest{object->rest_time, object->island, object->particle_count(), object->imbalance};
     put(out, &rest, 1);
   }
-  for (const EmitterRecord& record : world.emitters) put(out, &record.layers, 1);
-  for (const DrainRecord& record : world.drains) put(out, &record.credit, 1);
+  for (const EmitterRecord& record : world.flow.emitters) put(out, &record.layers, 1);
+  for (const DrainRecord& record : world.flow.drains) put(out, &record.credit, 1);
   put(out, foam.state());
   put_poses(out, world);
   const std::uint64_t checksum = fnv1a64(out);
@@ -217,16 +224,16 @@ void World::restore(const Snapshot& snapshot) {
       in.subspan(bytes_of_particles(world) + bytes_of_spins(world) + header.contacts * contact_unit);
   resume_objects(world, later);
   const auto& origin = header.foam_origin;
-  world.fluids.foam().set_state(get_foam(later, header.foam), {origin[0], origin[1], origin[2]});
+  world.fluids->foam().set_state(get_foam(later, header.foam), {origin[0], origin[1], origin[2]});
   get_poses(world, later.first(later.size() - sizeof(std::uint64_t)));
   get(in, particles.position.data(), particles.size());
   get(in, particles.offset.data(), particles.size());
   get(in, particles.velocity.data(), particles.size());
   get(in, particles.contact_margin.data(), particles.size());
   for_each_spin(world, particles.spin, [&in](Vec4f* spin, std::size_t n) { get(in, spin, n); });
-  world.contacts.load(in.first(header.contacts * contact_unit));
-  world.invalidate_contacts();
-  world.check_intersections = true;
+  world.contact->contacts.load(in.first(header.contacts * contact_unit));
+  world.contact->invalidate();
+  world.contact->check_intersections = true;
   ++world.version;
 }
 

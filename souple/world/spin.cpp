@@ -1,5 +1,7 @@
 #include "souple/world/spin.h"
 
+#include "souple/world/object.h"
+
 namespace souple {
 namespace {
 

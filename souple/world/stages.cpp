@@ -4,11 +4,19 @@
 #include "souple/simd/instruction_set.h"
 #include "souple/solver/kernels/find_kernels.h"
 #include "souple/solver/kernels/motion.h"
+#include "souple/world/balance.h"
+#include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/damping.h"
+#include "souple/world/fluids.h"
 #include "souple/world/forces.h"
+#include "souple/world/object.h"
 #include "souple/world/obstacles.h"
+#include "souple/world/projectors.h"
+#include "souple/world/sleeping.h"
 #include "souple/world/spin.h"
+#include "souple/world/step_scratch.h"
+#include "souple/world/user_constraint.h"
 
 #include <algorithm>
 #include <atomic>
@@ -41,7 +49,7 @@ class FirstNonFinite {
     }
   }
   void report_to(WorldState& world) const {
-    if (lowest_ != none && !world.first_non_finite) world.first_non_finite = lowest_;
+    if (lowest_ != none && !world.current.first_non_finite) world.current.first_non_finite = lowest_;
   }
 
  private:
@@ -93,7 +101,9 @@ void finish_one(WorldState& world, std::size_t i, const Substep& substep, const 
   const Vec3f v_star = particles.velocity[i].xyz();
   const bool pinned = particles.position[i].w == 0;
   const Vec3f base = pinned ? Vec3f{} : v_star;
-  const Vec3f since = pinned ? start : semi_implicit ? start + v_star * substep.h : world.predicted[i].xyz();
+  const Vec3f since = pinned          ? start
+                      : semi_implicit ? start + v_star * substep.h
+                                      : world.scratch->predicted[i].xyz();
   const Vec3f v = base + (p[i].xyz() - since) / substep.h;
   particles.velocity[i].set_xyz(v);
   if (is_non_finite(v)) first_non_finite.note(i);
@@ -116,7 +126,7 @@ kernels::MotionArrays arrays_of(WorldState& world, bool windy) {
   Particles& particles = world.particles;
   if (particles.size() == 0) return {};
   return {&particles.position.data()->x, &moving(world).data()->x, &particles.start.data()->x,
-          &particles.velocity.data()->x, windy ? &world.force.data()->x : nullptr};
+          &particles.velocity.data()->x, windy ? &world.scratch->force.data()->x : nullptr};
 }
 
 // The SIMD kernels report only that a value may be non-finite.
@@ -142,7 +152,7 @@ void predict(WorldState& world, const Substep& substep) {
     for (std::size_t i = begin; i < end; ++i) predict_one(world, i, substep, air, p, first_non_finite);
   };
   const kernels::MotionKernels* kernels = packed(settings);
-  if (!world.force_fields.empty()) {
+  if (!world.callbacks.force_fields.empty()) {
     one_by_one(0, count);  // users' functions run on the user's thread
   } else if (!kernels || settings.drag > 0) {
     world.threads->for_each(count, grain, one_by_one);
@@ -162,7 +172,7 @@ void predict(WorldState& world, const Substep& substep) {
 // the step; others stay.
 void drive_pins(WorldState& world, const Substep& substep) {
   const double t = world.time + static_cast<double>(substep.h);
-  const double s = (t - world.step_start) / world.step_length;
+  const double s = (t - world.current.start) / world.current.length;
   std::vector<Vec4f>& p = moving(world);
   for (const auto& object : world.objects) {
     for (const PinnedParticle& pin : object->pins) {
@@ -170,7 +180,7 @@ void drive_pins(WorldState& world, const Substep& substep) {
       const std::uint32_t i = object->begin + pin.particle;
       Vec3d goal = world.exact_position(i);
       if (pin.arrival)
-        goal = world.last_substep ? *pin.arrival : pin.from + (*pin.arrival - pin.from) * s;
+        goal = world.current.last_substep ? *pin.arrival : pin.from + (*pin.arrival - pin.from) * s;
       else
         world.guarded("a pin's target", [&] { goal = (*pin.target)(pin.vertex, t) + pin.offset; });
       if (world.settings.form == Form::plain) {
@@ -184,57 +194,58 @@ void drive_pins(WorldState& world, const Substep& substep) {
 
 void drive_attachments(WorldState& world, const Substep& substep) {
   const double t = world.time + static_cast<double>(substep.h);
-  for (UserConstraint& user_constraint : world.user_constraints)
+  for (UserConstraint& user_constraint : world.constraints.users)
     world.guarded("an attachment's target", [&] { user_constraint.update_targets(t); });
 }
 
 // Kelvin-Voigt damping of the constraints, on the velocities of the substep. PBD mode has none.
 void damp_constraints(WorldState& world, const Substep& substep) {
-  if (world.sleep.all || substep.mode == Mode::pbd) return;
+  if (world.sleep->all || substep.mode == Mode::pbd) return;
   const ParticleView view = world.view();
   const std::span<Vec4f> velocity = world.particles.velocity;
-  world.for_each_projector(
-      [&](Projector& projector) { projector.damp(view, velocity, substep, *world.threads); });
+  for_each_projector(world,
+                     [&](Projector& projector) { projector.damp(view, velocity, substep, *world.threads); });
 }
 
 // Stiffnesses of PBD are no forces, and phantoms no particles.
 bool measures_balance(const WorldState& world) {
   const Settings& settings = world.settings;
-  return world.last_substep && settings.measure_residuals && settings.mode != Mode::pbd &&
+  return world.current.last_substep && settings.measure_residuals && settings.mode != Mode::pbd &&
          settings.solver.colors == 0;
 }
 
 }  // namespace
 
 void integrate(WorldState& world, const Substep& substep) {
-  if (world.sleep.woken) find_candidates(world, static_cast<double>(substep.h) * substep.count);
+  if (world.sleep->woken) find_candidates(world, static_cast<double>(substep.h) * substep.count);
   predict(world, substep);
   predict_spin(world, substep);
   drive_pins(world, substep);
   drive_obstacles(world, substep);
   drive_attachments(world, substep);
-  if (world.settings.integrator != Integrator::semi_implicit) world.predicted = moving(world);
+  if (world.settings.integrator != Integrator::semi_implicit) world.scratch->predicted = moving(world);
 }
 
 void solve_incompressibility(WorldState& world, const Substep& substep) {
-  if (!world.fluids.none() && !world.first_non_finite) world.fluids.solve_incompressibility(world, substep);
+  if (!world.fluids->none() && !world.current.first_non_finite)
+    world.fluids->solve_incompressibility(world, substep);
 }
 
 void solve(WorldState& world, const Substep& substep) {
-  if (world.sleep.all) return;
-  SOUPLE_ASSERT(!world.dirty_solver && !world.dirty_constraints, "a step prepares its solver");
+  if (world.sleep->all) return;
+  SOUPLE_ASSERT(!world.dirty.solver && !world.dirty.constraints, "a step prepares its solver");
   const ParticleView view = world.view();
-  world.for_each_projector([&](Projector& projector) { projector.begin_substep(view, substep); });
+  for_each_projector(world, [&](Projector& projector) { projector.begin_substep(view, substep); });
   Substep solved = substep;
-  solved.levels = !world.contacts.separates();
+  solved.levels = !world.contact->contacts.separates();
   if (measures_balance(world)) {
-    solved.external = &world.balance.external();
-    world.balance.begin(world.steps, view);
-    world.solver->solve(world.order, view, solved, *world.threads);
-    world.balance.measure(world, view, substep);
+    solved.external = &world.balance->external();
+    world.balance->begin(world.steps, view);
+    world.solving.solver->solve(world.constraints.order, view, solved, *world.threads);
+    world.balance->measure(world, view, substep);
   } else {
-    world.solver->solve(world.order, view, solved, *world.threads);
-    if (world.last_substep) world.report.objects.clear();
+    world.solving.solver->solve(world.constraints.order, view, solved, *world.threads);
+    if (world.current.last_substep) world.report.objects.clear();
   }
   keep_apart(world, substep);
 }
@@ -258,14 +269,15 @@ bool finish(WorldState& world, const Substep& substep) {
   }
   first_non_finite.report_to(world);
   ++world.version;
-  return !world.first_non_finite;
+  return !world.current.first_non_finite;
 }
 
 void update_velocities(WorldState& world, const Substep& substep) {
   apply_restitution(world, substep);
   finish_spin(world, substep);
   damp_constraints(world, substep);
-  if (!world.fluids.none() && !world.first_non_finite) world.fluids.update_velocities(world, substep);
+  if (!world.fluids->none() && !world.current.first_non_finite)
+    world.fluids->update_velocities(world, substep);
   for (const auto& object : world.objects)
     if (object->island == 0) damp(world, *object, substep.h);
 }

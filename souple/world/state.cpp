@@ -1,6 +1,16 @@
 #include "souple/world/state.h"
 
+#include "souple/world/balance.h"
+#include "souple/world/caches.h"
+#include "souple/world/collider_record.h"
 #include "souple/world/constraint_sets.h"
+#include "souple/world/contact_state.h"
+#include "souple/world/flow.h"
+#include "souple/world/fluids.h"
+#include "souple/world/object.h"
+#include "souple/world/sleeping.h"
+#include "souple/world/step_scratch.h"
+#include "souple/world/user_constraint.h"
 
 #include <algorithm>
 
@@ -10,7 +20,13 @@ namespace souple {
 
 Object::Object() = default;
 Object::~Object() = default;
-WorldState::WorldState() = default;
+WorldState::WorldState()
+    : contact(std::make_unique<ContactState>()),
+      balance(std::make_unique<Balance>()),
+      fluids(std::make_unique<Fluids>()),
+      sleep(std::make_unique<SleepScratch>()),
+      scratch(std::make_unique<StepScratch>()),
+      caches(std::make_unique<Caches>()) {}
 WorldState::~WorldState() = default;
 
 void UserConstraint::update_targets(double t) {
@@ -54,7 +70,7 @@ ColliderRecord& WorldState::collider(ColliderId id) {
 }
 
 void WorldState::teleport_particle(std::size_t i, const Vec3d& x) {
-  check_intersections = true;
+  contact->check_intersections = true;
   set_position(i, x);
 }
 
@@ -65,7 +81,7 @@ void WorldState::set_position(std::size_t i, const Vec3d& x) {
   if (settings.form == Form::displacement) particles.offset[i].set_xyz(Vec3f(x - Vec3d(rounded)));
 }
 
-void WorldState::erase_removed_callbacks() {
+void Callbacks::erase_removed() {
   for (auto* lists : {&before, &after})
     for (auto& callbacks : *lists) callbacks.erase_removed();
   force_fields.erase_removed();
@@ -78,7 +94,7 @@ std::string WorldState::unique_name(const std::string& wanted, std::string_view 
 }
 
 void WorldState::require_between_steps(std::string_view what) const {
-  if (stepping) throw Error(std::string(what) + ": not while a step runs; call it between steps");
+  if (current.running) throw Error(std::string(what) + ": not while a step runs; call it between steps");
 }
 
 const Object& WorldState::object(ObjectId id) const {
@@ -95,21 +111,21 @@ void WorldState::warn(Flag flag, std::string_view words) {
   if (report.message.find(words) != std::string::npos) return;
   if (!report.message.empty()) report.message += '\n';
   report.message += words;
-  if (!log) return;
+  if (!callbacks.log) return;
   std::string name(words);  // its numbers differ from step to step
   name.erase(std::remove_if(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; }),
              name.end());
   const auto holds = [&](const std::vector<std::string>& list) {
     return std::find(list.begin(), list.end(), name) != list.end();
   };
-  const bool is_new = !holds(warned_before) && !holds(warned);
-  warned.push_back(std::move(name));
-  if (is_new) log(flag == Flag::non_finite ? LogLevel::error : LogLevel::warning, words);
+  const bool is_new = !holds(callbacks.warned_before) && !holds(callbacks.warned);
+  callbacks.warned.push_back(std::move(name));
+  if (is_new) callbacks.log(flag == Flag::non_finite ? LogLevel::error : LogLevel::warning, words);
 }
 
 void WorldState::log_info(const std::string& name, const std::vector<std::string>& sentences) const {
-  if (!log) return;
-  for (const std::string& sentence : sentences) log(LogLevel::info, name + ": " + sentence);
+  if (!callbacks.log) return;
+  for (const std::string& sentence : sentences) callbacks.log(LogLevel::info, name + ": " + sentence);
 }
 
 }  // namespace souple

@@ -1,9 +1,14 @@
+#include "souple/world/arrivals.h"
+#include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
+#include "souple/world/flow.h"
+#include "souple/world/fluids.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/stages.h"
 #include "souple/world/step_report.h"
+#include "souple/world/world.h"
 
 #include <chrono>
 
@@ -15,9 +20,9 @@ template <class Function>
 void run(World& self, WorldState& world, Stage stage, const Function& function) {
   const auto index = static_cast<std::size_t>(stage);
   const auto start = std::chrono::steady_clock::now();
-  run_callbacks(self, world, world.before[index]);
+  run_callbacks(self, world, world.callbacks.before[index]);
   function();
-  run_callbacks(self, world, world.after[index]);
+  run_callbacks(self, world, world.callbacks.after[index]);
   const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
   world.report.milliseconds[index] += spent.count();
 }
@@ -25,11 +30,11 @@ void run(World& self, WorldState& world, Stage stage, const Function& function) 
 /// The prologue. Returns false, with a message in the report, if there can be no step.
 bool begin_step(WorldState& world, double dt) {
   if (!begin_report(world, dt) || !prepare_step(world)) return false;
-  world.invalidate_contacts();
+  world.contact->invalidate();
   begin_arrivals(world, dt);
   update_flow(world, dt);
   update_fluid_counts(world);
-  world.fluids.begin_step(world, dt);
+  world.fluids->begin_step(world, dt);
   count_step(world);
   return true;
 }
@@ -40,10 +45,10 @@ void end_step(WorldState& world, double dt, bool valid) {
   if (!valid) restore_last_valid(world);
   end_arrivals(world, valid);
   ++world.version;
-  world.contacts_valid = true;
+  world.contact->valid = true;
   report_contacts(world);
-  world.contact_tracker.end_step(world, valid);
-  world.erase_removed_callbacks();
+  world.contact->tracker.end_step(world, valid);
+  world.callbacks.erase_removed();
   end_report(world, valid);
 }
 
@@ -55,23 +60,23 @@ const StepReport& World::step(double dt) {
   const Substep substep = substep_of(world.settings, dt);
   const double start = world.time;
   bool valid = true;
-  world.stepping = true;
+  world.current.running = true;
   const ActiveScope awake(*world.threads);
   save_last_valid(world);
   run(*this, world, Stage::broad_phase, [&] { find_candidates(world, dt); });
   for (int i = 1; valid && i <= substep.count; ++i) {
-    world.last_substep = i == substep.count;
+    world.current.last_substep = i == substep.count;
     run(*this, world, Stage::integrate, [&] { integrate(world, substep); });
     run(*this, world, Stage::fluids, [&] { solve_incompressibility(world, substep); });
     run(*this, world, Stage::contacts, [&] { generate_contacts(world, substep); });
     run(*this, world, Stage::solve, [&] { solve(world, substep); });
     run(*this, world, Stage::finish, [&] { valid = finish(world, substep); });
     run(*this, world, Stage::velocity, [&] { update_velocities(world, substep); });
-    world.contact_tracker.end_substep(world);
+    world.contact->tracker.end_substep(world);
     world.time = start + dt * i / substep.count;
   }
   if (valid) run(*this, world, Stage::foam, [&] { step_foam(world, start, dt); });
-  world.stepping = false;
+  world.current.running = false;
   if (!valid) world.time = start;
   end_step(world, dt, valid);
   return world.report;

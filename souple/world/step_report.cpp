@@ -3,7 +3,12 @@
 #include "souple/assert.h"
 #include "souple/constraints/neo_hookean.h"
 #include "souple/solver/custom_constraint.h"
+#include "souple/world/balance.h"
+#include "souple/world/fluids.h"
+#include "souple/world/object.h"
+#include "souple/world/projectors.h"
 #include "souple/world/sleeping.h"
+#include "souple/world/user_constraint.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +26,7 @@ constexpr double max_fluid_step = 0.36;  // a third, and a tolerance for waves o
 void measure(WorldState& world) {
   StepReport& report = world.report;
   const ParticleView view = world.view();
-  world.for_each_projector([&](Projector& projector) {
+  for_each_projector(world, [&](Projector& projector) {
     if (projector.size() == 0) return;
     report.constraints += projector.size();
     KindReport kind{.kind = projector.kind(), .count = projector.size()};
@@ -38,7 +43,7 @@ void measure(WorldState& world) {
 
 // Reports exceptions and non-finite results of users' run-time constraints.
 void report_custom_errors(WorldState& world) {
-  for (const UserConstraint& user_constraint : world.user_constraints)
+  for (const UserConstraint& user_constraint : world.constraints.users)
     if (auto* custom = dynamic_cast<CustomProjector*>(user_constraint.projector.get())) {
       const std::string error = custom->take_error();
       if (!error.empty()) world.warn(Flag::callback_failed, error);
@@ -47,12 +52,12 @@ void report_custom_errors(WorldState& world) {
 
 void report_fluids(WorldState& world) {
   const FluidReport flow = world.report.fluid;
-  FluidReport& report = world.report.fluid = world.fluids.report();
+  FluidReport& report = world.report.fluid = world.fluids->report();
   report.emitted = flow.emitted, report.drained = flow.drained, report.held_back = flow.held_back;
 }
 
 void flag_not_converged(WorldState& world) {
-  const ObjectReport* worst = world.balance.worst(world);
+  const ObjectReport* worst = world.balance->worst(world);
   if (worst == nullptr) return;
   fmt::memory_buffer line;  // a string would allocate
   fmt::format_to(std::back_inserter(line), "{}: {}", worst->name, advice(Flag::not_converged));
@@ -91,14 +96,14 @@ void raise_flags(WorldState& world) {
 
 void restore_last_valid(WorldState& world) {
   Particles& particles = world.particles;
-  const std::size_t particle = *world.first_non_finite;
+  const std::size_t particle = *world.current.first_non_finite;
   const Object& object = *world.objects[world.object_of[particle]];
   world.report.bad_object = object.name;
   world.report.bad_vertex = object.vertex_of[particle - object.begin];
-  particles.position = world.last_valid_position;
-  particles.offset = world.last_valid_offset;
-  particles.velocity = world.last_valid_velocity;
-  particles.spin = world.last_valid_spin;
+  particles.position = world.last_valid.position;
+  particles.offset = world.last_valid.offset;
+  particles.velocity = world.last_valid.velocity;
+  particles.spin = world.last_valid.spin;
   update_sleeping_masses(world);
   world.warn(Flag::non_finite, fmt::format("{}, vertex {}: {}", object.name, world.report.bad_vertex,
                                            advice(Flag::non_finite)));
@@ -106,12 +111,12 @@ void restore_last_valid(WorldState& world) {
 
 bool begin_report(WorldState& world, double dt) {
   StepReport& report = world.report;
-  if (world.stepping) {
+  if (world.current.running) {
     world.warn(Flag::callback_failed, "step: a callback called step during a step; nothing was done");
     return false;
   }
-  std::swap(world.warned_before, world.warned);
-  world.warned.clear();
+  std::swap(world.callbacks.warned_before, world.callbacks.warned);
+  world.callbacks.warned.clear();
   std::vector<KindReport> kinds = std::move(report.kinds);
   std::vector<ObjectReport> objects = std::move(report.objects);
   kinds.clear();
@@ -129,7 +134,7 @@ bool begin_report(WorldState& world, double dt) {
 
 void count_step(WorldState& world) {
   StepReport& report = world.report;
-  world.first_non_finite.reset();
+  world.current.first_non_finite.reset();
   report.step = ++world.steps;
   report.substeps = world.settings.substeps;
   report.iterations = world.settings.iterations;
@@ -144,11 +149,11 @@ void save_last_valid(WorldState& world) {
       std::memcpy(&valid[begin], &array[begin], (end - begin) * sizeof(Vec4f));
     });
   };
-  keep(particles.position, world.last_valid_position);
-  keep(particles.offset, world.last_valid_offset);
-  keep(particles.velocity, world.last_valid_velocity);
-  keep(particles.spin, world.last_valid_spin);
-  SOUPLE_ASSERT(world.last_valid_offset.size() == particles.size(), "arrays of particles have one length");
+  keep(particles.position, world.last_valid.position);
+  keep(particles.offset, world.last_valid.offset);
+  keep(particles.velocity, world.last_valid.velocity);
+  keep(particles.spin, world.last_valid.spin);
+  SOUPLE_ASSERT(world.last_valid.offset.size() == particles.size(), "arrays of particles have one length");
 }
 
 void end_report(WorldState& world, bool valid) {

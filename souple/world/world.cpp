@@ -4,8 +4,12 @@
 #include "souple/simd/instruction_set.h"
 #include "souple/world/add.h"
 #include "souple/world/build.h"
+#include "souple/world/collider_record.h"
+#include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
+#include "souple/world/fluids.h"
 #include "souple/world/impl.h"
+#include "souple/world/object.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/validate.h"
@@ -64,7 +68,7 @@ void World::set_settings(const Settings& settings) {
     world.threads.reset();
   const Settings& old = world.settings;
   const bool same = settings.solver == old.solver && settings.form == old.form && settings.mode == old.mode;
-  world.dirty_solver = world.dirty_solver || !same;  // building a hierarchy takes a while
+  world.dirty.solver = world.dirty.solver || !same;  // building a hierarchy takes a while
   if (!(settings.gravity == old.gravity && settings.wind == old.wind && settings.drag == old.drag &&
         settings.sleeping == old.sleeping))
     wake_all(world);
@@ -74,26 +78,26 @@ void World::set_settings(const Settings& settings) {
 CallbackId World::before(Stage stage, std::function<void(World&)> callback) {
   WorldState& world = impl_->state;
   if (!callback) throw Error("before: the function is empty");
-  world.before[static_cast<std::size_t>(stage)].add(world.next_callback_id, std::move(callback));
-  return {world.next_callback_id++};
+  world.callbacks.before[static_cast<std::size_t>(stage)].add(world.callbacks.next_id, std::move(callback));
+  return {world.callbacks.next_id++};
 }
 
 CallbackId World::after(Stage stage, std::function<void(World&)> callback) {
   WorldState& world = impl_->state;
   if (!callback) throw Error("after: the function is empty");
-  world.after[static_cast<std::size_t>(stage)].add(world.next_callback_id, std::move(callback));
-  return {world.next_callback_id++};
+  world.callbacks.after[static_cast<std::size_t>(stage)].add(world.callbacks.next_id, std::move(callback));
+  return {world.callbacks.next_id++};
 }
 
 void World::remove(CallbackId id) {
   WorldState& world = impl_->state;
   bool found = false;
-  for (auto* lists : {&world.before, &world.after})
+  for (auto* lists : {&world.callbacks.before, &world.callbacks.after})
     for (auto& callbacks : *lists) found = found || callbacks.remove(id.value);
   if (!found)
     throw Error(
         fmt::format("no callback has the handle {}: it was removed, or belongs to another world", id.value));
-  if (!world.stepping) world.erase_removed_callbacks();
+  if (!world.current.running) world.callbacks.erase_removed();
 }
 
 // --- objects -------------------------------------------------------------------------------------
@@ -204,7 +208,7 @@ void World::set_collision_groups(ObjectId id, std::uint32_t groups, std::uint32_
   WorldState& world = impl_->state;
   world.require_between_steps("set_collision_groups");
   world.object(id).filter = {groups, mask};
-  world.dirty_tables = true;
+  world.dirty.tables = true;
   wake_all(world);
 }
 std::uint32_t World::collision_groups(ObjectId id) const {
@@ -220,7 +224,7 @@ void World::set_layer(ObjectId id, int layer) {
   Object& object = world.object(id);
   require_layer(object, layer);
   object.layer = layer;
-  world.dirty_tables = true;
+  world.dirty.tables = true;
   wake_all(world);
 }
 int World::layer(ObjectId id) const {
@@ -246,7 +250,7 @@ void World::set_motion(ObjectId id, ObstacleMotion motion) {
     world.particles.velocity[object.begin + k] = {};
   }
   wake_all(world);
-  world.invalidate_contacts();
+  world.contact->invalidate();
   ++world.version;
 }
 
@@ -286,12 +290,12 @@ std::vector<float> World::pressures(ObjectId id) const {
   const Object& object = impl_->state.object(id);
   std::vector<float> result;
   for (const std::uint32_t particle : object.particle_of)
-    result.push_back(impl_->state.fluids.pressure(object.begin + particle));
+    result.push_back(impl_->state.fluids->pressure(object.begin + particle));
   return result;
 }
 
 FoamView World::foam() const {
-  const FluidFoam& foam = impl_->state.fluids.foam();
+  const FluidFoam& foam = impl_->state.fluids->foam();
   return {foam.positions(), foam.velocities(), foam.kinds()};
 }
 
@@ -340,7 +344,7 @@ void World::set_positions(ObjectId id, std::span<const Vec3f> positions) {
     world.particles.position[i].set_xyz(positions[object.vertex_of[i - object.begin]]);
     world.particles.offset[i] = {};
   }
-  world.check_intersections = true;
+  world.contact->check_intersections = true;
   ++world.version;
 }
 
@@ -452,9 +456,9 @@ ColliderId World::add_collider(const Shape& shape, const ColliderOptions& option
   world.names.add(record.options.name, {NameRegistry::Owner::collider, record.id.value});
   world.colliders.push_back(std::move(record));
   ++world.next_id;
-  world.dirty_tables = true;
+  world.dirty.tables = true;
   wake_all(world);
-  world.invalidate_contacts();
+  world.contact->invalidate();
   return world.colliders.back().id;
 }
 
@@ -464,9 +468,9 @@ void World::remove(ColliderId id) {
   const ColliderRecord& record = world.collider(id);
   world.names.remove(record.options.name);
   world.colliders.erase(world.colliders.begin() + (&record - world.colliders.data()));
-  world.dirty_tables = true;
+  world.dirty.tables = true;
   wake_all(world);
-  world.invalidate_contacts();
+  world.contact->invalidate();
 }
 
 void World::set_collider(ColliderId id, const Shape& shape, const ColliderOptions& options) {
@@ -485,9 +489,9 @@ void World::set_collider(ColliderId id, const Shape& shape, const ColliderOption
   record.options = options;
   record.arrival.reset();
   if (options.name.empty()) record.options.name = name;
-  world.dirty_tables = true;
+  world.dirty.tables = true;
   wake_all(world);
-  world.invalidate_contacts();
+  world.contact->invalidate();
 }
 
 std::vector<ColliderId> World::colliders() const {
@@ -518,7 +522,7 @@ ColliderId World::find_collider(std::string_view name) const {
 Vec3d World::fluid_force(ColliderId id) const {
   const WorldState& world = impl_->state;
   for (std::size_t c = 0; c < world.colliders.size(); ++c)
-    if (world.colliders[c].id == id) return world.fluids.force(c);
+    if (world.colliders[c].id == id) return world.fluids->force(c);
   throw Error(
       fmt::format("no collider has the handle {}: it was removed, or belongs to another world", id.value));
 }
@@ -527,16 +531,16 @@ void World::set_pair(std::string_view a, std::string_view b, float friction, flo
                      std::optional<float> kinetic_friction) {
   WorldState& world = impl_->state;
   world.require_between_steps("set_pair");
-  world.pairs.set(a, b, {friction, kinetic_friction.value_or(friction), restitution});
-  world.dirty_tables = true;
+  world.contact->pairs.set(a, b, {friction, kinetic_friction.value_or(friction), restitution});
+  world.dirty.tables = true;
   wake_all(world);
 }
 
 void World::set_collide(std::string_view a, std::string_view b, bool collide) {
   WorldState& world = impl_->state;
   world.require_between_steps("set_collide");
-  world.pairs.set_collide(a, b, collide);
-  world.dirty_tables = true;
+  world.contact->pairs.set_collide(a, b, collide);
+  world.dirty.tables = true;
   wake_all(world);
 }
 
@@ -550,34 +554,34 @@ ForceFieldId World::add_force_field(ForceField field) {
 ForceFieldId World::add_force_field(VertexForceField field) {
   if (!field) throw Error("add_force_field: the function is empty");
   WorldState& world = impl_->state;
-  world.force_fields.add(world.next_callback_id, std::move(field));
+  world.callbacks.force_fields.add(world.callbacks.next_id, std::move(field));
   wake_all(world);
-  return {world.next_callback_id++};
+  return {world.callbacks.next_id++};
 }
 
 void World::remove(ForceFieldId id) {
   WorldState& world = impl_->state;
-  if (!world.force_fields.remove(id.value))
+  if (!world.callbacks.force_fields.remove(id.value))
     throw Error(fmt::format("no force field has the handle {}: it was removed, or belongs to another world",
                             id.value));
-  if (!world.stepping) world.erase_removed_callbacks();
+  if (!world.current.running) world.callbacks.erase_removed();
   wake_all(world);
 }
 
 void World::clear_force_fields() {
   WorldState& world = impl_->state;
-  world.force_fields.clear();
-  if (!world.stepping) world.erase_removed_callbacks();
+  world.callbacks.force_fields.clear();
+  if (!world.current.running) world.callbacks.erase_removed();
   wake_all(world);
 }
 
 void World::track_contacts(bool on) {
   impl_->state.require_between_steps("track_contacts");
-  impl_->state.contact_tracker.track(on);
+  impl_->state.contact->tracker.track(on);
 }
 
 std::span<const ContactPair> World::contact_pairs() const {
-  return impl_->state.contact_tracker.pairs();
+  return impl_->state.contact->tracker.pairs();
 }
 
 void World::set_user_data(ObjectId id, std::uint64_t data) {
@@ -623,7 +627,7 @@ void World::set_job_system(JobSystem* jobs) {
 }
 
 void World::set_log(std::function<void(LogLevel, std::string_view)> log) {
-  impl_->state.log = std::move(log);
+  impl_->state.callbacks.log = std::move(log);
 }
 
 }  // namespace souple

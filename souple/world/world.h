@@ -10,11 +10,13 @@
 #include "souple/math/transform.h"
 #include "souple/solver/projector.h"
 #include "souple/threads/threads.h"
+#include "souple/world/callbacks.h"
 #include "souple/world/debug_draw.h"
 #include "souple/world/emitter.h"
 #include "souple/world/handles.h"
 #include "souple/world/materials.h"
 #include "souple/world/memory.h"
+#include "souple/world/object_options.h"
 #include "souple/world/obstacle_motion.h"
 #include "souple/world/profile.h"
 #include "souple/world/query.h"
@@ -35,62 +37,6 @@
 
 namespace souple {
 
-/// Options common to all kinds of objects.
-struct ObjectOptions {
-  std::string name{};        ///< unique; empty: the kind's name, then kind2, kind3, ...
-  Transform transform{};     ///< applied to the mesh
-  Vec3f velocity{};          ///< m/s
-  Vec3f angular_velocity{};  ///< rad/s about the center of mass; each grain also rotates with it
-  /// Per vertex: factor of the stiffness; a constraint uses the mean of its vertices. Empty: 1.
-  std::vector<float> stiffness_map{};
-  std::vector<float> thickness_map{};  ///< per vertex: factor of the thickness; empty: 1
-  /// The surface collides with itself: cloth lies on its own folds, a rope does not pass through itself.
-  bool self_collision = false;
-  /// Layer of the surface, 0 to 1000. Where two objects collide, the object of the higher layer belongs on
-  /// the outer side of the lower one: the side from which the lower one's triangles are counter-clockwise.
-  /// Parts on the wrong side are moved out. 0: no order. Only objects with a surface of their own have
-  /// layers: cloth, soft bodies made of tets, obstacles.
-  int layer = 0;
-  /// Fluids only: upper limit of the particle count for emitters. Memory for them is reserved at once, and
-  /// the fluid may start with no particle. 0: emitters add none.
-  std::uint32_t max_particles = 0;
-  /// Bit masks: the groups (of 32) to which the object belongs, and the groups with which it collides.
-  /// Objects or colliders a and b collide if a.collision_groups & b.collision_mask and b.collision_groups &
-  /// a.collision_mask are both non-zero.
-  std::uint32_t collision_groups = 1;
-  std::uint32_t collision_mask = ~0u;
-};
-
-struct ColliderOptions {
-  float friction = 0.5f;
-  float restitution = 0;
-  std::optional<float> kinetic_friction{};  ///< at most `friction`; none: `friction`
-  std::string name{};                       ///< unique; empty: collider, collider2, ...
-  ColliderMotion motion{};                  ///< static by default; its poses are applied to the shape
-  std::uint32_t collision_groups = 1;       ///< as in ObjectOptions
-  std::uint32_t collision_mask = ~0u;
-  /// Pushes nothing and stops no fluid; World::contact_pairs says which objects overlap it after each step.
-  bool sensor = false;
-};
-
-/// Target position of a pinned or attached vertex: (vertex in user order, time in s) -> meters.
-using Target = std::function<Vec3d(std::uint32_t vertex, double time)>;
-
-/// Force field: (position [m], velocity [m/s], mass [kg], time [s]) -> force [N].
-using ForceField = std::function<Vec3f(const Vec3f&, const Vec3f&, float, double)>;
-
-/// A particle on which a force field acts.
-struct ForcePoint {
-  ObjectId object;
-  std::uint32_t vertex = 0;  ///< user order; of a soft body made of a surface: a vertex near the particle
-  Vec3f position{};          ///< m
-  Vec3f velocity{};          ///< m/s
-  float mass = 0;            ///< kg
-  double time = 0;           ///< s
-};
-/// Force field that knows object and vertex: point -> force [N].
-using VertexForceField = std::function<Vec3f(const ForcePoint&)>;
-
 /// One vertex of one object.
 struct VertexRef {
   ObjectId object;
@@ -105,18 +51,6 @@ struct Carrier {
   Vec3d position{};        ///< m
 };
 
-/// A contact that applied a correction in the last substep of a step.
-struct ContactEvent {
-  std::string_view object, other;  ///< names; `other` is an object or a collider
-  std::uint32_t vertex = 0, other_vertex = 0;
-  bool other_is_collider = true;
-  Vec3f point{}, normal{};   ///< m; the normal points toward `object`
-  float impulse = 0;         ///< N s
-  ObjectId object_id{};      ///< of `object`
-  ObjectId other_id{};       ///< of `other`, if it is an object
-  ColliderId collider_id{};  ///< of `other`, if it is a collider
-};
-
 /// Spray, foam and bubbles of all fluids. The order of the particles changes from step to step. The spans are
 /// valid until the next step.
 struct FoamView {
@@ -129,8 +63,6 @@ struct FoamView {
 struct Snapshot {
   std::vector<std::byte> bytes;
 };
-
-enum class LogLevel { info, warning, error };
 
 /// Objects, colliders and the simulation loop. Meters, kilograms, seconds; Y up, right-handed.
 ///

@@ -1,0 +1,104 @@
+#pragma once
+
+#include "souple/contacts/contact_material.h"
+#include "souple/geometry/embedding.h"
+#include "souple/geometry/tet_mesh.h"
+#include "souple/geometry/triangle_mesh.h"
+#include "souple/math/transform.h"
+#include "souple/world/balance.h"
+#include "souple/world/callbacks.h"
+#include "souple/world/handles.h"
+#include "souple/world/materials.h"
+#include "souple/world/obstacle_motion.h"
+#include "souple/world/set_kinds.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+// What a world knows of one object.
+
+namespace souple {
+
+/// A pinned particle. Its position is target(vertex, t) + offset, or constant without a target.
+struct PinnedParticle {
+  std::uint32_t particle = 0;  ///< index within the object
+  std::uint32_t vertex = 0;    ///< user order
+  Vec3d offset{};              ///< from the vertex to the particle at the time of pinning [m]
+  std::shared_ptr<const Target> target;
+  // See World::move_pins.
+  Vec3d pinned_at{};             ///< position of the particle when it was pinned [m]
+  Vec3d from{};                  ///< start of the step [m]
+  std::optional<Vec3d> arrival;  ///< end of the next step [m]
+};
+
+struct ConstraintSets;
+
+/// The definition of an object. Its constraints are a pure function of this struct (see build.h).
+struct Object {
+  ObjectId id;
+  std::string name;
+  ObjectKind kind = ObjectKind::cloth;
+  Material material;
+  std::uint32_t begin = 0, end = 0;  ///< range of its particles
+  /// Fluids: largest number of particles; other kinds: their number of particles.
+  std::uint32_t capacity = 0;
+  TriangleMesh mesh;        ///< as added, transformed; its positions are the rest state; may be empty
+  TetMesh tets;             ///< soft bodies: vertices are the particles, in order
+  std::vector<Vec3d> rest;  ///< rest position of each particle [m]
+  std::vector<std::uint32_t> particle_of;  ///< user vertex -> particle within the object; empty if embedded
+  std::vector<std::uint32_t> vertex_of;    ///< particle -> a user vertex at it, or near it if embedded
+  std::optional<Embedding> embedding;      ///< user vertices in `tets`, if they are not particles
+  /// Triangles over particles, for wind and pressure; may be empty.
+  std::vector<std::array<std::uint32_t, 3>> surface;
+  /// Triangles of each particle, computed from `surface` at the first wind: particle i belongs to the
+  /// triangles triangles_of[k] with triangle_begin[i] <= k < triangle_begin[i + 1], in ascending order.
+  std::vector<std::uint32_t> triangle_begin, triangles_of;
+  /// Cloth and obstacles: index in `mesh` of each triangle of `surface`; empty: identity.
+  std::vector<std::uint32_t> surface_source;
+  std::vector<float> stiffness_map;  ///< per particle; empty: 1
+  std::vector<float> thickness_map;  ///< per particle; empty: 1
+  /// Per particle: distance outside the embedded surface [m]; may be empty.
+  std::vector<float> embedding_offset;
+  std::vector<PinnedParticle> pins;                        ///< ascending by particle
+  std::vector<std::uint32_t> pin_guess;                    ///< per particle: its last known index in `pins`
+  bool self_collision = false;                             ///< the surface collides with itself
+  int layer = 0;                                           ///< cloth layer; 0: none
+  CollisionFilter filter;                                  ///< with which other objects it collides
+  float pressure = 0;                                      ///< Pa
+  std::optional<std::pair<float, float>> enclosed_volume;  ///< factor and compliance
+  double rest_time = 0;                                    ///< time at rest so far [s]
+  std::uint32_t island = 0;  ///< id of the sleeping island: that of one of its objects; 0: awake
+  Imbalance imbalance;       ///< of cloths, soft bodies and ropes
+  ObstacleMotion motion;     ///< of obstacles
+  Transform placement;       ///< of obstacles: transform of the mesh sequence
+  float wind_exposure = 1;   ///< share of the wind's velocity
+  std::uint64_t user_data = 0;
+
+  std::unique_ptr<ConstraintSets>
+      fresh;  ///< constraints built since the last build_constraints, of fresh_kinds
+  SetKinds fresh_kinds;
+  std::uint32_t merged_begin = 0,
+                merged_end = 0;  ///< its particles at the last build_constraints; equal: none
+
+  Object();
+  ~Object();
+
+  std::uint32_t reserved_end() const { return begin + capacity; }
+  std::uint32_t particle_count() const { return static_cast<std::uint32_t>(rest.size()); }
+  std::size_t vertex_count() const { return embedding ? mesh.positions.size() : particle_of.size(); }
+  /// Mean of a per-particle map over a constraint's particles; 1 without a map.
+  template <class Indices>
+  float mean(const std::vector<float>& map, const Indices& particles_of_constraint) const {
+    if (map.empty()) return 1;
+    float sum = 0;
+    for (const std::uint32_t i : particles_of_constraint) sum += map[i];
+    return sum / static_cast<float>(std::size(particles_of_constraint));
+  }
+};
+
+}  // namespace souple
