@@ -172,6 +172,12 @@ bool same_shape(std::span<const Link> links, std::span<const Link> others) {
       [](const Link& p, const Link& q) { return p.a == q.a && p.b == q.b && p.length == q.length; });
 }
 
+/// Whether the same particles are fixed.
+bool same_fixed(std::span<const float> masses, std::span<const float> others) {
+  return std::equal(masses.begin(), masses.end(), others.begin(), others.end(),
+                    [](float p, float q) { return (p > 0) == (q > 0); });
+}
+
 float inverse(float mass) {
   return mass > 0 ? 1 / mass : 0;
 }
@@ -265,27 +271,45 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const LeftOut
     if (stiffness_changed) take_stiffness();
     return;
   }
-  const ActiveScope awake(threads);
-  masses_.clear();
+  const std::vector<float> before = std::exchange(masses_, {});
   for (const std::uint32_t i : particle_) masses_.push_back(tied_.mass(i, particles));
+  compliant_ =
+      std::any_of(links_.begin(), links_.end(), [](const Link& link) { return std::isfinite(link.energy); });
+  inverse_masses_.clear();
+  for (const Link& link : links_)
+    inverse_masses_.push_back(inverse(tied_.mass(link.a, particles)) +
+                              inverse(tied_.mass(link.b, particles)));
+  stretched_ = {};
+  gains_for_ = {};
+  if (!links_changed && same_fixed(before, masses_)) return update_masses(particles);
+  build(particles, threads);
+}
+
+void Hierarchical::build(const ParticleView& particles, Threads& threads) {
+  const ActiveScope awake(threads);
   std::vector<std::uint32_t> number(particles.position.size(), none);
   for (std::uint32_t i = 0; i < particle_.size(); ++i) number[particle_[i]] = i;
   std::vector<Link> links = links_;
   for (Link& link : links) link.a = number[link.a], link.b = number[link.b];
   levels_.clear();
-  stretched_ = {};
-  for (CoarseLevel& level : build_levels(links, masses_, coarsest_size, threads))
+  for (CoarseLevel& level : cache_.build(links, masses_, coarsest_size, threads))
     add_level(std::move(level), particles);
-  compliant_ =
-      std::any_of(links_.begin(), links_.end(), [](const Link& link) { return std::isfinite(link.energy); });
   double length = 0;
   for (const Link& link : links_) length += static_cast<double>(link.length);
   mean_length_ = static_cast<float>(length / static_cast<double>(std::max<std::size_t>(links_.size(), 1)));
-  inverse_masses_.clear();
-  for (const Link& link : links_)
-    inverse_masses_.push_back(inverse(tied_.mass(link.a, particles)) +
-                              inverse(tied_.mass(link.b, particles)));
-  gains_for_ = {};
+}
+
+// What the levels take from the masses and the stiffness of the finest particles and links.
+void Hierarchical::update_masses(const ParticleView& particles) {
+  std::span<const float> finer = masses_;
+  std::span<const Link> links = links_;
+  for (Level& level : levels_) {
+    take_masses(finer, level.map), take_energies(links, level.map);
+    for (std::size_t j = 0; j < level.map.mass.size(); ++j)
+      level.position[j].w = level.moving[j].w = level.before[j].w = inverse(level.map.mass[j]);
+    find_restriction(level, &level == levels_.data(), particles);
+    finer = level.map.mass, links = level.map.links;
+  }
 }
 
 void Hierarchical::add_level(CoarseLevel map, const ParticleView& particles) {
@@ -303,29 +327,31 @@ void Hierarchical::add_level(CoarseLevel map, const ParticleView& particles) {
   std::iota(links.begin(), links.end(), 0u);
   level.all = LevelLinks(map, links);
   level.map = std::move(map);
-  find_transfers(level, particles);
+  find_prolongation(level, levels_.empty(), particles);
+  find_restriction(level, levels_.empty(), particles);
   find_slots(level);
   add_links_near_pins(level);
   levels_.push_back(std::move(level));
 }
 
 // Those of the first level act on every particle of the world that is tied to a linked one.
-void Hierarchical::find_transfers(Level& level, const ParticleView& particles) const {
+void Hierarchical::find_prolongation(Level& level, bool first, const ParticleView& particles) const {
   const CoarseLevel& map = level.map;
-  const auto for_each = [&](std::uint32_t i, const auto& f) {
-    levels_.empty() ? tied_.for_each(particle_[i], particles, f) : f(i, 1.0f);
-  };
-  const std::size_t finer_count = map.parent_begin.size() - 1;
-  for (std::uint32_t i = 0; i < finer_count; ++i)
-    for_each(i, [&](std::uint32_t finer, float) {
+  for (std::uint32_t i = 0; i + 1 < map.parent_begin.size(); ++i)
+    for_each_tied(i, first, particles, [&](std::uint32_t finer, float) {
       level.finer.push_back(finer);
       for (std::uint32_t k = map.parent_begin[i]; k < map.parent_begin[i + 1]; ++k)
         level.prolongation.add(map.parent[k], map.weight[k]);
       level.prolongation.end_row();
     });
+}
+
+void Hierarchical::find_restriction(Level& level, bool first, const ParticleView& particles) const {
+  const CoarseLevel& map = level.map;
+  level.restriction = {};
   for (std::size_t j = 0; j < map.mass.size(); ++j) {
     for (std::uint32_t k = map.child_begin[j]; k < map.child_begin[j + 1]; ++k)
-      for_each(map.child[k], [&](std::uint32_t finer, float part) {
+      for_each_tied(map.child[k], first, particles, [&](std::uint32_t finer, float part) {
         if (part > 0) level.restriction.add(finer, map.child_weight[k] * part);
       });
     level.restriction.end_row();

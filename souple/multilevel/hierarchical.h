@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/multilevel/hierarchical_levels.h"
+#include "souple/multilevel/level_cache.h"
 #include "souple/multilevel/level_links.h"
 #include "souple/multilevel/stretched_links.h"
 #include "souple/multilevel/tied_particles.h"
@@ -101,7 +102,16 @@ class Hierarchical final : public Solver {
 
   void add_level(CoarseLevel map, const ParticleView& particles);
   static void add_links_near_pins(Level& level);
-  void find_transfers(Level& level, const ParticleView& particles) const;
+  void build(const ParticleView& particles, Threads& threads);
+  void update_masses(const ParticleView& particles);
+  /// Of the first level or a coarser one.
+  void find_prolongation(Level& level, bool first, const ParticleView& particles) const;
+  void find_restriction(Level& level, bool first, const ParticleView& particles) const;
+  /// Calls f(finer particle, part of the mass) for what the particle i below a level stands for.
+  template <class Function>
+  void for_each_tied(std::uint32_t i, bool first, const ParticleView& particles, const Function& f) const {
+    first ? tied_.for_each(particle_[i], particles, f) : f(i, 1.0f);
+  }
   void find_slots(Level& level) const;
   void measure(const ParticleView& particles, Threads& threads);
   void measure_paths(std::size_t l, Threads& threads);
@@ -127,8 +137,9 @@ class Hierarchical final : public Solver {
   TiedParticles tied_;                   ///< one linked particle each
   std::vector<float> masses_;            ///< per linked particle [kg]; 0: fixed
   std::vector<std::uint32_t> particle_;  ///< per linked particle: its representative in the world, ascending
-  std::vector<Level> levels_;            ///< finest first
-  StretchedLinks stretched_;             ///< of the finest level; built when a link is stretched
+  LevelCache cache_;
+  std::vector<Level> levels_;  ///< finest first
+  StretchedLinks stretched_;   ///< of the finest level; built when a link is stretched
   bool compliant_ = false;
   float mean_length_ = 0;  ///< of the links of the finest level [m]
   Substep gains_for_;      ///< substep of the current gains; length 0: none

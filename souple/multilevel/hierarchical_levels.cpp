@@ -49,7 +49,7 @@ float spacing(const LinkEnds& ends, std::uint32_t i) {
 /// Rank of each particle, lowest chosen first: fixed particles, then free ones; of each, corners, then edges,
 /// then the interior. A coarser level that reaches the edges need not extrapolate there. Edges and corners
 /// have few particles within two links.
-std::vector<int> ranks(const LinkEnds& ends, std::span<const float> masses, Threads& threads) {
+std::vector<int> ranks(const LinkEnds& ends, std::span<const char> fixed, Threads& threads) {
   const std::size_t count = ends.size();
   std::vector<std::uint32_t> around(count), max_near(count);
   threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
@@ -65,7 +65,7 @@ std::vector<int> ranks(const LinkEnds& ends, std::span<const float> masses, Thre
     std::uint32_t max_around = std::max(around[i], 1u);
     for (const auto& n : ends.of(i)) max_around = std::max(max_around, max_near[n.to]);
     const float part = static_cast<float>(around[i]) / static_cast<float>(max_around);
-    result[i] = (masses[i] > 0 ? 3 : 0) + (part < 0.45f ? 0 : part < 0.75f ? 1 : 2);
+    result[i] = (fixed[i] != 0 ? 0 : 3) + (part < 0.45f ? 0 : part < 0.75f ? 1 : 2);
   }
   return result;
 }
@@ -74,10 +74,9 @@ std::vector<int> ranks(const LinkEnds& ends, std::span<const float> masses, Thre
 /// already chosen as that allows.
 class Choice {
  public:
-  Choice(const LinkEnds& ends, const LinkTriangles& triangles, std::span<const float> masses,
-         Threads& threads)
+  Choice(const LinkEnds& ends, const LinkTriangles& triangles, std::span<const char> fixed, Threads& threads)
       : ends_(ends),
-        rank_(ranks(ends, masses, threads)),
+        rank_(ranks(ends, fixed, threads)),
         coarse_(triangles.size()),
         covered_(triangles.size()),
         offered_(triangles.size(), infinity),
@@ -317,11 +316,11 @@ void find_weights(const CoarseLengths& lengths, Parents& parents) {
 /// Builds one level; `number`: per particle, its number in the coarse level, or `none`.
 class LevelBuilder {
  public:
-  LevelBuilder(std::span<const Link> links, std::span<const float> masses, Threads& threads)
+  LevelBuilder(std::span<const Link> links, std::span<const char> fixed, Threads& threads)
       : links_(links),
-        masses_(masses),
+        fixed_(fixed),
         threads_(threads),
-        ends_(links, masses.size(), threads),
+        ends_(links, fixed.size(), threads),
         triangles_(links, ends_, threads) {}
 
   CoarseLevel build();
@@ -331,10 +330,10 @@ class LevelBuilder {
   void add_path(const Near& near, std::uint32_t i, std::uint32_t j, float& length);
   void add_shortest_path(std::uint32_t i, std::uint32_t end, float& length);
   void find_parents(const Near& near, const CoarseLengths& lengths, std::span<const std::uint32_t> number);
-  void add_children();
+  void find_children();
 
   std::span<const Link> links_;
-  std::span<const float> masses_;
+  std::span<const char> fixed_;
   Threads& threads_;
   LinkEnds ends_;
   LinkTriangles triangles_;
@@ -409,7 +408,6 @@ void LevelBuilder::collapse(const Near& near, const CoarseLengths& lengths) {
   for (std::uint32_t e = 0; e < links_.size(); ++e)
     if (level_.energy_to[e] == none)
       level_.energy_to[e] = static_cast<std::uint32_t>(level_.links.size()) + near.cluster(links_[e].a);
-  take_energies(links_, level_);
 }
 
 // The links from particle i to coarse particle j, each towards the neighbor that is nearest to j along it. Across an
@@ -432,7 +430,7 @@ void LevelBuilder::add_path(const Near& near, std::uint32_t i, std::uint32_t j, 
 
 // The shortest path along links (Dijkstra).
 void LevelBuilder::add_shortest_path(std::uint32_t i, std::uint32_t end, float& length) {
-  visits_.resize(masses_.size());
+  visits_.resize(fixed_.size());
   ++searches_;
   using Entry = std::pair<float, std::uint32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
@@ -456,7 +454,7 @@ void LevelBuilder::add_shortest_path(std::uint32_t i, std::uint32_t end, float& 
 
 void LevelBuilder::find_parents(const Near& near, const CoarseLengths& lengths,
                                 std::span<const std::uint32_t> number) {
-  std::vector<Parents> parents(masses_.size());
+  std::vector<Parents> parents(fixed_.size());
   threads_.for_each(parents.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
       Parents& of = parents[i];
@@ -466,66 +464,53 @@ void LevelBuilder::find_parents(const Near& near, const CoarseLengths& lengths,
       }
       for (const Reached& n : near.of(i)) {
         if (of.count == max_parents) break;
-        if (!(masses_[i] > 0) && masses_[level_.finer[n.particle]] > 0) continue;
+        if (fixed_[i] != 0 && fixed_[level_.finer[n.particle]] == 0) continue;
         of.number[of.count] = n.particle, of.length[of.count++] = n.length;
       }
       find_weights(lengths, of);
     }
   });
-  std::vector<double> mass(level_.finer.size());
   level_.parent_begin.push_back(0);
-  for (std::size_t i = 0; i < parents.size(); ++i) {
-    const Parents& of = parents[i];
+  for (const Parents& of : parents) {
     SOUPLE_ASSERT(of.count > 0 && std::abs(of.sum_of_weights() - 1) < 1e-4f, "weights of parents sum to 1");
     for (std::size_t k = 0; k < of.count; ++k) {
       level_.parent.push_back(of.number[k]);
       level_.weight.push_back(of.weight[k]);
-      mass[of.number[k]] += static_cast<double>(of.weight[k]) * static_cast<double>(masses_[i]);
     }
     level_.parent_begin.push_back(static_cast<std::uint32_t>(level_.parent.size()));
   }
-  for (std::size_t j = 0; j < mass.size(); ++j)
-    level_.mass.push_back(masses_[level_.finer[j]] > 0 ? static_cast<float>(mass[j]) : 0);
 }
 
-// The transpose of the parents, weighted by mass.
-void LevelBuilder::add_children() {
+// The transpose of the parents.
+void LevelBuilder::find_children() {
   const std::size_t count = level_.finer.size();
   const auto follows = [&](std::size_t i, std::uint32_t j) {
-    return level_.mass[j] > 0 ? masses_[i] > 0 : level_.finer[j] == i;
+    return fixed_[level_.finer[j]] == 0 ? fixed_[i] == 0 : level_.finer[j] == i;
   };
   level_.child_begin.assign(count + 1, 0);
-  for (std::size_t i = 0; i < masses_.size(); ++i)
+  for (std::size_t i = 0; i < fixed_.size(); ++i)
     for (std::uint32_t k = level_.parent_begin[i]; k < level_.parent_begin[i + 1]; ++k)
       if (follows(i, level_.parent[k])) ++level_.child_begin[level_.parent[k] + 1];
   std::partial_sum(level_.child_begin.begin(), level_.child_begin.end(), level_.child_begin.begin());
   level_.child.resize(level_.child_begin[count]);
-  level_.child_weight.resize(level_.child.size());
   std::vector<std::uint32_t> next(level_.child_begin.begin(), level_.child_begin.end() - 1);
-  for (std::uint32_t i = 0; i < masses_.size(); ++i)
-    for (std::uint32_t k = level_.parent_begin[i]; k < level_.parent_begin[i + 1]; ++k) {
-      const std::uint32_t j = level_.parent[k];
-      if (!follows(i, j)) continue;
-      level_.child[next[j]] = i;
-      level_.child_weight[next[j]++] =
-          level_.mass[j] > 0 ? level_.weight[k] * masses_[i] / level_.mass[j] : 1;
-    }
+  for (std::uint32_t i = 0; i < fixed_.size(); ++i)
+    for (std::uint32_t k = level_.parent_begin[i]; k < level_.parent_begin[i + 1]; ++k)
+      if (follows(i, level_.parent[k])) level_.child[next[level_.parent[k]]++] = i;
 }
 
 CoarseLevel LevelBuilder::build() {
-  const std::vector<char> coarse = Choice(ends_, triangles_, masses_, threads_).coarse();
-  std::vector<std::uint32_t> number(masses_.size(), none);
-  for (std::uint32_t i = 0; i < masses_.size(); ++i)
+  const std::vector<char> coarse = Choice(ends_, triangles_, fixed_, threads_).coarse();
+  std::vector<std::uint32_t> number(fixed_.size(), none);
+  for (std::uint32_t i = 0; i < fixed_.size(); ++i)
     if (coarse[i] != 0)
       number[i] = static_cast<std::uint32_t>(level_.finer.size()), level_.finer.push_back(i);
-  if (level_.finer.size() == masses_.size()) return {};
   const Near near(ends_, triangles_, level_.finer, coarse, threads_);
   const CoarseLengths lengths(near, level_.finer, threads_);
   collapse(near, lengths);
   find_parents(near, lengths, number);
-  add_children();
+  find_children();
   SOUPLE_ASSERT(level_.path_begin.size() == level_.links.size() + 1, "one path per coarse link");
-  SOUPLE_ASSERT(level_.finer.size() < masses_.size(), "a coarser level has fewer particles");
   return std::move(level_);
 }
 
@@ -548,12 +533,38 @@ void take_energies(std::span<const Link> finer, CoarseLevel& level) {
   }
 }
 
+CoarseLevel build_level(std::span<const Link> links, std::span<const char> fixed, Threads& threads) {
+  return LevelBuilder(links, fixed, threads).build();
+}
+
+// A free coarse particle has the masses of its followers by their weights, and is their mean by these masses.
+void take_masses(std::span<const float> finer, CoarseLevel& level) {
+  std::vector<double> mass(level.finer.size());
+  for (std::size_t i = 0; i < finer.size(); ++i)
+    for (std::uint32_t k = level.parent_begin[i]; k < level.parent_begin[i + 1]; ++k)
+      mass[level.parent[k]] += static_cast<double>(level.weight[k]) * static_cast<double>(finer[i]);
+  level.mass.resize(mass.size());
+  for (std::size_t j = 0; j < mass.size(); ++j)
+    level.mass[j] = finer[level.finer[j]] > 0 ? static_cast<float>(mass[j]) : 0;
+  level.child_weight.resize(level.child.size());
+  std::vector<std::uint32_t> next(level.child_begin.begin(), level.child_begin.end() - 1);
+  for (std::uint32_t i = 0; i < finer.size(); ++i)
+    for (std::uint32_t k = level.parent_begin[i]; k < level.parent_begin[i + 1]; ++k) {
+      const std::uint32_t j = level.parent[k];
+      if (next[j] == level.child_begin[j + 1] || level.child[next[j]] != i) continue;
+      level.child_weight[next[j]++] = level.mass[j] > 0 ? level.weight[k] * finer[i] / level.mass[j] : 1;
+    }
+}
+
 std::vector<CoarseLevel> build_levels(std::span<const Link> links, std::span<const float> masses,
                                       std::size_t coarsest_size, Threads& threads) {
   std::vector<CoarseLevel> levels;
   while (masses.size() > coarsest_size) {
-    CoarseLevel level = LevelBuilder(links, masses, threads).build();
-    if (level.finer.empty()) break;
+    std::vector<char> fixed;
+    for (const float mass : masses) fixed.push_back(mass > 0 ? 0 : 1);
+    CoarseLevel level = build_level(links, fixed, threads);
+    if (level.finer.size() == masses.size()) break;
+    take_masses(masses, level), take_energies(links, level);
     levels.push_back(std::move(level));
     links = levels.back().links;
     masses = levels.back().mass;

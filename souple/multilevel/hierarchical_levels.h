@@ -39,13 +39,18 @@ struct CoarseLevel {
   std::vector<std::uint32_t> energy_to;
 };
 
-/// Levels above particles [0, masses.size()), finest first, until a level has at most `coarsest_size`
-/// particles or none can be removed. Mass 0: a fixed particle. Depends on the arguments only; takes O(n log
-/// n) time.
-std::vector<CoarseLevel> build_levels(std::span<const Link> links, std::span<const float> masses,
-                                      std::size_t coarsest_size, Threads& threads);
-
+/// A level above particles [0, fixed.size()), without masses and energies: it depends on the shape of the links and on
+/// which particles are fixed, and takes O(n log n) time. It has as many particles as the finer one if none can be
+/// removed.
+CoarseLevel build_level(std::span<const Link> links, std::span<const char> fixed, Threads& threads);
+/// Gives the particles of a level the masses of its finer particles.
+void take_masses(std::span<const float> finer, CoarseLevel& level);
 /// Gives the links of a level the energies and the stiffness of its finer links.
 void take_energies(std::span<const Link> finer, CoarseLevel& level);
+
+/// Levels above particles [0, masses.size()), finest first, until a level has at most `coarsest_size`
+/// particles or none can be removed. Mass 0: a fixed particle. Depends on the arguments only.
+std::vector<CoarseLevel> build_levels(std::span<const Link> links, std::span<const float> masses,
+                                      std::size_t coarsest_size, Threads& threads);
 
 }  // namespace souple

@@ -1,6 +1,7 @@
 #include "souple/constraints/distance.h"
 #include "souple/constraints/triangle_membrane.h"
 #include "souple/multilevel/hierarchical.h"
+#include "souple/multilevel/level_cache.h"
 #include "souple/multilevel/make_solver.h"
 #include "souple/solver/gauss_seidel.h"
 #include "souple/solver/set_projector.h"
@@ -226,6 +227,76 @@ TEST(HierarchicalLevels, DoNotDependOnThreads) {
     EXPECT_EQ(one[l].child_weight, other[l].child_weight);
     EXPECT_EQ(one[l].mass, other[l].mass);
   }
+}
+
+/// Links and masses of sheets of n x n particles, one after the other.
+struct Sheets {
+  std::vector<Link> links;
+  std::vector<float> masses;
+
+  void add(int n, float mass) {
+    const auto first = static_cast<std::uint32_t>(masses.size());
+    std::vector<Link> own = links_of(Sheet(n, false));
+    for (Link& link : own)
+      link = {std::min(link.a, link.b) + first, std::max(link.a, link.b) + first, link.length, 1, 1};
+    std::sort(own.begin(), own.end(),
+              [](const Link& p, const Link& q) { return std::pair(p.a, p.b) < std::pair(q.a, q.b); });
+    links.insert(links.end(), own.begin(), own.end());
+    masses.resize(masses.size() + static_cast<std::size_t>(n * n), mass);
+    masses[first] = 0;
+  }
+};
+
+void expect_equal(const std::vector<CoarseLevel>& one, const std::vector<CoarseLevel>& other) {
+  ASSERT_EQ(one.size(), other.size());
+  for (std::size_t l = 0; l < one.size(); ++l) {
+    EXPECT_EQ(one[l].finer, other[l].finer);
+    EXPECT_EQ(one[l].links, other[l].links);
+    EXPECT_EQ(one[l].path_begin, other[l].path_begin);
+    EXPECT_EQ(one[l].path, other[l].path);
+    EXPECT_EQ(one[l].parent_begin, other[l].parent_begin);
+    EXPECT_EQ(one[l].parent, other[l].parent);
+    EXPECT_EQ(one[l].weight, other[l].weight);
+    EXPECT_EQ(one[l].child_begin, other[l].child_begin);
+    EXPECT_EQ(one[l].child, other[l].child);
+    EXPECT_EQ(one[l].child_weight, other[l].child_weight);
+    EXPECT_EQ(one[l].mass, other[l].mass);
+    EXPECT_EQ(one[l].energy_to, other[l].energy_to);
+  }
+}
+
+// Sheets come, go and get heavier; two are alike.
+TEST(LevelCache, GivesTheLevelsThatAreBuiltFromScratch) {
+  LevelCache cache;
+  const auto threads = make_threads(Threading::pool, 3);
+  const std::vector<std::vector<std::pair<int, float>>> worlds = {
+      {{30, 1.0f}}, {{12, 1.0f}, {30, 1.0f}, {12, 1.0f}}, {{30, 2.0f}, {70, 1.0f}}, {{12, 1.0f}}, {}};
+  for (const auto& world : worlds) {
+    Sheets sheets;
+    for (const auto& [n, mass] : world) sheets.add(n, mass);
+    expect_equal(cache.build(sheets.links, sheets.masses, 24, *threads),
+                 build_levels(sheets.links, sheets.masses, 24, *threads));
+  }
+}
+
+// A cloth that gets heavier has the levels that a solver builds from scratch.
+TEST(Hierarchical, AnotherDensityLeavesNoTrace) {
+  const auto threads = serial();
+  const auto moved = [&](bool changes) {
+    Sheet sheet(40, false);
+    sheet.pin_first_row();
+    std::unique_ptr<Hierarchical> solver;
+    if (changes) solver = prepared(sheet);
+    for (Vec4f& x : sheet.body.position) x.w *= 0.3f;
+    sheet.distances.prepare_sweeps(sheet.body.view(), true);
+    Projector* const projectors[] = {&sheet.distances};
+    if (!solver) solver = prepared(sheet);
+    solver->prepare(projectors, sheet.body.view());
+    for (int frame = 0; frame < 5; ++frame) sheet.frame(*solver, 4, 9.81f, *threads);
+    return sheet.body.position;
+  };
+  const std::vector<Vec4f> once = moved(false), twice = moved(true);
+  EXPECT_EQ(std::memcmp(once.data(), twice.data(), once.size() * sizeof(Vec4f)), 0);
 }
 
 // A vertex that is pinned, or freed, gives the levels that a solver builds from scratch.

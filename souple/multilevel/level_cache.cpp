@@ -1,0 +1,153 @@
+#include "souple/multilevel/level_cache.h"
+
+#include "souple/assert.h"
+
+#include <algorithm>
+#include <bit>
+#include <unordered_map>
+#include <utility>
+
+namespace souple {
+namespace {
+
+/// Blocks of fewer particles are built on one thread each, larger ones on all threads.
+constexpr std::size_t large_block = 4096;
+
+/// FNV-1a over what the shape of levels depends on.
+std::uint64_t hash_of(std::span<const Link> links, std::span<const char> fixed) {
+  std::uint64_t hash = 14695981039346656037u;
+  const auto mix = [&hash](std::uint64_t value) { hash = (hash ^ value) * 1099511628211u; };
+  for (const Link& link : links) mix(link.a), mix(link.b), mix(std::bit_cast<std::uint32_t>(link.length));
+  for (const char f : fixed) mix(static_cast<std::uint64_t>(f));
+  return hash;
+}
+
+bool same_shape(const Link& p, const Link& q) {
+  return p.a == q.a && p.b == q.b && p.length == q.length;
+}
+
+/// Appends values, each plus `offset`.
+void append(std::vector<std::uint32_t>& to, std::span<const std::uint32_t> from, std::size_t offset) {
+  for (const std::uint32_t value : from) to.push_back(value + static_cast<std::uint32_t>(offset));
+}
+
+/// The same of begins of ranges: the first is the end of the last range that is there.
+void append_begins(std::vector<std::uint32_t>& to, std::span<const std::uint32_t> from, std::size_t offset) {
+  if (to.empty()) to.push_back(0);
+  append(to, from.subspan(1), offset);
+}
+
+}  // namespace
+
+void LevelCache::Block::add_level(Threads& threads) {
+  const bool first = levels.empty();
+  CoarseLevel level = build_level(first ? std::span<const Link>(links) : levels.back().links,
+                                  first ? fixed : fixed_on_last_level, threads);
+  std::vector<char> next;
+  for (const std::uint32_t i : level.finer) next.push_back((first ? fixed : fixed_on_last_level)[i]);
+  fixed_on_last_level = std::move(next);
+  levels.push_back(std::move(level));
+}
+
+// A block ends before the first particle that no link of the particles before reaches.
+void LevelCache::find_blocks(std::span<const Link> links, std::span<const float> masses) {
+  std::unordered_multimap<std::uint64_t, std::shared_ptr<Block>> known;
+  for (std::shared_ptr<Block>& block : blocks_) {
+    const std::uint64_t hash = block->hash;
+    if (known.find(hash) == known.end()) known.emplace(hash, std::move(block));
+  }
+  blocks_.clear();
+  std::vector<Link> own;
+  std::vector<char> fixed;
+  std::size_t e = 0;
+  for (std::uint32_t begin = 0; begin < masses.size();) {
+    own.clear(), fixed.clear();
+    std::uint32_t end = begin + 1;
+    for (; e < links.size() && links[e].a < end; ++e) {
+      end = std::max(end, links[e].b + 1);
+      own.push_back(links[e]);
+      own.back().a -= begin, own.back().b -= begin;
+    }
+    for (std::uint32_t i = begin; i < end; ++i) fixed.push_back(masses[i] > 0 ? 0 : 1);
+    const std::uint64_t hash = hash_of(own, fixed);
+    const auto [first, last] = known.equal_range(hash);
+    const auto found = std::find_if(first, last, [&](const auto& entry) {
+      const Block& block = *entry.second;
+      return block.fixed == fixed &&
+             std::equal(own.begin(), own.end(), block.links.begin(), block.links.end(), same_shape);
+    });
+    if (found != last) {
+      blocks_.push_back(found->second);
+    } else {
+      blocks_.push_back(std::make_shared<Block>(Block{hash, own, fixed, {}, {}}));
+      known.emplace(hash, blocks_.back());
+    }
+    begin = end;
+  }
+  SOUPLE_ASSERT(e == links.size(), "links are sorted by their lower particle");
+}
+
+void LevelCache::deepen(std::size_t levels, Threads& threads) {
+  std::vector<Block*> small;
+  for (const std::shared_ptr<Block>& block : blocks_) {
+    if (block->levels.size() >= levels) continue;
+    if (block->fixed.size() < large_block) {
+      small.push_back(block.get());
+    } else {
+      block->add_level(threads);
+    }
+  }
+  std::sort(small.begin(), small.end());  // equal blocks are one: their order does not matter
+  small.erase(std::unique(small.begin(), small.end()), small.end());
+  threads.for_each(small.size(), 1, [&](std::size_t begin, std::size_t end) {
+    const std::unique_ptr<Threads> alone = make_threads(Threading::serial, 1);
+    for (std::size_t k = begin; k < end; ++k) small[k]->add_level(*alone);
+  });
+}
+
+// The level of all blocks, one after the other: numbers are offset by the particles and links of the blocks before.
+CoarseLevel LevelCache::join(std::size_t level) const {
+  CoarseLevel all;
+  std::size_t finer = 0, finer_links = 0, link_count = 0;
+  for (const std::shared_ptr<Block>& block : blocks_) link_count += block->levels[level].links.size();
+  for (const std::shared_ptr<Block>& block : blocks_) {
+    const CoarseLevel& own = block->levels[level];
+    const std::size_t coarse = all.finer.size(), links = all.links.size();
+    append(all.finer, own.finer, finer);
+    for (Link link : own.links) {
+      link.a += static_cast<std::uint32_t>(coarse), link.b += static_cast<std::uint32_t>(coarse);
+      all.links.push_back(link);
+    }
+    append_begins(all.path_begin, own.path_begin, all.path.size());
+    append(all.path, own.path, finer_links);
+    append_begins(all.parent_begin, own.parent_begin, all.parent.size());
+    append(all.parent, own.parent, coarse);
+    all.weight.insert(all.weight.end(), own.weight.begin(), own.weight.end());
+    append_begins(all.child_begin, own.child_begin, all.child.size());
+    append(all.child, own.child, finer);
+    for (const std::uint32_t to : own.energy_to)
+      all.energy_to.push_back(static_cast<std::uint32_t>(
+          to < own.links.size() ? links + to : link_count + coarse + (to - own.links.size())));
+    finer += block->particles_above(level);
+    finer_links += level == 0 ? block->links.size() : block->levels[level - 1].links.size();
+  }
+  return all;
+}
+
+std::vector<CoarseLevel> LevelCache::build(std::span<const Link> links, std::span<const float> masses,
+                                           std::size_t coarsest_size, Threads& threads) {
+  find_blocks(links, masses);
+  std::vector<CoarseLevel> levels;
+  while (masses.size() > coarsest_size) {
+    deepen(levels.size() + 1, threads);
+    CoarseLevel level = join(levels.size());
+    if (level.finer.size() == masses.size()) break;
+    take_masses(masses, level), take_energies(links, level);
+    levels.push_back(std::move(level));
+    links = levels.back().links;
+    masses = levels.back().mass;
+  }
+  return levels;
+}
+
+}  // namespace souple
