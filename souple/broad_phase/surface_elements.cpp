@@ -42,13 +42,18 @@ class PatchGrower {
       : triangles_(triangles),
         sides_(triangle_edges(triangles)),
         edge_triangles_(edge_triangles(sides_)),
-        used_(triangles.size()) {}
+        used_(triangles.size()) {
+    std::uint32_t vertices = 0;
+    for (const Triangle& t : triangles) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
+    patch_of_.resize(vertices);
+  }
 
   Grouped grow() {
     Grouped result;
     for (std::uint32_t seed = 0; seed < triangles_.size(); ++seed) {
       if (used_[seed]) continue;
       patch_.clear();
+      ++patches_;
       for (std::uint32_t t = seed; t != none; t = next()) add(t);
       for (const std::uint32_t t : patch_) result.triangles.push_back(triangles_[t]);
       result.sizes.push_back(static_cast<std::uint32_t>(patch_.size()));
@@ -62,13 +67,11 @@ class PatchGrower {
   void add(std::uint32_t t) {
     used_[t] = true;
     patch_.push_back(t);
+    for (const std::uint32_t i : triangles_[t]) patch_of_[i] = patches_;
   }
   long corners_in_patch(std::uint32_t t) const {
-    return std::count_if(triangles_[t].begin(), triangles_[t].end(), [this](std::uint32_t i) {
-      return std::any_of(patch_.begin(), patch_.end(), [this, i](std::uint32_t p) {
-        return std::find(triangles_[p].begin(), triangles_[p].end(), i) != triangles_[p].end();
-      });
-    });
+    return std::count_if(triangles_[t].begin(), triangles_[t].end(),
+                         [this](std::uint32_t i) { return patch_of_[i] == patches_; });
   }
   std::uint32_t next() const {
     if (patch_.size() == SurfacePatch::max_triangles) return none;
@@ -81,6 +84,7 @@ class PatchGrower {
           if (used_[t]) continue;
           const long corners = corners_in_patch(t);
           if (corners > max_corners) best = t, max_corners = corners;
+          if (max_corners == 3) return best;
         }
     return best;
   }
@@ -90,6 +94,8 @@ class PatchGrower {
   EdgeTriangles edge_triangles_;
   std::vector<bool> used_;
   std::vector<std::uint32_t> patch_;
+  std::vector<std::uint32_t> patch_of_;  // per vertex: number of the last patch that has it, from 1
+  std::uint32_t patches_ = 0;            // number of this patch
 };
 
 }  // namespace
