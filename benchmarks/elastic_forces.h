@@ -2,7 +2,7 @@
 
 #include "souple/geometry/tet_mesh.h"
 #include "souple/geometry/triangle_mesh.h"
-#include "souple/world/materials.h"
+#include "souple/objects/materials.h"
 
 #include <array>
 #include <cstdint>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/world/materials.h"
+#include "souple/objects/materials.h"
 
 #include <vector>
 

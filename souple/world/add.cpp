@@ -10,13 +10,13 @@
 #include "souple/geometry/polyline.h"
 #include "souple/geometry/reorder.h"
 #include "souple/geometry/weld.h"
+#include "souple/objects/embedding_offset.h"
+#include "souple/objects/object.h"
 #include "souple/world/build.h"
 #include "souple/world/caches.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/embedding_offset.h"
 #include "souple/world/flow.h"
 #include "souple/world/impl.h"
-#include "souple/world/object.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/user_constraint.h"
 #include "souple/world/validate.h"
@@ -130,8 +130,8 @@ ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectO
   object.thickness_map = gather_map(options.thickness_map, object, object.vertex_count(), "thickness");
   const std::size_t skipped = build_elements(object, SetKinds::all());
   if (skipped > 0)
-    world.log_info(object.name,
-                   {fmt::format("{} elements are too thin for a bending or membrane constraint", skipped)});
+    world.warnings.log_info(
+        object.name, {fmt::format("{} elements are too thin for a bending or membrane constraint", skipped)});
   object.self_collision = options.self_collision;
   require_layer(object, options.layer);
   object.layer = options.layer;
@@ -156,6 +156,7 @@ ObjectId register_object(WorldState& world, ObjectBuilder builder, const ObjectO
   ++world.version;
   SOUPLE_ASSERT(world.object_of.size() == particles.size(), "every particle belongs to an object");
   world.names.add(object.name, {NameRegistry::Owner::object, object.id.value});
+  world.object_index.add(builder.object->id.value);
   world.objects.push_back(std::move(builder.object));
   return world.objects.back()->id;
 }
@@ -266,6 +267,7 @@ void remove_object(WorldState& world, const Object& object) {
   std::erase_if(world.flow.emitters,
                 [&](const EmitterRecord& record) { return record.fluid == object.id.value; });
   world.names.remove(world.objects[index]->name);
+  world.object_index.remove(object.id.value);
   world.objects.erase(world.objects.begin() + static_cast<std::ptrdiff_t>(index));
   world.dirty.all();
   world.contact->invalidate();
@@ -281,7 +283,7 @@ void import_surface(const WorldState& world, Object& object, const TriangleMesh&
   object.mesh = mesh;
   place(object.mesh, transform, object.name);
   const RepairedSurface repaired = repair(object.mesh);
-  world.log_info(object.name, repaired.sentences);
+  world.warnings.log_info(object.name, repaired.sentences);
   const Weld& weld = repaired.weld;
   import_particles(object, gather<Vec3d>(weld, object.mesh.positions), weld.to_welded, weld.to_vertex);
   if (repaired.source != identity(object.mesh.triangles.size())) object.surface_source = repaired.source;
@@ -381,7 +383,7 @@ ObjectId World::add_soft_body(const TriangleMesh& surface, const SoftBodyMateria
   LatticeOptions fineness = options_of_lattice;
   if (fineness.cells == 0 && fineness.cell_size == 0) fineness.cells = 2000;
   const Lattice lattice = build_lattice(object.mesh, fineness, object.name);
-  world.log_info(object.name, lattice.sentences);
+  world.warnings.log_info(object.name, lattice.sentences);
 
   import_tets(object, lattice.mesh);
   object.embedding = embed(object.mesh.positions, object.tets);

@@ -1,7 +1,7 @@
 #include "souple/world/balance.h"
 
+#include "souple/objects/object.h"
 #include "souple/solver/kernels/projection.h"
-#include "souple/world/object.h"
 #include "souple/world/state.h"
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/math/mat3.h"
+#include "souple/objects/imbalance.h"
 #include "souple/solver/external_moves.h"
 #include "souple/solver/projector.h"
 #include "souple/world/report.h"
@@ -39,12 +40,6 @@ namespace souple {
 
 struct WorldState;
 struct Object;
-
-/// The last measurement of an object.
-struct Imbalance {
-  double unbalanced = 0, stretch = 0;     ///< see above
-  std::uint64_t times_not_converged = 0;  ///< successive measurements
-};
 
 class Balance {
  public:

@@ -1,7 +1,7 @@
 #include "souple/world/body_restitution.h"
 
+#include "souple/objects/object.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/object.h"
 #include "souple/world/step_scratch.h"
 
 #include <utility>

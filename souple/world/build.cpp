@@ -3,9 +3,9 @@
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/measures.h"
 #include "souple/geometry/rest_frames.h"
+#include "souple/objects/constraint_sets.h"
+#include "souple/objects/object.h"
 #include "souple/world/add.h"
-#include "souple/world/constraint_sets.h"
-#include "souple/world/object.h"
 #include "souple/world/sleeping.h"
 
 #include <algorithm>

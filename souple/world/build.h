@@ -1,7 +1,7 @@
 #pragma once
 
-#include "souple/world/materials.h"
-#include "souple/world/set_kinds.h"
+#include "souple/objects/materials.h"
+#include "souple/objects/set_kinds.h"
 #include "souple/world/state.h"
 
 namespace souple {

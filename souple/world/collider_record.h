@@ -2,9 +2,9 @@
 
 #include "souple/collision/collider_motion.h"
 #include "souple/collision/shapes.h"
+#include "souple/objects/handles.h"
+#include "souple/objects/object_options.h"
 #include "souple/world/arrivals.h"
-#include "souple/world/handles.h"
-#include "souple/world/object_options.h"
 
 #include <cstdint>
 #include <memory>

@@ -1,9 +1,9 @@
 #include "souple/world/contact_tracker.h"
 
+#include "souple/objects/object.h"
 #include "souple/world/caches.h"
 #include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/object.h"
 #include "souple/world/overlap.h"
 #include "souple/world/state.h"
 
@@ -118,7 +118,7 @@ void ContactTracker::end_step(WorldState& world, bool valid) {
   const bool senses = std::any_of(world.colliders.begin(), world.colliders.end(),
                                   [](const ColliderRecord& c) { return c.options.sensor; });
   if (!tracks_ && !senses && last_.empty()) return;
-  if (senses) world.guarded("a sensor's motion", [&] { add_sensors(world); });
+  if (senses) world.warnings.guarded("a sensor's motion", [&] { add_sensors(world); });
   merge();
   keep_sleepers(world);
   merge();

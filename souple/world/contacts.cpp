@@ -2,6 +2,7 @@
 
 #include "souple/constraints/distance.h"
 #include "souple/geometry/measures.h"
+#include "souple/objects/object.h"
 #include "souple/solver/set_projector.h"
 #include "souple/world/body_restitution.h"
 #include "souple/world/caches.h"
@@ -9,7 +10,6 @@
 #include "souple/world/contact_state.h"
 #include "souple/world/fluids.h"
 #include "souple/world/impl.h"
-#include "souple/world/object.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/stages.h"
@@ -243,7 +243,7 @@ void report_intersections(WorldState& world) {
                          pair.immovable ? ", where nothing can move" : "");
   }
   if (world.report.intersections > 0)
-    world.warn(Flag::intersecting, words + std::string(advice(Flag::intersecting)));
+    world.warnings.warn(Flag::intersecting, words + std::string(advice(Flag::intersecting)));
 }
 
 }  // namespace
@@ -267,7 +267,7 @@ void find_candidates(WorldState& world, double dt) {
   const ContactInput input{
       view, particles.velocity, particles.radius, particles.element_radius, particles.contact_margin, tables,
       step};
-  world.guarded("a collider's motion", [&] {
+  world.warnings.guarded("a collider's motion", [&] {
     const bool search_intersections = may_intersect(world);
     world.contact->check_intersections = false;
     world.contact->contacts.begin_step(input, search_intersections, *world.threads);
@@ -278,8 +278,9 @@ void find_candidates(WorldState& world, double dt) {
 
 void generate_contacts(WorldState& world, const Substep& substep) {
   if (world.sleep->all) return;
-  world.guarded("a collider's motion",
-                [&] { world.contact->contacts.refresh(world.view(), substep, world.time, *world.threads); });
+  world.warnings.guarded("a collider's motion", [&] {
+    world.contact->contacts.refresh(world.view(), substep, world.time, *world.threads);
+  });
 }
 
 void keep_apart(WorldState& world, const Substep& substep) {

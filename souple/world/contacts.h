@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/contacts/contact_material.h"
-#include "souple/world/object_options.h"
+#include "souple/objects/object_options.h"
 #include "souple/world/state.h"
 
 namespace souple {

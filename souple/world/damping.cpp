@@ -1,6 +1,6 @@
 #include "souple/world/damping.h"
 
-#include "souple/world/object.h"
+#include "souple/objects/object.h"
 #include "souple/world/step_scratch.h"
 
 #include <algorithm>

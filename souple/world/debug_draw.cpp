@@ -1,9 +1,9 @@
 #include "souple/world/debug_draw.h"
 
 #include "souple/geometry/adjacency.h"
+#include "souple/objects/object.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
-#include "souple/world/object.h"
 #include "souple/world/prepare.h"
 #include "souple/world/projectors.h"
 #include "souple/world/world.h"

@@ -1,7 +1,7 @@
+#include "souple/objects/object.h"
 #include "souple/world/emitter.h"
 #include "souple/world/flow.h"
 #include "souple/world/impl.h"
-#include "souple/world/object.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/world.h"
 

@@ -1,9 +1,9 @@
 #include "souple/world/flow.h"
 
 #include "souple/contacts/collider_queries.h"
+#include "souple/objects/object.h"
 #include "souple/world/add.h"
 #include "souple/world/inflow_particles.h"
-#include "souple/world/object.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/state.h"
 #include "souple/world/validate.h"
@@ -114,8 +114,9 @@ void emit(WorldState& world, EmitterRecord& record) {
   Object& fluid = world.object(ObjectId{record.fluid});
   const auto spacing = static_cast<double>(std::get<FluidMaterial>(fluid.material).spacing);
   std::vector<Drop> drops;
-  world.guarded("an emitter's motion",
-                [&] { drops = drops_of(record, Vec3d(world.settings.gravity), spacing, world.time); });
+  world.warnings.guarded("an emitter's motion", [&] {
+    drops = drops_of(record, Vec3d(world.settings.gravity), spacing, world.time);
+  });
   if (drops.empty()) return;
   const double distance = min_distance_ratio * spacing;
   const std::vector<Vec3d> others = particles_near(world, drops, distance);

@@ -1,8 +1,8 @@
 #include "souple/world/fluid_boundary.h"
 
 #include "souple/geometry/adjacency.h"
+#include "souple/objects/object.h"
 #include "souple/world/add.h"
-#include "souple/world/object.h"
 
 #include <algorithm>
 #include <cmath>

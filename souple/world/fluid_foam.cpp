@@ -40,7 +40,7 @@ void FluidFoam::step(WorldState& world, const FluidView& fluid, const Source& so
   choose_shape(world.settings.fluid.kernel, parameters.max_particles);
   if (!(origin_ == source.origin)) foam_->shift(Vec3f(origin_ - source.origin));
   origin_ = source.origin;
-  world.guarded("a collider's motion", [&] {
+  world.warnings.guarded("a collider's motion", [&] {
     walls_.begin_step(world.contact->tables.colliders, source.collides_with_collider, origin_, 0, time);
     walls_.begin_substep(time, dt);
   });

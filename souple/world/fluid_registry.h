@@ -2,7 +2,7 @@
 
 #include "souple/fluid/fluid_bodies.h"
 #include "souple/fluid/sub_resolution_bodies.h"
-#include "souple/world/materials.h"
+#include "souple/objects/materials.h"
 
 #include <cstdint>
 #include <vector>

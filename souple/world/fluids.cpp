@@ -81,7 +81,7 @@ void Fluids::begin_step(WorldState& world, double dt) {
   bodies_.begin_step(registry_.collides_with_body, origin_);
   sub_resolution_bodies_.begin_step(registry_.collides_with_sub_resolution, registry_.sub_resolution.size(),
                                     registry_.fluid, origin_);
-  world.guarded("a collider's motion", [&] {
+  world.warnings.guarded("a collider's motion", [&] {
     walls_.begin_step(world.contact->tables.colliders, registry_.collides_with_collider, origin_,
                       registry_.particle.size(), world.time);
   });
@@ -146,8 +146,8 @@ void Fluids::sample_boundary(Threads& threads) {
 
 void Fluids::solve_incompressibility(WorldState& world, const Substep& substep) {
   Threads& threads = *world.threads;
-  world.guarded("a collider's motion",
-                [&] { walls_.begin_substep(world.time, static_cast<double>(substep.h)); });
+  world.warnings.guarded("a collider's motion",
+                         [&] { walls_.begin_substep(world.time, static_cast<double>(substep.h)); });
   set_positions(world, substep.h, threads);
   const Smoothing& smoothing = solver_->smoothing();
   const ParticleView particles = world.view();

@@ -1,9 +1,9 @@
 #include "souple/world/forces.h"
 
+#include "souple/objects/object.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/solver/kernels/find_kernels.h"
 #include "souple/solver/kernels/triangles.h"
-#include "souple/world/object.h"
 #include "souple/world/step_scratch.h"
 
 #include <algorithm>
@@ -129,8 +129,9 @@ Vec3f acceleration(WorldState& world, std::size_t i, const Vec3f& x, const Vec3f
   if (world.callbacks.force_fields.empty()) return a;
   const Object& object = *world.objects[world.object_of[i]];
   const ForcePoint point{object.id, object.vertex_of[i - object.begin], x, v, world.particles.mass[i], t};
-  world.callbacks.force_fields.for_each(
-      [&](const VertexForceField& field) { world.guarded("a force field", [&] { a += field(point) * w; }); });
+  world.callbacks.force_fields.for_each([&](const VertexForceField& field) {
+    world.warnings.guarded("a force field", [&] { a += field(point) * w; });
+  });
   return a;
 }
 

@@ -1,7 +1,7 @@
 #include "souple/world/inflow_particles.h"
 
+#include "souple/objects/object.h"
 #include "souple/world/flow.h"
-#include "souple/world/object.h"
 #include "souple/world/state.h"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ void InflowParticles::begin_step(WorldState& world, double dt, std::span<const s
   candidate_emitter_.assign(particles.size(), 0);
   is_inflow_.assign(particles.size(), 0);
   inflows_.clear();
-  world.guarded("an emitter's motion", [&] { inflows_ = inflows_at(world, world.time + dt); });
+  world.warnings.guarded("an emitter's motion", [&] { inflows_ = inflows_at(world, world.time + dt); });
   for (std::uint32_t e = 0; e < inflows_.size(); ++e) {
     const Object& fluid = world.object(ObjectId{world.flow.emitters[e].fluid});
     const double range = inflows_[e].radius + inflows_[e].depth + 2 * dt * length(inflows_[e].velocity);
@@ -49,7 +49,7 @@ void InflowParticles::begin_step(WorldState& world, double dt, std::span<const s
 
 void InflowParticles::begin_substep(WorldState& world) {
   inflows_.clear();
-  world.guarded("an emitter's motion", [&] { inflows_ = inflows_at(world, world.time); });
+  world.warnings.guarded("an emitter's motion", [&] { inflows_ = inflows_at(world, world.time); });
 }
 
 bool InflowParticles::update(std::size_t k, const Vec3d& x, const Vec3d& v) {

@@ -3,12 +3,12 @@
 #include "souple/assert.h"
 #include "souple/geometry/measures.h"
 #include "souple/math/fnv1a.h"
+#include "souple/objects/object.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/solver/kernels/find_kernels.h"
 #include "souple/solver/kernels/triangles.h"
 #include "souple/world/caches.h"
 #include "souple/world/impl.h"
-#include "souple/world/object.h"
 #include "souple/world/world.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/world/handles.h"
+#include "souple/objects/handles.h"
 
 namespace souple {
 

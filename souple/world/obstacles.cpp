@@ -1,7 +1,7 @@
 #include "souple/world/obstacles.h"
 
+#include "souple/objects/object.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/object.h"
 
 #include <algorithm>
 #include <cmath>
@@ -84,7 +84,7 @@ class Moment {
 /// Calls f(i, position) for each particle i of an obstacle at a time; in any order, from several threads.
 template <class Function>
 void at_moment(WorldState& world, const Object& object, double time, const Function& f) {
-  world.guarded("an obstacle's motion", [&] {
+  world.warnings.guarded("an obstacle's motion", [&] {
     const Moment moment(object, time);
     world.threads->for_each(object.particle_count(), grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/world/obstacle_motion.h"
+#include "souple/objects/obstacle_motion.h"
 #include "souple/world/state.h"
 
 #include <string_view>

@@ -2,10 +2,10 @@
 
 #include "souple/geometry/closest_point.h"
 #include "souple/geometry/measures.h"
+#include "souple/objects/object.h"
 #include "souple/world/caches.h"
 #include "souple/world/collider_record.h"
 #include "souple/world/impl.h"
-#include "souple/world/object.h"
 #include "souple/world/query_search.h"
 #include "souple/world/validate.h"
 #include "souple/world/world.h"

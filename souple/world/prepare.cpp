@@ -2,10 +2,10 @@
 
 #include "souple/assert.h"
 #include "souple/multilevel/make_solver.h"
+#include "souple/objects/object.h"
 #include "souple/world/balance.h"
 #include "souple/world/build.h"
 #include "souple/world/contacts.h"
-#include "souple/world/object.h"
 #include "souple/world/projectors.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/user_constraint.h"
@@ -118,7 +118,7 @@ bool prepare_step(WorldState& world) {
     bring_up_to_date(world);
     return true;
   } catch (const Error& error) {
-    world.warn(Flag::callback_failed, std::string(error.what()) + "; nothing was done");
+    world.warnings.warn(Flag::callback_failed, std::string(error.what()) + "; nothing was done");
     return false;
   }
 }

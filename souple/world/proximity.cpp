@@ -1,10 +1,10 @@
 #include "souple/world/proximity.h"
 
 #include "souple/collision/nearest.h"
+#include "souple/objects/object.h"
 #include "souple/state/bytes.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
-#include "souple/world/object.h"
 #include "souple/world/sleeping.h"
 
 #include <algorithm>

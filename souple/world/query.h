@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/math/vec3.h"
-#include "souple/world/handles.h"
+#include "souple/objects/handles.h"
 
 #include <cstdint>
 #include <string_view>

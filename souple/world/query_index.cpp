@@ -1,10 +1,10 @@
 #include "souple/world/query_index.h"
 
 #include "souple/contacts/contact_material.h"
+#include "souple/objects/object.h"
 #include "souple/world/add.h"
 #include "souple/world/caches.h"
 #include "souple/world/mirror.h"
-#include "souple/world/object.h"
 #include "souple/world/state.h"
 
 #include <algorithm>

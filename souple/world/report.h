@@ -1,5 +1,7 @@
 #pragma once
 
+#include "souple/state/warnings.h"
+
 #include <array>
 #include <cstdint>
 #include <string>
@@ -12,29 +14,6 @@ namespace souple {
 enum class Stage { broad_phase, integrate, fluids, contacts, solve, finish, velocity, foam };
 inline constexpr std::size_t stage_count = 8;
 std::string_view stage_name(Stage stage);
-
-/// Warnings of a step. `advice` names the setting that helps.
-enum class Flag : std::uint32_t {
-  /// A position or velocity became NaN or infinite; the last valid state was restored.
-  non_finite = 1u << 0,
-  /// An edge or a membrane is stretched by more than 10 %. Not converged: raise substeps, a higher
-  /// stiffness changes little. Converged: raise the stiffness, or lower the load. Unless the stretch
-  /// is intended. Tets are left out: soft bodies are meant to deform.
-  large_strain = 1u << 1,
-  /// A contact is deeper than the largest thickness after the step: raise substeps or the thickness.
-  deep_contact = 1u << 2,
-  /// A user's callback threw; its effect was left out.
-  callback_failed = 1u << 3,
-  /// Edges pass through triangles, and the step resolves them gradually: start without intersections.
-  intersecting = 1u << 4,
-  /// A fluid is too deep or too fast for its spacing and the substep: raise substeps.
-  coarse_substeps = 1u << 5,
-  /// The deformation of an object needs forces far larger than those that it carries (ObjectReport):
-  /// raise substeps, or use the solver `automatic`. The message names the object.
-  not_converged = 1u << 6
-};
-/// One line: meaning of the flag and the setting that helps.
-std::string_view advice(Flag flag);
 
 struct KindReport {
   std::string_view kind;  ///< "distance", "neo_hookean", ...

@@ -3,11 +3,11 @@
 #include "souple/assert.h"
 #include "souple/constraints/attachment.h"
 #include "souple/constraints/distance.h"
+#include "souple/objects/object.h"
 #include "souple/solver/set_projector.h"
 #include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
-#include "souple/world/object.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/spin.h"
 #include "souple/world/user_constraint.h"
@@ -316,7 +316,7 @@ void wake_disturbed(WorldState& world, double dt) {
   wake_near_movers(world, static_cast<float>(dt));
   for (std::size_t c = 0; c < world.colliders.size(); ++c)
     if (!world.colliders[c].options.motion.is_static() && !world.colliders[c].options.sensor)
-      world.guarded("a collider's motion", [&] { wake_near_collider(world, c, dt); });
+      world.warnings.guarded("a collider's motion", [&] { wake_near_collider(world, c, dt); });
   count_sleepers(world);
   sleep.woken = false;  // the search for near pairs follows
 }

@@ -1,6 +1,6 @@
 #include "souple/world/spin.h"
 
-#include "souple/world/object.h"
+#include "souple/objects/object.h"
 
 namespace souple {
 namespace {

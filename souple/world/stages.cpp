@@ -1,6 +1,7 @@
 #include "souple/world/stages.h"
 
 #include "souple/assert.h"
+#include "souple/objects/object.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/solver/kernels/find_kernels.h"
 #include "souple/solver/kernels/motion.h"
@@ -10,7 +11,6 @@
 #include "souple/world/damping.h"
 #include "souple/world/fluids.h"
 #include "souple/world/forces.h"
-#include "souple/world/object.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/projectors.h"
 #include "souple/world/sleeping.h"
@@ -26,10 +26,8 @@
 namespace souple {
 namespace {
 
-/// The array that prediction and solver move: `position` in the plain form, `offset` in the displacement
-/// form.
 std::vector<Vec4f>& moving(WorldState& world) {
-  return world.settings.form == Form::plain ? world.particles.position : world.particles.offset;
+  return world.objects_view().moving();
 }
 
 // Minimum number of particles per thread.
@@ -182,7 +180,7 @@ void drive_pins(WorldState& world, const Substep& substep) {
       if (pin.arrival)
         goal = world.current.last_substep ? *pin.arrival : pin.from + (*pin.arrival - pin.from) * s;
       else
-        world.guarded("a pin's target", [&] { goal = (*pin.target)(pin.vertex, t) + pin.offset; });
+        world.warnings.guarded("a pin's target", [&] { goal = (*pin.target)(pin.vertex, t) + pin.offset; });
       if (world.settings.form == Form::plain) {
         p[i].set_xyz(Vec3f(goal));
       } else {
@@ -195,7 +193,7 @@ void drive_pins(WorldState& world, const Substep& substep) {
 void drive_attachments(WorldState& world, const Substep& substep) {
   const double t = world.time + static_cast<double>(substep.h);
   for (UserConstraint& user_constraint : world.constraints.users)
-    world.guarded("an attachment's target", [&] { user_constraint.update_targets(t); });
+    world.warnings.guarded("an attachment's target", [&] { user_constraint.update_targets(t); });
 }
 
 // Kelvin-Voigt damping of the constraints, on the velocities of the substep. PBD mode has none.

@@ -1,13 +1,13 @@
 #include "souple/world/state.h"
 
+#include "souple/objects/constraint_sets.h"
+#include "souple/objects/object.h"
 #include "souple/world/balance.h"
 #include "souple/world/caches.h"
 #include "souple/world/collider_record.h"
-#include "souple/world/constraint_sets.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/flow.h"
 #include "souple/world/fluids.h"
-#include "souple/world/object.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/step_scratch.h"
 #include "souple/world/user_constraint.h"
@@ -18,8 +18,6 @@
 
 namespace souple {
 
-Object::Object() = default;
-Object::~Object() = default;
 WorldState::WorldState()
     : contact(std::make_unique<ContactState>()),
       balance(std::make_unique<Balance>()),
@@ -50,9 +48,8 @@ void UserConstraint::erase_particles(std::uint32_t begin, std::uint32_t end) {
 }
 
 Object* WorldState::find_object(ObjectId id) const {
-  const auto at = std::partition_point(objects.begin(), objects.end(),
-                                       [&](const auto& object) { return object->id.value < id.value; });
-  return at != objects.end() && (*at)->id == id ? at->get() : nullptr;
+  const std::optional<std::size_t> at = object_index.find(id.value);
+  return at ? objects[*at].get() : nullptr;
 }
 
 Object& WorldState::object(ObjectId id) {
@@ -62,9 +59,7 @@ Object& WorldState::object(ObjectId id) {
 }
 
 ColliderRecord& WorldState::collider(ColliderId id) {
-  const auto at = std::partition_point(colliders.begin(), colliders.end(),
-                                       [&](const ColliderRecord& c) { return c.id.value < id.value; });
-  if (at != colliders.end() && at->id == id) return *at;
+  if (const std::optional<std::size_t> at = collider_index.find(id.value)) return colliders[*at];
   throw Error(
       fmt::format("no collider has the handle {}: it was removed, or belongs to another world", id.value));
 }
@@ -102,30 +97,7 @@ const Object& WorldState::object(ObjectId id) const {
 }
 
 ParticleView WorldState::view() {
-  const bool plain = settings.form == Form::plain;
-  return {particles.position, plain ? particles.position : particles.offset, particles.start, settings.form};
-}
-
-void WorldState::warn(Flag flag, std::string_view words) {
-  report.flags |= static_cast<std::uint32_t>(flag);
-  if (report.message.find(words) != std::string::npos) return;
-  if (!report.message.empty()) report.message += '\n';
-  report.message += words;
-  if (!callbacks.log) return;
-  std::string name(words);  // its numbers differ from step to step
-  name.erase(std::remove_if(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; }),
-             name.end());
-  const auto holds = [&](const std::vector<std::string>& list) {
-    return std::find(list.begin(), list.end(), name) != list.end();
-  };
-  const bool is_new = !holds(callbacks.warned_before) && !holds(callbacks.warned);
-  callbacks.warned.push_back(std::move(name));
-  if (is_new) callbacks.log(flag == Flag::non_finite ? LogLevel::error : LogLevel::warning, words);
-}
-
-void WorldState::log_info(const std::string& name, const std::vector<std::string>& sentences) const {
-  if (!callbacks.log) return;
-  for (const std::string& sentence : sentences) callbacks.log(LogLevel::info, name + ": " + sentence);
+  return objects_view().view();
 }
 
 }  // namespace souple

@@ -3,18 +3,20 @@
 // Internal state of a World, for the files of this folder. Users include world.h. Its parts are declared here: a file
 // includes the header of each part that it uses.
 
+#include "souple/objects/callbacks.h"
+#include "souple/objects/handles.h"
+#include "souple/objects/objects_view.h"
 #include "souple/solver/projector.h"
 #include "souple/state/particles.h"
+#include "souple/state/warnings.h"
 #include "souple/world/callback_list.h"
-#include "souple/world/callbacks.h"
-#include "souple/world/handles.h"
+#include "souple/world/handle_index.h"
 #include "souple/world/name_registry.h"
 #include "souple/world/report.h"
 #include "souple/world/settings.h"
 
 #include <array>
 #include <cstdint>
-#include <exception>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -60,9 +62,6 @@ struct Callbacks {
   CallbackList<VertexForceField> force_fields;
   std::array<CallbackList<std::function<void(World&)>>, stage_count> before, after;
   std::uint32_t next_id = 1;
-  std::function<void(LogLevel, std::string_view)> log;
-  /// Warnings of the last and of the current step without their numbers: the log has each once until it clears.
-  std::vector<std::string> warned_before, warned;
 
   void erase_removed();
 };
@@ -112,7 +111,8 @@ struct WorldState {
   std::vector<std::uint32_t> object_of;          ///< per particle: index into objects
   std::vector<std::unique_ptr<Object>> objects;  ///< ascending by id; addresses are stable
   std::vector<ColliderRecord> colliders;         ///< ascending by id
-  NameRegistry names;                            ///< of objects and colliders
+  HandleIndex object_index, collider_index;
+  NameRegistry names;  ///< of objects and colliders
   std::uint32_t next_id = 1;
   FlowRecords flow;
 
@@ -128,6 +128,7 @@ struct WorldState {
   Changes dirty;
   Callbacks callbacks;
   StepReport report;
+  Warnings warnings{report.flags, report.message};
   CurrentStep current;
   LastValid last_valid;
   std::unique_ptr<Caches> caches;
@@ -139,6 +140,8 @@ struct WorldState {
   const Object& object(ObjectId id) const;
   ColliderRecord& collider(ColliderId id);
   ParticleView view();
+  /// For stages of lower floors.
+  ObjectsView objects_view() { return {particles, objects, object_of, settings.form}; }
 
   /// Position of a particle, including the part beyond float precision [m].
   Vec3d exact_position(std::size_t i) const {
@@ -155,22 +158,6 @@ struct WorldState {
   void require_between_steps(std::string_view what) const;
 
   ProjectorId add_user_constraint(UserConstraint user_constraint, std::unique_ptr<Projector> projector);
-
-  /// Sets a flag of the report and appends a line to its message.
-  void warn(Flag flag, std::string_view words);
-  /// Logs notes about an object, such as repairs of its mesh.
-  void log_info(const std::string& name, const std::vector<std::string>& sentences) const;
-  /// Runs code that may throw, such as users' callbacks; an exception sets Flag::callback_failed.
-  template <class Function>
-  void guarded(std::string_view what, const Function& f) {
-    try {
-      f();
-    } catch (const std::exception& error) {
-      warn(Flag::callback_failed, std::string(what) + " threw: " + error.what());
-    } catch (...) {
-      warn(Flag::callback_failed, std::string(what) + " threw an exception that is not a std::exception");
-    }
-  }
 };
 
 }  // namespace souple

@@ -2,10 +2,10 @@
 
 #include "souple/assert.h"
 #include "souple/constraints/neo_hookean.h"
+#include "souple/objects/object.h"
 #include "souple/solver/custom_constraint.h"
 #include "souple/world/balance.h"
 #include "souple/world/fluids.h"
-#include "souple/world/object.h"
 #include "souple/world/projectors.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/user_constraint.h"
@@ -46,7 +46,7 @@ void report_custom_errors(WorldState& world) {
   for (const UserConstraint& user_constraint : world.constraints.users)
     if (auto* custom = dynamic_cast<CustomProjector*>(user_constraint.projector.get())) {
       const std::string error = custom->take_error();
-      if (!error.empty()) world.warn(Flag::callback_failed, error);
+      if (!error.empty()) world.warnings.warn(Flag::callback_failed, error);
     }
 }
 
@@ -61,7 +61,7 @@ void flag_not_converged(WorldState& world) {
   if (worst == nullptr) return;
   fmt::memory_buffer line;  // a string would allocate
   fmt::format_to(std::back_inserter(line), "{}: {}", worst->name, advice(Flag::not_converged));
-  world.warn(Flag::not_converged, {line.data(), line.size()});
+  world.warnings.warn(Flag::not_converged, {line.data(), line.size()});
 }
 
 /// Where the solver has converged, the material itself is as soft as that.
@@ -82,14 +82,14 @@ void raise_flags(WorldState& world) {
   if (std::any_of(report.kinds.begin(), report.kinds.end(), [](const KindReport& kind) {
         return kind.kind != NeoHookean::name && kind.largest_strain > large_strain;
       }))
-    world.warn(Flag::large_strain, strain_advice(world));
+    world.warnings.warn(Flag::large_strain, strain_advice(world));
   if (report.fluid.largest_step > max_fluid_step)
-    world.warn(Flag::coarse_substeps, advice(Flag::coarse_substeps));
+    world.warnings.warn(Flag::coarse_substeps, advice(Flag::coarse_substeps));
   if (!(report.deepest_contact > 0)) return;
   float thickest = 0;
   for (const float radius : world.particles.radius) thickest = std::max(thickest, radius);
   if (report.deepest_contact > 2 * static_cast<double>(thickest))
-    world.warn(Flag::deep_contact, advice(Flag::deep_contact));
+    world.warnings.warn(Flag::deep_contact, advice(Flag::deep_contact));
 }
 
 }  // namespace
@@ -105,18 +105,18 @@ void restore_last_valid(WorldState& world) {
   particles.velocity = world.last_valid.velocity;
   particles.spin = world.last_valid.spin;
   update_sleeping_masses(world);
-  world.warn(Flag::non_finite, fmt::format("{}, vertex {}: {}", object.name, world.report.bad_vertex,
-                                           advice(Flag::non_finite)));
+  world.warnings.warn(Flag::non_finite, fmt::format("{}, vertex {}: {}", object.name, world.report.bad_vertex,
+                                                    advice(Flag::non_finite)));
 }
 
 bool begin_report(WorldState& world, double dt) {
   StepReport& report = world.report;
   if (world.current.running) {
-    world.warn(Flag::callback_failed, "step: a callback called step during a step; nothing was done");
+    world.warnings.warn(Flag::callback_failed,
+                        "step: a callback called step during a step; nothing was done");
     return false;
   }
-  std::swap(world.callbacks.warned_before, world.callbacks.warned);
-  world.callbacks.warned.clear();
+  world.warnings.begin_step();
   std::vector<KindReport> kinds = std::move(report.kinds);
   std::vector<ObjectReport> objects = std::move(report.objects);
   kinds.clear();
@@ -167,7 +167,7 @@ void end_report(WorldState& world, bool valid) {
 void run_callbacks(World& self, WorldState& world,
                    const CallbackList<std::function<void(World&)>>& callbacks) {
   callbacks.for_each([&](const std::function<void(World&)>& callback) {
-    world.guarded("a stage's callback", [&] { callback(self); });
+    world.warnings.guarded("a stage's callback", [&] { callback(self); });
   });
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "souple/objects/callbacks.h"
+#include "souple/objects/handles.h"
 #include "souple/solver/projector.h"
-#include "souple/world/callbacks.h"
-#include "souple/world/handles.h"
 
 #include <cstdint>
 #include <memory>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/math/transform.h"
-#include "souple/world/materials.h"
+#include "souple/objects/materials.h"
 #include "souple/world/settings.h"
 
 #include <span>

@@ -1,6 +1,7 @@
 #include "souple/world/world.h"
 
 #include "souple/geometry/measures.h"
+#include "souple/objects/object.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/world/add.h"
 #include "souple/world/build.h"
@@ -9,7 +10,6 @@
 #include "souple/world/contacts.h"
 #include "souple/world/fluids.h"
 #include "souple/world/impl.h"
-#include "souple/world/object.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/validate.h"
@@ -20,24 +20,6 @@
 #include <fmt/core.h>
 
 namespace souple {
-
-std::string_view kind_name(ObjectKind kind) {
-  switch (kind) {
-    case ObjectKind::cloth:
-      return "cloth";
-    case ObjectKind::soft_body:
-      return "soft_body";
-    case ObjectKind::rope:
-      return "rope";
-    case ObjectKind::grains:
-      return "grains";
-    case ObjectKind::obstacle:
-      return "obstacle";
-    case ObjectKind::fluid:
-      return "fluid";
-  }
-  return "?";
-}
 
 World::World(const Settings& settings) : impl_(std::make_unique<Impl>()) {
   set_settings(settings);
@@ -454,6 +436,7 @@ ColliderId World::add_collider(const Shape& shape, const ColliderOptions& option
   validate(shape, record.options.name);
   validate(contact_material_of(options), record.options.name);
   world.names.add(record.options.name, {NameRegistry::Owner::collider, record.id.value});
+  world.collider_index.add(record.id.value);
   world.colliders.push_back(std::move(record));
   ++world.next_id;
   world.dirty.tables = true;
@@ -467,6 +450,7 @@ void World::remove(ColliderId id) {
   world.require_between_steps("remove");
   const ColliderRecord& record = world.collider(id);
   world.names.remove(record.options.name);
+  world.collider_index.remove(record.id.value);
   world.colliders.erase(world.colliders.begin() + (&record - world.colliders.data()));
   world.dirty.tables = true;
   wake_all(world);
@@ -627,7 +611,7 @@ void World::set_job_system(JobSystem* jobs) {
 }
 
 void World::set_log(std::function<void(LogLevel, std::string_view)> log) {
-  impl_->state.callbacks.log = std::move(log);
+  impl_->state.warnings.set_log(std::move(log));
 }
 
 }  // namespace souple

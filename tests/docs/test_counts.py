@@ -93,7 +93,7 @@ def initializers(path, struct):
 
 
 def preset(name, field, otherwise=0):
-    fields = re.search(rf"Material {name}{{(.*?)}};", read("souple/world/materials.cpp"), re.S)[1]
+    fields = re.search(rf"Material {name}{{(.*?)}};", read("souple/objects/materials.cpp"), re.S)[1]
     found = re.search(rf"\.{field} = ({NUMBER})", fields)
     return value(found[1]) if found else otherwise
 
@@ -298,7 +298,7 @@ IN_MILLIMETERS = {"thickness", "radius"}
 
 # Tables of defaults in docs/fluids.md: the head's first cell, the struct, rows whose default is told in words.
 DEFAULTS = [
-    ("`FluidMaterial`, `material`", "souple/world/materials.h", "FluidMaterial", []),
+    ("`FluidMaterial`, `material`", "souple/objects/materials.h", "FluidMaterial", []),
     ("`Settings::fluid`, `fluid` of a scene", "souple/world/settings.h", "FluidSettings", ["foam"]),
     ("`Settings::fluid.foam`, `fluid.foam` of a scene", "souple/fluid/foam_parameters.h", "FoamParameters", []),
     ("", "souple/surface/surface_options.h", "SurfaceOptions", ["spacing", "cell", "level"]),
@@ -400,7 +400,7 @@ class Tables(unittest.TestCase):
                     with self.subTest(preset=cells[0], fields=fields):
                         for a, b in zip(said + [0] * (len(true) - len(said)), true):
                             self.assertAlmostEqual(a, b, delta=1e-6 * abs(b), msg=f"docs/materials.md: {cells[0]}, {fields}")
-        names = re.search(r"names\(\) {\s*return {(.*?)};", read("souple/world/materials.cpp"), re.S)[1]
+        names = re.search(r"names\(\) {\s*return {(.*?)};", read("souple/objects/materials.cpp"), re.S)[1]
         self.assertEqual(seen, set(re.findall(r'"(\w+)"', names)), "docs/materials.md: presets")
 
 

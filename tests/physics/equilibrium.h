@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/geometry/triangle_mesh.h"
-#include "souple/world/materials.h"
+#include "souple/objects/materials.h"
 
 #include <array>
 #include <cstdint>

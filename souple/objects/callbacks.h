@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/math/vec3.h"
-#include "souple/world/handles.h"
+#include "souple/objects/handles.h"
 
 #include <cstdint>
 #include <functional>
@@ -25,7 +25,5 @@ struct ForcePoint {
 };
 /// Force field that knows object and vertex: point -> force [N].
 using VertexForceField = std::function<Vec3f(const ForcePoint&)>;
-
-enum class LogLevel { info, warning, error };
 
 }  // namespace souple

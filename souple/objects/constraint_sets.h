@@ -7,10 +7,10 @@
 #include "souple/constraints/rope_bending.h"
 #include "souple/constraints/tet_volume.h"
 #include "souple/constraints/triangle_membrane.h"
+#include "souple/objects/set_kinds.h"
 #include "souple/solver/enclosed_volume.h"
 #include "souple/solver/set_projector.h"
 #include "souple/solver/shape_matching.h"
-#include "souple/world/set_kinds.h"
 
 #include <tuple>
 

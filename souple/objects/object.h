@@ -5,12 +5,12 @@
 #include "souple/geometry/tet_mesh.h"
 #include "souple/geometry/triangle_mesh.h"
 #include "souple/math/transform.h"
-#include "souple/world/balance.h"
-#include "souple/world/callbacks.h"
-#include "souple/world/handles.h"
-#include "souple/world/materials.h"
-#include "souple/world/obstacle_motion.h"
-#include "souple/world/set_kinds.h"
+#include "souple/objects/callbacks.h"
+#include "souple/objects/handles.h"
+#include "souple/objects/imbalance.h"
+#include "souple/objects/materials.h"
+#include "souple/objects/obstacle_motion.h"
+#include "souple/objects/set_kinds.h"
 
 #include <array>
 #include <cstdint>

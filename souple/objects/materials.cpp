@@ -1,4 +1,4 @@
-#include "souple/world/materials.h"
+#include "souple/objects/materials.h"
 
 namespace souple::material {
 

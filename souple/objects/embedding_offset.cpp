@@ -1,4 +1,4 @@
-#include "souple/world/embedding_offset.h"
+#include "souple/objects/embedding_offset.h"
 
 #include "souple/geometry/closest_point.h"
 #include "souple/geometry/measures.h"

@@ -1,0 +1,61 @@
+#include "souple/state/warnings.h"
+
+#include <algorithm>
+
+namespace souple {
+
+std::string_view advice(Flag flag) {
+  switch (flag) {
+    case Flag::non_finite:
+      return "a position or velocity is not finite; the last valid state was restored: raise substeps, "
+             "lower the stiffness, or check for extreme masses and forces";
+    case Flag::large_strain:
+      return "an edge or a membrane is stretched by more than 10 %: raise substeps; a higher stiffness helps "
+             "only "
+             "where the solver reaches that of the material";
+    case Flag::deep_contact:
+      return "a contact is deeper than the largest thickness after the step: raise substeps or the thickness";
+    case Flag::callback_failed:
+      return "a callback threw an exception: its effect was left out";
+    case Flag::intersecting:
+      return "surfaces pass through each other and are being separated as far as they can move: start "
+             "without intersections, drive them apart, or disable collision between them";
+    case Flag::coarse_substeps:
+      return "a fluid moves by more than a third of its spacing in a substep, or its depth and pressure "
+             "allow such a motion: raise substeps or the spacing";
+    case Flag::not_converged:
+      return "the solver has not converged, so the material appears too soft: raise substeps, or use the "
+             "solver "
+             "automatic";
+  }
+  return "?";
+}
+
+void Warnings::begin_step() {
+  std::swap(before_, now_);
+  now_.clear();
+}
+
+void Warnings::warn(Flag flag, std::string_view words) {
+  flags_ |= static_cast<std::uint32_t>(flag);
+  if (message_.find(words) != std::string::npos) return;
+  if (!message_.empty()) message_ += '\n';
+  message_ += words;
+  if (!log_) return;
+  std::string name(words);  // its numbers differ from step to step
+  name.erase(std::remove_if(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; }),
+             name.end());
+  const auto holds = [&](const std::vector<std::string>& list) {
+    return std::find(list.begin(), list.end(), name) != list.end();
+  };
+  const bool is_new = !holds(before_) && !holds(now_);
+  now_.push_back(std::move(name));
+  if (is_new) log_(flag == Flag::non_finite ? LogLevel::error : LogLevel::warning, words);
+}
+
+void Warnings::log_info(const std::string& name, const std::vector<std::string>& sentences) const {
+  if (!log_) return;
+  for (const std::string& sentence : sentences) log_(LogLevel::info, name + ": " + sentence);
+}
+
+}  // namespace souple

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <unordered_map>
+
+namespace souple {
+
+/// Where the record of a handle stands in a list, in constant time. A world never reuses a handle, so it needs no
+/// generation: that of a removed record is found no more.
+class HandleIndex {
+ public:
+  /// Of the record that was appended to the list.
+  void add(std::uint32_t handle) {
+    const auto index = static_cast<std::uint32_t>(index_of_.size());
+    index_of_.emplace(handle, index);
+  }
+  /// Of the record that was erased; those behind it have moved forward. O(n), like erasing.
+  void remove(std::uint32_t handle) {
+    const auto removed = index_of_.find(handle);
+    if (removed == index_of_.end()) return;
+    const std::uint32_t index = removed->second;
+    index_of_.erase(removed);
+    for (auto& [other, at] : index_of_)
+      if (at > index) --at;
+  }
+  std::optional<std::size_t> find(std::uint32_t handle) const {
+    const auto found = index_of_.find(handle);
+    return found != index_of_.end() ? std::optional<std::size_t>(found->second) : std::nullopt;
+  }
+
+ private:
+  std::unordered_map<std::uint32_t, std::uint32_t> index_of_;
+};
+
+}  // namespace souple
