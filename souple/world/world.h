@@ -13,8 +13,6 @@
 #include "souple/objects/materials.h"
 #include "souple/objects/object_options.h"
 #include "souple/objects/obstacle_motion.h"
-#include "souple/solver/projector.h"
-#include "souple/threads/threads.h"
 #include "souple/world/debug_draw.h"
 #include "souple/world/emitter.h"
 #include "souple/world/memory.h"
@@ -36,6 +34,9 @@
 #include <vector>
 
 namespace souple {
+
+class JobSystem;
+class Projector;
 
 /// One vertex of one object.
 struct VertexRef {
