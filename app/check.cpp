@@ -3,6 +3,7 @@
 #include "app/find_scene.h"
 #include "souple/geometry/measures.h"
 #include "souple/scene/scene.h"
+#include "souple/world/memory.h"
 
 #include <algorithm>
 #include <cmath>

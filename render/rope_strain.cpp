@@ -1,5 +1,7 @@
 #include "render/rope_strain.h"
 
+#include "souple/world/debug_draw.h"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>

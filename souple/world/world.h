@@ -13,10 +13,7 @@
 #include "souple/objects/materials.h"
 #include "souple/objects/object_options.h"
 #include "souple/objects/obstacle_motion.h"
-#include "souple/world/debug_draw.h"
 #include "souple/world/emitter.h"
-#include "souple/world/memory.h"
-#include "souple/world/profile.h"
 #include "souple/world/query.h"
 #include "souple/world/report.h"
 #include "souple/world/selector.h"
@@ -35,8 +32,12 @@
 
 namespace souple {
 
+struct DebugDraw;
 class JobSystem;
+struct KindTime;
+struct MemoryReport;
 class Projector;
+struct SolveTime;
 
 /// One vertex of one object.
 struct VertexRef {

@@ -2,15 +2,18 @@
 
 #include "souple/contacts/contact_arrays.h"
 #include "souple/contacts/contact_projector.h"
-#include "souple/contacts/surfaces/contact_colors.h"
+#include "souple/contacts/surfaces/element_motion.h"
 #include "souple/contacts/surfaces/element_pairs.h"
-#include "souple/contacts/surfaces/motion_filter.h"
-#include "souple/contacts/surfaces/surface_narrow_phase.h"
 
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace souple {
+
+class ContactColors;
+class MotionFilter;
+class SurfaceNarrowPhase;
 
 /// Contacts between surfaces: a vertex and a triangle, or two edges, of two objects or of one. A ball and the
 /// edge of a rope are two edges, the ball's of zero length.
@@ -44,9 +47,8 @@ namespace souple {
 class SurfaceContacts final : public ContactProjector {
  public:
   /// Contacts ignore the pairs that the resolver exempts; null: none. It must outlive this object.
-  explicit SurfaceContacts(const IntersectionResolver* intersection_resolver = nullptr) {
-    pairs_.set_intersection_resolver(intersection_resolver);
-  }
+  explicit SurfaceContacts(const IntersectionResolver* intersection_resolver = nullptr);
+  ~SurfaceContacts() override;
 
   /// No contact between an element of one particle of a joined pair and an element of the other particle.
   void build(const ContactGeometry& geometry) override;
@@ -63,11 +65,8 @@ class SurfaceContacts final : public ContactProjector {
 
   std::string_view kind() const override { return "surface contact"; }
   std::size_t size() const override { return contacts_.size(); }
-  int color_count() const override { return colors_.count(); }
-  std::size_t color_size(int color) const override {
-    const auto c = static_cast<std::size_t>(color);
-    return colors_.begin()[2 * c + 2] - colors_.begin()[2 * c];
-  }
+  int color_count() const override;
+  std::size_t color_size(int color) const override;
   std::size_t grain() const override { return 256; }
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
@@ -83,9 +82,9 @@ class SurfaceContacts final : public ContactProjector {
   void update_contact_margins();
 
   ElementPairs pairs_;
-  SurfaceNarrowPhase narrow_phase_;
-  ContactColors colors_;
-  MotionFilter filter_;
+  std::unique_ptr<SurfaceNarrowPhase> narrow_phase_;
+  std::unique_ptr<ContactColors> colors_;
+  std::unique_ptr<MotionFilter> filter_;
   std::span<float> contact_margin_;
   std::vector<PairToi> contact_pairs_;  // in order of pairs
   ContactArrays contacts_;              // in order of colors
