@@ -1,6 +1,6 @@
 #include "souple/geometry/builders.h"
 #include "souple/intersections/intersection_finder.h"
-#include "tests/collision/crossings.h"
+#include "tests/intersections/crossings.h"
 #include "tests/collision/random.h"
 #include "tests/count_allocations.h"
 

@@ -1,5 +1,5 @@
-#include "tests/collision/mini_world.h"
 #include "tests/collision/random.h"
+#include "tests/contacts/mini_world.h"
 #include "tests/count_allocations.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "tests/collision/mini_world.h"
+#include "tests/contacts/mini_world.h"
 
 #include <algorithm>
 #include <limits>

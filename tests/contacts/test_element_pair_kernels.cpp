@@ -2,6 +2,7 @@
 #include "souple/contacts/kernels/find_kernels.h"
 #include "souple/state/particles.h"
 #include "tests/collision/random.h"
+#include "tests/instruction_sets.h"
 
 #include <array>
 #include <cstring>
@@ -13,14 +14,6 @@ namespace souple {
 namespace {
 
 using kernels::ElementPairKernels;
-
-std::vector<InstructionSet> all_sets() {
-  std::vector<InstructionSet> result;
-  for (const InstructionSet set : {InstructionSet::scalar, InstructionSet::sse, InstructionSet::avx2,
-                                   InstructionSet::avx512, InstructionSet::neon})
-    if (set <= instruction_set()) result.push_back(set);
-  return result;
-}
 
 Vec4f record(const Vec3d& x, float w) {
   return {float(x.x), float(x.y), float(x.z), w};

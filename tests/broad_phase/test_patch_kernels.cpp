@@ -1,5 +1,6 @@
 #include "souple/broad_phase/kernels/find_kernels.h"
 #include "tests/collision/random.h"
+#include "tests/instruction_sets.h"
 
 #include <algorithm>
 #include <array>
@@ -36,9 +37,7 @@ struct Items {
 
 std::vector<const PatchKernels*> all_kernels() {
   std::vector<const PatchKernels*> result;
-  for (const InstructionSet set : {InstructionSet::scalar, InstructionSet::sse, InstructionSet::avx2,
-                                   InstructionSet::avx512, InstructionSet::neon})
-    if (set <= instruction_set()) result.push_back(&kernels::find_patch_kernels(set));
+  for (const InstructionSet set : all_sets()) result.push_back(&kernels::find_patch_kernels(set));
   return result;
 }
 

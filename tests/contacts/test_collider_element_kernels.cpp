@@ -3,6 +3,7 @@
 #include "souple/contacts/packed_collider.h"
 #include "souple/geometry/builders.h"
 #include "tests/collision/random.h"
+#include "tests/instruction_sets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,14 +19,6 @@ namespace {
 
 constexpr float radius = 0.001f;  // m, of particles
 constexpr float part = 0.25f;     // of it: clearance
-
-std::vector<InstructionSet> all_sets() {
-  std::vector<InstructionSet> result;
-  for (const InstructionSet set : {InstructionSet::scalar, InstructionSet::sse, InstructionSet::avx2,
-                                   InstructionSet::avx512, InstructionSet::neon})
-    if (set <= instruction_set()) result.push_back(set);
-  return result;
-}
 
 /// Triangles in a frame, and the results of a search.
 struct Triangles {

@@ -1,6 +1,6 @@
 #include "souple/broad_phase/near_pairs.h"
 #include "souple/error.h"
-#include "tests/collision/surface_scene.h"
+#include "tests/broad_phase/surface_scene.h"
 #include "tests/count_allocations.h"
 
 #include <algorithm>
