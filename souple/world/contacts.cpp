@@ -4,7 +4,8 @@
 #include "souple/geometry/measures.h"
 #include "souple/objects/object.h"
 #include "souple/solver/set_projector.h"
-#include "souple/world/body_restitution.h"
+#include "souple/stages/body_restitution.h"
+#include "souple/stages/user_constraint.h"
 #include "souple/world/caches.h"
 #include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
@@ -13,7 +14,7 @@
 #include "souple/world/obstacles.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/stages.h"
-#include "souple/world/user_constraint.h"
+#include "souple/world/step_scratch.h"
 #include "souple/world/world.h"
 
 #include <algorithm>
@@ -288,7 +289,8 @@ void keep_apart(WorldState& world, const Substep& substep) {
 }
 
 void apply_restitution(WorldState& world, const Substep& substep) {
-  restitute_bodies(world, substep);
+  restitute_bodies(world.objects_view(), world.contact->contacts, length(world.settings.gravity), substep,
+                   world.scratch->impacts);
   world.contact->contacts.apply_restitution(world.view(), world.particles.velocity, substep, *world.threads);
 }
 

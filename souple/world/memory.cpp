@@ -1,6 +1,7 @@
 #include "souple/world/memory.h"
 
 #include "souple/objects/object.h"
+#include "souple/stages/user_constraint.h"
 #include "souple/state/bytes.h"
 #include "souple/world/caches.h"
 #include "souple/world/collider_record.h"
@@ -10,7 +11,6 @@
 #include "souple/world/prepare.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/step_scratch.h"
-#include "souple/world/user_constraint.h"
 #include "souple/world/world.h"
 
 namespace souple {
@@ -101,8 +101,9 @@ MemoryReport World::memory() {
       {"last valid state", bytes_of(world.last_valid.position, world.last_valid.offset,
                                     world.last_valid.velocity, world.last_valid.spin)});
   report.simulation.push_back(
-      {"forces and predictions", bytes_of(world.scratch->predicted, world.scratch->force,
-                                          world.scratch->triangle_force, world.scratch->rigid_sums)});
+      {"forces and predictions",
+       bytes_of(world.scratch->motion.predicted, world.scratch->motion.wind.of_particle,
+                world.scratch->motion.wind.of_triangle, world.scratch->rigid_sums)});
   add_constraints(world, report);
   report.simulation.push_back({"contacts", world.contact->contacts.bytes() + world.sleep->proximity.bytes()});
   if (const std::size_t foam = world.fluids->foam().bytes(); foam > 0)

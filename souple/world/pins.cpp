@@ -5,10 +5,10 @@
 #include "souple/objects/object.h"
 #include "souple/solver/custom_constraint.h"
 #include "souple/solver/set_projector.h"
+#include "souple/stages/user_constraint.h"
 #include "souple/world/add.h"
 #include "souple/world/impl.h"
 #include "souple/world/sleeping.h"
-#include "souple/world/user_constraint.h"
 #include "souple/world/validate.h"
 #include "souple/world/world.h"
 

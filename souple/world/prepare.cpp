@@ -3,12 +3,12 @@
 #include "souple/assert.h"
 #include "souple/multilevel/make_solver.h"
 #include "souple/objects/object.h"
-#include "souple/world/balance.h"
+#include "souple/stages/balance.h"
+#include "souple/stages/user_constraint.h"
 #include "souple/world/build.h"
 #include "souple/world/contacts.h"
 #include "souple/world/projectors.h"
 #include "souple/world/sleeping.h"
-#include "souple/world/user_constraint.h"
 
 namespace souple {
 
@@ -66,7 +66,10 @@ void bring_constraints_up_to_date(WorldState& world) {
   world.dirty.constraints = world.dirty.objects = world.dirty.radii = false;
   for_each_constraint_projector(world,
                                 [&](Projector& projector) { projector.prepare(world.particles.size()); });
-  if (rebuilt) world.balance->choose(world), world.report.objects.clear();
+  if (rebuilt) {
+    world.balance->choose(world.objects_view(), world.constraints.object_projectors);
+    world.report.objects.clear();
+  }
   if (!world.threads)
     world.threads = world.jobs ? make_threads(*world.jobs)
                                : make_threads(world.settings.threading, world.settings.threads);

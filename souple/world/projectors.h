@@ -1,8 +1,8 @@
 #pragma once
 
+#include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/state.h"
-#include "souple/world/user_constraint.h"
 
 namespace souple {
 

@@ -5,12 +5,12 @@
 #include "souple/constraints/distance.h"
 #include "souple/objects/object.h"
 #include "souple/solver/set_projector.h"
+#include "souple/stages/spin.h"
+#include "souple/stages/user_constraint.h"
 #include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
-#include "souple/world/spin.h"
-#include "souple/world/user_constraint.h"
 #include "souple/world/world.h"
 
 #include <algorithm>
@@ -201,7 +201,7 @@ bool measure_rest(WorldState& world, double dt) {
         static_cast<double>(sleeping.speed * (is_obstacle(*object) ? carrier_speed_ratio : 1.0f)) * dt;
     const double before = object->rest_time;
     const double motion = max(static_cast<double>(max_displacement(world, *object)),
-                              static_cast<double>(fastest_spin(world, *object)) * dt);
+                              static_cast<double>(fastest_spin(world.particles, *object)) * dt);
     object->rest_time = motion <= limit ? before + dt : 0;
     ready = ready ||
             (!is_obstacle(*object) && std::floor(object->rest_time / seconds) > std::floor(before / seconds));

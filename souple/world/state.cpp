@@ -2,7 +2,8 @@
 
 #include "souple/objects/constraint_sets.h"
 #include "souple/objects/object.h"
-#include "souple/world/balance.h"
+#include "souple/stages/balance.h"
+#include "souple/stages/user_constraint.h"
 #include "souple/world/caches.h"
 #include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
@@ -10,7 +11,6 @@
 #include "souple/world/fluids.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/step_scratch.h"
-#include "souple/world/user_constraint.h"
 
 #include <algorithm>
 
@@ -26,26 +26,6 @@ WorldState::WorldState()
       scratch(std::make_unique<StepScratch>()),
       caches(std::make_unique<Caches>()) {}
 WorldState::~WorldState() = default;
-
-void UserConstraint::update_targets(double t) {
-  if (!attachment || !target) return;
-  for (std::size_t k = 0; k < attached_vertices.size(); ++k)
-    attachment->set().set_params(
-        k, {Vec3f(target(attached_vertices[k].vertex, t) + attached_vertices[k].offset)});
-}
-
-void UserConstraint::erase_particles(std::uint32_t begin, std::uint32_t end) {
-  if (attachment) {
-    std::vector<AttachedVertex> kept;
-    for (std::size_t k = 0; k < attached_vertices.size();
-         ++k) {  // in this order: one color, one particle each
-      const std::uint32_t particle = attachment->set().indices(k)[0];
-      if (particle < begin || particle >= end) kept.push_back(attached_vertices[k]);
-    }
-    attached_vertices = std::move(kept);
-  }
-  projector->erase_particles(begin, end);
-}
 
 Object* WorldState::find_object(ObjectId id) const {
   const std::optional<std::size_t> at = object_index.find(id.value);

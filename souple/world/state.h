@@ -7,13 +7,13 @@
 #include "souple/objects/handles.h"
 #include "souple/objects/objects_view.h"
 #include "souple/solver/projector.h"
+#include "souple/stages/callback_list.h"
+#include "souple/stages/stage_view.h"
 #include "souple/state/particles.h"
 #include "souple/state/warnings.h"
-#include "souple/world/callback_list.h"
 #include "souple/world/handle_index.h"
 #include "souple/world/name_registry.h"
 #include "souple/world/report.h"
-#include "souple/world/settings.h"
 
 #include <array>
 #include <cstdint>
@@ -142,6 +142,7 @@ struct WorldState {
   ParticleView view();
   /// For stages of lower floors.
   ObjectsView objects_view() { return {particles, objects, object_of, settings.form}; }
+  StageView stage_view() { return {objects_view(), settings, *threads, warnings, time}; }
 
   /// Position of a particle, including the part beyond float precision [m].
   Vec3d exact_position(std::size_t i) const {

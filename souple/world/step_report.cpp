@@ -4,11 +4,11 @@
 #include "souple/constraints/neo_hookean.h"
 #include "souple/objects/object.h"
 #include "souple/solver/custom_constraint.h"
-#include "souple/world/balance.h"
+#include "souple/stages/balance.h"
+#include "souple/stages/user_constraint.h"
 #include "souple/world/fluids.h"
 #include "souple/world/projectors.h"
 #include "souple/world/sleeping.h"
-#include "souple/world/user_constraint.h"
 
 #include <algorithm>
 #include <cmath>
@@ -57,10 +57,12 @@ void report_fluids(WorldState& world) {
 }
 
 void flag_not_converged(WorldState& world) {
-  const ObjectReport* worst = world.balance->worst(world);
-  if (worst == nullptr) return;
+  if (world.report.objects.empty()) return;
+  const std::optional<std::size_t> worst = world.balance->worst(world.objects_view());
+  if (!worst) return;
   fmt::memory_buffer line;  // a string would allocate
-  fmt::format_to(std::back_inserter(line), "{}: {}", worst->name, advice(Flag::not_converged));
+  fmt::format_to(std::back_inserter(line), "{}: {}", world.report.objects[*worst].name,
+                 advice(Flag::not_converged));
   world.warnings.warn(Flag::not_converged, {line.data(), line.size()});
 }
 
@@ -154,6 +156,17 @@ void save_last_valid(WorldState& world) {
   keep(particles.velocity, world.last_valid.velocity);
   keep(particles.spin, world.last_valid.spin);
   SOUPLE_ASSERT(world.last_valid.offset.size() == particles.size(), "arrays of particles have one length");
+}
+
+void report_balance(WorldState& world) {
+  std::vector<ObjectReport>& reports = world.report.objects;
+  reports.resize(world.balance->object_count());
+  for (std::size_t k = 0; k < reports.size(); ++k) {
+    const Object& object = *world.objects[world.balance->object(k)];
+    reports[k].name = object.name;
+    reports[k].unbalanced = object.imbalance.unbalanced;
+    reports[k].stretch = object.imbalance.stretch;
+  }
 }
 
 void end_report(WorldState& world, bool valid) {

@@ -2,7 +2,7 @@
 
 #include "souple/math/transform.h"
 #include "souple/objects/materials.h"
-#include "souple/world/settings.h"
+#include "souple/stages/settings.h"
 
 #include <span>
 #include <string>

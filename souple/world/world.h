@@ -14,6 +14,7 @@
 #include "souple/objects/object_options.h"
 #include "souple/objects/obstacle_motion.h"
 #include "souple/solver/projector.h"
+#include "souple/stages/settings.h"
 #include "souple/threads/threads.h"
 #include "souple/world/debug_draw.h"
 #include "souple/world/emitter.h"
@@ -22,7 +23,6 @@
 #include "souple/world/query.h"
 #include "souple/world/report.h"
 #include "souple/world/selector.h"
-#include "souple/world/settings.h"
 
 #include <array>
 #include <cstdint>

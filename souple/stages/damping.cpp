@@ -1,7 +1,6 @@
-#include "souple/world/damping.h"
+#include "souple/stages/damping.h"
 
 #include "souple/objects/object.h"
-#include "souple/world/step_scratch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,12 +44,12 @@ void add(RigidSums& sums, const RigidSums& more) {
   sums.angular += more.angular;
 }
 
-/// Sums over all particles that are not pinned, relative to `origin`.
-RigidSums rigid_sums(WorldState& world, const Object& object, const Vec3d& origin) {
-  const Particles& particles = world.particles;
+/// Sums over all particles that are not pinned, relative to `origin`. `of_chunk` is scratch.
+RigidSums rigid_sums(const Particles& particles, const Object& object, const Vec3d& origin, Threads& threads,
+                     std::vector<RigidSums>& of_chunk) {
   const std::size_t count = object.particle_count(), chunks = (count + chunk_size - 1) / chunk_size;
-  world.scratch->rigid_sums.resize(std::max(world.scratch->rigid_sums.size(), chunks));
-  world.threads->for_each(chunks, 1, [&](std::size_t first, std::size_t last) {
+  of_chunk.resize(std::max(of_chunk.size(), chunks));
+  threads.for_each(chunks, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t chunk = first; chunk < last; ++chunk) {
       RigidSums sums;
       const std::size_t end = object.begin + std::min((chunk + 1) * chunk_size, count);
@@ -58,11 +57,11 @@ RigidSums rigid_sums(WorldState& world, const Object& object, const Vec3d& origi
         if (particles.position[i].w != 0)
           add(sums, static_cast<double>(particles.mass[i]), Vec3d(particles.position[i].xyz()) - origin,
               Vec3d(particles.velocity[i].xyz()));
-      world.scratch->rigid_sums[chunk] = sums;
+      of_chunk[chunk] = sums;
     }
   });
   RigidSums all;
-  for (std::size_t chunk = 0; chunk < chunks; ++chunk) add(all, world.scratch->rigid_sums[chunk]);
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk) add(all, of_chunk[chunk]);
   return all;
 }
 
@@ -71,13 +70,14 @@ RigidSums rigid_sums(WorldState& world, const Object& object, const Vec3d& origi
 //   sum m r x (v - V) = sum m x x v - M c x V
 // The origin is the position of a free particle. Then M |c|^2 is at most one particle's contribution to the
 // trace, and the difference is far above a double's rounding.
-RigidMotion rigid_motion(WorldState& world, const Object& object) {
-  const std::vector<Vec4f>& position = world.particles.position;
+RigidMotion rigid_motion(const Particles& particles, const Object& object, Threads& threads,
+                         std::vector<RigidSums>& of_chunk) {
+  const std::vector<Vec4f>& position = particles.position;
   std::size_t first = object.begin;
   while (first < object.end && position[first].w == 0) ++first;
   if (first == object.end) return {};
   const Vec3d origin(position[first].xyz());
-  const RigidSums sums = rigid_sums(world, object, origin);
+  const RigidSums sums = rigid_sums(particles, object, origin, threads, of_chunk);
   const double M = sums.mass;
   if (!(M > 0)) return {};
   const Vec3d c = sums.position / M, V = sums.momentum / M;
@@ -94,13 +94,14 @@ RigidMotion rigid_motion(WorldState& world, const Object& object) {
 
 }  // namespace
 
-void damp(WorldState& world, const Object& object, float h) {
+void damp(const ObjectsView& objects, const Object& object, float h, Threads& threads,
+          std::vector<RigidSums>& sums) {
   const float rate = damping_of(object.material);
   if (!(rate > 0) || object.kind == ObjectKind::grains) return;
-  Particles& particles = world.particles;
-  const RigidMotion motion = rigid_motion(world, object);
+  Particles& particles = objects.particles;
+  const RigidMotion motion = rigid_motion(particles, object, threads, sums);
   const double k = -std::expm1(-static_cast<double>(rate) * static_cast<double>(h));
-  world.threads->for_each(object.particle_count(), chunk_size, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(object.particle_count(), chunk_size, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = object.begin + begin; i < object.begin + end; ++i) {
       if (particles.position[i].w == 0) continue;
       const Vec3d r = Vec3d(particles.position[i].xyz()) - motion.center;

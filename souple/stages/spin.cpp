@@ -1,4 +1,4 @@
-#include "souple/world/spin.h"
+#include "souple/stages/spin.h"
 
 #include "souple/objects/object.h"
 
@@ -9,12 +9,12 @@ constexpr std::size_t grain = 4096;  // least number of particles that pays for 
 
 /// Calls f(i) for all particles of awake objects that rotate.
 template <class Function>
-void for_each_spinning(WorldState& world, const Function& f) {
-  if (!world.particles.has_spin()) return;
-  for (const auto& object : world.objects) {
+void for_each_spinning(const ObjectsView& objects, Threads& threads, const Function& f) {
+  if (!objects.particles.has_spin()) return;
+  for (const auto& object : objects.objects) {
     if (object->kind != ObjectKind::grains || object->island != 0) continue;
     const std::size_t first = object->begin;
-    world.threads->for_each(object->particle_count(), grain, [&](std::size_t begin, std::size_t end) {
+    threads.for_each(object->particle_count(), grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = first + begin; i < first + end; ++i) f(i);
     });
   }
@@ -22,16 +22,16 @@ void for_each_spinning(WorldState& world, const Function& f) {
 
 }  // namespace
 
-void predict_spin(WorldState& world, const Substep& substep) {
-  Particles& p = world.particles;
-  for_each_spinning(world,
+void predict_spin(const ObjectsView& objects, const Substep& substep, Threads& threads) {
+  Particles& p = objects.particles;
+  for_each_spinning(objects, threads,
                     [&](std::size_t i) { p.turn[i].set_xyz(p.spin[i].xyz() * (substep.h * p.radius[i])); });
 }
 
 // spin += (turn - predicted turn) / (h r): the spin of a grain without contacts keeps its bits.
-void finish_spin(WorldState& world, const Substep& substep) {
-  Particles& p = world.particles;
-  for_each_spinning(world, [&](std::size_t i) {
+void finish_spin(const ObjectsView& objects, const Substep& substep, Threads& threads) {
+  Particles& p = objects.particles;
+  for_each_spinning(objects, threads, [&](std::size_t i) {
     const float per_spin = substep.h * p.radius[i];
     if (!(per_spin > 0)) return;  // a thickness map may make it a point
     const Vec3f spin = p.spin[i].xyz();
@@ -39,11 +39,11 @@ void finish_spin(WorldState& world, const Substep& substep) {
   });
 }
 
-float fastest_spin(const WorldState& world, const Object& object) {
+float fastest_spin(const Particles& particles, const Object& object) {
   if (object.kind != ObjectKind::grains) return 0;
   float fastest = 0;
   for (std::uint32_t i = object.begin; i < object.end; ++i)
-    fastest = max(fastest, length(world.particles.spin[i].xyz()) * world.particles.radius[i]);
+    fastest = max(fastest, length(particles.spin[i].xyz()) * particles.radius[i]);
   return fastest;
 }
 

@@ -7,12 +7,14 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace souple {
 
 template <class Kind>
 class SetProjector;
+class Warnings;
 struct Attachment;
 struct Distance;
 
@@ -39,5 +41,8 @@ struct UserConstraint {
   /// Removes the particles [begin, end).
   void erase_particles(std::uint32_t begin, std::uint32_t end);
 };
+
+/// Moves attachments to their targets at time t [s].
+void drive_attachments(std::span<UserConstraint> constraints, double t, Warnings& warnings);
 
 }  // namespace souple

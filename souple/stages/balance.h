@@ -2,12 +2,14 @@
 
 #include "souple/math/mat3.h"
 #include "souple/objects/imbalance.h"
+#include "souple/objects/objects_view.h"
 #include "souple/solver/external_moves.h"
 #include "souple/solver/projector.h"
-#include "souple/world/report.h"
 
 #include <array>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 // How far the forces of an object are out of balance after the last solve of a step.
@@ -38,20 +40,20 @@
 
 namespace souple {
 
-struct WorldState;
-struct Object;
-
 class Balance {
  public:
   /// Chooses particles and constraints. Call after constraints changed.
-  void choose(WorldState& world);
+  void choose(const ObjectsView& objects, std::span<Projector* const> constraints);
   /// Call before the last solve of a step. The substep must then record external moves.
   void begin(std::uint64_t step, const ParticleView& view);
   ExternalMoves& external() { return external_; }
-  /// Call after that solve: brings `objects` of the report up to date.
-  void measure(WorldState& world, const ParticleView& view, const Substep& substep);
-  /// Of the objects that have not converged, the report of the one that is stretched most; null: all have.
-  const ObjectReport* worst(const WorldState& world) const;
+  /// Call after that solve: brings Object::imbalance of some objects up to date. `gravity`: its magnitude [m/s^2].
+  void measure(const ObjectsView& objects, double gravity, const Substep& substep);
+  std::size_t object_count() const { return objects_.size(); }
+  /// Index of the k-th object that is measured.
+  std::uint32_t object(std::size_t k) const { return objects_[k].index; }
+  /// Of the objects that have not converged, the one that is stretched most: k of `object`; none: all have.
+  std::optional<std::size_t> worst(const ObjectsView& objects) const;
 
  private:
   /// Elements of an object, from a list.
@@ -73,17 +75,16 @@ class Balance {
     std::vector<Set> sets;
   };
   struct Measured {
-    std::uint32_t index = 0;         ///< in WorldState::objects
+    std::uint32_t index = 0;         ///< in ObjectsView::objects
     Mat3d elastic, carried;          ///< E, F [J]
     double stiffness = 0, load = 0;  ///< K, sum_i m_i |g| |u_i| [J]
     Vec3d center;                    ///< c [m]
   };
 
-  void choose_constraints(WorldState& world, const Projector& projector);
-  Vec3d center_of(const WorldState& world, const ParticleView& view, const Samples& samples) const;
-  void add_carried(const WorldState& world, const ParticleView& view, double h);
+  void choose_constraints(const ObjectsView& objects, const Projector& projector);
+  Vec3d center_of(const ObjectsView& objects, const Samples& samples) const;
+  void add_carried(const ObjectsView& objects, double gravity, double h);
   void add_elastic(const ParticleView& view, const Substep& substep, const Set& set);
-  void report(WorldState& world) const;
 
   static constexpr std::size_t period = 16;  // steps
   std::array<Part, period> parts_;

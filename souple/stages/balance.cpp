@@ -1,8 +1,7 @@
-#include "souple/world/balance.h"
+#include "souple/stages/balance.h"
 
 #include "souple/objects/object.h"
 #include "souple/solver/kernels/projection.h"
-#include "souple/world/state.h"
 
 #include <algorithm>
 #include <cmath>
@@ -80,12 +79,12 @@ Imbalance imbalance_of(const Object& object, const Mat3d& elastic, const Mat3d& 
 
 }  // namespace
 
-void Balance::choose(WorldState& world) {
+void Balance::choose(const ObjectsView& objects, std::span<Projector* const> constraints) {
   parts_ = {};
   objects_.clear();
   elastic_.clear();
-  for (std::uint32_t o = 0; o < world.objects.size(); ++o) {
-    const Object& object = *world.objects[o];
+  for (std::uint32_t o = 0; o < objects.objects.size(); ++o) {
+    const Object& object = *objects.objects[o];
     if (!is_elastic(object) || object.end == object.begin) continue;
     const auto number = static_cast<std::uint32_t>(objects_.size());
     Part& part = parts_[number % period];
@@ -97,14 +96,14 @@ void Balance::choose(WorldState& world) {
     part.samples.push_back({number, begin, end, static_cast<double>(count) / (end - begin)});
     objects_.emplace_back().index = o;
   }
-  for (const auto& projector : world.constraints.object_projectors) choose_constraints(world, *projector);
+  for (const Projector* projector : constraints) choose_constraints(objects, *projector);
 }
 
-void Balance::choose_constraints(WorldState& world, const Projector& projector) {
-  std::vector<std::vector<std::uint32_t>> of_object(world.objects.size());
+void Balance::choose_constraints(const ObjectsView& objects, const Projector& projector) {
+  std::vector<std::vector<std::uint32_t>> of_object(objects.objects.size());
   std::uint32_t number = 0;
-  const bool linear = projector.linearize(world.view(), {.h = 1}, [&](const LinearConstraint& constraint) {
-    of_object[world.object_of[constraint.particles[0]]].push_back(number++);
+  const bool linear = projector.linearize(objects.view(), {.h = 1}, [&](const LinearConstraint& constraint) {
+    of_object[objects.object_of[constraint.particles[0]]].push_back(number++);
   });
   if (!linear) return;
   elastic_.push_back(&projector);
@@ -129,8 +128,9 @@ void Balance::begin(std::uint64_t step, const ParticleView& view) {
   external_.begin(elastic_, particles);
 }
 
-Vec3d Balance::center_of(const WorldState& world, const ParticleView& view, const Samples& samples) const {
-  const Object& object = *world.objects[objects_[samples.object].index];
+Vec3d Balance::center_of(const ObjectsView& objects, const Samples& samples) const {
+  const ParticleView view = objects.view();
+  const Object& object = *objects.objects[objects_[samples.object].index];
   Vec3d sum{};
   for (const PinnedParticle& pin : object.pins) sum += position(view, object.begin + pin.particle);
   if (!object.pins.empty()) return sum * (1 / static_cast<double>(object.pins.size()));
@@ -139,13 +139,13 @@ Vec3d Balance::center_of(const WorldState& world, const ParticleView& view, cons
   return sum * (1.0 / (samples.end - samples.begin));
 }
 
-void Balance::add_carried(const WorldState& world, const ParticleView& view, double h) {
-  const double gravity = length(Vec3d(world.settings.gravity));
+void Balance::add_carried(const ObjectsView& objects, double gravity, double h) {
+  const ParticleView view = objects.view();
   for (const Samples& samples : parts_[part_].samples) {
     Measured& sums = objects_[samples.object];
     sums.elastic = sums.carried = {};
     sums.stiffness = sums.load = 0;
-    sums.center = center_of(world, view, samples);
+    sums.center = center_of(objects, samples);
     for (std::uint32_t k = samples.begin; k < samples.end; ++k) {
       const std::uint32_t i = parts_[part_].particles[k];
       if (view.inverse_mass(i) == 0) continue;
@@ -189,36 +189,25 @@ void Balance::add_elastic(const ParticleView& view, const Substep& substep, cons
   }
 }
 
-void Balance::report(WorldState& world) const {
-  std::vector<ObjectReport>& reports = world.report.objects;
-  reports.resize(objects_.size());
-  for (std::size_t o = 0; o < objects_.size(); ++o) {
-    const Object& object = *world.objects[objects_[o].index];
-    reports[o].name = object.name;
-    reports[o].unbalanced = object.imbalance.unbalanced;
-    reports[o].stretch = object.imbalance.stretch;
-  }
-}
-
-void Balance::measure(WorldState& world, const ParticleView& view, const Substep& substep) {
-  add_carried(world, view, static_cast<double>(substep.h));
+void Balance::measure(const ObjectsView& objects, double gravity, const Substep& substep) {
+  const ParticleView view = objects.view();
+  add_carried(objects, gravity, static_cast<double>(substep.h));
   for (const Set& set : parts_[part_].sets) add_elastic(view, substep, set);
   for (const Samples& samples : parts_[part_].samples) {
     const Measured& measured = objects_[samples.object];
-    Object& object = *world.objects[measured.index];
+    Object& object = *objects.objects[measured.index];
     object.imbalance =
         imbalance_of(object, measured.elastic, measured.carried, measured.load, measured.stiffness);
   }
-  report(world);
 }
 
-const ObjectReport* Balance::worst(const WorldState& world) const {
-  const ObjectReport* worst = nullptr;
-  for (std::size_t o = 0; o < world.report.objects.size(); ++o) {
-    const ObjectReport& report = world.report.objects[o];
-    const Object& object = *world.objects[objects_[o].index];
+std::optional<std::size_t> Balance::worst(const ObjectsView& objects) const {
+  std::optional<std::size_t> worst;
+  double most = 0;
+  for (std::size_t k = 0; k < objects_.size(); ++k) {
+    const Object& object = *objects.objects[objects_[k].index];
     if (object.island != 0 || object.imbalance.times_not_converged < flagged_after) continue;
-    if (worst == nullptr || report.stretch > worst->stretch) worst = &report;
+    if (!worst || object.imbalance.stretch > most) worst = k, most = object.imbalance.stretch;
   }
   return worst;
 }
