@@ -1,7 +1,7 @@
 #include "souple/world/arrivals.h"
 
+#include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
-#include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
 #include "souple/world/sleeping.h"

@@ -1,10 +1,10 @@
 #include "souple/world/memory.h"
 
+#include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
+#include "souple/queries/caches.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/state/bytes.h"
-#include "souple/world/caches.h"
-#include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/fluids.h"
 #include "souple/world/impl.h"

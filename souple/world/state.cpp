@@ -1,11 +1,11 @@
 #include "souple/world/state.h"
 
+#include "souple/objects/collider_record.h"
 #include "souple/objects/constraint_sets.h"
 #include "souple/objects/object.h"
+#include "souple/queries/caches.h"
 #include "souple/stages/balance.h"
 #include "souple/stages/user_constraint.h"
-#include "souple/world/caches.h"
-#include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/flow.h"
 #include "souple/world/fluids.h"
@@ -74,6 +74,10 @@ void WorldState::require_between_steps(std::string_view what) const {
 
 const Object& WorldState::object(ObjectId id) const {
   return const_cast<WorldState*>(this)->object(id);
+}
+
+QueryView WorldState::query_view() const {
+  return {particles, objects, colliders, time, version, settings.segment_test, threads.get(), *caches};
 }
 
 ParticleView WorldState::view() {

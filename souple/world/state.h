@@ -38,6 +38,7 @@ class Fluids;
 class JobSystem;
 struct Object;
 struct ObjectConstraints;
+struct QueryView;
 struct SleepScratch;
 struct StepScratch;
 struct UserConstraint;
@@ -143,6 +144,8 @@ struct WorldState {
   /// For stages of lower floors.
   ObjectsView objects_view() { return {particles, objects, object_of, settings.form}; }
   StageView stage_view() { return {objects_view(), settings, *threads, warnings, time}; }
+  /// For queries.
+  QueryView query_view() const;
 
   /// Position of a particle, including the part beyond float precision [m].
   Vec3d exact_position(std::size_t i) const {

@@ -1,11 +1,12 @@
 #include "souple/world/world.h"
 
 #include "souple/geometry/measures.h"
+#include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/world/add.h"
+#include "souple/world/arrivals.h"
 #include "souple/world/build.h"
-#include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/fluids.h"
@@ -417,7 +418,8 @@ std::vector<Carrier> World::carriers(ObjectId id, std::uint32_t vertex) const {
   require_vertex(object, vertex, "carriers");
   const auto carrier = [&](std::uint32_t local, double weight) -> Carrier {
     const std::uint32_t i = object.begin + local;
-    return {i, weight, inverse_mass_awake(impl_->state, object, local), impl_->state.exact_position(i)};
+    return {i, weight, inverse_mass_awake(impl_->state.particles, object, local),
+            impl_->state.exact_position(i)};
   };
   if (!object.embedding) return {carrier(object.particle_of[vertex], 1)};
   std::vector<Carrier> result;

@@ -13,6 +13,8 @@
 #include "souple/objects/materials.h"
 #include "souple/objects/object_options.h"
 #include "souple/objects/obstacle_motion.h"
+#include "souple/queries/query.h"
+#include "souple/queries/selector.h"
 #include "souple/solver/projector.h"
 #include "souple/stages/settings.h"
 #include "souple/threads/threads.h"
@@ -20,9 +22,7 @@
 #include "souple/world/emitter.h"
 #include "souple/world/memory.h"
 #include "souple/world/profile.h"
-#include "souple/world/query.h"
 #include "souple/world/report.h"
-#include "souple/world/selector.h"
 
 #include <array>
 #include <cstdint>

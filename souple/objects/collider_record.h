@@ -4,13 +4,15 @@
 #include "souple/collision/shapes.h"
 #include "souple/objects/handles.h"
 #include "souple/objects/object_options.h"
-#include "souple/world/arrivals.h"
 
 #include <cstdint>
 #include <memory>
 
 namespace souple {
 
+struct Arrival;
+
+/// What a world knows of one collider.
 struct ColliderRecord {
   ColliderId id;
   ColliderOptions options;

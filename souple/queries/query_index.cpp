@@ -1,16 +1,16 @@
-#include "souple/world/query_index.h"
+#include "souple/queries/query_index.h"
 
 #include "souple/contacts/contact_material.h"
 #include "souple/objects/object.h"
-#include "souple/world/add.h"
-#include "souple/world/caches.h"
-#include "souple/world/mirror.h"
-#include "souple/world/state.h"
+#include "souple/queries/caches.h"
 
 #include <algorithm>
 #include <variant>
 
 namespace souple {
+
+float contact_radius(const Material& material);
+
 namespace {
 
 double ball_radius(const Object& object) {
@@ -26,24 +26,24 @@ Bounds box_around(std::span<const Vec3f> points) {
 
 }  // namespace
 
-void QueryIndex::refresh(const WorldState& world) {
-  if (version_.load(std::memory_order_acquire) == world.version) return;
-  const std::lock_guard<std::mutex> lock(world.caches->lock);
-  if (version_.load(std::memory_order_relaxed) == world.version) return;
-  find_boxes(world);
-  version_.store(world.version, std::memory_order_release);
+void QueryIndex::refresh(const QueryView& view) {
+  if (version_.load(std::memory_order_acquire) == view.version) return;
+  const std::lock_guard<std::mutex> lock(view.caches.lock);
+  if (version_.load(std::memory_order_relaxed) == view.version) return;
+  find_boxes(view);
+  version_.store(view.version, std::memory_order_release);
 }
 
-void QueryIndex::find_boxes(const WorldState& world) {
-  entries_.resize(std::min(entries_.size(), world.objects.size()));
-  while (entries_.size() < world.objects.size()) entries_.push_back(std::make_unique<Entry>());
+void QueryIndex::find_boxes(const QueryView& view) {
+  entries_.resize(std::min(entries_.size(), view.objects.size()));
+  while (entries_.size() < view.objects.size()) entries_.push_back(std::make_unique<Entry>());
   filled_.clear();
   largest_radius_ = 0;
-  for (std::uint32_t a = 0; a < world.objects.size(); ++a) {
-    const Object& object = *world.objects[a];
+  for (std::uint32_t a = 0; a < view.objects.size(); ++a) {
+    const Object& object = *view.objects[a];
     Entry& entry = *entries_[a];
     entry.object = &object;
-    entry.x = fresh_mirror(world, object.id).positions;
+    entry.x = mirrored_positions(view, object, view.caches.mirrors[object.id.value]);
     entry.triangles = object.mesh.triangles;
     entry.radius = entry.triangles.empty() ? ball_radius(object) : 0;
     if (entry.x.empty()) continue;
@@ -54,10 +54,10 @@ void QueryIndex::find_boxes(const WorldState& world) {
   objects_.update(filled_.size(), [&](std::uint32_t k) { return entries_[filled_[k]]->box; });
 }
 
-const BoxTree& QueryIndex::tree(const WorldState& world, const Entry& entry) const {
-  if (entry.version.load(std::memory_order_acquire) == world.version) return entry.tree;
-  const std::lock_guard<std::mutex> lock(world.caches->lock);
-  if (entry.version.load(std::memory_order_relaxed) == world.version) return entry.tree;
+const BoxTree& QueryIndex::tree(const QueryView& view, const Entry& entry) const {
+  if (entry.version.load(std::memory_order_acquire) == view.version) return entry.tree;
+  const std::lock_guard<std::mutex> lock(view.caches.lock);
+  if (entry.version.load(std::memory_order_relaxed) == view.version) return entry.tree;
   const std::span<const Vec3f> x = entry.x;
   if (entry.triangles.empty()) {
     entry.tree.update(x.size(), [&](std::uint32_t v) { return Bounds{x[v], x[v]}; });
@@ -67,7 +67,7 @@ const BoxTree& QueryIndex::tree(const WorldState& world, const Entry& entry) con
       return united(united({x[a], x[a]}, {x[b], x[b]}), {x[c], x[c]});
     });
   }
-  entry.version.store(world.version, std::memory_order_release);
+  entry.version.store(view.version, std::memory_order_release);
   return entry.tree;
 }
 

@@ -9,7 +9,9 @@
 
 namespace souple {
 
-struct WorldState;
+struct ContactTables;
+struct ObjectsView;
+class Threads;
 
 /// Finds the objects that come within their thickness of each other, given the motion of their particles.
 struct ProximityQuery {
@@ -38,14 +40,14 @@ struct ProximityQuery {
   std::vector<std::uint32_t> balls_a, balls_b;  ///< balls, ordered by their boxes along x
 
   /// Clears the input.
-  void reset(const WorldState& world);
+  void reset(const ObjectsView& objects);
   /// To be called after objects are added, removed or changed.
   void invalidate() { in_elements.clear(), elements.clear(); }
   std::size_t bytes() const;
 };
 
-/// Fills `found` of the world's ProximityQuery. Pairs that the pair table or the groups exclude are not in
-/// contact.
-void find_close_objects(WorldState& world);
+/// Fills `found` of the query. Pairs that the pair table or the groups exclude are not in contact.
+void find_close_objects(const ObjectsView& objects, const ContactTables& tables, ProximityQuery& query,
+                        Threads& threads);
 
 }  // namespace souple

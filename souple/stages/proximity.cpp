@@ -1,16 +1,18 @@
-#include "souple/world/proximity.h"
+#include "souple/stages/proximity.h"
 
 #include "souple/collision/nearest.h"
+#include "souple/contacts/contact_projector.h"
 #include "souple/objects/object.h"
+#include "souple/objects/objects_view.h"
 #include "souple/state/bytes.h"
-#include "souple/world/contact_state.h"
-#include "souple/world/contacts.h"
-#include "souple/world/sleeping.h"
 
 #include <algorithm>
 #include <limits>
 
 namespace souple {
+
+bool is_particle_only(const Object& object);
+
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -20,21 +22,22 @@ bool is_candidate_pair(const ProximityQuery& t, std::uint32_t a, std::uint32_t b
 }
 
 // The bounds of an object that is only active contain its active particles.
-void find_bounds(const WorldState& world, ProximityQuery& t) {
-  t.bounds.assign(world.objects.size(), {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
-  for (std::size_t a = 0; a < world.objects.size(); ++a) {
+void find_bounds(const ObjectsView& objects, ProximityQuery& t) {
+  t.bounds.assign(objects.objects.size(),
+                  {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
+  for (std::size_t a = 0; a < objects.objects.size(); ++a) {
     if (t.active[a] == 0 && t.passive[a] == 0) continue;
-    for (std::uint32_t i = world.objects[a]->begin; i < world.objects[a]->end; ++i)
+    for (std::uint32_t i = objects.objects[a]->begin; i < objects.objects[a]->end; ++i)
       if (t.passive[a] != 0 || t.active_particles[i].w != 0) t.bounds[a] = united(t.bounds[a], t.boxes[i]);
   }
 }
 
-void list_objects(const WorldState& world, ProximityQuery& t) {
+void list_objects(const ObjectsView& objects, const ContactTables& tables, ProximityQuery& t) {
   t.is_candidate.clear(), t.is_found.clear();
   t.candidates.clear(), t.listed.clear();
-  t.has_candidate.assign(world.objects.size(), 0);
+  t.has_candidate.assign(objects.objects.size(), 0);
   for (const auto& [a, b] : t.sweep.find(t.bounds)) {
-    if (!is_candidate_pair(t, a, b) || !world.contact->tables.against_objects.collide(a, b)) continue;
+    if (!is_candidate_pair(t, a, b) || !tables.against_objects.collide(a, b)) continue;
     t.candidates.push_back({a, b});
     t.is_candidate.add(a, b);
     t.has_candidate[a] = t.has_candidate[b] = 1;
@@ -44,14 +47,14 @@ void list_objects(const WorldState& world, ProximityQuery& t) {
     if (t.has_candidate[a] != 0) t.listed.push_back(a);
 }
 
-void build_elements(const WorldState& world, ProximityQuery& t) {
+void build_elements(const ObjectsView& objects, const ContactTables& tables, ProximityQuery& t) {
   if (t.listed == t.in_elements) return;
   t.in_elements = t.listed;
   t.elements.clear();
   for (const std::uint32_t a : t.in_elements) {
-    const Object& object = *world.objects[a];
+    const Object& object = *objects.objects[a];
     t.elements.add_triangles(object.surface, object.begin, a);
-    t.elements.add_edges(world.contact->tables.rope_edges[a], object.begin, a);
+    t.elements.add_edges(tables.rope_edges[a], object.begin, a);
     if (is_particle_only(object)) t.elements.add_particles(object.begin, object.end, a);
   }
 }
@@ -83,11 +86,12 @@ float margin_of(const ProximityQuery& t, const NearPair& pair, std::size_t begin
   return margin;
 }
 
-void check_pairs(WorldState& world, ProximityQuery& t, const std::vector<NearPair>& pairs, bool edges) {
-  const ParticleView view = world.view();
+void check_pairs(const ObjectsView& objects, ProximityQuery& t, const std::vector<NearPair>& pairs,
+                 bool edges) {
+  const ParticleView view = objects.view();
   const std::size_t second = edges ? 2 : 1;
   for (const NearPair& pair : pairs) {
-    const std::uint32_t a = world.object_of[pair.particle[0]], b = world.object_of[pair.particle[3]];
+    const std::uint32_t a = objects.object_of[pair.particle[0]], b = objects.object_of[pair.particle[3]];
     if (t.is_found.contains(a, b)) continue;
     const float margin = margin_of(t, pair, 0, second) + margin_of(t, pair, second, 4);
     if (distance(view, pair, edges) <= margin) add_found(t, a, b);
@@ -96,10 +100,10 @@ void check_pairs(WorldState& world, ProximityQuery& t, const std::vector<NearPai
 
 // --- balls against balls, which have no surface
 
-void list_balls(const WorldState& world, const ProximityQuery& t, std::uint32_t object, const Bounds& within,
-                std::vector<std::uint32_t>& balls) {
+void list_balls(const ObjectsView& objects, const ProximityQuery& t, std::uint32_t object,
+                const Bounds& within, std::vector<std::uint32_t>& balls) {
   balls.clear();
-  for (std::uint32_t i = world.objects[object]->begin; i < world.objects[object]->end; ++i)
+  for (std::uint32_t i = objects.objects[object]->begin; i < objects.objects[object]->end; ++i)
     if (overlap(t.boxes[i], within)) balls.push_back(i);
   std::sort(balls.begin(), balls.end(), [&](std::uint32_t i, std::uint32_t j) {
     return t.boxes[i].lo.x < t.boxes[j].lo.x || (t.boxes[i].lo.x == t.boxes[j].lo.x && i < j);
@@ -129,14 +133,12 @@ bool are_balls(const ContactObject& a, const ContactObject& b) {
   return (a.groups & b.mask) != 0 && (b.groups & a.mask) != 0;
 }
 
-void check_balls(WorldState& world, ProximityQuery& t) {
-  const ParticleView view = world.view();
+void check_balls(const ObjectsView& objects, const ContactTables& tables, ProximityQuery& t) {
+  const ParticleView view = objects.view();
   for (const auto& [a, b] : t.candidates) {
-    if (t.is_found.contains(a, b) ||
-        !are_balls(world.contact->tables.objects[a], world.contact->tables.objects[b]))
-      continue;
-    list_balls(world, t, a, t.bounds[b], t.balls_a);
-    list_balls(world, t, b, t.bounds[a], t.balls_b);
+    if (t.is_found.contains(a, b) || !are_balls(tables.objects[a], tables.objects[b])) continue;
+    list_balls(objects, t, a, t.bounds[b], t.balls_a);
+    list_balls(objects, t, b, t.bounds[a], t.balls_b);
     if (any_touch(view, t, t.balls_a, t.balls_b) || any_touch(view, t, t.balls_b, t.balls_a))
       add_found(t, a, b);
   }
@@ -144,9 +146,9 @@ void check_balls(WorldState& world, ProximityQuery& t) {
 
 }  // namespace
 
-void ProximityQuery::reset(const WorldState& world) {
-  const std::size_t objects = world.objects.size(), particles = world.particles.size();
-  active.assign(objects, 0), passive.assign(objects, 0);
+void ProximityQuery::reset(const ObjectsView& objects) {
+  const std::size_t particles = objects.particles.size();
+  active.assign(objects.objects.size(), 0), passive.assign(objects.objects.size(), 0);
   boxes.resize(particles), margin.resize(particles), motion_bound.resize(particles),
       active_particles.resize(particles);
 }
@@ -158,17 +160,18 @@ std::size_t ProximityQuery::bytes() const {
          elements.bytes() + finder.bytes() + sweep.bytes() + is_candidate.bytes() + is_found.bytes();
 }
 
-void find_close_objects(WorldState& world) {
-  ProximityQuery& t = world.sleep->proximity;
-  t.found.clear();
-  find_bounds(world, t);
-  list_objects(world, t);
-  if (t.listed.empty()) return;
-  build_elements(world, t);
-  t.finder.find(t.elements, t.boxes, t.is_candidate, t.active_particles, t.pairs, *world.threads);
-  check_pairs(world, t, t.pairs.vertex_triangle, false);
-  check_pairs(world, t, t.pairs.edge_edge, true);
-  check_balls(world, t);
+void find_close_objects(const ObjectsView& objects, const ContactTables& tables, ProximityQuery& query,
+                        Threads& threads) {
+  query.found.clear();
+  find_bounds(objects, query);
+  list_objects(objects, tables, query);
+  if (query.listed.empty()) return;
+  build_elements(objects, tables, query);
+  query.finder.find(query.elements, query.boxes, query.is_candidate, query.active_particles, query.pairs,
+                    threads);
+  check_pairs(objects, query, query.pairs.vertex_triangle, false);
+  check_pairs(objects, query, query.pairs.edge_edge, true);
+  check_balls(objects, tables, query);
 }
 
 }  // namespace souple

@@ -1,19 +1,13 @@
-#include "souple/world/overlap.h"
+#include "souple/queries/overlap.h"
 
 #include "souple/geometry/closest_point.h"
 #include "souple/geometry/measures.h"
-#include "souple/objects/object.h"
-#include "souple/world/caches.h"
-#include "souple/world/collider_record.h"
-#include "souple/world/impl.h"
-#include "souple/world/query_search.h"
-#include "souple/world/validate.h"
-#include "souple/world/world.h"
+#include "souple/queries/caches.h"
+#include "souple/queries/query_search.h"
+#include "souple/queries/query_view.h"
 
 #include <algorithm>
 #include <cmath>
-
-#include <fmt/core.h>
 
 // Which objects and colliders a shape overlaps.
 
@@ -83,7 +77,7 @@ bool passes_through(const Placed& placed, const Vec3d& a, const Vec3d& b, const 
 /// Calls f(vertex, true) for vertices in the shape and f(any corner, false) for triangles that pass through it, until f
 /// returns false; vertices of several triangles come several times.
 template <class Function>
-void for_each_overlap(const WorldState& world, const QueryIndex::Entry& entry, const Placed& placed,
+void for_each_overlap(const QueryView& view, const QueryIndex::Entry& entry, const Placed& placed,
                       const Function& f) {
   const ShapeBounds box = bounds_of(placed);
   bool goes_on = true;
@@ -101,7 +95,7 @@ void for_each_overlap(const WorldState& world, const QueryIndex::Entry& entry, c
     if (inside) goes_on = f(vertex, true);
     return inside;
   };
-  world.caches->query_index.tree(world, entry)
+  view.caches.query_index.tree(view, entry)
       .search(
           bound, [&] { return goes_on ? 0.0 : -1.0; },
           [&](std::uint32_t e) {
@@ -145,29 +139,25 @@ bool may_overlap(const Placed& a, const Placed& b) {
 
 }  // namespace
 
-bool overlaps(const WorldState& world, std::size_t object, const Shape& shape, const Transform& pose) {
-  const QueryIndex::Entry& entry = world.caches->query_index.entry(object);
+bool overlaps(const QueryView& view, std::size_t object, const Shape& shape, const Transform& pose) {
+  const QueryIndex::Entry& entry = view.caches.query_index.entry(object);
   bool found = false;
   if (entry.x.empty()) return false;
-  for_each_overlap(world, entry, {shape, {pose}}, [&](std::uint32_t, bool) { return !(found = true); });
+  for_each_overlap(view, entry, {shape, {pose}}, [&](std::uint32_t, bool) { return !(found = true); });
   return found;
 }
 
-std::vector<Overlap> World::overlap(const Shape& shape, const Transform& pose,
-                                    const QueryFilter& filter) const {
-  const WorldState& world = impl_->state;
-  validate(shape, "overlap");
-  validate(pose, "overlap");
-  if (pose.scale != 1) throw Error(fmt::format("overlap: the scale is {}, expected 1", pose.scale));
+std::vector<Overlap> find_overlaps(const QueryView& view, const Shape& shape, const Transform& pose,
+                                   const QueryFilter& filter) {
   const Placed placed{shape, {pose}};
   std::vector<Overlap> result;
-  world.caches->query_index.refresh(world);
-  for (std::size_t a = 0; a < world.objects.size(); ++a) {
-    const QueryIndex::Entry& entry = world.caches->query_index.entry(a);
+  view.caches.query_index.refresh(view);
+  for (std::size_t a = 0; a < view.objects.size(); ++a) {
+    const QueryIndex::Entry& entry = view.caches.query_index.entry(a);
     if (entry.x.empty() || !passes(*entry.object, filter)) continue;
     Overlap overlap{.object = entry.object->id};
     bool found = false;
-    for_each_overlap(world, entry, placed, [&](std::uint32_t vertex, bool inside) {
+    for_each_overlap(view, entry, placed, [&](std::uint32_t vertex, bool inside) {
       if (inside) overlap.vertices.push_back(vertex);
       return found = true;
     });
@@ -177,8 +167,8 @@ std::vector<Overlap> World::overlap(const Shape& shape, const Transform& pose,
                            overlap.vertices.end());
     result.push_back(std::move(overlap));
   }
-  for (const ColliderRecord& record : world.colliders) {
-    const Placed other{record.shape, {record.options.motion.at(world.time)}};
+  for (const ColliderRecord& record : view.colliders) {
+    const Placed other{record.shape, {record.options.motion.at(view.time)}};
     if (passes(record, filter) && may_overlap(placed, other) && shapes_overlap(placed, other))
       result.push_back({.collider = record.id, .is_collider = true});
   }

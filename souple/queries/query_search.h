@@ -2,14 +2,15 @@
 
 #include "souple/broad_phase/bounds.h"
 #include "souple/contacts/contact_material.h"
-#include "souple/world/query.h"
-#include "souple/world/state.h"
+#include "souple/objects/collider_record.h"
+#include "souple/objects/object.h"
+#include "souple/queries/query.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-// What the queries of a world share.
+// What queries share.
 
 namespace souple {
 

@@ -1,4 +1,4 @@
-#include "souple/world/selector.h"
+#include "souple/queries/selector.h"
 
 #include <utility>
 

@@ -12,7 +12,7 @@
 namespace souple {
 
 struct Object;
-struct WorldState;
+struct QueryView;
 
 /// Where queries search: a tree of boxes over the objects, and one for each object over its triangles or, without
 /// triangles, its vertices. Boxes of objects are computed at the first query after a change; the tree of an object when a
@@ -26,11 +26,11 @@ class QueryIndex {
     double radius = 0;                    ///< of the balls; 0 for surfaces [m]
     Bounds box;                           ///< around x [m]
     mutable BoxTree tree;
-    mutable std::atomic<std::uint64_t> version{0};  ///< WorldState::version of `tree`
+    mutable std::atomic<std::uint64_t> version{0};  ///< QueryView::version of `tree`
   };
 
   /// Brings the boxes of the objects up to date.
-  void refresh(const WorldState& world);
+  void refresh(const QueryView& view);
   /// After refresh: calls visit(index, entry) for the objects whose boxes may be within limit(), nearest first, as
   /// BoxTree::search. Boxes are around vertices: balls reach up to `largest_radius` beyond them.
   template <class Bound, class Limit, class Visit>
@@ -40,11 +40,11 @@ class QueryIndex {
   double largest_radius() const { return largest_radius_; }
   const Entry& entry(std::size_t object) const { return *entries_[object]; }
   /// The tree of an object.
-  const BoxTree& tree(const WorldState& world, const Entry& entry) const;
+  const BoxTree& tree(const QueryView& view, const Entry& entry) const;
   std::size_t bytes() const;
 
  private:
-  void find_boxes(const WorldState& world);
+  void find_boxes(const QueryView& view);
 
   std::vector<std::unique_ptr<Entry>> entries_;  // per object
   std::vector<std::uint32_t> filled_;            // objects that have vertices
