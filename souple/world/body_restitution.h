@@ -1,11 +1,9 @@
 #pragma once
 
+#include "souple/objects/contact_geometry.h"
 #include "souple/world/state.h"
 
 namespace souple {
-
-/// A soft body rebounds by its own elasticity, at up to this part of its speed (measured: 0.2 to 0.65).
-inline constexpr float elastic_restitution = 0.7f;
 
 /// Restitution of a soft body as a whole, where the coefficient e exceeds `elastic_restitution`. Where the center of mass
 /// approaches at the first touch, its velocity along the normal becomes

@@ -2,12 +2,12 @@
 
 #include "souple/geometry/closest_point.h"
 #include "souple/geometry/measures.h"
+#include "souple/objects/checks.h"
 #include "souple/objects/object.h"
 #include "souple/world/caches.h"
 #include "souple/world/collider_record.h"
 #include "souple/world/impl.h"
 #include "souple/world/query_search.h"
-#include "souple/world/validate.h"
 #include "souple/world/world.h"
 
 #include <algorithm>

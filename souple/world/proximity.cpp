@@ -1,11 +1,12 @@
 #include "souple/world/proximity.h"
 
 #include "souple/collision/nearest.h"
+#include "souple/objects/contact_geometry.h"
 #include "souple/objects/object.h"
 #include "souple/state/bytes.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/contacts.h"
 #include "souple/world/sleeping.h"
+#include "souple/world/state.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,21 +1,19 @@
 #include "souple/world/query_index.h"
 
 #include "souple/contacts/contact_material.h"
+#include "souple/objects/kind_functions.h"
 #include "souple/objects/object.h"
-#include "souple/world/add.h"
 #include "souple/world/caches.h"
 #include "souple/world/mirror.h"
 #include "souple/world/state.h"
 
 #include <algorithm>
-#include <variant>
 
 namespace souple {
 namespace {
 
 double ball_radius(const Object& object) {
-  const auto* fluid = std::get_if<FluidMaterial>(&object.material);
-  return static_cast<double>(fluid ? fluid->spacing / 2 : contact_radius(object.material));
+  return static_cast<double>(particle_radius(object.material));
 }
 
 Bounds box_around(std::span<const Vec3f> points) {
