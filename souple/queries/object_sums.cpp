@@ -1,13 +1,12 @@
 #include "souple/queries/object_sums.h"
 
 #include "souple/contacts/contact_law.h"
+#include "souple/objects/kind_functions.h"
 #include "souple/objects/object.h"
 
 #include <algorithm>
 
 namespace souple {
-
-float contact_radius(const Material& material);
 
 double kinetic_energy(const QueryView& view, const Object& object) {
   double sum = 0;

@@ -1,21 +1,19 @@
 #include "souple/queries/query_index.h"
 
 #include "souple/contacts/contact_material.h"
+#include "souple/objects/kind_functions.h"
 #include "souple/objects/object.h"
 #include "souple/queries/caches.h"
+#include "souple/queries/mirror.h"
+#include "souple/queries/query_view.h"
 
 #include <algorithm>
-#include <variant>
 
 namespace souple {
-
-float contact_radius(const Material& material);
-
 namespace {
 
 double ball_radius(const Object& object) {
-  const auto* fluid = std::get_if<FluidMaterial>(&object.material);
-  return static_cast<double>(fluid ? fluid->spacing / 2 : contact_radius(object.material));
+  return static_cast<double>(particle_radius(object.material));
 }
 
 Bounds box_around(std::span<const Vec3f> points) {

@@ -1,6 +1,7 @@
 #include "souple/stages/body_restitution.h"
 
 #include "souple/contacts/contacts.h"
+#include "souple/objects/contact_geometry.h"
 #include "souple/objects/object.h"
 
 #include <utility>

@@ -11,9 +11,6 @@ namespace souple {
 
 class Contacts;
 
-/// A soft body rebounds by its own elasticity, at up to this part of its speed (measured: 0.2 to 0.65).
-inline constexpr float elastic_restitution = 0.7f;
-
 /// A soft body at an impact.
 struct BodyAtImpact {
   std::uint32_t object = 0;

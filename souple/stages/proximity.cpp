@@ -2,6 +2,7 @@
 
 #include "souple/collision/nearest.h"
 #include "souple/contacts/contact_projector.h"
+#include "souple/objects/contact_geometry.h"
 #include "souple/objects/object.h"
 #include "souple/objects/objects_view.h"
 #include "souple/state/bytes.h"
@@ -10,9 +11,6 @@
 #include <limits>
 
 namespace souple {
-
-bool is_particle_only(const Object& object);
-
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();

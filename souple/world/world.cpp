@@ -1,8 +1,12 @@
 #include "souple/world/world.h"
 
 #include "souple/geometry/measures.h"
+#include "souple/objects/checks.h"
 #include "souple/objects/collider_record.h"
+#include "souple/objects/kind_functions.h"
+#include "souple/objects/new_object.h"
 #include "souple/objects/object.h"
+#include "souple/objects/obstacle_pose.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/world/add.h"
 #include "souple/world/arrivals.h"
@@ -11,7 +15,6 @@
 #include "souple/world/contacts.h"
 #include "souple/world/fluids.h"
 #include "souple/world/impl.h"
-#include "souple/world/obstacles.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/validate.h"
 
@@ -121,25 +124,30 @@ ObjectKind World::kind(ObjectId id) const {
 namespace {
 
 void require_obstacle(const Object& object, const char* what) {
-  if (object.kind != ObjectKind::obstacle)
+  if (!traits_of(object.kind).driven)
     throw Error(std::string(what) + ": " + object.name + " is a " + std::string(kind_name(object.kind)) +
                 ", expected an obstacle");
+}
+
+[[noreturn]] void refuse_kind(const Object& object) {
+  throw Error(object.name + " is a " + std::string(kind_name(object.kind)) +
+              ": it has no material of the requested kind");
 }
 
 template <class M>
 const M& material_of(const WorldState& world, ObjectId id) {
   const Object& object = world.object(id);
   if (const M* material = std::get_if<M>(&object.material)) return *material;
-  throw Error(object.name + " is a " + std::string(kind_name(object.kind)) +
-              ": it has no material of the requested kind");
+  refuse_kind(object);
 }
 
-template <class M>
-void change_material(WorldState& world, ObjectId id, const M& material) {
+void change_material(WorldState& world, ObjectId id, const Material& material) {
   world.require_between_steps("set_material");
   Object& object = world.object(id);
-  material_of<M>(world, id);  // throws if it is of another kind
-  validate(material, object.name);
+  if (kind_of(material) != object.kind) refuse_kind(object);
+  const KindFunctions& kind = functions_of(object.kind);
+  if (kind.validate_change) kind.validate_change(object.material, material, object.name);
+  kind.validate(material, object.name);
   replace_material(world, object, material);
   ++world.version;  // the radius of balls, for queries
 }
@@ -162,10 +170,6 @@ void World::set_material(ObjectId id, const ObstacleMaterial& m) {
   change_material(impl_->state, id, m);
 }
 void World::set_material(ObjectId id, const FluidMaterial& m) {
-  const float spacing = fluid_material(id).spacing;
-  if (m.spacing != spacing)
-    throw Error(fmt::format("{}: spacing is {} m, was {} m: remove and add the fluid to change it",
-                            impl_->state.object(id).name, m.spacing, spacing));
   change_material(impl_->state, id, m);
 }
 const ClothMaterial& World::cloth_material(ObjectId id) const {
@@ -283,9 +287,7 @@ FoamView World::foam() const {
 }
 
 float World::particle_radius(ObjectId id) const {
-  const Object& object = impl_->state.object(id);
-  const auto* fluid = std::get_if<FluidMaterial>(&object.material);
-  return fluid ? fluid->spacing / 2 : contact_radius(object.material);
+  return souple::particle_radius(impl_->state.object(id).material);
 }
 
 namespace {
@@ -344,7 +346,7 @@ void World::set_velocities(ObjectId id, std::span<const Vec3f> velocities) {
 void World::set_angular_velocities(ObjectId id, std::span<const Vec3f> angular_velocities) {
   WorldState& world = impl_->state;
   const Object& object = world.object(id);
-  if (object.kind != ObjectKind::grains)
+  if (!traits_of(object.kind).rolls)
     throw Error(
         fmt::format("set_angular_velocities: {} is not made of grains, which alone have angular velocities",
                     object.name));
@@ -364,12 +366,13 @@ void World::teleport(ObjectId id, const Transform& transform) {
   if (transform.scale != 1)
     throw Error(fmt::format("teleport: the scale is {}, expected 1", transform.scale));
   wake_island(world, object);
+  const bool rolls = traits_of(object.kind).rolls;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const Vec3d x = world.exact_position(i);
     world.teleport_particle(i, transform.point(x));
     Vec4f& velocity = world.particles.velocity[i];
     velocity.set_xyz(Vec3f(transform.direction(Vec3d(velocity.xyz()))));
-    if (object.kind != ObjectKind::grains) continue;
+    if (!rolls) continue;
     Vec4f& spin = world.particles.spin[i];
     spin.set_xyz(Vec3f(transform.direction(Vec3d(spin.xyz()))));
   }
