@@ -7,7 +7,6 @@
 #include "souple/objects/obstacle_pose.h"
 #include "souple/queries/caches.h"
 #include "souple/stages/user_constraint.h"
-#include "souple/world/build.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/flow.h"
 #include "souple/world/impl.h"

@@ -1,7 +1,6 @@
 #include "souple/world/contacts.h"
 
 #include "souple/constraints/distance.h"
-#include "souple/geometry/measures.h"
 #include "souple/objects/collider_record.h"
 #include "souple/objects/contact_geometry.h"
 #include "souple/objects/kind_traits.h"
@@ -10,11 +9,11 @@
 #include "souple/queries/caches.h"
 #include "souple/solver/set_projector.h"
 #include "souple/stages/body_restitution.h"
+#include "souple/stages/obstacles.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/fluids.h"
 #include "souple/world/impl.h"
-#include "souple/world/obstacles.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/stages.h"
 #include "souple/world/step_scratch.h"
@@ -171,7 +170,7 @@ void find_candidates(WorldState& world, double dt) {
                          .turn = world.particles.turn};
   ContactTables& tables = world.contact->tables;
   Particles& particles = world.particles;
-  predict_obstacles(world, dt);
+  predict_obstacles(world.stage_view(), dt);
   wake_disturbed(world, dt);
   particles.start = world.settings.form == Form::plain ? particles.position : particles.offset;
   const ParticleView view = world.view();

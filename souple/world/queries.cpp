@@ -1,5 +1,6 @@
 #include "souple/math/fnv1a.h"
 #include "souple/math/transform.h"
+#include "souple/objects/checks.h"
 #include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
 #include "souple/queries/caches.h"
@@ -7,7 +8,6 @@
 #include "souple/queries/overlap.h"
 #include "souple/queries/search.h"
 #include "souple/world/impl.h"
-#include "souple/world/validate.h"
 #include "souple/world/world.h"
 
 #include <algorithm>

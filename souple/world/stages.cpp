@@ -5,12 +5,12 @@
 #include "souple/stages/balance.h"
 #include "souple/stages/damping.h"
 #include "souple/stages/motion.h"
+#include "souple/stages/obstacles.h"
 #include "souple/stages/pins.h"
 #include "souple/stages/spin.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/fluids.h"
-#include "souple/world/obstacles.h"
 #include "souple/world/projectors.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/step_report.h"
@@ -53,7 +53,7 @@ void integrate(WorldState& world, const Substep& substep) {
   note(world, predict_motion(stage, world.callbacks.force_fields, substep, world.scratch->motion));
   predict_spin(stage.objects, substep, stage.threads);
   drive_pins(stage, substep, part_of_step(world, substep));
-  drive_obstacles(world, substep);
+  if (drive_obstacles(stage, substep)) world.contact->check_intersections = true;
   drive_attachments(world.constraints.users, stage.time + static_cast<double>(substep.h), stage.warnings);
   keep_prediction(stage, world.scratch->motion);
 }

@@ -7,6 +7,7 @@
 #include "souple/objects/new_object.h"
 #include "souple/objects/object.h"
 #include "souple/objects/obstacle_pose.h"
+#include "souple/queries/nearest_name.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/world/add.h"
 #include "souple/world/arrivals.h"
