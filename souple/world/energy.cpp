@@ -1,5 +1,6 @@
 #include "souple/stages/energy.h"
 
+#include "souple/solver/solver.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
 #include "souple/world/projectors.h"

@@ -2,6 +2,7 @@
 
 #include "souple/assert.h"
 #include "souple/objects/object.h"
+#include "souple/solver/solver.h"
 #include "souple/stages/balance.h"
 #include "souple/stages/damping.h"
 #include "souple/stages/motion.h"

@@ -4,6 +4,7 @@
 #include "souple/objects/constraint_sets.h"
 #include "souple/objects/object.h"
 #include "souple/queries/caches.h"
+#include "souple/solver/solver.h"
 #include "souple/stages/balance.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"

@@ -40,6 +40,7 @@ struct Object;
 struct ObjectConstraints;
 struct QueryView;
 struct SleepScratch;
+class Solver;
 struct StepScratch;
 struct UserConstraint;
 class World;

@@ -15,9 +15,7 @@
 #include "souple/objects/obstacle_motion.h"
 #include "souple/queries/query.h"
 #include "souple/queries/selector.h"
-#include "souple/solver/projector.h"
 #include "souple/stages/settings.h"
-#include "souple/threads/threads.h"
 #include "souple/world/debug_draw.h"
 #include "souple/world/emitter.h"
 #include "souple/world/memory.h"
@@ -36,6 +34,9 @@
 #include <vector>
 
 namespace souple {
+
+class JobSystem;
+class Projector;
 
 /// One vertex of one object.
 struct VertexRef {

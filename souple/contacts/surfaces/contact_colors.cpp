@@ -1,4 +1,4 @@
-#include "souple/contacts/contact_colors.h"
+#include "souple/contacts/surfaces/contact_colors.h"
 
 #include "souple/assert.h"
 #include "souple/broad_phase/spatial_hash.h"

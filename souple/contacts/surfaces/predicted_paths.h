@@ -1,8 +1,8 @@
 #pragma once
 
 #include "souple/broad_phase/bounds.h"
-#include "souple/contacts/element_surfaces.h"
 #include "souple/contacts/kernels/element_pairs.h"
+#include "souple/contacts/surfaces/element_surfaces.h"
 #include "souple/solver/projector.h"
 #include "souple/threads/threads.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "souple/contacts/element_surfaces.h"
-#include "souple/contacts/pair_chunks.h"
+#include "souple/contacts/surfaces/element_surfaces.h"
+#include "souple/contacts/surfaces/pair_chunks.h"
 #include "souple/solver/projector.h"
 #include "souple/threads/threads.h"
 

@@ -1,4 +1,4 @@
-#include "souple/contacts/element_surfaces.h"
+#include "souple/contacts/surfaces/element_surfaces.h"
 
 #include "souple/assert.h"
 #include "souple/contacts/kernels/find_kernels.h"

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "souple/contacts/element_motion.h"
-#include "souple/contacts/element_pairs.h"
+#include "souple/contacts/surfaces/element_motion.h"
+#include "souple/contacts/surfaces/element_pairs.h"
 #include "souple/solver/projector.h"
 
 #include <cstdint>

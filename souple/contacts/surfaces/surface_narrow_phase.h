@@ -2,10 +2,10 @@
 
 #include "souple/contacts/contact_arrays.h"
 #include "souple/contacts/contact_material.h"
-#include "souple/contacts/element_motion.h"
-#include "souple/contacts/element_pairs.h"
-#include "souple/contacts/feature_owners.h"
-#include "souple/contacts/path_crossing.h"
+#include "souple/contacts/surfaces/element_motion.h"
+#include "souple/contacts/surfaces/element_pairs.h"
+#include "souple/contacts/surfaces/feature_owners.h"
+#include "souple/contacts/surfaces/path_crossing.h"
 
 #include <cstdint>
 #include <span>

@@ -1,4 +1,4 @@
-#include "souple/contacts/motion_filter.h"
+#include "souple/contacts/surfaces/motion_filter.h"
 
 #include "souple/contacts/kernels/find_kernels.h"
 #include "souple/state/bytes.h"

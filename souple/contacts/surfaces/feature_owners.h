@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/contacts/element_surfaces.h"
+#include "souple/contacts/surfaces/element_surfaces.h"
 #include "souple/solver/projector.h"
 
 #include <array>

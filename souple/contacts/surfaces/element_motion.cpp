@@ -1,4 +1,4 @@
-#include "souple/contacts/element_motion.h"
+#include "souple/contacts/surfaces/element_motion.h"
 
 #include "souple/collision/continuous.h"
 #include "souple/collision/nearest.h"

@@ -1,4 +1,4 @@
-#include "souple/contacts/pair_chunks.h"
+#include "souple/contacts/surfaces/pair_chunks.h"
 
 #include "souple/assert.h"
 #include "souple/broad_phase/spatial_hash.h"

@@ -2,10 +2,10 @@
 
 #include "souple/broad_phase/near_pairs.h"
 #include "souple/contacts/contact.h"
-#include "souple/contacts/element_surfaces.h"
-#include "souple/contacts/motion_bounds.h"
-#include "souple/contacts/pair_chunks.h"
-#include "souple/contacts/predicted_paths.h"
+#include "souple/contacts/surfaces/element_surfaces.h"
+#include "souple/contacts/surfaces/motion_bounds.h"
+#include "souple/contacts/surfaces/pair_chunks.h"
+#include "souple/contacts/surfaces/predicted_paths.h"
 #include "souple/solver/projector.h"
 #include "souple/threads/threads.h"
 

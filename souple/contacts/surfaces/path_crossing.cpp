@@ -1,4 +1,4 @@
-#include "souple/contacts/path_crossing.h"
+#include "souple/contacts/surfaces/path_crossing.h"
 
 namespace souple {
 

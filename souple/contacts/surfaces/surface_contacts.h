@@ -1,11 +1,11 @@
 #pragma once
 
 #include "souple/contacts/contact_arrays.h"
-#include "souple/contacts/contact_colors.h"
 #include "souple/contacts/contact_projector.h"
-#include "souple/contacts/element_pairs.h"
-#include "souple/contacts/motion_filter.h"
-#include "souple/contacts/surface_narrow_phase.h"
+#include "souple/contacts/surfaces/contact_colors.h"
+#include "souple/contacts/surfaces/element_pairs.h"
+#include "souple/contacts/surfaces/motion_filter.h"
+#include "souple/contacts/surfaces/surface_narrow_phase.h"
 
 #include <span>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "souple/contacts/surface_contacts.h"
+#include "souple/contacts/surfaces/surface_contacts.h"
 
 #include "souple/assert.h"
 #include "souple/contacts/contact_law.h"

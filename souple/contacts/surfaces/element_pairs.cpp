@@ -1,4 +1,4 @@
-#include "souple/contacts/element_pairs.h"
+#include "souple/contacts/surfaces/element_pairs.h"
 
 #include "souple/assert.h"
 #include "souple/contacts/kernels/find_kernels.h"

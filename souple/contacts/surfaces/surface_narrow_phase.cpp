@@ -1,4 +1,4 @@
-#include "souple/contacts/surface_narrow_phase.h"
+#include "souple/contacts/surfaces/surface_narrow_phase.h"
 
 #include "souple/assert.h"
 #include "souple/broad_phase/spatial_hash.h"

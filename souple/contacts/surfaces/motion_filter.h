@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/contacts/contact_arrays.h"
-#include "souple/contacts/surface_narrow_phase.h"
+#include "souple/contacts/surfaces/surface_narrow_phase.h"
 
 #include <cstdint>
 #include <vector>

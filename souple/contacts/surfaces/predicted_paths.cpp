@@ -1,4 +1,4 @@
-#include "souple/contacts/predicted_paths.h"
+#include "souple/contacts/surfaces/predicted_paths.h"
 
 #include "souple/assert.h"
 #include "souple/state/bytes.h"

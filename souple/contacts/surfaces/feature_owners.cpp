@@ -1,4 +1,4 @@
-#include "souple/contacts/feature_owners.h"
+#include "souple/contacts/surfaces/feature_owners.h"
 
 #include "souple/collision/nearest.h"
 #include "souple/state/bytes.h"

@@ -1,7 +1,7 @@
-#include "souple/contacts/motion_bounds.h"
+#include "souple/contacts/surfaces/motion_bounds.h"
 
 #include "souple/broad_phase/spatial_hash.h"
-#include "souple/contacts/predicted_paths.h"
+#include "souple/contacts/surfaces/predicted_paths.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
