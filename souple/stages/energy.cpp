@@ -95,13 +95,13 @@ class Sweeps {
 
 }  // namespace
 
-double elastic_energy(std::span<const Projector* const> constraints, const ParticleView& particles) {
+double elastic_energy(std::span<Projector* const> constraints, const ParticleView& particles) {
   double sum = 0;
   for (const Projector* projector : constraints) sum += projector->residual(particles).energy;
   return sum;
 }
 
-double unconverged_energy(std::span<const Projector* const> constraints, const ParticleView& particles,
+double unconverged_energy(std::span<Projector* const> constraints, const ParticleView& particles,
                           const Substep& substep, const Solver& solver) {
   if (substep.mode == Mode::pbd) return 0;
   const LeftOut exact = solver.solved_exactly(substep);

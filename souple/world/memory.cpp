@@ -9,7 +9,6 @@
 #include "souple/world/fluids.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
-#include "souple/world/sleeping.h"
 #include "souple/world/step_scratch.h"
 #include "souple/world/world.h"
 
@@ -105,7 +104,8 @@ MemoryReport World::memory() {
        bytes_of(world.scratch->motion.predicted, world.scratch->motion.wind.of_particle,
                 world.scratch->motion.wind.of_triangle, world.scratch->rigid_sums)});
   add_constraints(world, report);
-  report.simulation.push_back({"contacts", world.contact->contacts.bytes() + world.sleep->proximity.bytes()});
+  report.simulation.push_back(
+      {"contacts", world.contact->contacts.bytes() + world.scratch->sleep.proximity.bytes()});
   if (const std::size_t foam = world.fluids->foam().bytes(); foam > 0)
     report.simulation.push_back({"foam", foam});
   add_objects(world, report);

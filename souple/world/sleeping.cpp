@@ -5,13 +5,15 @@
 #include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
+#include "souple/world/step_scratch.h"
 #include "souple/world/world.h"
 
 namespace souple {
 namespace {
 
 SleepView sleep_view(WorldState& world) {
-  return {world.stage_view(), world.contact->tables, world.colliders, world.constraints.users, *world.sleep};
+  return {world.stage_view(), world.contact->tables, world.colliders, world.constraints.users,
+          world.scratch->sleep};
 }
 
 }  // namespace
@@ -26,15 +28,15 @@ void fall_asleep(WorldState& world, double dt) {
 }
 
 void wake_island(WorldState& world, const Object& object) {
-  wake_island(world.objects_view(), object, *world.sleep);
+  wake_island(world.objects_view(), object, world.scratch->sleep);
 }
 
 void wake_all(WorldState& world) {
-  wake_all(world.objects_view(), *world.sleep);
+  wake_all(world.objects_view(), world.scratch->sleep);
 }
 
 void wake_particles_of(WorldState& world, const Projector& projector) {
-  wake_particles_of(world.objects_view(), projector, *world.sleep);
+  wake_particles_of(world.objects_view(), projector, world.scratch->sleep);
 }
 
 void update_sleeping_masses(WorldState& world) {

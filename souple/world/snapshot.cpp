@@ -1,7 +1,6 @@
 #include "souple/math/fnv1a.h"
 #include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
-#include "souple/stages/balance.h"
 #include "souple/world/arrivals.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/flow.h"

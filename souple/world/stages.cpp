@@ -3,16 +3,15 @@
 #include "souple/assert.h"
 #include "souple/objects/object.h"
 #include "souple/solver/solver.h"
-#include "souple/stages/balance.h"
 #include "souple/stages/damping.h"
 #include "souple/stages/motion.h"
 #include "souple/stages/obstacles.h"
 #include "souple/stages/pins.h"
 #include "souple/stages/spin.h"
+#include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/fluids.h"
-#include "souple/world/projectors.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/step_report.h"
 #include "souple/world/step_scratch.h"
@@ -32,11 +31,11 @@ double part_of_step(const WorldState& world, const Substep& substep) {
 
 // Kelvin-Voigt damping of the constraints, on the velocities of the substep. PBD mode has none.
 void damp_constraints(WorldState& world, const Substep& substep) {
-  if (world.sleep->all || substep.mode == Mode::pbd) return;
+  if (world.scratch->sleep.all || substep.mode == Mode::pbd) return;
   const ParticleView view = world.view();
   const std::span<Vec4f> velocity = world.particles.velocity;
-  for_each_projector(world,
-                     [&](Projector& projector) { projector.damp(view, velocity, substep, *world.threads); });
+  for (Projector* const projector : world.constraints.order)
+    projector->damp(view, velocity, substep, *world.threads);
 }
 
 // Stiffnesses of PBD are no forces, and phantoms no particles.
@@ -49,7 +48,7 @@ bool measures_balance(const WorldState& world) {
 }  // namespace
 
 void integrate(WorldState& world, const Substep& substep) {
-  if (world.sleep->woken) find_candidates(world, static_cast<double>(substep.h) * substep.count);
+  if (world.scratch->sleep.woken) find_candidates(world, static_cast<double>(substep.h) * substep.count);
   const StageView stage = world.stage_view();
   note(world, predict_motion(stage, world.callbacks.force_fields, substep, world.scratch->motion));
   predict_spin(stage.objects, substep, stage.threads);
@@ -65,17 +64,17 @@ void solve_incompressibility(WorldState& world, const Substep& substep) {
 }
 
 void solve(WorldState& world, const Substep& substep) {
-  if (world.sleep->all) return;
+  if (world.scratch->sleep.all) return;
   SOUPLE_ASSERT(!world.dirty.solver && !world.dirty.constraints, "a step prepares its solver");
   const ParticleView view = world.view();
-  for_each_projector(world, [&](Projector& projector) { projector.begin_substep(view, substep); });
+  for (Projector* const projector : world.constraints.order) projector->begin_substep(view, substep);
   Substep solved = substep;
   solved.levels = !world.contact->contacts.separates();
   if (measures_balance(world)) {
-    solved.external = &world.balance->external();
-    world.balance->begin(world.steps, view);
+    solved.external = &world.scratch->balance.external();
+    world.scratch->balance.begin(world.steps, view);
     world.solving.solver->solve(world.constraints.order, view, solved, *world.threads);
-    world.balance->measure(world.objects_view(), length(Vec3d(world.settings.gravity)), substep);
+    world.scratch->balance.measure(world.objects_view(), length(Vec3d(world.settings.gravity)), substep);
     report_balance(world);
   } else {
     world.solving.solver->solve(world.constraints.order, view, solved, *world.threads);

@@ -5,12 +5,11 @@
 #include "souple/objects/object.h"
 #include "souple/queries/caches.h"
 #include "souple/solver/solver.h"
-#include "souple/stages/balance.h"
+#include "souple/stages/stage_view.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/flow.h"
 #include "souple/world/fluids.h"
-#include "souple/world/sleeping.h"
 #include "souple/world/step_scratch.h"
 
 #include <algorithm>
@@ -21,15 +20,13 @@ namespace souple {
 
 WorldState::WorldState()
     : contact(std::make_unique<ContactState>()),
-      balance(std::make_unique<Balance>()),
       fluids(std::make_unique<Fluids>()),
-      sleep(std::make_unique<SleepScratch>()),
       scratch(std::make_unique<StepScratch>()),
       caches(std::make_unique<Caches>()) {}
 WorldState::~WorldState() = default;
 
 Object* WorldState::find_object(ObjectId id) const {
-  const std::optional<std::size_t> at = object_index.find(id.value);
+  const std::optional<std::size_t> at = registry.objects.find(id.value);
   return at ? objects[*at].get() : nullptr;
 }
 
@@ -40,7 +37,7 @@ Object& WorldState::object(ObjectId id) {
 }
 
 ColliderRecord& WorldState::collider(ColliderId id) {
-  if (const std::optional<std::size_t> at = collider_index.find(id.value)) return colliders[*at];
+  if (const std::optional<std::size_t> at = registry.colliders.find(id.value)) return colliders[*at];
   throw Error(
       fmt::format("no collider has the handle {}: it was removed, or belongs to another world", id.value));
 }
@@ -64,8 +61,8 @@ void Callbacks::erase_removed() {
 }
 
 std::string WorldState::unique_name(const std::string& wanted, std::string_view base) const {
-  if (wanted.empty()) return names.first_free(base);
-  names.require_free(wanted);
+  if (wanted.empty()) return registry.names.first_free(base);
+  registry.names.require_free(wanted);
   return wanted;
 }
 
@@ -75,6 +72,10 @@ void WorldState::require_between_steps(std::string_view what) const {
 
 const Object& WorldState::object(ObjectId id) const {
   return const_cast<WorldState*>(this)->object(id);
+}
+
+StageView WorldState::stage_view() {
+  return {objects_view(), settings, *threads, warnings, time};
 }
 
 QueryView WorldState::query_view() const {

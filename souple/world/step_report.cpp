@@ -4,11 +4,10 @@
 #include "souple/constraints/neo_hookean.h"
 #include "souple/objects/object.h"
 #include "souple/solver/custom_constraint.h"
-#include "souple/stages/balance.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/fluids.h"
-#include "souple/world/projectors.h"
 #include "souple/world/sleeping.h"
+#include "souple/world/step_scratch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,19 +25,19 @@ constexpr double max_fluid_step = 0.36;  // a third, and a tolerance for waves o
 void measure(WorldState& world) {
   StepReport& report = world.report;
   const ParticleView view = world.view();
-  for_each_projector(world, [&](Projector& projector) {
-    if (projector.size() == 0) return;
-    report.constraints += projector.size();
-    KindReport kind{.kind = projector.kind(), .count = projector.size()};
+  for (Projector* const projector : world.constraints.order) {
+    if (projector->size() == 0) continue;
+    report.constraints += projector->size();
+    KindReport kind{.kind = projector->kind(), .count = projector->size()};
     if (world.settings.measure_residuals) {
-      const Residual residual = projector.measure(view, *world.threads);
+      const Residual residual = projector->measure(view, *world.threads);
       kind.largest = residual.largest;
       kind.mean = residual.count > 0 ? residual.sum / static_cast<double>(residual.count) : 0;
       kind.largest_strain = residual.largest_strain;
       report.largest_strain = std::max(report.largest_strain, residual.largest_strain);
     }
     report.kinds.push_back(kind);
-  });
+  }
 }
 
 // Reports exceptions and non-finite results of users' run-time constraints.
@@ -58,7 +57,7 @@ void report_fluids(WorldState& world) {
 
 void flag_not_converged(WorldState& world) {
   if (world.report.objects.empty()) return;
-  const std::optional<std::size_t> worst = world.balance->worst(world.objects_view());
+  const std::optional<std::size_t> worst = world.scratch->balance.worst(world.objects_view());
   if (!worst) return;
   fmt::memory_buffer line;  // a string would allocate
   fmt::format_to(std::back_inserter(line), "{}: {}", world.report.objects[*worst].name,
@@ -160,9 +159,9 @@ void save_last_valid(WorldState& world) {
 
 void report_balance(WorldState& world) {
   std::vector<ObjectReport>& reports = world.report.objects;
-  reports.resize(world.balance->object_count());
+  reports.resize(world.scratch->balance.object_count());
   for (std::size_t k = 0; k < reports.size(); ++k) {
-    const Object& object = *world.objects[world.balance->object(k)];
+    const Object& object = *world.objects[world.scratch->balance.object(k)];
     reports[k].name = object.name;
     reports[k].unbalanced = object.imbalance.unbalanced;
     reports[k].stretch = object.imbalance.stretch;
