@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/world/settings.h"
+#include "souple/stages/settings.h"
 
 #include <cstdint>
 #include <optional>

@@ -3,7 +3,7 @@
 #include "souple/error.h"
 #include "souple/scene/nearest.h"
 #include "souple/solver/solver_names.h"
-#include "souple/world/settings.h"
+#include "souple/stages/settings.h"
 
 #include <string>
 #include <utility>

@@ -5,7 +5,7 @@
 #include "souple/fluid/coarse_pressure.h"
 #include "souple/fluid/local_boundary.h"
 #include "souple/fluid/surface_planes.h"
-#include "souple/geometry/triangle_mesh.h"
+#include "souple/objects/fluid_boundary.h"
 #include "souple/solver/projector.h"
 
 #include <array>
@@ -14,24 +14,6 @@
 #include <vector>
 
 namespace souple {
-
-/// How a body responds to pressure during the pressure solve.
-enum class BodyCompliance {
-  per_vertex,  ///< each vertex by itself; for cloth
-  per_body     ///< as a rigid body; pressure deforms it only afterwards
-};
-
-/// A body's surface as a fluid's boundary: triangles over vertices, each interpolated from up to four
-/// particles of the world.
-struct BoundaryMesh {
-  std::uint32_t begin = 0, end = 0;  ///< range of the body's particles
-  std::vector<std::array<std::uint32_t, 4>> particles{};
-  std::vector<std::array<float, 4>> weights{};  ///< per vertex; they sum to 1
-  std::vector<Triangle> triangles{};            ///< over vertices, counterclockwise seen from outside
-  float half_thickness = 0;                     ///< offset of the surface along its normal [m]
-  bool closed = false;                          ///< the body has an inside, where no fluid belongs
-  BodyCompliance compliance = BodyCompliance::per_vertex;
-};
 
 /// Two-way coupling of fluids and bodies. A particle near a body treats the body's surface as a wall at the
 /// nearest point. Each push on the particle acts on this point in the opposite direction, so momentum is

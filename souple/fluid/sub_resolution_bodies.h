@@ -3,6 +3,7 @@
 #include "souple/fluid/cell_order.h"
 #include "souple/fluid/fluid_view.h"
 #include "souple/fluid/local_boundary.h"
+#include "souple/objects/fluid_boundary.h"
 #include "souple/solver/projector.h"
 
 #include <algorithm>
@@ -12,18 +13,6 @@
 #include <vector>
 
 namespace souple {
-
-/// A grain, or a piece of a grain or a rope, whose size is at most about the particle spacing of the fluid.
-struct SubResolutionBody {
-  std::array<std::uint32_t, 2> particles{};  ///< particles of the world that carry it
-  std::array<float, 2> weights{};            ///< they sum to 1
-  Vec3f offset{};            ///< from there, without rotation [m]; the solver does not use it yet
-  float volume = 0;          ///< m^3
-  float mass = 0;            ///< kg
-  float radius = 0;          ///< m
-  float length = 0;          ///< of a piece of rope; 0: a ball [m]
-  std::uint32_t object = 0;  ///< index among the objects that fluids may collide with
-};
 
 /// Bodies below the resolution of a fluid. They are no walls: fluid particles cannot resolve a surface
 /// smaller than themselves. Instead these bodies receive the forces on the fluid around them. By Archimedes'

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "souple/io/manifest.h"
+#include "souple/stages/settings.h"
 #include "souple/world/report.h"
-#include "souple/world/settings.h"
 
 #include <string>
 

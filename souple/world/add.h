@@ -1,14 +1,9 @@
 #pragma once
 
-#include "souple/objects/materials.h"
 #include "souple/world/state.h"
 
 namespace souple {
 
-/// kg/m^2 of a cloth, kg/m^3 of the other kinds; 1 for obstacles.
-float density(const Material& material);
-/// Half the thickness; the radius of grains and ropes; a quarter of the spacing of fluids [m].
-float contact_radius(const Material& material);
 /// Multiplies the masses of an object's particles.
 void scale_mass(WorldState& world, const Object& object, float factor);
 /// Removes an object, its particles, and every constraint on one of them.
@@ -21,7 +16,5 @@ void require_movable(const Object& object, const char* what);
 /// Throws Error for a fluid: its particles come and go, so no constraint can refer to one. `what` names the
 /// calling function.
 void require_permanent_particles(const Object& object, const char* what);
-/// Throws Error if `layer` is out of range, or if the object has no surface for a layer.
-void require_layer(const Object& object, int layer);
 
 }  // namespace souple

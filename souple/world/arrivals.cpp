@@ -1,11 +1,11 @@
 #include "souple/world/arrivals.h"
 
+#include "souple/objects/checks.h"
+#include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
-#include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
 #include "souple/world/sleeping.h"
-#include "souple/world/validate.h"
 #include "souple/world/world.h"
 
 #include <algorithm>

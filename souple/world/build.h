@@ -1,15 +1,10 @@
 #pragma once
 
 #include "souple/objects/materials.h"
-#include "souple/objects/set_kinds.h"
 #include "souple/world/state.h"
 
 namespace souple {
 
-/// Builds the constraints of one object, of the kinds that its material changed or all that are new: they wait in the
-/// object until build_constraints. Throws Error, beginning with the object's name, if they cannot be built. Returns the
-/// number of cloth elements that are too thin for bending or a membrane and are skipped.
-std::size_t build_elements(Object& object, const SetKinds& kinds);
 /// Gives an object another material of its kind, and builds the constraints that change with it. If it throws, nothing
 /// has changed.
 void replace_material(WorldState& world, Object& object, const Material& material);

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "souple/contacts/contacts.h"
+#include "souple/queries/query.h"
 #include "souple/world/contact_tracker.h"
-#include "souple/world/query.h"
 
 #include <vector>
 

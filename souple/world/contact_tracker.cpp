@@ -1,10 +1,11 @@
 #include "souple/world/contact_tracker.h"
 
+#include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
-#include "souple/world/caches.h"
-#include "souple/world/collider_record.h"
+#include "souple/queries/caches.h"
+#include "souple/queries/overlap.h"
+#include "souple/queries/query_view.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/overlap.h"
 #include "souple/world/state.h"
 
 #include <algorithm>
@@ -74,14 +75,15 @@ void ContactTracker::merge() {
 }
 
 void ContactTracker::add_sensors(const WorldState& world) {
-  world.caches->query_index.refresh(world);
+  const QueryView view = world.query_view();
+  view.caches.query_index.refresh(view);
   for (std::size_t c = 0; c < world.colliders.size(); ++c) {
     const ColliderRecord& record = world.colliders[c];
     if (!record.options.sensor) continue;
     const Transform pose = record.options.motion.at(world.time);
     for (std::size_t a = 0; a < world.objects.size(); ++a) {
       if (!world.contact->tables.against_colliders.collide(a, c)) continue;
-      if (!overlaps(world, a, record.shape, pose)) continue;
+      if (!overlaps(view, a, record.shape, pose)) continue;
       add({.key = {world.objects[a]->id.value, true, record.id.value}, .is_sensor = true});
     }
   }

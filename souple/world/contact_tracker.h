@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/contacts/contact.h"
-#include "souple/world/query.h"
+#include "souple/queries/query.h"
 
 #include <cstdint>
 #include <span>

@@ -1,19 +1,22 @@
 #include "souple/world/contacts.h"
 
 #include "souple/constraints/distance.h"
-#include "souple/geometry/measures.h"
+#include "souple/objects/collider_record.h"
+#include "souple/objects/contact_geometry.h"
+#include "souple/objects/kind_traits.h"
 #include "souple/objects/object.h"
+#include "souple/objects/obstacle_pose.h"
+#include "souple/queries/caches.h"
 #include "souple/solver/set_projector.h"
-#include "souple/world/body_restitution.h"
-#include "souple/world/caches.h"
-#include "souple/world/collider_record.h"
+#include "souple/stages/body_restitution.h"
+#include "souple/stages/obstacles.h"
+#include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/fluids.h"
 #include "souple/world/impl.h"
-#include "souple/world/obstacles.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/stages.h"
-#include "souple/world/user_constraint.h"
+#include "souple/world/step_scratch.h"
 #include "souple/world/world.h"
 
 #include <algorithm>
@@ -23,75 +26,6 @@
 
 namespace souple {
 namespace {
-
-// Balls collide with balls as particles; all other pairs collide as surfaces.
-ContactObject contact_object(const Object& object) {
-  constexpr std::uint32_t balls = 1;
-  ContactObject result{.begin = object.begin, .end = object.end, .groups = 0};
-  result.self_collision = result.rolls = object.kind == ObjectKind::grains;
-  result.collides_with_colliders = object.kind != ObjectKind::fluid;  // see fluids.h
-  if (is_particle_only(object) && object.kind != ObjectKind::fluid) result.groups = result.mask = balls;
-  return result;
-}
-
-// R of ContactStep::depenetration_speed [m]: of grains, which are bodies of their own, the radius of a grain; of others
-// two thirds of that of the ball around the center that holds all rest positions (3 m/s for a sheet of 1 m).
-float radius_at_rest(const WorldState& world, const Object& object) {
-  float radius = 0;
-  if (object.kind == ObjectKind::grains) {
-    for (std::uint32_t i = object.begin; i < object.end; ++i) radius = max(radius, world.particles.radius[i]);
-    return radius;
-  }
-  Vec3d center;
-  for (const Vec3d& x : object.rest) center += x * (1 / static_cast<double>(object.rest.size()));
-  double square = 0;
-  for (const Vec3d& x : object.rest) square = max(square, length_squared(x - center));
-  return static_cast<float>(2 * std::sqrt(square) / 3);
-}
-
-std::vector<Edge> edges_of_rope(const Object& object) {
-  std::vector<Edge> edges;
-  for (std::uint32_t i = 0; object.kind == ObjectKind::rope && i + 1 < object.particle_count(); ++i)
-    edges.push_back({i, i + 1});
-  return edges;
-}
-
-ContactSurface contact_surface(const WorldState& world, std::uint32_t index, float radius) {
-  const Object& object = *world.objects[index];
-  const ContactMaterialTable& matrix = world.contact->tables.against_objects;
-  ContactSurface result{
-      .begin = object.begin,
-      .end = object.end,
-      .reserved_end = object.reserved_end(),
-      .triangles = object.surface,
-      .edges = world.contact->tables.rope_edges[index],
-      .particles_only = is_particle_only(object),
-      .self_collision = object.self_collision && !is_particle_only(object) && matrix.collide(index, index),
-      .groups = object.filter.groups,
-      .mask = object.filter.mask,
-      .immovable = object.kind == ObjectKind::obstacle,
-      .layer = object.layer,
-      .rest = object.rest,
-      .rolls = object.kind == ObjectKind::grains,
-      .radius = radius};
-  matrix.for_each_ignored(index, [&](std::uint32_t other) {
-    if (other != index) result.ignored_surfaces.push_back(other);
-  });
-  return result;
-}
-
-// Bodies with an embedded surface have no elements: their particles collide instead.
-void append_elements(const Object& object, std::uint32_t index, std::span<const Edge> rope_edges,
-                     std::vector<ContactElement>& elements) {
-  if (object.kind == ObjectKind::obstacle || is_particle_only(object)) return;
-  const std::uint32_t b = object.begin;
-  const auto append = [&](std::uint32_t p, std::uint32_t q, std::uint32_t r) {
-    const double radius = enclosing_radius(object.rest[p], object.rest[q], object.rest[r]);
-    elements.push_back({{b + p, b + q, b + r}, index, static_cast<float>(radius)});
-  };
-  for (const Triangle& t : object.surface) append(t[0], t[1], t[2]);
-  for (const Edge& edge : rope_edges) append(edge[0], edge[1], edge[1]);
-}
 
 std::vector<std::array<std::uint32_t, 2>> joined_particles(const WorldState& world) {
   std::vector<std::array<std::uint32_t, 2>> joined;
@@ -112,29 +46,11 @@ ContactGeometry contact_geometry(const WorldState& world, std::span<const NamedC
     return !std::holds_alternative<Plane>(c.shape);
   });
   for (std::uint32_t a = 0; a < world.objects.size(); ++a) {
-    geometry.surfaces.push_back(contact_surface(world, a, materials[a].radius));
+    geometry.surfaces.push_back(contact_surface(*world.objects[a], a, tables.rope_edges[a],
+                                                materials[a].radius, tables.against_objects));
     if (any_solid) append_elements(*world.objects[a], a, tables.rope_edges[a], geometry.elements);
   }
   return geometry;
-}
-
-ContactMaterial contact_material_of(const Material& material) {
-  // Fluids have viscous friction, not Coulomb friction.
-  if (const auto* fluid = std::get_if<FluidMaterial>(&material))
-    return {.friction = 0, .restitution = fluid->restitution};
-  // Particles of soft bodies do not bounce alone, see body_restitution.h.
-  if (const auto* soft = std::get_if<SoftBodyMaterial>(&material))
-    return {.friction = soft->friction,
-            .kinetic_friction = soft->kinetic_friction,
-            .restitution = soft->restitution > elastic_restitution ? soft->restitution : 0};
-  return std::visit(
-      [](const auto& m) {
-        ContactMaterial result{.friction = m.friction, .restitution = m.restitution};
-        if constexpr (requires { m.kinetic_friction; }) result.kinetic_friction = m.kinetic_friction;
-        if constexpr (requires { m.rolling_friction; }) result.rolling_friction = m.rolling_friction;
-        return result;
-      },
-      material);
 }
 
 void append_event(const WorldState& world, const ContactPush& push, std::vector<ContactEvent>& events) {
@@ -166,21 +82,17 @@ ContactMaterial contact_material_of(const ColliderOptions& options) {
           .restitution = options.restitution};
 }
 
-bool is_particle_only(const Object& object) {
-  return object.surface.empty() && object.kind != ObjectKind::rope;
-}
-
 void build_contact_tables(WorldState& world) {
   world.contact->invalidate();
   ContactTables& tables = world.contact->tables;
-  world.sleep->proximity.invalidate();
+  world.scratch->sleep.proximity.invalidate();
   tables.objects.clear();
   tables.colliders.clear();
   std::vector<NamedContactMaterial> object_materials, collider_materials;
   for (const auto& object : world.objects) {
     tables.objects.push_back(contact_object(*object));
     object_materials.push_back({object->name, contact_material_of(object->material), object->filter,
-                                radius_at_rest(world, *object)});
+                                radius_at_rest(*object, world.particles.radius)});
   }
   for (const ColliderRecord& record : world.colliders) {
     const ContactMaterial material = contact_material_of(record.options);
@@ -192,7 +104,7 @@ void build_contact_tables(WorldState& world) {
   tables.against_colliders = ContactMaterialTable(object_materials, collider_materials, world.contact->pairs);
   tables.against_objects = ContactMaterialTable(object_materials, object_materials, world.contact->pairs);
   tables.rope_edges.clear();
-  for (const auto& object : world.objects) tables.rope_edges.push_back(edges_of_rope(*object));
+  for (const auto& object : world.objects) tables.rope_edges.push_back(edges_of_line(*object));
   world.contact->contacts.build(contact_geometry(world, object_materials));
   world.contact->check_intersections = world.dirty.counts = true;
   world.fluids->build(world);
@@ -202,11 +114,11 @@ void update_fluid_counts(WorldState& world) {
   if (!world.dirty.counts) return;
   for (std::size_t a = 0; a < world.objects.size(); ++a) {
     const Object& object = *world.objects[a];
-    if (object.kind != ObjectKind::fluid) continue;
+    if (!traits_of(object.kind).flows) continue;
     world.contact->tables.objects[a].end = object.end;
     world.contact->contacts.set_end(a, object.end);
   }
-  world.sleep->proximity.invalidate();
+  world.scratch->sleep.proximity.invalidate();
   world.dirty.counts = false;
 }
 
@@ -221,7 +133,7 @@ bool may_intersect(const WorldState& world) {
   if (world.steps % interval != 0) return false;
   bool driven = false, pinned = false;
   for (const auto& object : world.objects) {
-    driven = driven || (object->kind == ObjectKind::obstacle && !is_static(object->motion));
+    driven = driven || (traits_of(object->kind).driven && !is_static(object->motion));
     for (const PinnedParticle& pin : object->pins)
       driven = driven || pin.target || pin.arrival, pinned = true;
   }
@@ -258,7 +170,7 @@ void find_candidates(WorldState& world, double dt) {
                          .turn = world.particles.turn};
   ContactTables& tables = world.contact->tables;
   Particles& particles = world.particles;
-  predict_obstacles(world, dt);
+  predict_obstacles(world.stage_view(), dt);
   wake_disturbed(world, dt);
   particles.start = world.settings.form == Form::plain ? particles.position : particles.offset;
   const ParticleView view = world.view();
@@ -277,7 +189,7 @@ void find_candidates(WorldState& world, double dt) {
 }
 
 void generate_contacts(WorldState& world, const Substep& substep) {
-  if (world.sleep->all) return;
+  if (world.scratch->sleep.all) return;
   world.warnings.guarded("a collider's motion", [&] {
     world.contact->contacts.refresh(world.view(), substep, world.time, *world.threads);
   });
@@ -288,7 +200,8 @@ void keep_apart(WorldState& world, const Substep& substep) {
 }
 
 void apply_restitution(WorldState& world, const Substep& substep) {
-  restitute_bodies(world, substep);
+  restitute_bodies(world.objects_view(), world.contact->contacts, length(world.settings.gravity), substep,
+                   world.scratch->impacts);
   world.contact->contacts.apply_restitution(world.view(), world.particles.velocity, substep, *world.threads);
 }
 

@@ -6,9 +6,6 @@
 
 namespace souple {
 
-/// Whether an object collides as a cloud of balls: it has no triangles and is no rope. True for grains,
-/// fluids and bodies whose surface is embedded in a lattice.
-bool is_particle_only(const Object& object);
 ContactMaterial contact_material_of(const ColliderOptions& options);
 /// Sets up the contact projectors: object ranges, collision filters, surfaces.
 void build_contact_tables(WorldState& world);

@@ -5,7 +5,6 @@
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
-#include "souple/world/projectors.h"
 #include "souple/world/world.h"
 
 namespace souple {
@@ -15,18 +14,14 @@ void draw_constraints(WorldState& world, const std::function<void(const DebugCon
   if (!world.current.running) bring_constraints_up_to_date(world);
   const ParticleView view = world.view();
   std::vector<Vec3f> points;
-  const auto visit = [&](const Projector& projector) {
-    const std::string_view kind = projector.kind();
-    projector.visit(view, [&](const ConstraintState& constraint) {
+  const bool has_contacts = world.contact->valid || world.current.running;
+  for (const Projector* projector : has_contacts ? world.constraints.order : world.constraints.lasting()) {
+    const std::string_view kind = projector->kind();
+    projector->visit(view, [&](const ConstraintState& constraint) {
       points.clear();
       for (const std::uint32_t i : constraint.particles) points.push_back(Vec3f(world.exact_position(i)));
       draw({kind, points, constraint.color, constraint.strain, constraint.residual});
     });
-  };
-  if (world.contact->valid || world.current.running) {
-    for_each_projector(world, visit);
-  } else {
-    for_each_constraint_projector(world, visit);
   }
 }
 

@@ -36,7 +36,7 @@ EmitterId World::add_emitter(ObjectId fluid, const Emitter& emitter) {
   require_layer_size(emitter, std::get<FluidMaterial>(object.material).spacing, owner);
   wake_island(world, object);
   world.flow.emitters.push_back(
-      {{world.next_id++}, fluid.value, emitter, layers_before(world, object, emitter)});
+      {{world.registry.next_id++}, fluid.value, emitter, layers_before(world, object, emitter)});
   return world.flow.emitters.back().id;
 }
 
@@ -64,7 +64,7 @@ DrainId World::add_drain(const Drain& drain) {
   world.require_between_steps("add_drain");
   validate(drain, "a drain");
   wake_all(world);
-  world.flow.drains.push_back({{world.next_id++}, drain, 0});
+  world.flow.drains.push_back({{world.registry.next_id++}, drain, 0});
   return world.flow.drains.back().id;
 }
 

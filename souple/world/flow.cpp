@@ -1,12 +1,12 @@
 #include "souple/world/flow.h"
 
 #include "souple/contacts/collider_queries.h"
+#include "souple/objects/checks.h"
+#include "souple/objects/kind_functions.h"
 #include "souple/objects/object.h"
-#include "souple/world/add.h"
 #include "souple/world/inflow_particles.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/state.h"
-#include "souple/world/validate.h"
 
 #include <algorithm>
 #include <cmath>

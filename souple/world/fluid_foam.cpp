@@ -1,7 +1,7 @@
 #include "souple/world/fluid_foam.h"
 
+#include "souple/objects/collider_record.h"
 #include "souple/state/bytes.h"
-#include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/fluids.h"
 #include "souple/world/stages.h"

@@ -1,6 +1,6 @@
 #include "souple/fluid/air_drag.h"
+#include "souple/stages/forces.h"
 #include "souple/world/fluids.h"
-#include "souple/world/forces.h"
 #include "souple/world/state.h"
 
 // Forces on a world's fluids: viscosity, wall friction, surface tension, vorticity confinement, air drag.

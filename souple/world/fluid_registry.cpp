@@ -1,9 +1,9 @@
 #include "souple/world/fluid_registry.h"
 
+#include "souple/objects/collider_record.h"
+#include "souple/objects/fluid_boundary.h"
 #include "souple/objects/object.h"
-#include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/fluid_boundary.h"
 #include "souple/world/state.h"
 
 #include <optional>

@@ -1,7 +1,7 @@
 #include "souple/world/fluids.h"
 
 #include "souple/contacts/particle_position.h"
-#include "souple/world/collider_record.h"
+#include "souple/objects/collider_record.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/state.h"
 

@@ -1,16 +1,15 @@
 #include "souple/world/memory.h"
 
+#include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
+#include "souple/queries/caches.h"
+#include "souple/stages/user_constraint.h"
 #include "souple/state/bytes.h"
-#include "souple/world/caches.h"
-#include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/fluids.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
-#include "souple/world/sleeping.h"
 #include "souple/world/step_scratch.h"
-#include "souple/world/user_constraint.h"
 #include "souple/world/world.h"
 
 namespace souple {
@@ -101,10 +100,12 @@ MemoryReport World::memory() {
       {"last valid state", bytes_of(world.last_valid.position, world.last_valid.offset,
                                     world.last_valid.velocity, world.last_valid.spin)});
   report.simulation.push_back(
-      {"forces and predictions", bytes_of(world.scratch->predicted, world.scratch->force,
-                                          world.scratch->triangle_force, world.scratch->rigid_sums)});
+      {"forces and predictions",
+       bytes_of(world.scratch->motion.predicted, world.scratch->motion.wind.of_particle,
+                world.scratch->motion.wind.of_triangle, world.scratch->rigid_sums)});
   add_constraints(world, report);
-  report.simulation.push_back({"contacts", world.contact->contacts.bytes() + world.sleep->proximity.bytes()});
+  report.simulation.push_back(
+      {"contacts", world.contact->contacts.bytes() + world.scratch->sleep.proximity.bytes()});
   if (const std::size_t foam = world.fluids->foam().bytes(); foam > 0)
     report.simulation.push_back({"foam", foam});
   add_objects(world, report);

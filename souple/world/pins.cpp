@@ -3,13 +3,13 @@
 #include "souple/constraints/tether.h"
 #include "souple/geometry/adjacency.h"
 #include "souple/objects/object.h"
+#include "souple/queries/select.h"
 #include "souple/solver/custom_constraint.h"
 #include "souple/solver/set_projector.h"
+#include "souple/stages/user_constraint.h"
 #include "souple/world/add.h"
 #include "souple/world/impl.h"
 #include "souple/world/sleeping.h"
-#include "souple/world/user_constraint.h"
-#include "souple/world/validate.h"
 #include "souple/world/world.h"
 
 #include <algorithm>
@@ -19,57 +19,10 @@
 
 #include <fmt/core.h>
 
-// Selectors, pins, and the constraints that users add between vertices.
+// Pins, and the constraints that users add between vertices.
 
 namespace souple {
 namespace {
-
-struct SelectVertices {
-  const Object& object;
-  std::span<const Vec3f> positions;
-
-  std::vector<std::uint32_t> operator()(const Selector::All&) const {
-    std::vector<std::uint32_t> result(positions.size());
-    for (std::uint32_t i = 0; i < result.size(); ++i) result[i] = i;
-    return result;
-  }
-  std::vector<std::uint32_t> operator()(const Selector::Vertices& chosen) const {
-    std::vector<std::uint32_t> result = chosen.indices;
-    std::sort(result.begin(), result.end());
-    result.erase(std::unique(result.begin(), result.end()), result.end());
-    if (!result.empty() && result.back() >= positions.size())
-      throw Error(fmt::format("vertices: {} has {} vertices, but no vertex {}", object.name, positions.size(),
-                              result.back()));
-    return result;
-  }
-  std::vector<std::uint32_t> operator()(const Selector::InBox& box) const {
-    std::vector<std::uint32_t> result;
-    for (std::uint32_t i = 0; i < positions.size(); ++i) {
-      const Vec3f& x = positions[i];
-      if (x.x >= box.lo.x && x.x <= box.hi.x && x.y >= box.lo.y && x.y <= box.hi.y && x.z >= box.lo.z &&
-          x.z <= box.hi.z)
-        result.push_back(i);
-    }
-    return result;
-  }
-  std::vector<std::uint32_t> operator()(const Selector::Nearest& nearest) const {
-    std::vector<std::uint32_t> result;
-    float best = std::numeric_limits<float>::infinity();
-    for (std::uint32_t i = 0; i < positions.size(); ++i) {
-      const float distance = length_squared(positions[i] - nearest.point);
-      if (distance < best) best = distance, result = {i};
-    }
-    return result;
-  }
-  std::vector<std::uint32_t> operator()(const Selector::Group& group) const {
-    const auto found = object.mesh.groups.find(group.name);
-    if (found != object.mesh.groups.end()) return found->second;
-    std::vector<std::string_view> names;
-    for (const auto& [name, vertices] : object.mesh.groups) names.push_back(name);
-    throw Error("group: the mesh of " + object.name + " has no group '" + group.name + "'" +
-                nearest_name(group.name, names));
-  }
-};
 
 /// The particles of the chosen vertices, each once, with one of these vertices.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> particles_with_vertices(
@@ -114,11 +67,7 @@ std::vector<std::uint32_t> particles_of(const Object& object, const std::vector<
 }
 
 std::vector<std::uint32_t> World::select(ObjectId id, const Selector& selector) const {
-  const Object& object = impl_->state.object(id);
-  std::vector<std::uint32_t> result = std::visit(SelectVertices{object, positions(id)}, selector.choice);
-  if (result.empty())
-    throw Error("the selector selects no vertex of " + object.name + "; check its current positions");
-  return result;
+  return select_vertices(impl_->state.object(id), positions(id), selector);
 }
 
 void World::pin(ObjectId id, const Selector& selector, Target target) {
@@ -295,7 +244,7 @@ ProjectorId World::add_projector(std::unique_ptr<Projector> projector) {
 
 ProjectorId WorldState::add_user_constraint(UserConstraint user_constraint,
                                             std::unique_ptr<Projector> projector) {
-  user_constraint.id = {next_id++};
+  user_constraint.id = {registry.next_id++};
   user_constraint.projector = std::move(projector);
   dirty.tables = dirty.tables || user_constraint.distance_joint;  // contacts exclude joined particles
   dirty.solver = true;

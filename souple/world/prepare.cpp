@@ -3,12 +3,12 @@
 #include "souple/assert.h"
 #include "souple/multilevel/make_solver.h"
 #include "souple/objects/object.h"
-#include "souple/world/balance.h"
+#include "souple/stages/user_constraint.h"
 #include "souple/world/build.h"
+#include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
-#include "souple/world/projectors.h"
 #include "souple/world/sleeping.h"
-#include "souple/world/user_constraint.h"
+#include "souple/world/step_scratch.h"
 
 namespace souple {
 
@@ -57,6 +57,26 @@ bool ranges_are_contiguous(const WorldState& world) {
 
 }  // namespace
 
+namespace {
+
+/// Calls f(projector) for all projectors except contacts, in order of solution: objects' constraints, user constraints.
+template <class Function>
+void for_each_lasting(const WorldState& world, const Function& f) {
+  for (Projector* const projector : world.constraints.object_projectors) f(*projector);
+  for (const UserConstraint& user_constraint : world.constraints.users)
+    if (user_constraint.is_active) f(*user_constraint.projector);
+}
+
+void order_projectors(WorldState& world) {
+  std::vector<Projector*>& order = world.constraints.order;
+  order.clear();
+  for_each_lasting(world, [&](Projector& projector) { order.push_back(&projector); });
+  world.constraints.without_contacts = order.size();
+  for (const auto& kind : world.contact->contacts.kinds()) order.push_back(kind.get());
+}
+
+}  // namespace
+
 void bring_constraints_up_to_date(WorldState& world) {
   if (world.dirty.objects) world.particles.shrink_to_fit(), world.object_of.shrink_to_fit();
   if (world.dirty.objects || world.dirty.radii) build_contact_radii(world);
@@ -64,15 +84,16 @@ void bring_constraints_up_to_date(WorldState& world) {
   const bool rebuilt = changed && build_constraints(world);
   world.dirty.solver = world.dirty.solver || changed;
   world.dirty.constraints = world.dirty.objects = world.dirty.radii = false;
-  for_each_constraint_projector(world,
-                                [&](Projector& projector) { projector.prepare(world.particles.size()); });
-  if (rebuilt) world.balance->choose(world), world.report.objects.clear();
+  for_each_lasting(world, [&](Projector& projector) { projector.prepare(world.particles.size()); });
+  if (rebuilt) {
+    world.scratch->balance.choose(world.objects_view(), world.constraints.object_projectors);
+    world.report.objects.clear();
+  }
   if (!world.threads)
     world.threads = world.jobs ? make_threads(*world.jobs)
                                : make_threads(world.settings.threading, world.settings.threads);
   if (!world.dirty.solver && !world.dirty.masses) return;
-  world.constraints.order.clear();
-  for_each_projector(world, [&](Projector& projector) { world.constraints.order.push_back(&projector); });
+  order_projectors(world);
   for (Projector* projector : world.constraints.order)
     projector->split(0, 0);  // undo splits of the last solver
   const std::vector<Vec4f> awake = awake_positions(world);

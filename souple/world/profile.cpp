@@ -4,7 +4,6 @@
 #include "souple/solver/solver.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
-#include "souple/world/projectors.h"
 #include "souple/world/world.h"
 
 #include <algorithm>
@@ -72,16 +71,16 @@ std::vector<KindTime> World::time_projections(double dt, int sweeps) {
   const Substep substep = substep_of(world.settings, dt);
   const ParticleView view = world.view();
   std::vector<KindTime> result;
-  for_each_constraint_projector(world, [&](Projector& projector) {
+  for (Projector* const projector : world.constraints.lasting()) {
     std::vector<double> seconds;
-    projector.begin_substep(view, substep);
+    projector->begin_substep(view, substep);
     for (int i = 0; i < std::max(sweeps, 1); ++i) {
       const auto start = Clock::now();
-      sweep(projector, view, substep, *world.threads);
+      sweep(*projector, view, substep, *world.threads);
       seconds.push_back(seconds_since(start));
     }
-    result.push_back({projector.kind(), projector.size(), median(seconds)});
-  });
+    result.push_back({projector->kind(), projector->size(), median(seconds)});
+  }
   return result;
 }
 
@@ -93,12 +92,11 @@ SolveTime World::time_solve(double dt, int iterations) {
   const ParticleView view = world.view();
   SolveTime result;
   const auto start = Clock::now();
-  for_each_projector(world, [&](Projector& projector) { projector.begin_substep(view, substep); });
+  for (Projector* const projector : world.constraints.order) projector->begin_substep(view, substep);
   if (iterations > 0) world.solving.solver->solve(world.constraints.order, view, substep, *world.threads);
   result.seconds = seconds_since(start);
   result.diagnostic = world.solving.solver->diagnostic();
-  for_each_constraint_projector(world,
-                                [&](const Projector& projector) { add_strains(projector, view, result); });
+  for (const Projector* projector : world.constraints.lasting()) add_strains(*projector, view, result);
   if (result.count > 0) {
     result.mean_strain /= static_cast<double>(result.count);
     result.rms_strain = std::sqrt(result.rms_strain / static_cast<double>(result.count));

@@ -24,7 +24,7 @@ struct KindReport {
   double largest_strain = 0;  ///< (l - l0) / l0, extension only; 0 for kinds that measure none
 };
 
-/// Balance of the forces of a cloth, soft body or rope after the last solve of a step (world/balance.h states the
+/// Balance of the forces of a cloth, soft body or rope after the last solve of a step (stages/balance.h states the
 /// formulas). Both are 0 in equilibrium, at rest and in motion, however soft the material. Each object is measured every
 /// sixteenth step; until then, and asleep, the values stay.
 struct ObjectReport {

@@ -1,17 +1,16 @@
 #include "souple/world/state.h"
 
+#include "souple/objects/collider_record.h"
 #include "souple/objects/constraint_sets.h"
 #include "souple/objects/object.h"
+#include "souple/queries/caches.h"
 #include "souple/solver/solver.h"
-#include "souple/world/balance.h"
-#include "souple/world/caches.h"
-#include "souple/world/collider_record.h"
+#include "souple/stages/stage_view.h"
+#include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/flow.h"
 #include "souple/world/fluids.h"
-#include "souple/world/sleeping.h"
 #include "souple/world/step_scratch.h"
-#include "souple/world/user_constraint.h"
 
 #include <algorithm>
 
@@ -21,35 +20,13 @@ namespace souple {
 
 WorldState::WorldState()
     : contact(std::make_unique<ContactState>()),
-      balance(std::make_unique<Balance>()),
       fluids(std::make_unique<Fluids>()),
-      sleep(std::make_unique<SleepScratch>()),
       scratch(std::make_unique<StepScratch>()),
       caches(std::make_unique<Caches>()) {}
 WorldState::~WorldState() = default;
 
-void UserConstraint::update_targets(double t) {
-  if (!attachment || !target) return;
-  for (std::size_t k = 0; k < attached_vertices.size(); ++k)
-    attachment->set().set_params(
-        k, {Vec3f(target(attached_vertices[k].vertex, t) + attached_vertices[k].offset)});
-}
-
-void UserConstraint::erase_particles(std::uint32_t begin, std::uint32_t end) {
-  if (attachment) {
-    std::vector<AttachedVertex> kept;
-    for (std::size_t k = 0; k < attached_vertices.size();
-         ++k) {  // in this order: one color, one particle each
-      const std::uint32_t particle = attachment->set().indices(k)[0];
-      if (particle < begin || particle >= end) kept.push_back(attached_vertices[k]);
-    }
-    attached_vertices = std::move(kept);
-  }
-  projector->erase_particles(begin, end);
-}
-
 Object* WorldState::find_object(ObjectId id) const {
-  const std::optional<std::size_t> at = object_index.find(id.value);
+  const std::optional<std::size_t> at = registry.objects.find(id.value);
   return at ? objects[*at].get() : nullptr;
 }
 
@@ -60,7 +37,7 @@ Object& WorldState::object(ObjectId id) {
 }
 
 ColliderRecord& WorldState::collider(ColliderId id) {
-  if (const std::optional<std::size_t> at = collider_index.find(id.value)) return colliders[*at];
+  if (const std::optional<std::size_t> at = registry.colliders.find(id.value)) return colliders[*at];
   throw Error(
       fmt::format("no collider has the handle {}: it was removed, or belongs to another world", id.value));
 }
@@ -84,8 +61,8 @@ void Callbacks::erase_removed() {
 }
 
 std::string WorldState::unique_name(const std::string& wanted, std::string_view base) const {
-  if (wanted.empty()) return names.first_free(base);
-  names.require_free(wanted);
+  if (wanted.empty()) return registry.names.first_free(base);
+  registry.names.require_free(wanted);
   return wanted;
 }
 
@@ -95,6 +72,14 @@ void WorldState::require_between_steps(std::string_view what) const {
 
 const Object& WorldState::object(ObjectId id) const {
   return const_cast<WorldState*>(this)->object(id);
+}
+
+StageView WorldState::stage_view() {
+  return {objects_view(), settings, *threads, warnings, time};
+}
+
+QueryView WorldState::query_view() const {
+  return {particles, objects, colliders, time, version, settings.segment_test, threads.get(), *caches};
 }
 
 ParticleView WorldState::view() {

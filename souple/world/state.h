@@ -7,13 +7,13 @@
 #include "souple/objects/handles.h"
 #include "souple/objects/objects_view.h"
 #include "souple/solver/projector.h"
+#include "souple/stages/callback_list.h"
+#include "souple/stages/settings.h"
 #include "souple/state/particles.h"
 #include "souple/state/warnings.h"
-#include "souple/world/callback_list.h"
 #include "souple/world/handle_index.h"
 #include "souple/world/name_registry.h"
 #include "souple/world/report.h"
-#include "souple/world/settings.h"
 
 #include <array>
 #include <cstdint>
@@ -28,7 +28,6 @@
 
 namespace souple {
 
-class Balance;
 struct Caches;
 struct ColliderRecord;
 struct ContactState;
@@ -38,8 +37,9 @@ class Fluids;
 class JobSystem;
 struct Object;
 struct ObjectConstraints;
-struct SleepScratch;
+struct QueryView;
 class Solver;
+struct StageView;
 struct StepScratch;
 struct UserConstraint;
 class World;
@@ -56,6 +56,13 @@ struct Changes {
   bool masses = true;       ///< particles were pinned or freed, or masses changed: prepare the solver
 
   void all() { constraints = objects = tables = true; }
+};
+
+/// Handles and names.
+struct Registry {
+  HandleIndex objects, colliders;
+  NameRegistry names;  ///< of objects and colliders
+  std::uint32_t next_id = 1;
 };
 
 /// Functions of the user.
@@ -78,7 +85,11 @@ struct WorldConstraints {
   std::unique_ptr<ObjectConstraints> of_objects;  ///< see build.h
   std::vector<Projector*> object_projectors;      ///< those that are not empty, in order of solution
   std::vector<UserConstraint> users;
-  std::vector<Projector*> order;  ///< all projectors in order of solution, contacts last
+  std::vector<Projector*> order;     ///< all projectors in order of solution, contacts last; see prepare.h
+  std::size_t without_contacts = 0;  ///< so many of them come before the contacts
+
+  /// Those of `order` that are no contacts.
+  std::span<Projector* const> lasting() const { return std::span(order).first(without_contacts); }
 };
 
 struct CurrentSolver {
@@ -112,9 +123,7 @@ struct WorldState {
   std::vector<std::uint32_t> object_of;          ///< per particle: index into objects
   std::vector<std::unique_ptr<Object>> objects;  ///< ascending by id; addresses are stable
   std::vector<ColliderRecord> colliders;         ///< ascending by id
-  HandleIndex object_index, collider_index;
-  NameRegistry names;  ///< of objects and colliders
-  std::uint32_t next_id = 1;
+  Registry registry;
   FlowRecords flow;
 
   WorldConstraints constraints;
@@ -122,9 +131,7 @@ struct WorldState {
   std::unique_ptr<Threads> threads;  ///< null: create before the next step
   JobSystem* jobs = nullptr;         ///< the host's, in place of our threads
   std::unique_ptr<ContactState> contact;
-  std::unique_ptr<Balance> balance;
   std::unique_ptr<Fluids> fluids;
-  std::unique_ptr<SleepScratch> sleep;
   std::unique_ptr<StepScratch> scratch;
   Changes dirty;
   Callbacks callbacks;
@@ -143,6 +150,9 @@ struct WorldState {
   ParticleView view();
   /// For stages of lower floors.
   ObjectsView objects_view() { return {particles, objects, object_of, settings.form}; }
+  StageView stage_view();
+  /// For queries.
+  QueryView query_view() const;
 
   /// Position of a particle, including the part beyond float precision [m].
   Vec3d exact_position(std::size_t i) const {

@@ -4,11 +4,10 @@
 #include "souple/constraints/neo_hookean.h"
 #include "souple/objects/object.h"
 #include "souple/solver/custom_constraint.h"
-#include "souple/world/balance.h"
+#include "souple/stages/user_constraint.h"
 #include "souple/world/fluids.h"
-#include "souple/world/projectors.h"
 #include "souple/world/sleeping.h"
-#include "souple/world/user_constraint.h"
+#include "souple/world/step_scratch.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,19 +25,19 @@ constexpr double max_fluid_step = 0.36;  // a third, and a tolerance for waves o
 void measure(WorldState& world) {
   StepReport& report = world.report;
   const ParticleView view = world.view();
-  for_each_projector(world, [&](Projector& projector) {
-    if (projector.size() == 0) return;
-    report.constraints += projector.size();
-    KindReport kind{.kind = projector.kind(), .count = projector.size()};
+  for (Projector* const projector : world.constraints.order) {
+    if (projector->size() == 0) continue;
+    report.constraints += projector->size();
+    KindReport kind{.kind = projector->kind(), .count = projector->size()};
     if (world.settings.measure_residuals) {
-      const Residual residual = projector.measure(view, *world.threads);
+      const Residual residual = projector->measure(view, *world.threads);
       kind.largest = residual.largest;
       kind.mean = residual.count > 0 ? residual.sum / static_cast<double>(residual.count) : 0;
       kind.largest_strain = residual.largest_strain;
       report.largest_strain = std::max(report.largest_strain, residual.largest_strain);
     }
     report.kinds.push_back(kind);
-  });
+  }
 }
 
 // Reports exceptions and non-finite results of users' run-time constraints.
@@ -57,10 +56,12 @@ void report_fluids(WorldState& world) {
 }
 
 void flag_not_converged(WorldState& world) {
-  const ObjectReport* worst = world.balance->worst(world);
-  if (worst == nullptr) return;
+  if (world.report.objects.empty()) return;
+  const std::optional<std::size_t> worst = world.scratch->balance.worst(world.objects_view());
+  if (!worst) return;
   fmt::memory_buffer line;  // a string would allocate
-  fmt::format_to(std::back_inserter(line), "{}: {}", worst->name, advice(Flag::not_converged));
+  fmt::format_to(std::back_inserter(line), "{}: {}", world.report.objects[*worst].name,
+                 advice(Flag::not_converged));
   world.warnings.warn(Flag::not_converged, {line.data(), line.size()});
 }
 
@@ -154,6 +155,17 @@ void save_last_valid(WorldState& world) {
   keep(particles.velocity, world.last_valid.velocity);
   keep(particles.spin, world.last_valid.spin);
   SOUPLE_ASSERT(world.last_valid.offset.size() == particles.size(), "arrays of particles have one length");
+}
+
+void report_balance(WorldState& world) {
+  std::vector<ObjectReport>& reports = world.report.objects;
+  reports.resize(world.scratch->balance.object_count());
+  for (std::size_t k = 0; k < reports.size(); ++k) {
+    const Object& object = *world.objects[world.scratch->balance.object(k)];
+    reports[k].name = object.name;
+    reports[k].unbalanced = object.imbalance.unbalanced;
+    reports[k].stretch = object.imbalance.stretch;
+  }
 }
 
 void end_report(WorldState& world, bool valid) {

@@ -14,6 +14,8 @@ void count_step(WorldState& world);
 void save_last_valid(WorldState& world);
 /// Reports the particle that is not finite and restores the state before the step.
 void restore_last_valid(WorldState& world);
+/// The objects whose balance has been measured.
+void report_balance(WorldState& world);
 /// Fluids, errors of users' constraints, residuals and, after a valid step, flags. Contacts have reported.
 void end_report(WorldState& world, bool valid);
 /// Runs callbacks; an exception is reported, not passed on.

@@ -1,16 +1,21 @@
 #include "souple/world/world.h"
 
 #include "souple/geometry/measures.h"
+#include "souple/objects/checks.h"
+#include "souple/objects/collider_record.h"
+#include "souple/objects/kind_functions.h"
+#include "souple/objects/new_object.h"
 #include "souple/objects/object.h"
+#include "souple/objects/obstacle_pose.h"
+#include "souple/queries/nearest_name.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/world/add.h"
+#include "souple/world/arrivals.h"
 #include "souple/world/build.h"
-#include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/fluids.h"
 #include "souple/world/impl.h"
-#include "souple/world/obstacles.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/validate.h"
 
@@ -103,7 +108,7 @@ bool World::contains(ObjectId id) const {
 }
 
 ObjectId World::find_object(std::string_view name) const {
-  const NameRegistry::Entry* const entry = impl_->state.names.find(name);
+  const NameRegistry::Entry* const entry = impl_->state.registry.names.find(name);
   if (entry != nullptr && entry->owner == NameRegistry::Owner::object) return {entry->id};
   std::vector<std::string_view> names;
   for (const auto& object : impl_->state.objects) names.push_back(object->name);
@@ -120,25 +125,30 @@ ObjectKind World::kind(ObjectId id) const {
 namespace {
 
 void require_obstacle(const Object& object, const char* what) {
-  if (object.kind != ObjectKind::obstacle)
+  if (!traits_of(object.kind).driven)
     throw Error(std::string(what) + ": " + object.name + " is a " + std::string(kind_name(object.kind)) +
                 ", expected an obstacle");
+}
+
+[[noreturn]] void refuse_kind(const Object& object) {
+  throw Error(object.name + " is a " + std::string(kind_name(object.kind)) +
+              ": it has no material of the requested kind");
 }
 
 template <class M>
 const M& material_of(const WorldState& world, ObjectId id) {
   const Object& object = world.object(id);
   if (const M* material = std::get_if<M>(&object.material)) return *material;
-  throw Error(object.name + " is a " + std::string(kind_name(object.kind)) +
-              ": it has no material of the requested kind");
+  refuse_kind(object);
 }
 
-template <class M>
-void change_material(WorldState& world, ObjectId id, const M& material) {
+void change_material(WorldState& world, ObjectId id, const Material& material) {
   world.require_between_steps("set_material");
   Object& object = world.object(id);
-  material_of<M>(world, id);  // throws if it is of another kind
-  validate(material, object.name);
+  if (kind_of(material) != object.kind) refuse_kind(object);
+  const KindFunctions& kind = functions_of(object.kind);
+  if (kind.validate_change) kind.validate_change(object.material, material, object.name);
+  kind.validate(material, object.name);
   replace_material(world, object, material);
   ++world.version;  // the radius of balls, for queries
 }
@@ -161,10 +171,6 @@ void World::set_material(ObjectId id, const ObstacleMaterial& m) {
   change_material(impl_->state, id, m);
 }
 void World::set_material(ObjectId id, const FluidMaterial& m) {
-  const float spacing = fluid_material(id).spacing;
-  if (m.spacing != spacing)
-    throw Error(fmt::format("{}: spacing is {} m, was {} m: remove and add the fluid to change it",
-                            impl_->state.object(id).name, m.spacing, spacing));
   change_material(impl_->state, id, m);
 }
 const ClothMaterial& World::cloth_material(ObjectId id) const {
@@ -282,9 +288,7 @@ FoamView World::foam() const {
 }
 
 float World::particle_radius(ObjectId id) const {
-  const Object& object = impl_->state.object(id);
-  const auto* fluid = std::get_if<FluidMaterial>(&object.material);
-  return fluid ? fluid->spacing / 2 : contact_radius(object.material);
+  return souple::particle_radius(impl_->state.object(id).material);
 }
 
 namespace {
@@ -343,7 +347,7 @@ void World::set_velocities(ObjectId id, std::span<const Vec3f> velocities) {
 void World::set_angular_velocities(ObjectId id, std::span<const Vec3f> angular_velocities) {
   WorldState& world = impl_->state;
   const Object& object = world.object(id);
-  if (object.kind != ObjectKind::grains)
+  if (!traits_of(object.kind).rolls)
     throw Error(
         fmt::format("set_angular_velocities: {} is not made of grains, which alone have angular velocities",
                     object.name));
@@ -363,12 +367,13 @@ void World::teleport(ObjectId id, const Transform& transform) {
   if (transform.scale != 1)
     throw Error(fmt::format("teleport: the scale is {}, expected 1", transform.scale));
   wake_island(world, object);
+  const bool rolls = traits_of(object.kind).rolls;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const Vec3d x = world.exact_position(i);
     world.teleport_particle(i, transform.point(x));
     Vec4f& velocity = world.particles.velocity[i];
     velocity.set_xyz(Vec3f(transform.direction(Vec3d(velocity.xyz()))));
-    if (object.kind != ObjectKind::grains) continue;
+    if (!rolls) continue;
     Vec4f& spin = world.particles.spin[i];
     spin.set_xyz(Vec3f(transform.direction(Vec3d(spin.xyz()))));
   }
@@ -417,7 +422,8 @@ std::vector<Carrier> World::carriers(ObjectId id, std::uint32_t vertex) const {
   require_vertex(object, vertex, "carriers");
   const auto carrier = [&](std::uint32_t local, double weight) -> Carrier {
     const std::uint32_t i = object.begin + local;
-    return {i, weight, inverse_mass_awake(impl_->state, object, local), impl_->state.exact_position(i)};
+    return {i, weight, inverse_mass_awake(impl_->state.particles, object, local),
+            impl_->state.exact_position(i)};
   };
   if (!object.embedding) return {carrier(object.particle_of[vertex], 1)};
   std::vector<Carrier> result;
@@ -431,14 +437,14 @@ std::vector<Carrier> World::carriers(ObjectId id, std::uint32_t vertex) const {
 ColliderId World::add_collider(const Shape& shape, const ColliderOptions& options) {
   WorldState& world = impl_->state;
   world.require_between_steps("add_collider");
-  ColliderRecord record{{world.next_id}, options, shape};
+  ColliderRecord record{{world.registry.next_id}, options, shape};
   record.options.name = world.unique_name(options.name, "collider");
   validate(shape, record.options.name);
   validate(contact_material_of(options), record.options.name);
-  world.names.add(record.options.name, {NameRegistry::Owner::collider, record.id.value});
-  world.collider_index.add(record.id.value);
+  world.registry.names.add(record.options.name, {NameRegistry::Owner::collider, record.id.value});
+  world.registry.colliders.add(record.id.value);
   world.colliders.push_back(std::move(record));
-  ++world.next_id;
+  ++world.registry.next_id;
   world.dirty.tables = true;
   wake_all(world);
   world.contact->invalidate();
@@ -449,8 +455,8 @@ void World::remove(ColliderId id) {
   WorldState& world = impl_->state;
   world.require_between_steps("remove");
   const ColliderRecord& record = world.collider(id);
-  world.names.remove(record.options.name);
-  world.collider_index.remove(record.id.value);
+  world.registry.names.remove(record.options.name);
+  world.registry.colliders.remove(record.id.value);
   world.colliders.erase(world.colliders.begin() + (&record - world.colliders.data()));
   world.dirty.tables = true;
   wake_all(world);
@@ -465,9 +471,9 @@ void World::set_collider(ColliderId id, const Shape& shape, const ColliderOption
   validate(contact_material_of(options), record.options.name);
   const std::string name = record.options.name;
   if (!options.name.empty() && options.name != name) {
-    world.names.require_free(options.name);
-    world.names.remove(name);
-    world.names.add(options.name, {NameRegistry::Owner::collider, id.value});
+    world.registry.names.require_free(options.name);
+    world.registry.names.remove(name);
+    world.registry.names.add(options.name, {NameRegistry::Owner::collider, id.value});
   }
   record.shape = shape;
   record.options = options;

@@ -13,11 +13,11 @@
 #include "souple/objects/materials.h"
 #include "souple/objects/object_options.h"
 #include "souple/objects/obstacle_motion.h"
+#include "souple/queries/query.h"
+#include "souple/queries/selector.h"
+#include "souple/stages/settings.h"
 #include "souple/world/emitter.h"
-#include "souple/world/query.h"
 #include "souple/world/report.h"
-#include "souple/world/selector.h"
-#include "souple/world/settings.h"
 
 #include <array>
 #include <cstdint>

@@ -107,7 +107,7 @@ def shaken(test):
 
 STAGES = enumerators("souple/world/report.h", "Stage")
 SEGMENT_TESTS = enumerators("souple/collision/segment_triangle/choice.h", "SegmentTest")
-INTEGRATORS = enumerators("souple/world/settings.h", "Integrator")
+INTEGRATORS = enumerators("souple/stages/settings.h", "Integrator")
 CLOTH_TESTS = "tests/physics/test_collision_cloth.cpp"
 COLUMN_TESTS = "tests/physics/test_fluid_column.cpp"
 SOFT_TESTS = "tests/physics/test_collision_soft.cpp"
@@ -299,7 +299,7 @@ IN_MILLIMETERS = {"thickness", "radius"}
 # Tables of defaults in docs/fluids.md: the head's first cell, the struct, rows whose default is told in words.
 DEFAULTS = [
     ("`FluidMaterial`, `material`", "souple/objects/materials.h", "FluidMaterial", []),
-    ("`Settings::fluid`, `fluid` of a scene", "souple/world/settings.h", "FluidSettings", ["foam"]),
+    ("`Settings::fluid`, `fluid` of a scene", "souple/stages/settings.h", "FluidSettings", ["foam"]),
     ("`Settings::fluid.foam`, `fluid.foam` of a scene", "souple/fluid/foam_parameters.h", "FoamParameters", []),
     ("", "souple/surface/surface_options.h", "SurfaceOptions", ["spacing", "cell", "level"]),
 ]

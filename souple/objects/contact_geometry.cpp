@@ -1,0 +1,124 @@
+#include "souple/objects/contact_geometry.h"
+
+#include "souple/geometry/measures.h"
+#include "souple/objects/kind_functions.h"
+#include "souple/objects/object.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace souple {
+namespace {
+
+void find_element_radii(const Object& object, std::span<float> radius) {
+  const auto include = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    const auto R = static_cast<float>(enclosing_radius(object.rest[a], object.rest[b], object.rest[c]));
+    for (const std::uint32_t i : {a, b, c}) radius[object.begin + i] = std::max(radius[object.begin + i], R);
+  };
+  for (const Triangle& t : object.surface) include(t[0], t[1], t[2]);
+  for (const Edge& edge : edges_of_line(object)) include(edge[0], edge[1], edge[1]);
+}
+
+}  // namespace
+
+bool is_particle_only(const Object& object) {
+  return object.surface.empty() && traits_of(object.kind).shape != ObjectShape::line;
+}
+
+// Balls collide with balls as particles; all other pairs collide as surfaces.
+ContactObject contact_object(const Object& object) {
+  constexpr std::uint32_t balls = 1;
+  ContactObject result{.begin = object.begin, .end = object.end, .groups = 0};
+  const KindTraits& kind = traits_of(object.kind);
+  result.self_collision = result.rolls = kind.rolls;
+  result.collides_with_colliders = !kind.flows;
+  if (is_particle_only(object) && !kind.flows) result.groups = result.mask = balls;
+  return result;
+}
+
+// R of ContactStep::depenetration_speed [m]: of grains, which are bodies of their own, the radius of a grain; of others
+// two thirds of that of the ball around the center that holds all rest positions (3 m/s for a sheet of 1 m).
+float radius_at_rest(const Object& object, std::span<const float> radii) {
+  float radius = 0;
+  if (traits_of(object.kind).rolls) {
+    for (std::uint32_t i = object.begin; i < object.end; ++i) radius = max(radius, radii[i]);
+    return radius;
+  }
+  Vec3d center;
+  for (const Vec3d& x : object.rest) center += x * (1 / static_cast<double>(object.rest.size()));
+  double square = 0;
+  for (const Vec3d& x : object.rest) square = max(square, length_squared(x - center));
+  return static_cast<float>(2 * std::sqrt(square) / 3);
+}
+
+std::vector<Edge> edges_of_line(const Object& object) {
+  std::vector<Edge> edges;
+  if (traits_of(object.kind).shape != ObjectShape::line) return edges;
+  for (std::uint32_t i = 0; i + 1 < object.particle_count(); ++i) edges.push_back({i, i + 1});
+  return edges;
+}
+
+ContactSurface contact_surface(const Object& object, std::uint32_t index, std::span<const Edge> edges,
+                               float radius, const ContactMaterialTable& matrix) {
+  const KindTraits& kind = traits_of(object.kind);
+  ContactSurface result{
+      .begin = object.begin,
+      .end = object.end,
+      .reserved_end = object.reserved_end(),
+      .triangles = object.surface,
+      .edges = edges,
+      .particles_only = is_particle_only(object),
+      .self_collision = object.self_collision && !is_particle_only(object) && matrix.collide(index, index),
+      .groups = object.filter.groups,
+      .mask = object.filter.mask,
+      .immovable = kind.driven,
+      .layer = object.layer,
+      .rest = object.rest,
+      .rolls = kind.rolls,
+      .radius = radius};
+  matrix.for_each_ignored(index, [&](std::uint32_t other) {
+    if (other != index) result.ignored_surfaces.push_back(other);
+  });
+  return result;
+}
+
+// Bodies with an embedded surface have no elements: their particles collide instead.
+void append_elements(const Object& object, std::uint32_t index, std::span<const Edge> edges,
+                     std::vector<ContactElement>& elements) {
+  if (traits_of(object.kind).driven || is_particle_only(object)) return;
+  const std::uint32_t b = object.begin;
+  const auto append = [&](std::uint32_t p, std::uint32_t q, std::uint32_t r) {
+    const double radius = enclosing_radius(object.rest[p], object.rest[q], object.rest[r]);
+    elements.push_back({{b + p, b + q, b + r}, index, static_cast<float>(radius)});
+  };
+  for (const Triangle& t : object.surface) append(t[0], t[1], t[2]);
+  for (const Edge& edge : edges) append(edge[0], edge[1], edge[1]);
+}
+
+ContactMaterial contact_material_of(const Material& material) {
+  return functions_of(material).contact_material(material);
+}
+
+bool same_contacts(const Material& a, const Material& b) {
+  const auto law = [](const Material& material) {
+    const ContactMaterial m = contact_material_of(material);
+    return std::tuple(m.friction, m.kinetic_friction, m.restitution, m.rolling_friction,
+                      contact_radius(material));
+  };
+  return law(a) == law(b);
+}
+
+void find_contact_radii(const Object& object, std::span<float> radius, std::span<float> element_radius) {
+  const float of_material = contact_radius(object.material);
+  for (std::uint32_t i = object.begin; i < object.end; ++i) {
+    const std::uint32_t local = i - object.begin;
+    const float scale = object.thickness_map.empty() ? 1 : object.thickness_map[local];
+    const float offset = object.embedding_offset.empty() ? 0 : object.embedding_offset[local];
+    radius[i] = of_material * scale - offset;
+    element_radius[i] = 0;
+  }
+  find_element_radii(object, element_radius);
+}
+
+}  // namespace souple

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "souple/broad_phase/contact_surface.h"
+#include "souple/contacts/contact.h"
+#include "souple/contacts/contact_material.h"
+#include "souple/contacts/contact_projector.h"
+#include "souple/objects/materials.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+// What an object is for contacts.
+
+namespace souple {
+
+struct Object;
+
+/// A soft body rebounds by its own elasticity, at up to this part of its speed (measured: 0.2 to 0.65). A larger
+/// coefficient of restitution concerns the body as a whole, see stages/body_restitution.h.
+inline constexpr float elastic_restitution = 0.7f;
+
+/// Whether an object collides as a cloud of balls: it has no triangles and is no line. True for grains,
+/// fluids and bodies whose surface is embedded in a lattice.
+bool is_particle_only(const Object& object);
+/// Of each line: the edges from particle to particle. Others have none.
+std::vector<Edge> edges_of_line(const Object& object);
+
+ContactObject contact_object(const Object& object);
+/// `index`: of the object in the world; `edges`: edges_of_line, must outlive the surface; `radius`: radius_at_rest [m].
+ContactSurface contact_surface(const Object& object, std::uint32_t index, std::span<const Edge> edges,
+                               float radius, const ContactMaterialTable& matrix);
+/// Appends the triangles and edges that may touch colliders.
+void append_elements(const Object& object, std::uint32_t index, std::span<const Edge> edges,
+                     std::vector<ContactElement>& elements);
+
+ContactMaterial contact_material_of(const Material& material);
+/// Whether contacts are the same with both materials of a kind.
+bool same_contacts(const Material& a, const Material& b);
+
+/// Sets, per particle of the object, half its thickness, the radius of a grain or rope, or a quarter of a fluid's
+/// spacing, times the thickness map, minus the embedding offset; and the element radius (see Particles) [m].
+/// The spans are of all particles of the world.
+void find_contact_radii(const Object& object, std::span<float> radius, std::span<float> element_radius);
+/// R of ContactStep::depenetration_speed [m]. `radii`: contact radii of all particles of the world.
+float radius_at_rest(const Object& object, std::span<const float> radii);
+
+}  // namespace souple

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "souple/geometry/lattice.h"
+#include "souple/geometry/tet_mesh.h"
+#include "souple/geometry/triangle_mesh.h"
+#include "souple/objects/new_object.h"
+#include "souple/objects/obstacle_motion.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+// Objects from what users add, as the functions World::add_... say, with all that World needs to place them. All throw
+// Error, beginning with the object's name.
+
+namespace souple {
+
+NewObject import_cloth(std::string name, const TriangleMesh& mesh, const ClothMaterial& material,
+                       const ObjectOptions& options);
+NewObject import_soft_body(std::string name, const TetMesh& mesh, const SoftBodyMaterial& material,
+                           const ObjectOptions& options);
+NewObject import_soft_body(std::string name, const TriangleMesh& surface, const SoftBodyMaterial& material,
+                           const LatticeOptions& lattice, const ObjectOptions& options);
+NewObject import_rope(std::string name, std::span<const Vec3d> points, std::uint32_t segments,
+                      const RopeMaterial& material, const ObjectOptions& options);
+NewObject import_grains(std::string name, std::span<const Vec3d> centers, const GrainsMaterial& material,
+                        const ObjectOptions& options);
+NewObject import_fluid(std::string name, std::span<const Vec3d> centers, const FluidMaterial& material,
+                       const ObjectOptions& options);
+/// Fills a closed surface.
+NewObject import_fluid(std::string name, const TriangleMesh& surface, const FluidMaterial& material,
+                       const ObjectOptions& options);
+NewObject import_obstacle(std::string name, const TriangleMesh& mesh, const ObstacleMaterial& material,
+                          ObstacleMotion motion, const ObjectOptions& options);
+
+}  // namespace souple

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "souple/queries/mirror.h"
+#include "souple/queries/query_index.h"
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+
+namespace souple {
+
+/// What const functions of a world fill on demand. They hold the lock meanwhile.
+struct Caches {
+  std::map<std::uint32_t, Mirror> mirrors;  ///< by object id
+  QueryIndex query_index;
+  std::mutex lock;  ///< also of ContactState::events
+};
+
+}  // namespace souple

@@ -1,0 +1,115 @@
+#include "souple/queries/mirror.h"
+
+#include "souple/assert.h"
+#include "souple/geometry/measures.h"
+#include "souple/objects/object.h"
+#include "souple/simd/instruction_set.h"
+#include "souple/solver/kernels/find_kernels.h"
+#include "souple/solver/kernels/triangles.h"
+#include "souple/threads/threads.h"
+
+#include <array>
+
+// Users' view of an object, in user order: computed at the first request after a change.
+
+namespace souple {
+namespace {
+
+/// Fills `out` with a value for each user vertex: f(i) of its particle i, or the blend over a tet. f returns
+/// Vec3d.
+template <class Function>
+void fill(const Object& object, std::vector<Vec3f>& out, const Function& f) {
+  out.reserve(object.capacity);  // constant addresses while particles come and go
+  out.resize(object.vertex_count());
+  for (std::size_t v = 0; v < out.size(); ++v) {
+    if (!object.embedding) {
+      SOUPLE_ASSERT(object.begin + object.particle_of[v] < object.end, "a particle of the object");
+      out[v] = Vec3f(f(object.begin + object.particle_of[v]));
+      continue;
+    }
+    const Tet& tet = object.embedding->vertices[v];
+    const std::array<double, 4>& weights = object.embedding->weights[v];
+    Vec3d sum;
+    for (std::size_t k = 0; k < 4; ++k) sum += f(object.begin + tet[k]) * weights[k];
+    out[v] = Vec3f(sum);
+  }
+}
+
+// Minimum number of triangles or vertices per thread.
+constexpr std::size_t grain = 1024;
+
+void for_each(Threads* threads, std::size_t n, RangeFunction f) {
+  if (threads) return threads->for_each(n, grain, f);
+  f(0, n);
+}
+
+// Per triangle: cross product of two sides; its length is twice the area.
+void fill_area_normals(Threads* threads, std::span<const Triangle> triangles, Mirror& mirror) {
+  const std::vector<Vec3f>& x = mirror.positions;
+  for_each(threads, x.size(), [&](std::size_t v, std::size_t end) {
+    for (; v < end; ++v) mirror.position_records[v].set_xyz(x[v]);
+  });
+  const kernels::TriangleKernels* kernels = find_triangle_kernels(instruction_set());
+  const float* records = &mirror.position_records.data()->x;
+  const kernels::TriangleArrays arrays{records,          records, records,
+                                       triangles.data(), 0,       &mirror.area_normals.data()->x};
+  for_each(threads, triangles.size(), [&](std::size_t t, std::size_t end) {
+    if (kernels) t = kernels->area_normals(arrays, t, end);
+    for (; t < end; ++t) {
+      const auto [a, b, c] = triangles[t];
+      mirror.area_normals[t].set_xyz(cross(x[b] - x[a], x[c] - x[a]));
+    }
+  });
+}
+
+// Sums equal to those of vertex_normals (geometry/measures.h), gathered per vertex.
+void fill_normals(Threads* threads, std::span<const Triangle> triangles, Mirror& mirror) {
+  const std::size_t vertices = mirror.positions.size();
+  if (mirror.triangles_of.begin.size() != vertices + 1)
+    mirror.triangles_of = vertex_triangles(triangles, vertices);
+  mirror.normals.resize(vertices);
+  mirror.position_records.resize(vertices);
+  mirror.area_normals.resize(triangles.size());
+  fill_area_normals(threads, triangles, mirror);
+  for_each(threads, vertices, [&](std::size_t v, std::size_t end) {
+    for (; v < end; ++v) {
+      Vec3f sum;
+      for (const std::uint32_t t : mirror.triangles_of.of(v)) sum += mirror.area_normals[t].xyz();
+      mirror.normals[v] = unit_normal(sum);
+    }
+  });
+}
+
+}  // namespace
+
+std::span<const Vec3f> mirrored_positions(const QueryView& view, const Object& object, Mirror& mirror) {
+  if (mirror.version == view.version) return mirror.positions;
+  fill(object, mirror.positions, [&](std::size_t i) { return view.exact_position(i); });
+  mirror.version = view.version;
+  return mirror.positions;
+}
+
+std::span<const Vec3f> mirrored_velocities(const QueryView& view, const Object& object, Mirror& mirror) {
+  if (mirror.velocities_version == view.version) return mirror.velocities;
+  fill(object, mirror.velocities, [&](std::size_t i) { return Vec3d(view.particles.velocity[i].xyz()); });
+  mirror.velocities_version = view.version;
+  return mirror.velocities;
+}
+
+std::span<const Vec3f> mirrored_angular_velocities(const QueryView& view, const Object& object,
+                                                   Mirror& mirror) {
+  if (mirror.angular_velocities_version == view.version) return mirror.angular_velocities;
+  fill(object, mirror.angular_velocities, [&](std::size_t i) { return Vec3d(view.particles.spin[i].xyz()); });
+  mirror.angular_velocities_version = view.version;
+  return mirror.angular_velocities;
+}
+
+std::span<const Vec3f> mirrored_normals(const QueryView& view, const Object& object, Mirror& mirror) {
+  mirrored_positions(view, object, mirror);
+  if (mirror.normals_version == view.version) return mirror.normals;
+  mirror.normals_version = view.version;
+  fill_normals(view.threads, object.mesh.triangles, mirror);
+  return mirror.normals;
+}
+
+}  // namespace souple

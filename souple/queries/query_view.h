@@ -1,0 +1,34 @@
+#pragma once
+
+#include "souple/collision/segment_triangle/choice.h"
+#include "souple/state/particles.h"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace souple {
+
+struct Caches;
+struct ColliderRecord;
+struct Object;
+class Threads;
+
+/// What queries read. Several threads may query one view at a time.
+struct QueryView {
+  const Particles& particles;
+  std::span<const std::unique_ptr<Object>> objects;  ///< ascending by id
+  std::span<const ColliderRecord> colliders;         ///< ascending by id
+  double time;                                       ///< of the colliders [s]
+  std::uint64_t version;                             ///< increases whenever positions may have changed
+  SegmentTest segment_test;                          ///< of rays against triangles
+  Threads* threads;                                  ///< null: the caller's alone
+  Caches& caches;
+
+  /// Position of a particle, including the part beyond float precision [m].
+  Vec3d exact_position(std::size_t i) const {
+    return Vec3d(particles.position[i].xyz()) + Vec3d(particles.offset[i].xyz());
+  }
+};
+
+}  // namespace souple

@@ -1,0 +1,98 @@
+#pragma once
+
+#include "souple/math/mat3.h"
+#include "souple/objects/imbalance.h"
+#include "souple/objects/objects_view.h"
+#include "souple/solver/external_moves.h"
+#include "souple/solver/projector.h"
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+// How far the forces of an object are out of balance after the last solve of a step.
+//
+// A solve moves particle i from x* to x: its elastic constraints applied the force f_i = m_i (x_i - x*_i) / h^2,
+// without what contacts, attachments and shape matching moved. Converged, that is the force of the deformation,
+//
+//   f_i = e_i = -sum_j grad_i C_j alpha_j^-1 C_j
+//
+// Sweeps that have not converged carry the load as well, but leave deformations whose e_i is far larger. Particle by
+// particle e_i - f_i says little: the last thousandth of a percent of strain of a stiff cloth outweighs it. So both are
+// compared by their virials, tests of the balance with the affine motions about the center c of the pinned particles
+// (of all particles if there are none) that leave pinned particles in place:
+//
+//   E = sum_i e_i u_i^T,   F = sum_i f_i u_i^T,   u_i = x_i - c, 0 for pinned particles        [J]
+//
+//   unbalanced = |E - F| / (|E| + |F| + sum_i m_i |g| |u_i|)
+//   stretch    = |E - F| / K,   K = sum_j (grad C_j . u) alpha_j^-1 (grad C_j . u)
+//
+// K is the stiffness against a uniform stretch of the object: `stretch` is the strain that restores the balance, as
+// Newton's method finds it along that motion. Both are 0 in equilibrium, however soft the material, at rest and in
+// motion. Sums are estimated from at most 1,000 or so particles of an object, and as many constraints of each kind, and
+// each object is measured every sixteenth step: that is a hundredth of the time of a step, or less.
+//
+// An object has not converged if the material does not explain its shape, and that shows: `unbalanced` above 0.25 and
+// `stretch` above 0.3 % (soft bodies: 0.01 %, because bending amplifies it) in two successive measurements. An impact is
+// over before the second.
+
+namespace souple {
+
+class Balance {
+ public:
+  /// Chooses particles and constraints. Call after constraints changed.
+  void choose(const ObjectsView& objects, std::span<Projector* const> constraints);
+  /// Call before the last solve of a step. The substep must then record external moves.
+  void begin(std::uint64_t step, const ParticleView& view);
+  ExternalMoves& external() { return external_; }
+  /// Call after that solve: brings Object::imbalance of some objects up to date. `gravity`: its magnitude [m/s^2].
+  void measure(const ObjectsView& objects, double gravity, const Substep& substep);
+  std::size_t object_count() const { return objects_.size(); }
+  /// Index of the k-th object that is measured.
+  std::uint32_t object(std::size_t k) const { return objects_[k].index; }
+  /// Of the objects that have not converged, the one that is stretched most: k of `object`; none: all have.
+  std::optional<std::size_t> worst(const ObjectsView& objects) const;
+
+ private:
+  /// Elements of an object, from a list.
+  struct Samples {
+    std::uint32_t object = 0;          ///< index in objects_
+    std::uint32_t begin = 0, end = 0;  ///< range in the list
+    double weight = 0;                 ///< number of elements that each of them represents
+  };
+  /// Constraints of a projector.
+  struct Set {
+    const Projector* projector = nullptr;
+    std::vector<std::uint32_t> constraints;
+    std::vector<Samples> samples;
+  };
+  /// What is measured in one of `period` steps.
+  struct Part {
+    std::vector<std::uint32_t> particles;
+    std::vector<Samples> samples;  ///< of the particles
+    std::vector<Set> sets;
+  };
+  struct Measured {
+    std::uint32_t index = 0;         ///< in ObjectsView::objects
+    Mat3d elastic, carried;          ///< E, F [J]
+    double stiffness = 0, load = 0;  ///< K, sum_i m_i |g| |u_i| [J]
+    Vec3d center;                    ///< c [m]
+  };
+
+  void choose_constraints(const ObjectsView& objects, const Projector& projector);
+  Vec3d center_of(const ObjectsView& objects, const Samples& samples) const;
+  void add_carried(const ObjectsView& objects, double gravity, double h);
+  void add_elastic(const ParticleView& view, const Substep& substep, const Set& set);
+
+  static constexpr std::size_t period = 16;  // steps
+  std::array<Part, period> parts_;
+  std::size_t part_ = 0;  // of this step
+  std::vector<Measured> objects_;
+  std::vector<const Projector*> elastic_;
+  std::vector<Vec3f> start_;  // of the particles of the part, before the solve [m]
+  ExternalMoves external_;
+};
+
+}  // namespace souple

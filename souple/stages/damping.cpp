@@ -1,0 +1,114 @@
+#include "souple/stages/damping.h"
+
+#include "souple/objects/object.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace souple {
+namespace {
+
+float damping_of(const Material& material) {
+  return std::visit(
+      [](const auto& m) {
+        if constexpr (requires { m.damping; }) return m.damping;
+        return 0.0f;
+      },
+      material);
+}
+
+// Sums are made of chunks of this many particles and combined in order: the same bits on any number of
+// threads.
+constexpr std::size_t chunk_size = 1024;
+
+struct RigidMotion {
+  Vec3d center, velocity, spin;
+};
+
+void add(RigidSums& sums, double m, const Vec3d& x, const Vec3d& v) {
+  const Vec3d mx = x * m;
+  sums.mass += m;
+  sums.position += mx;
+  sums.momentum += v * m;
+  for (int row = 0, k = 0; row < 3; ++row)
+    for (int column = 0; column <= row; ++column, ++k)
+      sums.second[static_cast<std::size_t>(k)] += mx[row] * x[column];
+  sums.angular += cross(mx, v);
+}
+
+void add(RigidSums& sums, const RigidSums& more) {
+  sums.mass += more.mass;
+  sums.position += more.position;
+  sums.momentum += more.momentum;
+  for (std::size_t k = 0; k < sums.second.size(); ++k) sums.second[k] += more.second[k];
+  sums.angular += more.angular;
+}
+
+/// Sums over all particles that are not pinned, relative to `origin`. `of_chunk` is scratch.
+RigidSums rigid_sums(const Particles& particles, const Object& object, const Vec3d& origin, Threads& threads,
+                     std::vector<RigidSums>& of_chunk) {
+  const std::size_t count = object.particle_count(), chunks = (count + chunk_size - 1) / chunk_size;
+  of_chunk.resize(std::max(of_chunk.size(), chunks));
+  threads.for_each(chunks, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t chunk = first; chunk < last; ++chunk) {
+      RigidSums sums;
+      const std::size_t end = object.begin + std::min((chunk + 1) * chunk_size, count);
+      for (std::size_t i = object.begin + chunk * chunk_size; i < end; ++i)
+        if (particles.position[i].w != 0)
+          add(sums, static_cast<double>(particles.mass[i]), Vec3d(particles.position[i].xyz()) - origin,
+              Vec3d(particles.velocity[i].xyz()));
+      of_chunk[chunk] = sums;
+    }
+  });
+  RigidSums all;
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk) add(all, of_chunk[chunk]);
+  return all;
+}
+
+// One pass: with r = x - c, c the center and V its velocity, both sums about the origin of x,
+//   sum m r r^T = sum m x x^T - M c c^T
+//   sum m r x (v - V) = sum m x x v - M c x V
+// The origin is the position of a free particle. Then M |c|^2 is at most one particle's contribution to the
+// trace, and the difference is far above a double's rounding.
+RigidMotion rigid_motion(const Particles& particles, const Object& object, Threads& threads,
+                         std::vector<RigidSums>& of_chunk) {
+  const std::vector<Vec4f>& position = particles.position;
+  std::size_t first = object.begin;
+  while (first < object.end && position[first].w == 0) ++first;
+  if (first == object.end) return {};
+  const Vec3d origin(position[first].xyz());
+  const RigidSums sums = rigid_sums(particles, object, origin, threads, of_chunk);
+  const double M = sums.mass;
+  if (!(M > 0)) return {};
+  const Vec3d c = sums.position / M, V = sums.momentum / M;
+  const Vec3d L = sums.angular - cross(c, V) * M;
+  const auto& s = sums.second;
+  const Mat3d second = Mat3d{{s[0], s[1], s[3]}, {s[1], s[2], s[4]}, {s[3], s[4], s[5]}} - outer(c, c) * M;
+  const Mat3d inertia = Mat3d::identity() * trace(second) - second;
+  // A rod or a point has no inertia about its axis, hence no spin there: a small relative inertia is added.
+  const double t = trace(inertia);
+  RigidMotion motion{origin + c, V, {}};
+  if (t > 0) motion.spin = inverse(inertia + Mat3d::identity() * (t * 1e-9)) * L;
+  return motion;
+}
+
+}  // namespace
+
+void damp(const ObjectsView& objects, const Object& object, float h, Threads& threads,
+          std::vector<RigidSums>& sums) {
+  const float rate = damping_of(object.material);
+  if (!(rate > 0) || object.kind == ObjectKind::grains) return;
+  Particles& particles = objects.particles;
+  const RigidMotion motion = rigid_motion(particles, object, threads, sums);
+  const double k = -std::expm1(-static_cast<double>(rate) * static_cast<double>(h));
+  threads.for_each(object.particle_count(), chunk_size, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = object.begin + begin; i < object.begin + end; ++i) {
+      if (particles.position[i].w == 0) continue;
+      const Vec3d r = Vec3d(particles.position[i].xyz()) - motion.center;
+      const Vec3d v = Vec3d(particles.velocity[i].xyz());
+      particles.velocity[i].set_xyz(Vec3f(v + (motion.velocity + cross(motion.spin, r) - v) * k));
+    }
+  });
+}
+
+}  // namespace souple

@@ -1,0 +1,177 @@
+#include "souple/stages/motion.h"
+
+#include "souple/assert.h"
+#include "souple/simd/instruction_set.h"
+#include "souple/solver/kernels/find_kernels.h"
+#include "souple/solver/kernels/motion.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+
+namespace souple {
+namespace {
+
+// Minimum number of particles per thread.
+constexpr std::size_t grain = 2048;
+
+bool is_non_finite(const Vec3f& v) {
+  return !std::isfinite(v.x + v.y + v.z);
+}
+
+/// The lowest particle that any thread found non-finite.
+class FirstNonFinite {
+ public:
+  void note(std::size_t i) {
+    std::size_t current = lowest_;
+    while (i < current && !lowest_.compare_exchange_weak(current, i)) {
+    }
+  }
+  std::optional<std::size_t> found() const {
+    return lowest_ == none ? std::nullopt : std::optional<std::size_t>(lowest_);
+  }
+
+ private:
+  static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  std::atomic<std::size_t> lowest_{none};
+};
+
+void predict_one(const ExternalForces& forces, std::size_t i, float h, std::vector<Vec4f>& p,
+                 FirstNonFinite& first_non_finite) {
+  Particles& particles = forces.stage.objects.particles;
+  particles.start[i] = p[i];
+  if (particles.position[i].w == 0) return;
+  const double time = forces.stage.time;
+  const Vec3f v = particles.velocity[i].xyz();
+  const Vec3f x = particles.position[i].xyz();
+  Vec3f v_star, move;
+  switch (forces.stage.settings.integrator) {
+    case Integrator::semi_implicit:
+      v_star = v + acceleration(forces, i, x, v, time) * h;
+      move = v_star * h;
+      break;
+    case Integrator::explicit_euler:
+      v_star = v + acceleration(forces, i, x, v, time) * h;
+      move = v * h;
+      break;
+    case Integrator::implicit_euler:
+      v_star = implicit_velocity(forces, i, x, v, h, time + static_cast<double>(h));
+      move = v_star * h;
+      break;
+  }
+  if (is_non_finite(v_star)) first_non_finite.note(i);
+  particles.velocity[i].set_xyz(v_star);
+  p[i].set_xyz(p[i].xyz() + move);
+}
+
+void finish_one(const StageView& stage, std::size_t i, float h, const std::vector<Vec4f>& p,
+                const std::vector<Vec4f>& predicted, FirstNonFinite& first_non_finite) {
+  Particles& particles = stage.objects.particles;
+  // v = v* + (p - p*) / h: a particle without corrections keeps its velocity bitwise. The semi-implicit p* is
+  // recomputed from v* with the rounding of the prediction. A pinned particle has no v*: v = (p - x) / h.
+  const bool semi_implicit = stage.settings.integrator == Integrator::semi_implicit;
+  const Vec3f start = particles.start[i].xyz();
+  const Vec3f v_star = particles.velocity[i].xyz();
+  const bool pinned = particles.position[i].w == 0;
+  const Vec3f base = pinned ? Vec3f{} : v_star;
+  const Vec3f since = pinned ? start : semi_implicit ? start + v_star * h : predicted[i].xyz();
+  const Vec3f v = base + (p[i].xyz() - since) / h;
+  particles.velocity[i].set_xyz(v);
+  if (is_non_finite(v)) first_non_finite.note(i);
+  if (stage.objects.form == Form::plain) return;
+  // x += q; the part beyond the precision of x stays in the offset.
+  const Vec3f q = particles.offset[i].xyz();
+  const Vec3f x = particles.position[i].xyz();
+  const Vec3f moved = x + q;
+  particles.position[i].set_xyz(moved);
+  particles.offset[i].set_xyz(q - (moved - x));
+  if (is_non_finite(moved)) first_non_finite.note(i);
+}
+
+// SIMD kernels of predict_one and finish_one, or null if none applies.
+const kernels::MotionKernels* packed(const Settings& settings) {
+  return settings.integrator == Integrator::semi_implicit ? find_motion_kernels(instruction_set()) : nullptr;
+}
+
+/// `wind`: force on each particle; empty: none.
+kernels::MotionArrays arrays_of(const ObjectsView& objects, std::span<const Vec4f> wind) {
+  Particles& particles = objects.particles;
+  if (particles.size() == 0) return {};
+  return {&particles.position.data()->x, &objects.moving().data()->x, &particles.start.data()->x,
+          &particles.velocity.data()->x, wind.empty() ? nullptr : &wind.data()->x};
+}
+
+// The SIMD kernels report only that a value may be non-finite.
+void find_non_finite(const Particles& particles, std::size_t begin, std::size_t end,
+                     FirstNonFinite& first_non_finite) {
+  for (std::size_t i = begin; i < end; ++i)
+    if (is_non_finite(particles.velocity[i].xyz()) || is_non_finite(particles.position[i].xyz()))
+      return first_non_finite.note(i);
+}
+
+bool has_no_mass(std::span<const Vec4f> displacements) {
+  return std::all_of(displacements.begin(), displacements.end(), [](const Vec4f& d) { return d.w == 0; });
+}
+
+}  // namespace
+
+std::optional<std::size_t> predict_motion(const StageView& stage,
+                                          const CallbackList<VertexForceField>& fields,
+                                          const Substep& substep, MotionScratch& scratch) {
+  const ObjectsView& objects = stage.objects;
+  ExternalForces forces{stage, fields, wind_at(stage.settings, stage.time)};
+  if (find_wind_forces(stage, substep.h, scratch.wind)) forces.wind_of_particle = scratch.wind.of_particle;
+  const std::size_t count = objects.particles.size();
+  std::vector<Vec4f>& p = objects.moving();
+  FirstNonFinite first_non_finite;
+  const auto one_by_one = [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) predict_one(forces, i, substep.h, p, first_non_finite);
+  };
+  const kernels::MotionKernels* kernels = packed(stage.settings);
+  if (!fields.empty()) {
+    one_by_one(0, count);  // users' functions run on the user's thread
+  } else if (!kernels || stage.settings.drag > 0) {
+    stage.threads.for_each(count, grain, one_by_one);
+  } else {
+    const Vec3f& g = stage.settings.gravity;
+    const float gravity[3] = {g.x, g.y, g.z};
+    const kernels::MotionArrays arrays = arrays_of(objects, forces.wind_of_particle);
+    stage.threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+      if (!kernels->predict(arrays, begin, end, gravity, substep.h))
+        find_non_finite(objects.particles, begin, end, first_non_finite);
+    });
+  }
+  return first_non_finite.found();
+}
+
+void keep_prediction(const StageView& stage, MotionScratch& scratch) {
+  if (stage.settings.integrator != Integrator::semi_implicit) scratch.predicted = stage.objects.moving();
+}
+
+std::optional<std::size_t> finish_motion(const StageView& stage, const Substep& substep,
+                                         const MotionScratch& scratch) {
+  const ObjectsView& objects = stage.objects;
+  const std::size_t count = objects.particles.size();
+  const bool plain = objects.form == Form::plain;
+  SOUPLE_ASSERT(plain || has_no_mass(objects.particles.offset),
+                "displacements have no mass in their last lane");
+  const std::vector<Vec4f>& p = objects.moving();
+  FirstNonFinite first_non_finite;
+  if (const kernels::MotionKernels* kernels = packed(stage.settings)) {
+    const kernels::MotionArrays arrays = arrays_of(objects, {});
+    const kernels::Finish finish_packed = kernels->finish[plain ? 0 : 1];
+    stage.threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+      if (!finish_packed(arrays, begin, end, substep.h))
+        find_non_finite(objects.particles, begin, end, first_non_finite);
+    });
+  } else {
+    stage.threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        finish_one(stage, i, substep.h, p, scratch.predicted, first_non_finite);
+    });
+  }
+  return first_non_finite.found();
+}
+
+}  // namespace souple

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "souple/stages/forces.h"
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+// From velocities to predicted positions, and back. Both functions return the lowest particle with a non-finite value:
+// the origin, because the solver would spread the value within the substep.
+
+namespace souple {
+
+/// Data of a substep, kept so that a step allocates nothing.
+struct MotionScratch {
+  WindForces wind;
+  std::vector<Vec4f> predicted;  ///< p* of the explicit and implicit integrators
+};
+
+/// v* and p* from external forces, by the integrator of the settings.
+std::optional<std::size_t> predict_motion(const StageView& stage,
+                                          const CallbackList<VertexForceField>& fields,
+                                          const Substep& substep, MotionScratch& scratch);
+/// Call when all that is driven has its predicted position.
+void keep_prediction(const StageView& stage, MotionScratch& scratch);
+/// v = v* + (p - p*) / h, which is (p - x) / h if p* = x + h v*; x = p.
+std::optional<std::size_t> finish_motion(const StageView& stage, const Substep& substep,
+                                         const MotionScratch& scratch);
+
+}  // namespace souple
