@@ -1,5 +1,5 @@
+#include "souple/fluid/emitter.h"
 #include "souple/objects/object.h"
-#include "souple/world/emitter.h"
 #include "souple/world/flow.h"
 #include "souple/world/impl.h"
 #include "souple/world/sleeping.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/world/emitter.h"
+#include "souple/fluid/emitter.h"
 
 #include <array>
 #include <cstdint>
