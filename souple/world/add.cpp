@@ -1,6 +1,7 @@
 #include "souple/world/add.h"
 
 #include "souple/assert.h"
+#include "souple/fluid/emitter_record.h"
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/embedding.h"
 #include "souple/geometry/fill.h"
@@ -15,7 +16,6 @@
 #include "souple/world/build.h"
 #include "souple/world/caches.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/flow.h"
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/user_constraint.h"

@@ -8,7 +8,7 @@
 #include "souple/world/caches.h"
 #include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/fluids.h"
+#include "souple/world/fluid_stage.h"
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/sleeping.h"
@@ -29,7 +29,7 @@ ContactObject contact_object(const Object& object) {
   constexpr std::uint32_t balls = 1;
   ContactObject result{.begin = object.begin, .end = object.end, .groups = 0};
   result.self_collision = result.rolls = object.kind == ObjectKind::grains;
-  result.collides_with_colliders = object.kind != ObjectKind::fluid;  // see fluids.h
+  result.collides_with_colliders = object.kind != ObjectKind::fluid;  // see fluid/stage/fluids.h
   if (is_particle_only(object) && object.kind != ObjectKind::fluid) result.groups = result.mask = balls;
   return result;
 }
@@ -195,7 +195,7 @@ void build_contact_tables(WorldState& world) {
   for (const auto& object : world.objects) tables.rope_edges.push_back(edges_of_rope(*object));
   world.contact->contacts.build(contact_geometry(world, object_materials));
   world.contact->check_intersections = world.dirty.counts = true;
-  world.fluids->build(world);
+  build_fluids(world);
 }
 
 void update_fluid_counts(WorldState& world) {

@@ -1,11 +1,12 @@
 #include "souple/world/memory.h"
 
+#include "souple/fluid/stage/fluid_foam.h"
+#include "souple/fluid/stage/fluids.h"
 #include "souple/objects/object.h"
 #include "souple/state/bytes.h"
 #include "souple/world/caches.h"
 #include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/fluids.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
 #include "souple/world/sleeping.h"

@@ -9,7 +9,7 @@
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/damping.h"
-#include "souple/world/fluids.h"
+#include "souple/world/fluid_stage.h"
 #include "souple/world/forces.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/projectors.h"
@@ -224,11 +224,6 @@ void integrate(WorldState& world, const Substep& substep) {
   if (world.settings.integrator != Integrator::semi_implicit) world.scratch->predicted = moving(world);
 }
 
-void solve_incompressibility(WorldState& world, const Substep& substep) {
-  if (!world.fluids->none() && !world.current.first_non_finite)
-    world.fluids->solve_incompressibility(world, substep);
-}
-
 void solve(WorldState& world, const Substep& substep) {
   if (world.sleep->all) return;
   SOUPLE_ASSERT(!world.dirty.solver && !world.dirty.constraints, "a step prepares its solver");
@@ -274,8 +269,7 @@ void update_velocities(WorldState& world, const Substep& substep) {
   apply_restitution(world, substep);
   finish_spin(world, substep);
   damp_constraints(world, substep);
-  if (!world.fluids->none() && !world.current.first_non_finite)
-    world.fluids->update_velocities(world, substep);
+  update_fluid_velocities(world, substep);
   for (const auto& object : world.objects)
     if (object->island == 0) damp(world, *object, substep.h);
 }

@@ -1,5 +1,7 @@
 #include "souple/world/world.h"
 
+#include "souple/fluid/stage/fluid_foam.h"
+#include "souple/fluid/stage/fluids.h"
 #include "souple/geometry/measures.h"
 #include "souple/objects/object.h"
 #include "souple/simd/instruction_set.h"
@@ -8,7 +10,6 @@
 #include "souple/world/collider_record.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
-#include "souple/world/fluids.h"
 #include "souple/world/impl.h"
 #include "souple/world/obstacles.h"
 #include "souple/world/sleeping.h"
