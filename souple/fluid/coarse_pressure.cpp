@@ -176,14 +176,12 @@ void CoarsePressure::apply(const std::vector<double>& y, std::vector<double>& re
     for (double& value : cell_sums_[c]) value *= stiffness_[c];
   }
   gather(cell_sums_, result);
-  for (std::size_t n = 0; n < y.size(); ++n) result[n] += diagonal_[n] * y[n];
+  for (std::size_t n = 0; n < y.size(); ++n) result[n] += system_.diagonal[n] * y[n];
   add_bodies(y, result);
 }
 
-void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,
-                           Threads& threads) {
-  constexpr int max_iterations = 30;
-  constexpr double tolerance = 0.02, kept = 0.9;
+void CoarsePressure::sum_cells(std::span<const Vec4f> positions, std::span<const Sample> samples,
+                               float surface, Threads& threads) {
   const std::size_t count = order_.cell_count();
   cell_sums_.resize(count);
   cell_diagonals_.resize(count);
@@ -208,51 +206,68 @@ void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sam
       stiffness_[c] = w / (static_cast<double>(size_) * static_cast<double>(size_));
     }
   });
-  gather(cell_sums_, b_);
-  gather(cell_diagonals_, diagonal_);
-  for (std::size_t c = 0; c < count; ++c) cell_diagonals_[c].fill(stiffness_[c] / 3);
-  gather(cell_diagonals_, preconditioner_);
+}
+
+void CoarsePressure::find_system(std::span<const Vec4f> positions, std::span<const Sample> samples,
+                                 float surface, Threads& threads) {
+  auto& [b, diagonal, preconditioner, r, p, ap] = system_;
+  sum_cells(positions, samples, surface, threads);
+  gather(cell_sums_, b);
+  gather(cell_diagonals_, diagonal);
+  for (std::size_t c = 0; c < stiffness_.size(); ++c) cell_diagonals_[c].fill(stiffness_[c] / 3);
+  gather(cell_diagonals_, preconditioner);
   for (std::size_t m = 0; m < mover_count_; ++m) {
     const Mover& body = movers_[m];
     for (std::size_t k = 0; k < body.nodes.size(); ++k) {
       const auto& [force, torque] = body.pushes[k];
-      preconditioner_[body.nodes[k]] +=
+      preconditioner[body.nodes[k]] +=
           dot(force, force) * body.inverse_mass + dot(torque, body.inverse_inertia * torque);
     }
   }
   for (std::size_t n = 0; n < y_.size(); ++n) {
-    diagonal_[n] = std::max(diagonal_[n], 0.0);
-    preconditioner_[n] = 1 / (preconditioner_[n] + diagonal_[n]);
-    y_[n] *= kept;
+    diagonal[n] = std::max(diagonal[n], 0.0);
+    preconditioner[n] = 1 / (preconditioner[n] + diagonal[n]);
   }
+}
 
-  // r = b - A y; z = M^-1 r
-  apply(y_, ap_);
-  r_.resize(y_.size());
-  p_.resize(y_.size());
-  double rz = 0;
+// r = b - A y; z = M^-1 r
+void CoarsePressure::iterate() {
+  constexpr int max_iterations = 30;
+  constexpr double tolerance = 0.02;
+  auto& [b, diagonal, preconditioner, r, p, ap] = system_;
+  apply(y_, ap);
+  r.resize(y_.size());
+  p.resize(y_.size());
+  double rz = 0, bb = 0;
   for (std::size_t n = 0; n < y_.size(); ++n) {
-    r_[n] = b_[n] - ap_[n];
-    p_[n] = preconditioner_[n] * r_[n];
-    rz += r_[n] * p_[n];
+    r[n] = b[n] - ap[n];
+    p[n] = preconditioner[n] * r[n];
+    rz += r[n] * p[n];
+    bb += b[n] * preconditioner[n] * b[n];
   }
-  double bb = 0;
-  for (std::size_t n = 0; n < y_.size(); ++n) bb += b_[n] * preconditioner_[n] * b_[n];
   iterations_ = 0;
   while (iterations_ < max_iterations && rz > tolerance * tolerance * bb) {
-    apply(p_, ap_);
-    SOUPLE_ASSERT(!(dot(p_, ap_) < 0), "the matrix is positive");
-    const double alpha = rz / dot(p_, ap_);
+    apply(p, ap);
+    SOUPLE_ASSERT(!(dot(p, ap) < 0), "the matrix is positive");
+    const double alpha = rz / dot(p, ap);
     double next = 0;
     for (std::size_t n = 0; n < y_.size(); ++n) {
-      y_[n] += alpha * p_[n];
-      r_[n] -= alpha * ap_[n];
-      next += r_[n] * preconditioner_[n] * r_[n];
+      y_[n] += alpha * p[n];
+      r[n] -= alpha * ap[n];
+      next += r[n] * preconditioner[n] * r[n];
     }
-    for (std::size_t n = 0; n < y_.size(); ++n) p_[n] = preconditioner_[n] * r_[n] + next / rz * p_[n];
+    for (std::size_t n = 0; n < y_.size(); ++n) p[n] = preconditioner[n] * r[n] + next / rz * p[n];
     rz = next;
     ++iterations_;
   }
+}
+
+void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,
+                           Threads& threads) {
+  constexpr double kept = 0.9;
+  find_system(positions, samples, surface, threads);
+  for (double& y : y_) y *= kept;
+  iterate();
   last_keys_ = node_keys_;
   last_y_ = y_;
 }

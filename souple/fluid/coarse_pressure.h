@@ -71,11 +71,22 @@ class CoarsePressure {
     std::vector<std::uint32_t> slot_of_node;      // per node: its index in `nodes`, or none
   };
 
+  /// A y = b, preconditioned, and vectors of the iteration. All per node.
+  struct System {
+    std::vector<double> b, diagonal, preconditioner;
+    std::vector<double> r, p, ap;
+  };
+
   void find_nodes();
   void add_bodies(const std::vector<double>& y, std::vector<double>& result) const;
   std::array<float, 8> weights(std::size_t cell, const Vec4f& position) const;
   void gather(std::span<const Eight> of_cells, std::vector<double>& of_nodes) const;
+  void find_system(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,
+                   Threads& threads);
+  void sum_cells(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,
+                 Threads& threads);
   void apply(const std::vector<double>& y, std::vector<double>& result);
+  void iterate();
 
   float size_ = 1;
   CellOrder order_;
@@ -89,7 +100,8 @@ class CoarsePressure {
   std::size_t mover_count_ = 0;
   std::vector<double> stiffness_;  // per cell: sum w / H^2
   std::vector<Eight> cell_sums_, cell_diagonals_;
-  std::vector<double> y_, b_, diagonal_, preconditioner_, r_, p_, ap_;
+  std::vector<double> y_;  // per node
+  System system_;
   std::vector<std::uint64_t> node_keys_, last_keys_;
   std::vector<double> last_y_;
   int iterations_ = 0;

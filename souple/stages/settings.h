@@ -1,8 +1,7 @@
 #pragma once
 
 #include "souple/collision/detection.h"
-#include "souple/fluid/foam_parameters.h"
-#include "souple/fluid/smoothing_shape.h"
+#include "souple/fluid/fluid_settings.h"
 #include "souple/math/vec3.h"
 #include "souple/solver/modes.h"
 #include "souple/solver/solver_settings.h"
@@ -28,21 +27,6 @@ struct Wind {
   float gust_period = 2;       ///< period of the slowest gust [s]
   float air_density = 1.225f;  ///< kg/m^3
   friend bool operator==(const Wind&, const Wind&) = default;
-};
-
-/// Solver of the incompressibility of fluids (docs/fluids.md).
-struct FluidSettings {
-  SmoothingShape kernel = SmoothingShape::wendland;
-  /// Jacobi iterations after the coarse level, 0 to 100. With 0 a substep costs half; the residual is then
-  /// added to the coarse level's pressure.
-  int iterations = 1;
-  /// > 0: further iterations, up to 50, until the mean density error is below this value.
-  float tolerance = 0;
-  float compressibility = 0;  ///< relative increase of density per pressure, >= 0 [1/Pa]
-  /// Repulsive pressure between two particles that are 0.4 spacings apart, >= 0 [Pa]
-  float artificial_pressure = 0;
-  FoamParameters foam{};  ///< for fluids whose material has `foam` > 0
-  friend bool operator==(const FluidSettings&, const FluidSettings&) = default;
 };
 
 /// Objects at rest fall asleep: their positions stay bitwise constant, they cost little and still support

@@ -1,6 +1,7 @@
 #include "souple/world/add.h"
 
 #include "souple/assert.h"
+#include "souple/fluid/emitter_record.h"
 #include "souple/objects/import.h"
 #include "souple/objects/kind_traits.h"
 #include "souple/objects/object.h"
@@ -8,7 +9,6 @@
 #include "souple/queries/caches.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/flow.h"
 #include "souple/world/impl.h"
 #include "souple/world/world.h"
 

@@ -12,7 +12,7 @@
 #include "souple/stages/obstacles.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/fluids.h"
+#include "souple/world/fluid_stage.h"
 #include "souple/world/impl.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/stages.h"
@@ -107,7 +107,7 @@ void build_contact_tables(WorldState& world) {
   for (const auto& object : world.objects) tables.rope_edges.push_back(edges_of_line(*object));
   world.contact->contacts.build(contact_geometry(world, object_materials));
   world.contact->check_intersections = world.dirty.counts = true;
-  world.fluids->build(world);
+  build_fluids(world);
 }
 
 void update_fluid_counts(WorldState& world) {

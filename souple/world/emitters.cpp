@@ -1,19 +1,58 @@
+#include "souple/fluid/emission.h"
+#include "souple/objects/checks.h"
 #include "souple/objects/object.h"
-#include "souple/world/emitter.h"
 #include "souple/world/flow.h"
 #include "souple/world/impl.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/world.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
+#include <string_view>
 
 #include <fmt/core.h>
 
-// The API of emitters and drains. Their simulation is in flow.cpp.
+// The API of emitters and drains. Their simulation is in flow.cpp and souple/fluid/emission.cpp.
 
 namespace souple {
 namespace {
+
+constexpr double max_layer_particles = 1e5;
+
+void require_times(double start, double end, std::string_view owner) {
+  if (!std::isfinite(start) || !(end >= start))
+    throw Error(
+        fmt::format("{}: it is active from {:g} to {:g} s, expected a finite start and an end not before it",
+                    owner, start, end));
+}
+
+void require_valid(const Emitter& emitter, std::string_view owner) {
+  if (!is_finite(emitter.position) || !is_finite(emitter.direction) ||
+      !(length_squared(Vec3d(emitter.direction)) > 1e-12))
+    throw Error(fmt::format("{}: its position or direction is not finite, or the direction is zero", owner));
+  if (!(emitter.radius >= 0) || !std::isfinite(emitter.radius))
+    throw Error(fmt::format("{}: radius is {:g} m, expected a finite number >= 0", owner, emitter.radius));
+  if (!(emitter.speed > 0) || !std::isfinite(emitter.speed))
+    throw Error(fmt::format("{}: speed is {:g} m/s, expected a finite number > 0", owner, emitter.speed));
+  require_times(emitter.start, emitter.end, owner);
+}
+
+void require_valid(const Drain& drain, std::string_view owner) {
+  validate(drain.shape, owner);
+  validate(drain.pose, owner);
+  if (!(drain.rate > 0))
+    throw Error(fmt::format("{}: rate is {:g} m^3/s, expected a number > 0", owner, drain.rate));
+  require_times(drain.start, drain.end, owner);
+}
+
+void require_layer_size(const Emitter& emitter, float spacing, std::string_view owner) {
+  const double ratio = static_cast<double>(emitter.radius / spacing);
+  if (pi * ratio * ratio > max_layer_particles)
+    throw Error(
+        fmt::format("{}: radius is {:g} m, {:g} spacings: a layer would have more than {:g} particles", owner,
+                    emitter.radius, ratio, max_layer_particles));
+}
 
 template <class Record>
 Record& find(std::vector<Record>& records, std::uint32_t id, const char* kind) {
@@ -32,11 +71,14 @@ EmitterId World::add_emitter(ObjectId fluid, const Emitter& emitter) {
   const std::string owner = "an emitter of " + object.name;
   if (object.kind != ObjectKind::fluid)
     throw Error(owner + ": it is a " + std::string(kind_name(object.kind)) + ", expected a fluid");
-  validate(emitter, owner);
-  require_layer_size(emitter, std::get<FluidMaterial>(object.material).spacing, owner);
+  require_valid(emitter, owner);
+  const float spacing = std::get<FluidMaterial>(object.material).spacing;
+  require_layer_size(emitter, spacing, owner);
   wake_island(world, object);
-  world.flow.emitters.push_back(
-      {{world.registry.next_id++}, fluid.value, emitter, layers_before(world, object, emitter)});
+  world.flow.emitters.push_back({{world.registry.next_id++},
+                                 fluid.value,
+                                 emitter,
+                                 layers_before(emitter, static_cast<double>(spacing), world.time)});
   return world.flow.emitters.back().id;
 }
 
@@ -46,10 +88,11 @@ void World::set_emitter(EmitterId id, const Emitter& emitter) {
   EmitterRecord& record = find(world.flow.emitters, id.value, "emitter");
   const Object& object = world.object({record.fluid});
   const std::string owner = "an emitter of " + object.name;
-  validate(emitter, owner);
-  require_layer_size(emitter, std::get<FluidMaterial>(object.material).spacing, owner);
+  require_valid(emitter, owner);
+  const float spacing = std::get<FluidMaterial>(object.material).spacing;
+  require_layer_size(emitter, spacing, owner);
   record.emitter = emitter;
-  record.layers = layers_before(world, object, emitter);
+  record.layers = layers_before(emitter, static_cast<double>(spacing), world.time);
 }
 
 void World::remove(EmitterId id) {
@@ -62,7 +105,7 @@ void World::remove(EmitterId id) {
 DrainId World::add_drain(const Drain& drain) {
   WorldState& world = impl_->state;
   world.require_between_steps("add_drain");
-  validate(drain, "a drain");
+  require_valid(drain, "a drain");
   wake_all(world);
   world.flow.drains.push_back({{world.registry.next_id++}, drain, 0});
   return world.flow.drains.back().id;

@@ -1,10 +1,11 @@
+#include "souple/fluid/stage/fluid_foam.h"
+#include "souple/fluid/stage/fluids.h"
 #include "souple/math/fnv1a.h"
 #include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
 #include "souple/world/arrivals.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/flow.h"
-#include "souple/world/fluids.h"
 #include "souple/world/impl.h"
 #include "souple/world/world.h"
 

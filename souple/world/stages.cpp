@@ -11,7 +11,7 @@
 #include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
-#include "souple/world/fluids.h"
+#include "souple/world/fluid_stage.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/step_report.h"
 #include "souple/world/step_scratch.h"
@@ -58,11 +58,6 @@ void integrate(WorldState& world, const Substep& substep) {
   keep_prediction(stage, world.scratch->motion);
 }
 
-void solve_incompressibility(WorldState& world, const Substep& substep) {
-  if (!world.fluids->none() && !world.current.first_non_finite)
-    world.fluids->solve_incompressibility(world, substep);
-}
-
 void solve(WorldState& world, const Substep& substep) {
   if (world.scratch->sleep.all) return;
   SOUPLE_ASSERT(!world.dirty.solver && !world.dirty.constraints, "a step prepares its solver");
@@ -94,8 +89,7 @@ void update_velocities(WorldState& world, const Substep& substep) {
   const ObjectsView objects = world.objects_view();
   finish_spin(objects, substep, *world.threads);
   damp_constraints(world, substep);
-  if (!world.fluids->none() && !world.current.first_non_finite)
-    world.fluids->update_velocities(world, substep);
+  update_fluid_velocities(world, substep);
   for (const auto& object : world.objects)
     if (object->island == 0) damp(objects, *object, substep.h, *world.threads, world.scratch->rigid_sums);
 }

@@ -1,5 +1,7 @@
 #include "souple/world/state.h"
 
+#include "souple/fluid/emitter_record.h"
+#include "souple/fluid/stage/fluids.h"
 #include "souple/objects/collider_record.h"
 #include "souple/objects/constraint_sets.h"
 #include "souple/objects/object.h"
@@ -8,8 +10,6 @@
 #include "souple/stages/stage_view.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/flow.h"
-#include "souple/world/fluids.h"
 #include "souple/world/step_scratch.h"
 
 #include <algorithm>

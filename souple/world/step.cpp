@@ -2,7 +2,7 @@
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/flow.h"
-#include "souple/world/fluids.h"
+#include "souple/world/fluid_stage.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
 #include "souple/world/sleeping.h"
@@ -34,7 +34,7 @@ bool begin_step(WorldState& world, double dt) {
   begin_arrivals(world, dt);
   update_flow(world, dt);
   update_fluid_counts(world);
-  world.fluids->begin_step(world, dt);
+  begin_fluids(world, dt);
   count_step(world);
   return true;
 }

@@ -2,10 +2,10 @@
 
 #include "souple/assert.h"
 #include "souple/constraints/neo_hookean.h"
+#include "souple/fluid/stage/fluids.h"
 #include "souple/objects/object.h"
 #include "souple/solver/custom_constraint.h"
 #include "souple/stages/user_constraint.h"
-#include "souple/world/fluids.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/step_scratch.h"
 

@@ -1,5 +1,7 @@
 #include "souple/world/world.h"
 
+#include "souple/fluid/stage/fluid_foam.h"
+#include "souple/fluid/stage/fluids.h"
 #include "souple/geometry/measures.h"
 #include "souple/objects/checks.h"
 #include "souple/objects/collider_record.h"
@@ -14,7 +16,6 @@
 #include "souple/world/build.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
-#include "souple/world/fluids.h"
 #include "souple/world/impl.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/validate.h"

@@ -3,6 +3,7 @@
 #include "souple/collision/collider_motion.h"
 #include "souple/collision/shapes.h"
 #include "souple/error.h"
+#include "souple/fluid/emitter.h"
 #include "souple/fluid/foam_parameters.h"
 #include "souple/geometry/lattice.h"
 #include "souple/geometry/tet_mesh.h"
@@ -16,7 +17,6 @@
 #include "souple/queries/query.h"
 #include "souple/queries/selector.h"
 #include "souple/stages/settings.h"
-#include "souple/world/emitter.h"
 #include "souple/world/report.h"
 
 #include <array>

@@ -299,7 +299,7 @@ IN_MILLIMETERS = {"thickness", "radius"}
 # Tables of defaults in docs/fluids.md: the head's first cell, the struct, rows whose default is told in words.
 DEFAULTS = [
     ("`FluidMaterial`, `material`", "souple/objects/materials.h", "FluidMaterial", []),
-    ("`Settings::fluid`, `fluid` of a scene", "souple/stages/settings.h", "FluidSettings", ["foam"]),
+    ("`Settings::fluid`, `fluid` of a scene", "souple/fluid/fluid_settings.h", "FluidSettings", ["foam"]),
     ("`Settings::fluid.foam`, `fluid.foam` of a scene", "souple/fluid/foam_parameters.h", "FoamParameters", []),
     ("", "souple/surface/surface_options.h", "SurfaceOptions", ["spacing", "cell", "level"]),
 ]

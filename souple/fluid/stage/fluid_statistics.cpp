@@ -1,4 +1,4 @@
-#include "souple/world/fluid_statistics.h"
+#include "souple/fluid/stage/fluid_statistics.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,15 +4,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace souple {
 
-struct WorldState;
-
-/// Depth of the inflow zone in spacings: the distance within which fluid interacts with other fluid.
-inline constexpr double inflow_depth = 2;
+struct FluidInput;
+struct FluidRegistry;
 
 /// Inflow zone: the first spacings in front of a nozzle. As in a pipe, emitted fluid moves straight on with
 /// `velocity`, regardless of forces. Without it nothing behind a new layer would bear the pressure of the
@@ -27,10 +24,10 @@ struct Inflow {
 /// The fluid particles in the inflow zones of emitters.
 class InflowParticles {
  public:
-  /// Before a step of dt seconds: finds the candidates among `particles`, ascending indices in the world.
-  void begin_step(WorldState& world, double dt, std::span<const std::uint32_t> particles);
+  /// Before a step of dt seconds: finds the candidates among the fluids' particles.
+  void begin_step(const FluidInput& input, const FluidRegistry& registry, double dt);
   /// Updates the inflow zones; closed emitters have none.
-  void begin_substep(WorldState& world);
+  void begin_substep(const FluidInput& input, const FluidRegistry& registry);
   /// Whether the k-th particle is kinematic in this substep, which starts with its position x and velocity v.
   /// Several threads may call it at the same time for different k.
   bool update(std::size_t k, const Vec3d& x, const Vec3d& v);

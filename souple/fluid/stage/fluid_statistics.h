@@ -1,8 +1,8 @@
 #pragma once
 
 #include "souple/fluid/density_solver.h"
+#include "souple/fluid/fluid_report.h"
 #include "souple/fluid/local_boundary.h"
-#include "souple/world/report.h"
 
 #include <algorithm>
 #include <cstddef>

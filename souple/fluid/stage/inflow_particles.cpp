@@ -1,19 +1,20 @@
-#include "souple/world/inflow_particles.h"
+#include "souple/fluid/stage/inflow_particles.h"
 
-#include "souple/objects/object.h"
-#include "souple/world/flow.h"
-#include "souple/world/state.h"
+#include "souple/fluid/emission.h"
+#include "souple/fluid/stage/fluid_input.h"
+#include "souple/fluid/stage/fluid_registry.h"
+#include "souple/state/warnings.h"
 
 #include <algorithm>
 
 namespace souple {
 namespace {
 
-std::vector<Inflow> inflows_at(const WorldState& world, double t) {
+std::vector<Inflow> inflows_at(const FluidInput& input, const FluidRegistry& registry, double t) {
   std::vector<Inflow> result;
-  for (const EmitterRecord& record : world.flow.emitters) {
-    const auto d =
-        static_cast<double>(std::get<FluidMaterial>(world.object(ObjectId{record.fluid}).material).spacing);
+  result.reserve(input.emitters.size());
+  for (const EmitterRecord& record : input.emitters) {
+    const auto d = static_cast<double>(registry.materials[registry.find(record.fluid)].spacing);
     const Nozzle nozzle = nozzle_at(record.emitter, t);
     const Vec3d v = nozzle.velocity + nozzle.direction * static_cast<double>(record.emitter.speed);
     const double depth = t >= record.emitter.start ? inflow_depth * d : 0;
@@ -32,24 +33,26 @@ bool Inflow::drives(const Vec3d& x, const Vec3d& v) const {
          dot(v, velocity) > 0.5 * dot(velocity, velocity);
 }
 
-void InflowParticles::begin_step(WorldState& world, double dt, std::span<const std::uint32_t> particles) {
+void InflowParticles::begin_step(const FluidInput& input, const FluidRegistry& registry, double dt) {
+  const std::vector<std::uint32_t>& particles = registry.particle;
   candidate_emitter_.assign(particles.size(), 0);
   is_inflow_.assign(particles.size(), 0);
   inflows_.clear();
-  world.warnings.guarded("an emitter's motion", [&] { inflows_ = inflows_at(world, world.time + dt); });
+  input.warnings.guarded("an emitter's motion",
+                         [&] { inflows_ = inflows_at(input, registry, input.time + dt); });
   for (std::uint32_t e = 0; e < inflows_.size(); ++e) {
-    const Object& fluid = world.object(ObjectId{world.flow.emitters[e].fluid});
+    const FluidRegistry::Source& fluid = registry.sources[registry.find(input.emitters[e].fluid)];
     const double range = inflows_[e].radius + inflows_[e].depth + 2 * dt * length(inflows_[e].velocity);
     auto i = std::lower_bound(particles.begin(), particles.end(), fluid.begin);
     for (; i != particles.end() && *i < fluid.end; ++i)
-      if (length_squared(world.exact_position(*i) - inflows_[e].position) < range * range)
+      if (length_squared(input.objects.exact_position(*i) - inflows_[e].position) < range * range)
         candidate_emitter_[static_cast<std::size_t>(i - particles.begin())] = e + 1;
   }
 }
 
-void InflowParticles::begin_substep(WorldState& world) {
+void InflowParticles::begin_substep(const FluidInput& input, const FluidRegistry& registry) {
   inflows_.clear();
-  world.warnings.guarded("an emitter's motion", [&] { inflows_ = inflows_at(world, world.time); });
+  input.warnings.guarded("an emitter's motion", [&] { inflows_ = inflows_at(input, registry, input.time); });
 }
 
 bool InflowParticles::update(std::size_t k, const Vec3d& x, const Vec3d& v) {

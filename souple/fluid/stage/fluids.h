@@ -1,0 +1,60 @@
+#pragma once
+
+#include "souple/fluid/fluid_report.h"
+#include "souple/math/vec3.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+namespace souple {
+
+struct FluidAir;
+class FluidFoam;
+struct FluidInput;
+struct FoamInput;
+struct ObjectBoundaries;
+struct Substep;
+
+/// The fluids' stage: all fluids of a world, in a step. Nothing but foam is kept from one step to the next.
+///
+/// Calls in a step of dt seconds:
+///   begin_step(input, dt)
+///   for each substep:
+///     solve_incompressibility(input, substep)     after prediction
+///     update_velocities(input, air, substep)      after v = (p - x) / h
+///   step_foam(input, foam_input)                  with the time at which the step started
+///   report(), pressure(), force(), foam()
+class Fluids {
+ public:
+  Fluids();
+  ~Fluids();
+  Fluids(const Fluids&) = delete;
+  Fluids& operator=(const Fluids&) = delete;
+
+  /// To be called after objects are added, removed or changed.
+  void set_boundaries(ObjectBoundaries boundaries);
+  /// Finds the current particles. Reuses nothing of the last step.
+  void begin_step(const FluidInput& input, double dt);
+  bool none() const;
+  /// Moves predicted particles until no fluid is compressed.
+  void solve_incompressibility(const FluidInput& input, const Substep& substep);
+  /// Forces on velocities, after v = (p - x) / h.
+  void update_velocities(const FluidInput& input, const FluidAir& air, const Substep& substep);
+  /// Spray, foam and bubbles, after the last substep.
+  void step_foam(const FluidInput& input, const FoamInput& foam_input);
+  const FluidFoam& foam() const;
+  FluidFoam& foam();
+  /// Results of the step.
+  FluidReport report() const;
+  /// Pressure of a world's particle, mean over the last step [Pa]; 0 if it belongs to no fluid.
+  float pressure(std::uint32_t particle) const;
+  /// Force on a collider by its index, mean over the last step [N].
+  Vec3d force(std::size_t collider) const;
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace souple
