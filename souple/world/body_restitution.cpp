@@ -58,7 +58,7 @@ void solve_impact(WorldState& world, const Impact& impact, double threshold) {
 }
 
 bool is_soft_body(const WorldState& world, std::uint32_t particle) {
-  return world.objects[world.object_of[particle]]->kind == ObjectKind::soft_body;
+  return world.objects[world.object_of[particle]]->traits().shape == ObjectShape::solid;
 }
 
 // Both sides are soft bodies, or one is a soft body and the other cannot move. The first side becomes a soft body.

@@ -96,7 +96,7 @@ RigidMotion rigid_motion(WorldState& world, const Object& object) {
 
 void damp(WorldState& world, const Object& object, float h) {
   const float rate = damping_of(object.material);
-  if (!(rate > 0) || object.kind == ObjectKind::grains) return;
+  if (!(rate > 0) || object.traits().rolls) return;
   Particles& particles = world.particles;
   const RigidMotion motion = rigid_motion(world, object);
   const double k = -std::expm1(-static_cast<double>(rate) * static_cast<double>(h));

@@ -112,7 +112,7 @@ std::span<const Vec3f> World::velocities(ObjectId id) const {
 std::span<const Vec3f> World::angular_velocities(ObjectId id) const {
   const WorldState& world = impl_->state;
   const Object& object = world.object(id);
-  if (object.kind != ObjectKind::grains) return {};
+  if (!object.traits().rolls) return {};
   const std::lock_guard<std::mutex> lock(world.caches->lock);
   Mirror& mirror = world.caches->mirrors[id.value];
   if (mirror.angular_velocities_version == world.version) return mirror.angular_velocities;

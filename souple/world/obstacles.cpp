@@ -28,7 +28,7 @@ void at_moment(WorldState& world, const Object& object, double time, const Funct
 
 void predict_obstacles(WorldState& world, double dt) {
   for (const auto& object : world.objects) {
-    if (!traits_of(object->kind).driven || is_static(object->motion) ||
+    if (!object->traits().driven || is_static(object->motion) ||
         jumps(object->motion, world.time, world.time + dt))
       continue;
     at_moment(world, *object, world.time + dt, [&](std::size_t i, const Vec3d& x) {
@@ -43,7 +43,7 @@ void drive_obstacles(WorldState& world, const Substep& substep) {
   const bool plain = world.settings.form == Form::plain;
   std::vector<Vec4f>& p = plain ? particles.position : particles.offset;
   for (const auto& object : world.objects) {
-    if (!traits_of(object->kind).driven || is_static(object->motion)) continue;
+    if (!object->traits().driven || is_static(object->motion)) continue;
     const bool jump = jumps(object->motion, world.time, t);
     world.contact->check_intersections = world.contact->check_intersections || jump;
     at_moment(world, *object, t, [&](std::size_t i, const Vec3d& x) {

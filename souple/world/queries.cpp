@@ -314,7 +314,7 @@ double World::kinetic_energy(ObjectId id) const {
   for (std::uint32_t i = object.begin; i < object.end; ++i)
     sum += 0.5 * static_cast<double>(world.particles.mass[i]) *
            length_squared(Vec3d(world.particles.velocity[i].xyz()));
-  if (object.kind != ObjectKind::grains) return sum;
+  if (!object.traits().rolls) return sum;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const std::vector<float>& map = object.thickness_map;
     const auto r =

@@ -31,7 +31,7 @@ constexpr float carrier_speed_ratio = 0.01f;
 constexpr std::size_t chunk = 2048;  // particles
 
 bool is_obstacle(const Object& object) {
-  return object.kind == ObjectKind::obstacle;
+  return object.traits().driven;
 }
 
 // --- state of objects
@@ -58,7 +58,7 @@ void set_asleep(WorldState& world, Object& object, std::uint32_t island) {
   set_inverse_masses(world, object);
   std::fill(world.particles.velocity.begin() + object.begin, world.particles.velocity.begin() + object.end,
             Vec4f{});
-  if (object.kind == ObjectKind::grains)
+  if (object.traits().rolls)
     std::fill(world.particles.spin.begin() + object.begin, world.particles.spin.begin() + object.end,
               Vec4f{});
 }
