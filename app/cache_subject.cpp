@@ -40,23 +40,6 @@ World collider_world(const std::optional<SceneDescription>& scene) {
   return build_world(colliders);
 }
 
-ObjectKind kind_of_name(std::string_view name) {
-  for (const ObjectKind kind : {ObjectKind::cloth, ObjectKind::soft_body, ObjectKind::rope,
-                                ObjectKind::obstacle, ObjectKind::fluid}) {
-    if (kind_name(kind) == name) return kind;
-  }
-  return ObjectKind::grains;
-}
-
-struct Radius {
-  float operator()(const ClothDescription& cloth) const { return cloth.material.thickness / 2; }
-  float operator()(const SoftBodyDescription& body) const { return body.material.thickness / 2; }
-  float operator()(const RopeDescription& rope) const { return rope.material.radius; }
-  float operator()(const GrainsDescription& grains) const { return grains.material.radius; }
-  float operator()(const FluidDescription& fluid) const { return fluid.material.spacing / 2; }
-  float operator()(const ObstacleDescription& obstacle) const { return obstacle.material.thickness / 2; }
-};
-
 }  // namespace
 
 CacheSubject::CacheSubject(const std::filesystem::path& path)
@@ -117,7 +100,7 @@ void CacheSubject::describe_bodies() {
     render::Body body;
     body.id = static_cast<std::uint32_t>(i + 1);
     body.name = object.name;
-    body.kind = kind_of_name(object.kind);
+    body.kind = find_kind(object.kind).value_or(ObjectKind::grains);
     body.positions = object.positions;
     body.normals = object.normals;
     body.velocities = velocities_[i];
@@ -126,7 +109,8 @@ void CacheSubject::describe_bodies() {
     if (scene_) {
       for (const AnyObjectDescription& description : scene_->objects) {
         if (common(description).name != object.name) continue;
-        body.radius = std::visit(Radius{}, description);
+        body.radius =
+            std::visit([](const auto& kind) { return particle_radius(kind.material); }, description);
         if (const auto* fluid = std::get_if<FluidDescription>(&description))
           body.density = fluid->material.density;
       }

@@ -85,8 +85,7 @@ void print_object(const World& world, ObjectId object) {
   const std::size_t pinned = world.pinned(object).size();
   if (pinned > 0) line += fmt::format(", {} pinned", pinned);
   line += tets_text(world.tet_statistics(object)) + size_text(world.positions(object));
-  if (world.kind(object) != ObjectKind::obstacle)
-    line += fmt::format(", {:.4g} kg", world.total_mass(object));
+  if (!traits_of(world.kind(object)).driven) line += fmt::format(", {:.4g} kg", world.total_mass(object));
   std::printf("%s\n", line.c_str());
 }
 

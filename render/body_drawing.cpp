@@ -40,10 +40,10 @@ BodyDrawing::BodyDrawing(const Body& body, std::uint32_t index, std::uint64_t ke
       triangles_(body.triangles.data()),
       mean_edge_(mean_edge_length(body)),
       density_(body.density) {
-  if (kind_ == ObjectKind::rope) tube_.resize(vertices_, body.radius, polyline_length(body.positions));
-  const bool has_creases = kind_ == ObjectKind::soft_body || kind_ == ObjectKind::obstacle;
+  if (is_line()) tube_.resize(vertices_, body.radius, polyline_length(body.positions));
+  const bool has_creases = traits().shape == ObjectShape::solid || traits().driven;
   if (has_creases && body.rest.size() == vertices_) creased_ = CreasedSurface(body.rest, body.triangles);
-  if (kind_ == ObjectKind::grains) grain_colors_ = grain_colors(vertices_, index_, chosen_);
+  if (traits().rolls) grain_colors_ = grain_colors(vertices_, index_, chosen_);
 }
 
 bool BodyDrawing::fits(const Body& body) const {
@@ -60,11 +60,11 @@ Bounds BodyDrawing::bounds(const Body& body) const {
 bool BodyDrawing::draws_particles(const DrawContext& context) const {
   const Display display = context.options.display;
   return display == Display::particles ||
-         (display == Display::lattice && kind_ == ObjectKind::soft_body && context.has_world);
+         (display == Display::lattice && traits().shape == ObjectShape::solid && context.has_world);
 }
 
 bool BodyDrawing::draws_liquid(const DrawContext& context) const {
-  return kind_ == ObjectKind::fluid && triangle_count_ == 0 && !draws_particles(context) &&
+  return traits().flows && triangle_count_ == 0 && !draws_particles(context) &&
          !is_measured(context.options.display) && context.options.constraints == ConstraintDisplay::none;
 }
 
@@ -82,9 +82,9 @@ Look BodyDrawing::look(const DrawContext& context) const {
 
 Look BodyDrawing::base_look() const {
   // A rope's particles are more visible in a palette color than in the color of hemp.
-  const bool as_balls = as_particles_ && kind_ == ObjectKind::rope;
+  const bool as_balls = as_particles_ && is_line();
   const std::optional<Color> chosen =
-      kind_ == ObjectKind::fluid ? std::optional(liquid_color(density_, chosen_)) : chosen_;
+      traits().flows ? std::optional(liquid_color(density_, chosen_)) : chosen_;
   return body_look(as_balls ? ObjectKind::soft_body : kind_, index_, chosen);
 }
 
@@ -95,11 +95,11 @@ void BodyDrawing::draw(const Body& body, std::uint32_t pick, std::span<const flo
   refresh(body, rope_strain, context);
   if (as_particles_) {
     draw_particles(body, pick, context);
-  } else if (kind_ == ObjectKind::rope) {
+  } else if (is_line()) {
     draw_tube(pick, context);
   } else if (draws_liquid(context)) {
     draw_liquid(body, pick, context);
-  } else if (kind_ == ObjectKind::grains || body.triangles.empty()) {
+  } else if (traits().rolls || body.triangles.empty()) {
     draw_grains(body, pick, context);
   } else {
     draw_surface(body, pick, context);
@@ -119,7 +119,7 @@ void BodyDrawing::refresh(const Body& body, std::span<const float> rope_strain, 
   if (version_ > 0 && now == uploaded_) return;
   uploaded_ = now;
   ++version_;
-  if (kind_ == ObjectKind::rope && !as_particles_) tube_.update(body.positions, body.radius);
+  if (is_line() && !as_particles_) tube_.update(body.positions, body.radius);
   if (creased_.has_creases()) creased_.update(body.positions);
   if (now.splats == SplatShape::ellipsoids) shape_splats(body, context.threads);
   set_colors(body, rope_strain, context);
@@ -143,8 +143,8 @@ std::span<const float> BodyDrawing::values(const Body& body, std::span<const flo
     for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = length(body.velocities[i]);
     return values_;
   }
-  if (kind_ == ObjectKind::rope) return rope_strain;
-  if (kind_ == ObjectKind::obstacle) return {};  // an obstacle has no strain
+  if (is_line()) return rope_strain;
+  if (traits().driven) return {};  // an obstacle has no strain
   if (body.triangles.empty() || body.rest.size() != body.positions.size()) return {};
   if (!has_strain_) strain_ = EdgeStrain(body.rest, body.triangles);
   has_strain_ = true;
@@ -156,7 +156,7 @@ void BodyDrawing::set_colors(const Body& body, std::span<const float> rope_strai
                              const DrawContext& context) {
   colors_.clear();
   const Display display = context.options.display;
-  const bool is_tube = kind_ == ObjectKind::rope;
+  const bool is_tube = is_line();
   if (display == Display::normals) color_normals(is_tube ? tube_.normals() : body.normals, colors_);
   if (display != Display::strain && display != Display::speed) return;
   const std::span<const float> known = values(body, rope_strain, display);
@@ -174,8 +174,8 @@ void BodyDrawing::set_colors(const Body& body, std::span<const float> rope_strai
 
 void BodyDrawing::draw_surface(const Body& body, std::uint32_t pick, const DrawContext& context) {
   const Look seen = look(context);
-  if (seen.checker_size > 0 && kind_ == ObjectKind::cloth && checker_.texture.empty() &&
-      body.rest.size() == vertices_) {
+  if (seen.checker_size > 0 && traits().shape == ObjectShape::surface && !traits().driven &&
+      checker_.texture.empty() && body.rest.size() == vertices_) {
     checker_ = cloth_checker(body.rest, body.triangles);
     ++topology_;
   }
@@ -279,7 +279,7 @@ void BodyDrawing::draw_normals(const Body& body, DrawList& list) const {
 }
 
 std::uint32_t BodyDrawing::vertex_of(const Body& body, std::uint32_t element) const {
-  if (!as_particles_ && kind_ == ObjectKind::rope)
+  if (!as_particles_ && is_line())
     return element < tube_.positions().size() ? tube_.point_of(element) : element;
   if (!as_particles_) return element < creased_.source().size() ? creased_.source()[element] : element;
   if (element >= particles_.centers.size()) return element;

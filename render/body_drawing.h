@@ -83,6 +83,9 @@ class BodyDrawing {
   void draw_particles(const Body& body, std::uint32_t pick, const DrawContext& context);
   void draw_normals(const Body& body, DrawList& list) const;
 
+  const KindTraits& traits() const { return traits_of(kind_); }
+  bool is_line() const { return traits().shape == ObjectShape::line; }
+
   ObjectKind kind_;
   std::uint32_t index_;
   std::optional<Color> chosen_;

@@ -270,8 +270,8 @@ void SubjectDrawing::Impl::draw_pins(const Subject& subject) {
   std::vector<Vec3f> centers;
   pin_radii.clear();
   for (const Body& body : subject.bodies) {
-    const bool balls =
-        body.kind == ObjectKind::rope || body.kind == ObjectKind::grains || body.kind == ObjectKind::fluid;
+    const ObjectShape shape = traits_of(body.kind).shape;
+    const bool balls = shape == ObjectShape::line || shape == ObjectShape::balls;
     const float radius =
         balls ? 1.5f * body.radius : std::min(0.3f * bodies.at(body.id).mean_edge(), 0.011f * size());
     for (const std::uint32_t v : subject.world->pinned({body.id})) {

@@ -45,23 +45,23 @@ Color mix(const Color& a, const Color& b, float t) {
 
 Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Color>& chosen) {
   const Color color = chosen.value_or(palette(index));
-  switch (kind) {
-    case ObjectKind::cloth:
+  const KindTraits& traits = traits_of(kind);
+  if (traits.driven) return collider_look(chosen);
+  if (traits.flows) {
+    const Color blue = chosen.value_or(water.particles);
+    return {.color = blue, .second = blue, .roughness = 0.2f};
+  }
+  switch (traits.shape) {
+    case ObjectShape::surface:
       return {.color = color, .second = mix(color, linen, 0.86f), .roughness = 0.8f, .sheen = 0.4f};
-    case ObjectKind::soft_body:
+    case ObjectShape::solid:
       return {.color = color, .second = color, .roughness = 0.3f};
-    case ObjectKind::rope:
+    case ObjectShape::line:
       return {.color = chosen.value_or(hemp),
               .second = mix(color, hemp, 0.15f),
               .roughness = 0.7f,
               .sheen = 0.2f};
-    case ObjectKind::obstacle:
-      return collider_look(chosen);
-    case ObjectKind::fluid: {
-      const Color blue = chosen.value_or(water.particles);
-      return {.color = blue, .second = blue, .roughness = 0.2f};
-    }
-    case ObjectKind::grains:
+    case ObjectShape::balls:
       break;
   }
   const Color sand = chosen.value_or(srgb(0xd2ab6d));

@@ -28,7 +28,7 @@ std::vector<RopePoint> points_of_ropes(const Subject& subject) {
   std::vector<RopePoint> points;
   for (std::uint32_t b = 0; b < subject.bodies.size(); ++b) {
     const Body& body = subject.bodies[b];
-    if (body.kind != ObjectKind::rope) continue;
+    if (traits_of(body.kind).shape != ObjectShape::line) continue;
     for (std::uint32_t i = 0; i < body.positions.size(); ++i)
       points.push_back({key(body.positions[i]), b, i});
   }

@@ -6,7 +6,7 @@ namespace souple::render {
 
 void show_foam(Subject& subject, std::span<const Vec3f> foam) {
   const auto fluid = std::find_if(subject.bodies.begin(), subject.bodies.end(),
-                                  [](const Body& body) { return body.kind == ObjectKind::fluid; });
+                                  [](const Body& body) { return traits_of(body.kind).flows; });
   if (fluid != subject.bodies.end()) fluid->foam = foam;
 }
 
@@ -23,7 +23,7 @@ Subject subject_of(const World& world, std::uint64_t world_number) {
     body.triangles = world.triangles(id);
     body.rest = world.mesh(id).positions;
     body.radius = world.particle_radius(id);
-    if (body.kind == ObjectKind::fluid) body.density = world.fluid_material(id).density;
+    if (const auto* fluid = std::get_if<FluidMaterial>(&world.material(id))) body.density = fluid->density;
     subject.bodies.push_back(body);
   }
   show_foam(subject, world.foam().positions);

@@ -72,7 +72,7 @@ void Mouse::press(const render::Camera& camera, Simulation* simulation, const Vi
   if (!found || simulation == nullptr) return;
   drag_ = Drag::none;
   if (ImGui::IsMouseDoubleClicked(0)) {
-    if (simulation->world().kind(found->object) != ObjectKind::obstacle)
+    if (!traits_of(simulation->world().kind(found->object)).driven)
       simulation->toggle_pin(found->object, found->vertex);
     return;
   }

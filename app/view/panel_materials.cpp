@@ -1,6 +1,7 @@
 #include "app/view/panels.h"
 #include "app/view/widgets.h"
 #include "souple/host/material_tunables.h"
+#include "souple/objects/kind_functions.h"
 
 #include <imgui.h>
 #include <string>
@@ -10,39 +11,29 @@ namespace souple::viewer {
 
 namespace {
 
-/// Presets of one kind of material: `find` returns one by name, or nullptr.
-template <class Material, class Find>
-bool preset_row(MaterialDescription<Material>& material, Find find) {
+template <class M>
+bool preset_row(MaterialDescription<M>& material) {
   static const std::vector<std::string> names = material::names();
+  const auto find = functions_of(Material(M{})).find_preset;
+  if (find == nullptr) return false;
   std::vector<const char*> fitting{"(none)"};
   int chosen = 0;
   for (const std::string& name : names) {
-    if (find(name) == nullptr) continue;
+    if (!find(name)) continue;
     if (name == material.preset) chosen = static_cast<int>(fitting.size());
     fitting.push_back(name.c_str());
   }
   if (!choice_row("Preset", "##preset", chosen, fitting, "Sets every value below.")) return false;
   const bool none = chosen == 0;
-  static_cast<Material&>(material) = none ? Material{} : *find(fitting[static_cast<std::size_t>(chosen)]);
+  static_cast<M&>(material) =
+      none ? M{} : std::get<M>(find(fitting[static_cast<std::size_t>(chosen)]).value());
   material.preset = none ? "" : fitting[static_cast<std::size_t>(chosen)];
   return true;
 }
 
-bool preset_row(MaterialDescription<ClothMaterial>& material) {
-  return preset_row(material, material::find_cloth);
-}
-bool preset_row(MaterialDescription<SoftBodyMaterial>& material) {
-  return preset_row(material, material::find_soft_body);
-}
-bool preset_row(MaterialDescription<RopeMaterial>& material) {
-  return preset_row(material, material::find_rope);
-}
-bool preset_row(MaterialDescription<GrainsMaterial>& material) {
-  return preset_row(material, material::find_grains);
-}
 bool preset_row(MaterialDescription<FluidMaterial>& material) {
   const float spacing = material.spacing;  // cannot be changed
-  const bool changed = preset_row(material, material::find_fluid);
+  const bool changed = preset_row<FluidMaterial>(material);
   material.spacing = spacing;
   return changed;
 }
@@ -78,12 +69,13 @@ void rows(Simulation& simulation, std::size_t object) {
   bool changed = preset_row(material);
   changed |= model_rows(material);
   const bool pbd = simulation.scene().settings.mode == Mode::pbd;
-  for (const auto& tunable : host::tunables(material)) {
-    if (!host::is_used(tunable, material, pbd)) continue;
-    const SliderRange range{tunable.range.least, tunable.range.most, tunable.range.logarithmic};
-    changed |= slider_row(tunable.label, std::string("##") + tunable.name, material.*tunable.field, range,
-                          tunable.unit);
-  }
+  if constexpr (requires { host::tunables(material); })
+    for (const auto& tunable : host::tunables(material)) {
+      if (!host::is_used(tunable, material, pbd)) continue;
+      const SliderRange range{tunable.range.least, tunable.range.most, tunable.range.logarithmic};
+      changed |= slider_row(tunable.label, std::string("##") + tunable.name, material.*tunable.field, range,
+                            tunable.unit);
+    }
   if (changed) simulation.set_material(object, material);
 }
 
@@ -102,20 +94,9 @@ void material_panel(Simulation& simulation, std::size_t& chosen) {
   if (objects.empty() || !section("Material")) return;
   if (chosen >= objects.size()) chosen = 0;
   object_row(simulation, chosen);
-  switch (kind_of(objects[chosen])) {
-    case ObjectKind::cloth:
-      return rows<ClothDescription>(simulation, chosen);
-    case ObjectKind::soft_body:
-      return rows<SoftBodyDescription>(simulation, chosen);
-    case ObjectKind::rope:
-      return rows<RopeDescription>(simulation, chosen);
-    case ObjectKind::grains:
-      return rows<GrainsDescription>(simulation, chosen);
-    case ObjectKind::fluid:
-      return rows<FluidDescription>(simulation, chosen);
-    case ObjectKind::obstacle:
-      return rows<ObstacleDescription>(simulation, chosen);
-  }
+  // The description changes meanwhile: only its type is used.
+  std::visit([&]<class Description>(const Description&) { rows<Description>(simulation, chosen); },
+             objects[chosen]);
 }
 
 }  // namespace souple::viewer

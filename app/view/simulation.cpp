@@ -244,33 +244,6 @@ void Simulation::set_settings(const Settings& settings) {
   scene_.settings = settings;
 }
 
-template <class Description, class Material>
-void Simulation::change_material(std::size_t object, const Material& material) {
-  auto& description = std::get<Description>(scene_.objects.at(object));
-  world_.set_material(world_.find_object(description.name), material);
-  changed(true);
-  description.material = material;
-}
-
-void Simulation::set_material(std::size_t object, const MaterialDescription<ClothMaterial>& material) {
-  change_material<ClothDescription>(object, material);
-}
-void Simulation::set_material(std::size_t object, const MaterialDescription<SoftBodyMaterial>& material) {
-  change_material<SoftBodyDescription>(object, material);
-}
-void Simulation::set_material(std::size_t object, const MaterialDescription<RopeMaterial>& material) {
-  change_material<RopeDescription>(object, material);
-}
-void Simulation::set_material(std::size_t object, const MaterialDescription<GrainsMaterial>& material) {
-  change_material<GrainsDescription>(object, material);
-}
-void Simulation::set_material(std::size_t object, const MaterialDescription<FluidMaterial>& material) {
-  change_material<FluidDescription>(object, material);
-}
-void Simulation::set_material(std::size_t object, const ObstacleMaterial& material) {
-  change_material<ObstacleDescription>(object, material);
-}
-
 ObjectId Simulation::add(AnyObjectDescription object, bool thrown) {
   ObjectDescription& shared = common(object);
   const std::string base = shared.name;

@@ -14,6 +14,8 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 namespace souple::viewer {
@@ -78,12 +80,17 @@ class Simulation : public Session {
 
   // --- changes. Each throws Error on invalid values, and then has changed nothing.
   void set_settings(const Settings& settings);
-  void set_material(std::size_t object, const MaterialDescription<ClothMaterial>& material);
-  void set_material(std::size_t object, const MaterialDescription<SoftBodyMaterial>& material);
-  void set_material(std::size_t object, const MaterialDescription<RopeMaterial>& material);
-  void set_material(std::size_t object, const MaterialDescription<GrainsMaterial>& material);
-  void set_material(std::size_t object, const MaterialDescription<FluidMaterial>& material);
-  void set_material(std::size_t object, const ObstacleMaterial& material);
+  /// `M`: what the object's description has.
+  template <class M>
+  void set_material(std::size_t object, const M& material) {
+    AnyObjectDescription& description = scene_.objects.at(object);
+    world_.set_material(world_.find_object(common(description).name), material);
+    changed(true);
+    const auto take = [&](auto& kind) {
+      if constexpr (std::is_same_v<std::decay_t<decltype(kind.material)>, M>) kind.material = material;
+    };
+    std::visit(take, description);
+  }
   /// Adds an object at the current time, with a unique name that begins like its own. After a reset it is there
   /// from the start, unless it was thrown: then the reset removes it, and `scene_text()` lacks it.
   ObjectId add(AnyObjectDescription object, bool thrown = false);
@@ -100,8 +107,6 @@ class Simulation : public Session {
   std::string scene_text() const;
 
  private:
-  template <class Description, class Material>
-  void change_material(std::size_t object, const Material& material);
   void step(double dt, int substeps);
   void record_failure();
   void remove_from_pins(std::size_t object, std::uint32_t vertex);

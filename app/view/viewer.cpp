@@ -175,7 +175,7 @@ std::size_t Viewer::first_with_material() {
   if (shown == nullptr) return 0;
   const std::vector<AnyObjectDescription>& objects = shown->scene().objects;
   for (std::size_t i = 0; i < objects.size(); ++i)
-    if (kind_of(objects[i]) != ObjectKind::obstacle) return i;
+    if (!traits_of(kind_of(objects[i])).driven) return i;
   return 0;
 }
 

@@ -124,7 +124,7 @@ void Viewer::transport_section() {
 
 bool Viewer::shows_fluids() const {
   return std::any_of(subject_.bodies.begin(), subject_.bodies.end(),
-                     [](const render::Body& body) { return body.kind == ObjectKind::fluid; });
+                     [](const render::Body& body) { return traits_of(body.kind).flows; });
 }
 
 void Viewer::simulation_sections(Simulation& simulation) {

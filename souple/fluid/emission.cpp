@@ -55,7 +55,7 @@ std::vector<Vec3d> particles_near(const ObjectsView& objects, std::span<const Dr
       lo[k] = std::min(lo[k], drop.position[k]), hi[k] = std::max(hi[k], drop.position[k]);
   std::vector<Vec3d> result;
   for (const auto& object : objects.objects) {
-    if (object->kind != ObjectKind::fluid) continue;
+    if (!object->traits().flows) continue;
     for (std::uint32_t i = object->begin; i < object->end; ++i) {
       const Vec3d x = objects.exact_position(i);
       bool within = true;

@@ -218,17 +218,9 @@ std::vector<Neighbor> around_on_rope(std::span<const Vec3f> x, std::uint32_t ver
 }
 
 std::vector<Neighbor> neighbors_of(const World& world, ObjectId object, std::uint32_t vertex) {
-  switch (world.kind(object)) {
-    case ObjectKind::grains:
-    case ObjectKind::fluid:
-      return {{vertex, 0}};
-    case ObjectKind::rope:
-      return around_on_rope(world.positions(object), vertex);
-    case ObjectKind::cloth:
-    case ObjectKind::soft_body:
-    case ObjectKind::obstacle:
-      break;
-  }
+  const ObjectShape shape = traits_of(world.kind(object)).shape;
+  if (shape == ObjectShape::balls) return {{vertex, 0}};
+  if (shape == ObjectShape::line) return around_on_rope(world.positions(object), vertex);
   return around_on_mesh(world.mesh(object), vertex);
 }
 
@@ -279,10 +271,11 @@ Patch patch_of(const World& world, ObjectId object, const std::vector<Neighbor>&
       const double edge = length(rest[a] - rest[b]);
       if (edge > 0) patch.edges.push_back({local[a], local[b], edge});
     }
-  if (world.kind(object) == ObjectKind::rope)
+  const ObjectShape shape = traits_of(world.kind(object)).shape;
+  if (shape == ObjectShape::line)
     for (std::uint32_t v = 0; v + 1 < now.size(); ++v)
       if (!(now[v + 1] == now[v])) patch.edges.push_back({v, v + 1, length(now[v + 1] - now[v])});
-  const bool thin = world.kind(object) != ObjectKind::soft_body;
+  const bool thin = shape != ObjectShape::solid;
   const double already = largest_strain(patch, now);
   patch.slack = already + (thin ? thin_slack : soft_slack);
   patch.limit = already + (thin ? thin_limit : soft_limit);
@@ -291,8 +284,7 @@ Patch patch_of(const World& world, ObjectId object, const std::vector<Neighbor>&
 
 /// Mass that the grab moves. [kg]
 double mass_of(const World& world, ObjectId object, const std::vector<Carrier>& hand) {
-  const ObjectKind kind = world.kind(object);
-  if (kind == ObjectKind::grains || kind == ObjectKind::fluid)
+  if (traits_of(world.kind(object)).shape == ObjectShape::balls)
     return 1 / static_cast<double>(hand.front().inverse_mass);
   return world.total_mass(object);
 }

@@ -6,22 +6,16 @@
 
 namespace souple::host {
 
+// Kind repeats ObjectKind, for hosts that are compiled as C++17.
+static_assert(static_cast<int>(Kind::cloth) == static_cast<int>(ObjectKind::cloth) &&
+              static_cast<int>(Kind::soft_body) == static_cast<int>(ObjectKind::soft_body) &&
+              static_cast<int>(Kind::rope) == static_cast<int>(ObjectKind::rope) &&
+              static_cast<int>(Kind::grains) == static_cast<int>(ObjectKind::grains) &&
+              static_cast<int>(Kind::obstacle) == static_cast<int>(ObjectKind::obstacle) &&
+              static_cast<int>(Kind::fluid) == static_cast<int>(ObjectKind::fluid));
+
 const char* kind_name(Kind kind) {
-  switch (kind) {
-    case Kind::cloth:
-      return "cloth";
-    case Kind::soft_body:
-      return "soft_body";
-    case Kind::rope:
-      return "rope";
-    case Kind::grains:
-      return "grains";
-    case Kind::obstacle:
-      return "obstacle";
-    case Kind::fluid:
-      return "fluid";
-  }
-  return "?";
+  return souple::kind_name(static_cast<ObjectKind>(kind)).data();  // a literal
 }
 
 Session::Session(const ClockOptions& clock) : impl_(std::make_unique<Impl>(clock)) {}

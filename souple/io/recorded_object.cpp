@@ -16,7 +16,8 @@ namespace souple {
 namespace {
 
 bool is_points(ObjectKind kind) {
-  return kind == ObjectKind::rope || kind == ObjectKind::grains || kind == ObjectKind::fluid;
+  const ObjectShape shape = traits_of(kind).shape;
+  return shape == ObjectShape::line || shape == ObjectShape::balls;
 }
 
 /// OBJ names material files relative to its own folder.
@@ -45,7 +46,7 @@ RecordedShape shape_of(const World& world, ObjectId object, const std::filesyste
   shape.kind = world.kind(object);
   shape.points = world.positions(object).size();
   if (is_points(shape.kind)) {
-    if (shape.kind == ObjectKind::rope) shape.topology = segments_text(shape.points);
+    if (traits_of(shape.kind).shape == ObjectShape::line) shape.topology = segments_text(shape.points);
     return shape;
   }
   shape.vertices = recorded_vertices(world, object);
@@ -61,7 +62,7 @@ RecordedShape shape_of(const World& world, ObjectId object, const std::filesyste
 }
 
 bool same(const RecordedShape& a, const RecordedShape& b) {
-  const bool as_many = a.kind == ObjectKind::fluid || a.points == b.points;
+  const bool as_many = traits_of(a.kind).flows || a.points == b.points;
   return a.kind == b.kind && as_many && a.topology == b.topology;
 }
 
@@ -93,7 +94,7 @@ std::vector<std::uint32_t> recorded_vertices(const World& world, ObjectId object
 
 bool same_topology(const World& world, ObjectId object, const ManifestObject& known) {
   const bool as_many =
-      world.kind(object) == ObjectKind::fluid || known.points == recorded_vertices(world, object).size();
+      traits_of(world.kind(object)).flows || known.points == recorded_vertices(world, object).size();
   return known.kind == kind_name(world.kind(object)) && as_many &&
          known.triangles == world.triangles(object).size();
 }
@@ -144,7 +145,7 @@ RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, Ob
 
 // A fluid's number of particles changes: it is always written as PLY.
 bool RecordedObject::wants(CacheFormat format) const {
-  if (shape_->kind == ObjectKind::fluid) return format == CacheFormat::ply;
+  if (traits_of(shape_->kind).flows) return format == CacheFormat::ply;
   return std::find(plan_.formats.begin(), plan_.formats.end(), format) != plan_.formats.end();
 }
 

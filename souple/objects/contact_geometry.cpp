@@ -23,14 +23,14 @@ void find_element_radii(const Object& object, std::span<float> radius) {
 }  // namespace
 
 bool is_particle_only(const Object& object) {
-  return object.surface.empty() && traits_of(object.kind).shape != ObjectShape::line;
+  return object.surface.empty() && object.traits().shape != ObjectShape::line;
 }
 
 // Balls collide with balls as particles; all other pairs collide as surfaces.
 ContactObject contact_object(const Object& object) {
   constexpr std::uint32_t balls = 1;
   ContactObject result{.begin = object.begin, .end = object.end, .groups = 0};
-  const KindTraits& kind = traits_of(object.kind);
+  const KindTraits& kind = object.traits();
   result.self_collision = result.rolls = kind.rolls;
   result.collides_with_colliders = !kind.flows;
   if (is_particle_only(object) && !kind.flows) result.groups = result.mask = balls;
@@ -41,7 +41,7 @@ ContactObject contact_object(const Object& object) {
 // two thirds of that of the ball around the center that holds all rest positions (3 m/s for a sheet of 1 m).
 float radius_at_rest(const Object& object, std::span<const float> radii) {
   float radius = 0;
-  if (traits_of(object.kind).rolls) {
+  if (object.traits().rolls) {
     for (std::uint32_t i = object.begin; i < object.end; ++i) radius = max(radius, radii[i]);
     return radius;
   }
@@ -54,14 +54,15 @@ float radius_at_rest(const Object& object, std::span<const float> radii) {
 
 std::vector<Edge> edges_of_line(const Object& object) {
   std::vector<Edge> edges;
-  if (traits_of(object.kind).shape != ObjectShape::line) return edges;
+  if (object.traits().shape != ObjectShape::line) return edges;
+  edges.reserve(object.particle_count());
   for (std::uint32_t i = 0; i + 1 < object.particle_count(); ++i) edges.push_back({i, i + 1});
   return edges;
 }
 
 ContactSurface contact_surface(const Object& object, std::uint32_t index, std::span<const Edge> edges,
                                float radius, const ContactMaterialTable& matrix) {
-  const KindTraits& kind = traits_of(object.kind);
+  const KindTraits& kind = object.traits();
   ContactSurface result{
       .begin = object.begin,
       .end = object.end,
@@ -86,7 +87,7 @@ ContactSurface contact_surface(const Object& object, std::uint32_t index, std::s
 // Bodies with an embedded surface have no elements: their particles collide instead.
 void append_elements(const Object& object, std::uint32_t index, std::span<const Edge> edges,
                      std::vector<ContactElement>& elements) {
-  if (traits_of(object.kind).driven || is_particle_only(object)) return;
+  if (object.traits().driven || is_particle_only(object)) return;
   const std::uint32_t b = object.begin;
   const auto append = [&](std::uint32_t p, std::uint32_t q, std::uint32_t r) {
     const double radius = enclosing_radius(object.rest[p], object.rest[q], object.rest[r]);

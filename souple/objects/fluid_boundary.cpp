@@ -84,7 +84,7 @@ void append_sub_resolution_bodies(const Object& object, float spacing, std::span
 }
 
 std::optional<BoundaryMesh> boundary_mesh_of(const Object& object, float spacing) {
-  const KindTraits& kind = traits_of(object.kind);
+  const KindTraits& kind = object.traits();
   if (kind.flows || (!object.embedding && object.surface.empty())) return std::nullopt;
   BoundaryMesh boundary = object.embedding ? embedded_boundary(object, spacing) : particle_boundary(object);
   const bool solid = kind.shape == ObjectShape::solid;

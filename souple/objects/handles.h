@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
 
 namespace souple {
 
@@ -26,8 +25,5 @@ struct ForceFieldId {
   std::uint32_t value = 0;
   friend bool operator==(const ForceFieldId&, const ForceFieldId&) = default;
 };
-
-enum class ObjectKind { cloth, soft_body, rope, grains, obstacle, fluid };
-std::string_view kind_name(ObjectKind kind);
 
 }  // namespace souple

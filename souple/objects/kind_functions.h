@@ -54,8 +54,6 @@ struct KindFunctions {
 
 const KindFunctions& functions_of(ObjectKind kind);
 
-/// The kind of objects that a material belongs to.
-ObjectKind kind_of(const Material& material);
 inline const KindFunctions& functions_of(const Material& material) {
   return functions_of(kind_of(material));
 }
@@ -66,7 +64,5 @@ void validate(const Material& material, std::string_view owner);
 float density(const Material& material);
 /// Half the thickness; the radius of grains and ropes; a quarter of the spacing of fluids [m].
 float contact_radius(const Material& material);
-/// Radius of grains and ropes, half the thickness of others, half the spacing of fluids [m].
-float particle_radius(const Material& material);
 
 }  // namespace souple

@@ -1,8 +1,9 @@
 #pragma once
 
-#include "souple/objects/handles.h"
+#include "souple/objects/materials.h"
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 namespace souple {
@@ -25,5 +26,12 @@ struct KindTraits {
 };
 
 const KindTraits& traits_of(ObjectKind kind);
+std::string_view kind_name(ObjectKind kind);
+std::optional<ObjectKind> find_kind(std::string_view name);
+/// The kind of objects that a material belongs to.
+ObjectKind kind_of(const Material& material);
+
+/// Radius of grains and ropes, half the thickness of others, half the spacing of fluids [m].
+float particle_radius(const Material& material);
 
 }  // namespace souple

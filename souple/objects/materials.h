@@ -123,7 +123,9 @@ struct ObstacleMaterial {
   float restitution = 0;
 };
 
-/// Of an object of any kind.
+enum class ObjectKind { cloth, soft_body, rope, grains, obstacle, fluid };
+
+/// Of an object of any kind: the alternatives are in the order of ObjectKind.
 using Material = std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial, ObstacleMaterial,
                               FluidMaterial>;
 

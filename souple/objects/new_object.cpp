@@ -56,7 +56,7 @@ NewObject start_object(std::string name, const Material& material, const ObjectO
   Object& object = *made.object;
   object.kind = kind_of(material);
   object.name = std::move(name);
-  if (!traits_of(object.kind).flows && options.max_particles > 0)
+  if (!object.traits().flows && options.max_particles > 0)
     throw Error(fmt::format("{}: max_particles is {}: only fluids gain particles; leave it 0", object.name,
                             options.max_particles));
   if (options.max_particles > max_fluid_particles)

@@ -8,6 +8,7 @@
 #include "souple/objects/callbacks.h"
 #include "souple/objects/handles.h"
 #include "souple/objects/imbalance.h"
+#include "souple/objects/kind_traits.h"
 #include "souple/objects/materials.h"
 #include "souple/objects/obstacle_motion.h"
 #include "souple/objects/set_kinds.h"
@@ -88,6 +89,7 @@ struct Object {
   Object();
   ~Object();
 
+  const KindTraits& traits() const { return traits_of(kind); }
   std::uint32_t reserved_end() const { return begin + capacity; }
   std::uint32_t particle_count() const { return static_cast<std::uint32_t>(rest.size()); }
   std::size_t vertex_count() const { return embedding ? mesh.positions.size() : particle_of.size(); }

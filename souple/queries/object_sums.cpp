@@ -13,7 +13,7 @@ double kinetic_energy(const QueryView& view, const Object& object) {
   for (std::uint32_t i = object.begin; i < object.end; ++i)
     sum += 0.5 * static_cast<double>(view.particles.mass[i]) *
            length_squared(Vec3d(view.particles.velocity[i].xyz()));
-  if (object.kind != ObjectKind::grains) return sum;
+  if (!object.traits().rolls) return sum;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const std::vector<float>& map = object.thickness_map;
     const auto r =

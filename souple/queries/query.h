@@ -2,6 +2,7 @@
 
 #include "souple/math/vec3.h"
 #include "souple/objects/handles.h"
+#include "souple/objects/kind_traits.h"
 
 #include <cstdint>
 #include <string_view>

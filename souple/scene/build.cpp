@@ -498,8 +498,8 @@ class Builder {
   void finish(ObjectId object, const RopeDescription& rope) {
     if (rope.tethers) world_.add_tethers(object, rope.tethers->slack);
   }
-  void finish(ObjectId, const GrainsDescription&) {}
-  void finish(ObjectId, const ObstacleDescription&) {}
+  template <class Description>
+  void finish(ObjectId, const Description&) {}
 
   /// Weight 1 is a pin; w < 1 is a spring of compliance (1 - w) / w times that of weight 1/2. Weights are
   /// rounded to 255 steps, as in colors; vertices of one step share a projector.

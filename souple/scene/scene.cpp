@@ -39,12 +39,7 @@ ObjectDescription& common(AnyObjectDescription& object) {
 }
 
 ObjectKind kind_of(const AnyObjectDescription& object) {
-  if (std::holds_alternative<ClothDescription>(object)) return ObjectKind::cloth;
-  if (std::holds_alternative<SoftBodyDescription>(object)) return ObjectKind::soft_body;
-  if (std::holds_alternative<RopeDescription>(object)) return ObjectKind::rope;
-  if (std::holds_alternative<GrainsDescription>(object)) return ObjectKind::grains;
-  if (std::holds_alternative<FluidDescription>(object)) return ObjectKind::fluid;
-  return ObjectKind::obstacle;
+  return static_cast<ObjectKind>(object.index());
 }
 
 namespace {

@@ -224,6 +224,7 @@ struct ObstacleDescription : ObjectDescription {
   std::optional<ObstacleSequenceDescription> sequence;
 };
 
+/// The alternatives are in the order of ObjectKind.
 using AnyObjectDescription = std::variant<ClothDescription, SoftBodyDescription, RopeDescription,
                                           GrainsDescription, ObstacleDescription, FluidDescription>;
 /// The fields that all kinds share.

@@ -1,5 +1,6 @@
 #include "souple/stages/balance.h"
 
+#include "souple/objects/kind_functions.h"
 #include "souple/objects/object.h"
 #include "souple/solver/kernels/projection.h"
 
@@ -23,8 +24,7 @@ std::size_t stride_of(std::size_t count) {
 }
 
 bool is_elastic(const Object& object) {
-  return object.kind == ObjectKind::cloth || object.kind == ObjectKind::soft_body ||
-         object.kind == ObjectKind::rope;
+  return functions_of(object.kind).add_elements != nullptr;
 }
 
 double norm(const Mat3d& m) {
@@ -71,7 +71,7 @@ Imbalance imbalance_of(const Object& object, const Mat3d& elastic, const Mat3d& 
   const double force = norm(elastic - carried), all = norm(elastic) + norm(carried) + load;
   if (!(std::isfinite(force) && all > 0 && stiffness > 0)) return {};
   Imbalance result{.unbalanced = force / all, .stretch = force / stiffness};
-  const double limit = object.kind == ObjectKind::soft_body ? max_soft_body_stretch : max_stretch;
+  const double limit = object.traits().shape == ObjectShape::solid ? max_soft_body_stretch : max_stretch;
   if (result.unbalanced > max_unbalanced && result.stretch > limit)
     result.times_not_converged = object.imbalance.times_not_converged + 1;
   return result;

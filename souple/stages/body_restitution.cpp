@@ -57,7 +57,7 @@ void solve_impact(const ObjectsView& objects, const Impact& impact, double thres
 }
 
 bool is_soft_body(const ObjectsView& objects, std::uint32_t particle) {
-  return objects.objects[objects.object_of[particle]]->kind == ObjectKind::soft_body;
+  return objects.objects[objects.object_of[particle]]->traits().shape == ObjectShape::solid;
 }
 
 // Both sides are soft bodies, or one is a soft body and the other cannot move. The first side becomes a soft body.

@@ -97,7 +97,7 @@ RigidMotion rigid_motion(const Particles& particles, const Object& object, Threa
 void damp(const ObjectsView& objects, const Object& object, float h, Threads& threads,
           std::vector<RigidSums>& sums) {
   const float rate = damping_of(object.material);
-  if (!(rate > 0) || object.kind == ObjectKind::grains) return;
+  if (!(rate > 0) || object.traits().rolls) return;
   Particles& particles = objects.particles;
   const RigidMotion motion = rigid_motion(particles, object, threads, sums);
   const double k = -std::expm1(-static_cast<double>(rate) * static_cast<double>(h));

@@ -28,7 +28,7 @@ void at_moment(const StageView& stage, const Object& object, double time, const 
 void predict_obstacles(const StageView& stage, double dt) {
   const ObjectsView& objects = stage.objects;
   for (const auto& object : objects.objects) {
-    if (!traits_of(object->kind).driven || is_static(object->motion) ||
+    if (!object->traits().driven || is_static(object->motion) ||
         jumps(object->motion, stage.time, stage.time + dt))
       continue;
     at_moment(stage, *object, stage.time + dt, [&](std::size_t i, const Vec3d& x) {
@@ -44,7 +44,7 @@ bool drive_obstacles(const StageView& stage, const Substep& substep) {
   std::vector<Vec4f>& p = stage.objects.moving();
   bool any_jump = false;
   for (const auto& object : stage.objects.objects) {
-    if (!traits_of(object->kind).driven || is_static(object->motion)) continue;
+    if (!object->traits().driven || is_static(object->motion)) continue;
     const bool jump = jumps(object->motion, stage.time, t);
     any_jump = any_jump || jump;
     at_moment(stage, *object, t, [&](std::size_t i, const Vec3d& x) {

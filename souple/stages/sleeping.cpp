@@ -28,7 +28,7 @@ constexpr float carrier_speed_ratio = 0.01f;
 constexpr std::size_t chunk = 2048;  // particles
 
 bool is_obstacle(const Object& object) {
-  return object.kind == ObjectKind::obstacle;
+  return object.traits().driven;
 }
 
 // --- state of objects
@@ -56,7 +56,7 @@ void set_asleep(Particles& particles, Object& object, std::uint32_t island) {
     std::fill(array.begin() + object.begin, array.begin() + object.end, Vec4f{});
   };
   stop(particles.velocity);
-  if (object.kind == ObjectKind::grains) stop(particles.spin);
+  if (object.traits().rolls) stop(particles.spin);
 }
 
 // --- proximity

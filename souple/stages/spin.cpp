@@ -12,7 +12,7 @@ template <class Function>
 void for_each_spinning(const ObjectsView& objects, Threads& threads, const Function& f) {
   if (!objects.particles.has_spin()) return;
   for (const auto& object : objects.objects) {
-    if (object->kind != ObjectKind::grains || object->island != 0) continue;
+    if (!object->traits().rolls || object->island != 0) continue;
     const std::size_t first = object->begin;
     threads.for_each(object->particle_count(), grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = first + begin; i < first + end; ++i) f(i);
@@ -40,7 +40,7 @@ void finish_spin(const ObjectsView& objects, const Substep& substep, Threads& th
 }
 
 float fastest_spin(const Particles& particles, const Object& object) {
-  if (object.kind != ObjectKind::grains) return 0;
+  if (!object.traits().rolls) return 0;
   float fastest = 0;
   for (std::uint32_t i = object.begin; i < object.end; ++i)
     fastest = max(fastest, length(particles.spin[i].xyz()) * particles.radius[i]);

@@ -2,8 +2,7 @@
 
 #include "souple/assert.h"
 #include "souple/fluid/emitter_record.h"
-#include "souple/objects/import.h"
-#include "souple/objects/kind_traits.h"
+#include "souple/objects/kinds/kinds.h"
 #include "souple/objects/object.h"
 #include "souple/objects/obstacle_pose.h"
 #include "souple/queries/caches.h"
@@ -36,7 +35,7 @@ void set_motion(WorldState& world, const Object& object, const ObjectOptions& op
     mass += m;
   }
   center = center / mass;
-  const bool rolls = traits_of(object.kind).rolls;
+  const bool rolls = object.traits().rolls;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const Vec3d r = object.rest[i - object.begin] - center;
     world.particles.velocity[i].set_xyz(
@@ -54,7 +53,7 @@ ObjectId add(WorldState& world, NewObject made, const ObjectOptions& options) {
   object.begin = static_cast<std::uint32_t>(particles.size());
   object.end = object.begin + static_cast<std::uint32_t>(object.rest.size());
   particles.resize(object.reserved_end());
-  if (traits_of(object.kind).rolls && !particles.has_spin()) particles.add_spin();
+  if (object.traits().rolls && !particles.has_spin()) particles.add_spin();
   world.object_of.resize(object.reserved_end(), static_cast<std::uint32_t>(world.objects.size()));
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const double mass = made.mass[i - object.begin];
@@ -62,7 +61,7 @@ ObjectId add(WorldState& world, NewObject made, const ObjectOptions& options) {
     particles.position[i].w = mass > 0 ? static_cast<float>(1 / mass) : 0.0f;
     world.teleport_particle(i, object.rest[i - object.begin]);
   }
-  if (!traits_of(object.kind).driven) set_motion(world, object, options);
+  if (!object.traits().driven) set_motion(world, object, options);
   world.dirty.all();
   world.contact->invalidate();
   ++world.version;
@@ -95,14 +94,14 @@ void scale_mass(WorldState& world, const Object& object, float factor) {
 }
 
 void require_permanent_particles(const Object& object, const char* what) {
-  if (traits_of(object.kind).flows)
+  if (object.traits().flows)
     throw Error(
         std::string(what) + ": " + object.name +
         " is a fluid, whose particles come and go; contain it with walls, or push it with a force field");
 }
 
 void require_movable(const Object& object, const char* what) {
-  if (traits_of(object.kind).driven)
+  if (object.traits().driven)
     throw Error(std::string(what) + ": " + object.name +
                 " is an obstacle, which only its motion moves; use set_motion");
 }

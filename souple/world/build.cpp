@@ -31,7 +31,7 @@ void replace_material(WorldState& world, Object& object, const Material& materia
   world.dirty.radii = world.dirty.radii || contact_radius(material) != contact_radius(before);
   // Fluids read the materials and masses of all objects when tables are built.
   const bool with_fluids = std::any_of(world.objects.begin(), world.objects.end(),
-                                       [](const auto& o) { return traits_of(o->kind).flows; });
+                                       [](const auto& o) { return o->traits().flows; });
   world.dirty.tables = world.dirty.tables || with_fluids || !same_contacts(before, material);
 }
 

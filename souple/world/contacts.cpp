@@ -114,7 +114,7 @@ void update_fluid_counts(WorldState& world) {
   if (!world.dirty.counts) return;
   for (std::size_t a = 0; a < world.objects.size(); ++a) {
     const Object& object = *world.objects[a];
-    if (!traits_of(object.kind).flows) continue;
+    if (!object.traits().flows) continue;
     world.contact->tables.objects[a].end = object.end;
     world.contact->contacts.set_end(a, object.end);
   }
@@ -133,7 +133,7 @@ bool may_intersect(const WorldState& world) {
   if (world.steps % interval != 0) return false;
   bool driven = false, pinned = false;
   for (const auto& object : world.objects) {
-    driven = driven || (traits_of(object->kind).driven && !is_static(object->motion));
+    driven = driven || (object->traits().driven && !is_static(object->motion));
     for (const PinnedParticle& pin : object->pins)
       driven = driven || pin.target || pin.arrival, pinned = true;
   }

@@ -69,7 +69,7 @@ EmitterId World::add_emitter(ObjectId fluid, const Emitter& emitter) {
   world.require_between_steps("add_emitter");
   const Object& object = world.object(fluid);
   const std::string owner = "an emitter of " + object.name;
-  if (object.kind != ObjectKind::fluid)
+  if (!object.traits().flows)
     throw Error(owner + ": it is a " + std::string(kind_name(object.kind)) + ", expected a fluid");
   require_valid(emitter, owner);
   const float spacing = std::get<FluidMaterial>(object.material).spacing;

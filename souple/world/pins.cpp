@@ -2,6 +2,7 @@
 #include "souple/constraints/distance.h"
 #include "souple/constraints/tether.h"
 #include "souple/geometry/adjacency.h"
+#include "souple/objects/contact_geometry.h"
 #include "souple/objects/object.h"
 #include "souple/queries/select.h"
 #include "souple/solver/custom_constraint.h"
@@ -41,7 +42,7 @@ void set_inverse_mass(WorldState& world, const Object& object, std::uint32_t par
   world.particles.position[i].w = pinned ? 0 : 1 / world.particles.mass[i];
   world.dirty.masses = true;
   if (pinned) world.particles.velocity[i] = {};
-  if (pinned && object.kind == ObjectKind::grains) world.particles.spin[i] = {};
+  if (pinned && object.traits().rolls) world.particles.spin[i] = {};
 }
 
 void require_compliance(float compliance, const char* what) {
@@ -180,10 +181,8 @@ EdgeDistances edge_distances_from(const Object& object, const std::vector<Pinned
     neighbors[b].push_back(a);
   };
   for (const Edge& edge : unique_edges(object.surface)) add_edge(edge[0], edge[1]);
-  if (object.kind == ObjectKind::soft_body)
-    for (const Edge& edge : unique_edges(object.tets.tets)) add_edge(edge[0], edge[1]);
-  if (object.kind == ObjectKind::rope)
-    for (std::uint32_t i = 0; i + 1 < count; ++i) add_edge(i, i + 1);
+  for (const Edge& edge : unique_edges(object.tets.tets)) add_edge(edge[0], edge[1]);
+  for (const Edge& edge : edges_of_line(object)) add_edge(edge[0], edge[1]);
 
   EdgeDistances edge_distances{std::vector<double>(count, std::numeric_limits<double>::infinity()),
                                std::vector<std::uint32_t>(count)};

@@ -37,7 +37,7 @@ std::span<const Vec3f> World::velocities(ObjectId id) const {
 std::span<const Vec3f> World::angular_velocities(ObjectId id) const {
   const WorldState& world = impl_->state;
   const Object& object = world.object(id);
-  if (object.kind != ObjectKind::grains) return {};
+  if (!object.traits().rolls) return {};
   const std::lock_guard<std::mutex> lock(world.caches->lock);
   return mirrored_angular_velocities(world.query_view(), object, world.caches->mirrors[id.value]);
 }

@@ -128,7 +128,7 @@ std::size_t bytes_of_particles(const WorldState& world) {
 template <class Array, class Function>
 void for_each_spin(const WorldState& world, Array& spin, const Function& f) {
   for (const auto& object : world.objects)
-    if (object->kind == ObjectKind::grains) f(spin.data() + object->begin, object->particle_count());
+    if (object->traits().rolls) f(spin.data() + object->begin, object->particle_count());
 }
 
 std::size_t bytes_of_spins(const WorldState& world) {
@@ -168,8 +168,7 @@ void resume_objects(WorldState& world, std::span<const std::byte>& in) {
     object->rest_time = rest.rest_time;
     object->island = rest.island;
     object->imbalance = rest.imbalance;
-    if (object->kind == ObjectKind::fluid)
-      set_count(world, *object, std::min(rest.particles, object->capacity));
+    if (object->traits().flows) set_count(world, *object, std::min(rest.particles, object->capacity));
   }
   for (EmitterRecord& record : world.flow.emitters) get(in, &record.layers, 1);
   for (DrainRecord& record : world.flow.drains) get(in, &record.credit, 1);

@@ -126,7 +126,7 @@ ObjectKind World::kind(ObjectId id) const {
 namespace {
 
 void require_obstacle(const Object& object, const char* what) {
-  if (!traits_of(object.kind).driven)
+  if (!object.traits().driven)
     throw Error(std::string(what) + ": " + object.name + " is a " + std::string(kind_name(object.kind)) +
                 ", expected an obstacle");
 }
@@ -143,7 +143,10 @@ const M& material_of(const WorldState& world, ObjectId id) {
   refuse_kind(object);
 }
 
-void change_material(WorldState& world, ObjectId id, const Material& material) {
+}  // namespace
+
+void World::set_material(ObjectId id, const Material& material) {
+  WorldState& world = impl_->state;
   world.require_between_steps("set_material");
   Object& object = world.object(id);
   if (kind_of(material) != object.kind) refuse_kind(object);
@@ -153,26 +156,8 @@ void change_material(WorldState& world, ObjectId id, const Material& material) {
   replace_material(world, object, material);
   ++world.version;  // the radius of balls, for queries
 }
-
-}  // namespace
-
-void World::set_material(ObjectId id, const ClothMaterial& m) {
-  change_material(impl_->state, id, m);
-}
-void World::set_material(ObjectId id, const SoftBodyMaterial& m) {
-  change_material(impl_->state, id, m);
-}
-void World::set_material(ObjectId id, const RopeMaterial& m) {
-  change_material(impl_->state, id, m);
-}
-void World::set_material(ObjectId id, const GrainsMaterial& m) {
-  change_material(impl_->state, id, m);
-}
-void World::set_material(ObjectId id, const ObstacleMaterial& m) {
-  change_material(impl_->state, id, m);
-}
-void World::set_material(ObjectId id, const FluidMaterial& m) {
-  change_material(impl_->state, id, m);
+const Material& World::material(ObjectId id) const {
+  return impl_->state.object(id).material;
 }
 const ClothMaterial& World::cloth_material(ObjectId id) const {
   return material_of<ClothMaterial>(impl_->state, id);
@@ -348,7 +333,7 @@ void World::set_velocities(ObjectId id, std::span<const Vec3f> velocities) {
 void World::set_angular_velocities(ObjectId id, std::span<const Vec3f> angular_velocities) {
   WorldState& world = impl_->state;
   const Object& object = world.object(id);
-  if (!traits_of(object.kind).rolls)
+  if (!object.traits().rolls)
     throw Error(
         fmt::format("set_angular_velocities: {} is not made of grains, which alone have angular velocities",
                     object.name));
@@ -368,7 +353,7 @@ void World::teleport(ObjectId id, const Transform& transform) {
   if (transform.scale != 1)
     throw Error(fmt::format("teleport: the scale is {}, expected 1", transform.scale));
   wake_island(world, object);
-  const bool rolls = traits_of(object.kind).rolls;
+  const bool rolls = object.traits().rolls;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const Vec3d x = world.exact_position(i);
     world.teleport_particle(i, transform.point(x));

@@ -11,6 +11,7 @@
 #include "souple/math/transform.h"
 #include "souple/objects/callbacks.h"
 #include "souple/objects/handles.h"
+#include "souple/objects/kind_traits.h"
 #include "souple/objects/materials.h"
 #include "souple/objects/object_options.h"
 #include "souple/objects/obstacle_motion.h"
@@ -127,12 +128,9 @@ class World {
   ObjectId find_object(std::string_view name) const;  ///< throws Error with the nearest name
   const std::string& name(ObjectId object) const;
   ObjectKind kind(ObjectId object) const;
-  void set_material(ObjectId object, const ClothMaterial& material);
-  void set_material(ObjectId object, const SoftBodyMaterial& material);
-  void set_material(ObjectId object, const RopeMaterial& material);
-  void set_material(ObjectId object, const GrainsMaterial& material);
-  void set_material(ObjectId object, const ObstacleMaterial& material);
-  void set_material(ObjectId object, const FluidMaterial& material);  ///< the spacing cannot change
+  /// The material must be of the object's kind; the spacing of a fluid cannot change.
+  void set_material(ObjectId object, const Material& material);
+  const Material& material(ObjectId object) const;
   const ClothMaterial& cloth_material(ObjectId object) const;
   const SoftBodyMaterial& soft_body_material(ObjectId object) const;
   const RopeMaterial& rope_material(ObjectId object) const;

@@ -11,24 +11,6 @@ namespace souple::host {
 
 namespace {
 
-Kind kind_of_object(ObjectKind kind) {
-  switch (kind) {
-    case ObjectKind::cloth:
-      return Kind::cloth;
-    case ObjectKind::soft_body:
-      return Kind::soft_body;
-    case ObjectKind::rope:
-      return Kind::rope;
-    case ObjectKind::grains:
-      return Kind::grains;
-    case ObjectKind::fluid:
-      return Kind::fluid;
-    case ObjectKind::obstacle:
-      break;
-  }
-  return Kind::obstacle;
-}
-
 ObjectId add_to(World& world, const Item& item) {
   const HostMesh& host = *item.mesh;
   const TriangleMesh mesh = host.weld.mesh(host.placement);
@@ -41,10 +23,7 @@ ObjectId add_to(World& world, const Item& item) {
     case Kind::soft_body:
       return world.add_soft_body(mesh, std::get<SoftBodyMaterial>(item.material),
                                  {.cells = host.lattice_tets}, options);
-    case Kind::rope:
-    case Kind::grains:
-    case Kind::fluid:
-    case Kind::obstacle:
+    default:
       break;
   }
   return world.add_obstacle(mesh, std::get<ObstacleMaterial>(item.material), {}, options);
@@ -79,8 +58,8 @@ Item item_of_scene(Handle handle, const World& world, ObjectId id, const SceneDe
   Item item;
   item.handle = handle;
   item.name = world.name(id);
-  item.kind = kind_of_object(world.kind(id));
-  item.material = material_of(world, id);
+  item.kind = static_cast<Kind>(world.kind(id));
+  item.material = world.material(id);
   item.id = id;
   for (const AnyObjectDescription& any : scene.objects)
     if (common(any).name == item.name) item.color = common(any).color;
@@ -235,7 +214,7 @@ void Contents::set_settings(const Settings& settings) {
 
 void Contents::set_material(Handle handle, const AnyMaterial& material) {
   Item& changed = item(handle);
-  host::set_material(world_, changed.id, material);
+  world_.set_material(changed.id, material);
   changed.material = material;
   if (!changed.mesh) keep_in(*scene_, changed.name, material);
 }

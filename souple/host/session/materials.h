@@ -3,15 +3,10 @@
 #include "souple/host/session.h"
 #include "souple/world/world.h"
 
-#include <variant>
-
 namespace souple::host {
 
-using AnyMaterial = std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial,
-                                 ObstacleMaterial, FluidMaterial>;
+using AnyMaterial = Material;
 
-AnyMaterial material_of(const World& world, ObjectId object);
-void set_material(World& world, ObjectId object, const AnyMaterial& material);
 /// The default material of a kind, or its preset of that name. Throws Error with the nearest name if there is
 /// none.
 AnyMaterial make_material(Kind kind, const std::string& preset);

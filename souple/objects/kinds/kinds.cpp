@@ -1,19 +1,11 @@
 #include "souple/objects/kinds/kinds.h"
 
-#include <array>
 #include <cstddef>
 
 namespace souple {
-namespace {
-
-/// In the order of ObjectKind and of the alternatives of Material.
-constexpr std::array<const KindFunctions*, std::variant_size_v<Material>> all{
-    &kinds::cloth, &kinds::soft_body, &kinds::rope, &kinds::grains, &kinds::obstacle, &kinds::fluid};
-
-}  // namespace
 
 const KindFunctions& functions_of(ObjectKind kind) {
-  return *all[static_cast<std::size_t>(kind)];
+  return *kinds::all[static_cast<std::size_t>(kind)];
 }
 
 const KindTraits& traits_of(ObjectKind kind) {
@@ -22,6 +14,12 @@ const KindTraits& traits_of(ObjectKind kind) {
 
 std::string_view kind_name(ObjectKind kind) {
   return traits_of(kind).name;
+}
+
+std::optional<ObjectKind> find_kind(std::string_view name) {
+  for (std::size_t k = 0; k < kinds::all.size(); ++k)
+    if (kinds::all[k]->traits.name == name) return static_cast<ObjectKind>(k);
+  return std::nullopt;
 }
 
 ObjectKind kind_of(const Material& material) {

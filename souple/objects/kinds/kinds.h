@@ -1,74 +1,47 @@
 #pragma once
 
+#include "souple/geometry/lattice.h"
+#include "souple/geometry/tet_mesh.h"
+#include "souple/geometry/triangle_mesh.h"
 #include "souple/objects/kind_functions.h"
+#include "souple/objects/new_object.h"
+#include "souple/objects/obstacle_motion.h"
 
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
 #include <variant>
+#include <vector>
 
-// The kinds of objects: one file each.
+// The kinds of objects. The file of each fills in its functions, and makes objects of what users add, as the functions
+// World::add_... say. Imports throw Error, beginning with the object's name.
 
-namespace souple::kinds {
+namespace souple {
 
+namespace kinds {
 extern const KindFunctions cloth, soft_body, rope, grains, obstacle, fluid;
+/// In the order of ObjectKind.
+inline constexpr std::array<const KindFunctions*, std::variant_size_v<Material>> all{
+    &cloth, &soft_body, &rope, &grains, &obstacle, &fluid};
+}  // namespace kinds
 
-template <auto function>
-struct OfMaterial;
-template <class R, class M, class... Arguments, R (*function)(const M&, Arguments...)>
-struct OfMaterial<function> {
-  static R call(const Material& material, Arguments... arguments) {
-    return function(std::get<M>(material), arguments...);
-  }
-};
-template <auto function>
-struct OfTwoMaterials;
-template <class R, class M, class... Arguments, R (*function)(const M&, const M&, Arguments...)>
-struct OfTwoMaterials<function> {
-  static R call(const Material& from, const Material& to, Arguments... arguments) {
-    return function(std::get<M>(from), std::get<M>(to), arguments...);
-  }
-};
-/// A function whose first argument is one kind's material, or the first two are, as a function of any material.
-template <auto function>
-inline constexpr auto of_material = &OfMaterial<function>::call;
-template <auto function>
-inline constexpr auto of_two_materials = &OfTwoMaterials<function>::call;
+NewObject import_cloth(std::string name, const TriangleMesh& mesh, const ClothMaterial& material,
+                       const ObjectOptions& options);
+NewObject import_soft_body(std::string name, const TetMesh& mesh, const SoftBodyMaterial& material,
+                           const ObjectOptions& options);
+NewObject import_soft_body(std::string name, const TriangleMesh& surface, const SoftBodyMaterial& material,
+                           const LatticeOptions& lattice, const ObjectOptions& options);
+NewObject import_rope(std::string name, std::span<const Vec3d> points, std::uint32_t segments,
+                      const RopeMaterial& material, const ObjectOptions& options);
+NewObject import_grains(std::string name, std::span<const Vec3d> centers, const GrainsMaterial& material,
+                        const ObjectOptions& options);
+NewObject import_fluid(std::string name, std::span<const Vec3d> centers, const FluidMaterial& material,
+                       const ObjectOptions& options);
+/// Fills a closed surface.
+NewObject import_fluid(std::string name, const TriangleMesh& surface, const FluidMaterial& material,
+                       const ObjectOptions& options);
+NewObject import_obstacle(std::string name, const TriangleMesh& mesh, const ObstacleMaterial& material,
+                          ObstacleMotion motion, const ObjectOptions& options);
 
-template <class M>
-Material default_material() {
-  return M{};
-}
-
-/// A search for presets of one kind as one for those of any kind.
-template <auto find>
-std::optional<Material> preset(std::string_view name) {
-  const auto* const found = find(name);
-  return found == nullptr ? std::nullopt : std::optional<Material>(*found);
-}
-
-/// Friction and restitution, as most materials have them.
-template <class M>
-ContactMaterial contact_material(const M& m) {
-  return {.friction = m.friction, .kinetic_friction = m.kinetic_friction, .restitution = m.restitution};
-}
-
-/// The coefficient while sliding, for a check of its range.
-template <class M>
-double kinetic_friction(const M& m) {
-  return double(m.kinetic_friction.value_or(m.friction));
-}
-
-template <class M>
-float half_thickness(const M& m) {
-  return m.thickness / 2;
-}
-
-template <class M>
-float radius(const M& m) {
-  return m.radius;
-}
-
-template <class M>
-float volumetric_density(const M& m) {
-  return m.density;
-}
-
-}  // namespace souple::kinds
+}  // namespace souple

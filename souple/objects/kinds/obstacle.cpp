@@ -1,8 +1,8 @@
 #include "souple/error.h"
 #include "souple/objects/checks.h"
-#include "souple/objects/import.h"
 #include "souple/objects/import_particles.h"
 #include "souple/objects/kinds/kinds.h"
+#include "souple/objects/kinds/of_material.h"
 #include "souple/objects/object.h"
 #include "souple/objects/obstacle_pose.h"
 

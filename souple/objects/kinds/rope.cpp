@@ -4,9 +4,9 @@
 #include "souple/objects/checks.h"
 #include "souple/objects/constraint_builder.h"
 #include "souple/objects/fluid_boundary.h"
-#include "souple/objects/import.h"
 #include "souple/objects/import_particles.h"
 #include "souple/objects/kinds/kinds.h"
+#include "souple/objects/kinds/of_material.h"
 #include "souple/objects/object.h"
 
 #include <algorithm>

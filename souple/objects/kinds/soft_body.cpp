@@ -5,9 +5,9 @@
 #include "souple/objects/constraint_builder.h"
 #include "souple/objects/contact_geometry.h"
 #include "souple/objects/embedding_offset.h"
-#include "souple/objects/import.h"
 #include "souple/objects/import_particles.h"
 #include "souple/objects/kinds/kinds.h"
+#include "souple/objects/kinds/of_material.h"
 #include "souple/objects/object.h"
 
 #include <algorithm>
