@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/solver/index_range.h"
 #include "souple/solver/modes.h"
 #include "souple/state/particles.h"
 #include "souple/threads/threads.h"
@@ -30,6 +31,7 @@ struct Substep {
   bool levels = true;
   ExternalMoves* external = nullptr;  ///< records the sweeps of this substep; null: not needed
   const LeftOut* left_out = nullptr;  ///< constraints that sweeps omit; null: none
+  const LeftOut* asleep = nullptr;    ///< constraints that would move nothing; null: none
 
   bool stores_multipliers() const {
     return mode == Mode::xpbd || (mode == Mode::small_steps && iterations > 1);
@@ -176,6 +178,10 @@ class Projector {
   /// kind has no linear form (contacts, shape matching, enclosed volumes, custom constraints); solvers of a
   /// global system project it instead.
   virtual bool linearize(const ParticleView&, const Substep&, const LinearVisitor&) const { return false; }
+  /// Ranges of constraints, as `linearize` counts them, that concern only the given ranges of particles; both ascending
+  /// and disjoint. Each constraint is of one object, each range of particles consists of whole objects. May omit some:
+  /// the default knows of none.
+  virtual std::vector<IndexRange> constraints_of(std::span<const IndexRange>) const { return {}; }
   /// Calls the visitor for the constraints of the given numbers, in their order: numbers as `linearize` counts them.
   virtual void linearize_some(std::span<const std::uint32_t>, const ParticleView&, const Substep&,
                               const LinearVisitor&) const {}

@@ -218,10 +218,14 @@ class SetProjector final : public Projector {
     SOUPLE_ASSERT(!dirty_, "prepare comes before project");
     const std::size_t color_begin = set_.color_begin[static_cast<std::size_t>(color)];
     const std::size_t begin = color_begin + first, end = color_begin + last;
-    if (substep.left_out == nullptr) return project_range(begin, end, particles, substep);
-    substep.left_out->for_each_kept(*this, begin, end, [&](std::size_t from, std::size_t to) {
-      project_range(from, to, particles, substep);
-    });
+    const auto project_awake = [&](std::size_t from, std::size_t to) {
+      if (substep.asleep == nullptr) return project_range(from, to, particles, substep);
+      substep.asleep->for_each_kept(*this, from, to, [&](std::size_t kept_from, std::size_t kept_to) {
+        project_range(kept_from, kept_to, particles, substep);
+      });
+    };
+    if (substep.left_out == nullptr) return project_awake(begin, end);
+    substep.left_out->for_each_kept(*this, begin, end, project_awake);
   }
 
   void damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
@@ -283,6 +287,27 @@ class SetProjector final : public Projector {
                  const LinearVisitor& visitor) const override {
     for (std::size_t i = 0; i < set_.size(); ++i) linearize_one(i, particles, substep, visitor);
     return true;
+  }
+  std::vector<IndexRange> constraints_of(std::span<const IndexRange> particles) const override {
+    std::vector<IndexRange> result;
+    if (!split_.phantom_of.empty()) return result;  // not in order of particles
+    const std::vector<std::uint32_t>& first = set_.records[0];
+    for (std::size_t c = 0; c + 1 < set_.color_begin.size(); ++c) {
+      const auto at = [&](std::size_t i) { return first.begin() + static_cast<std::ptrdiff_t>(i); };
+      const auto before = [&](std::size_t from, std::size_t particle) {
+        return static_cast<std::size_t>(
+            std::partition_point(at(from), at(set_.color_begin[c + 1]),
+                                 [&](std::uint32_t record) { return record / 4 < particle; }) -
+            first.begin());
+      };
+      std::size_t i = set_.color_begin[c];
+      for (const IndexRange& range : particles) {
+        const std::size_t begin = before(i, range.begin);
+        i = before(begin, range.end);
+        if (begin < i) result.push_back({begin, i});
+      }
+    }
+    return result;
   }
   void linearize_some(std::span<const std::uint32_t> constraints, const ParticleView& particles,
                       const Substep& substep, const LinearVisitor& visitor) const override {

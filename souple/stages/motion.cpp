@@ -1,6 +1,7 @@
 #include "souple/stages/motion.h"
 
 #include "souple/assert.h"
+#include "souple/objects/object.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/solver/kernels/find_kernels.h"
 #include "souple/solver/kernels/motion.h"
@@ -36,6 +37,27 @@ class FirstNonFinite {
   static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
   std::atomic<std::size_t> lowest_{none};
 };
+
+/// Calls f(begin, end) for what of the particles [first, last) may move: without those of sleeping objects.
+template <class Function>
+void for_each_awake(const StageView& stage, std::size_t first, std::size_t last, const Function& f) {
+  if (!stage.settings.sleeping.enabled || first == last) return f(first, last);
+  const auto& objects = stage.objects.objects;
+  std::size_t begin = first;
+  for (std::size_t o = stage.objects.object_of[first]; o < objects.size() && objects[o]->begin < last; ++o) {
+    if (objects[o]->island == 0) continue;
+    if (objects[o]->begin > begin) f(begin, objects[o]->begin);
+    begin = objects[o]->reserved_end();
+  }
+  if (begin < last) f(begin, last);
+}
+
+/// The same on all threads, of all particles.
+template <class Function>
+void for_each_awake(const StageView& stage, const Function& f) {
+  stage.threads.for_each(stage.objects.particles.size(), grain,
+                         [&](std::size_t begin, std::size_t end) { for_each_awake(stage, begin, end, f); });
+}
 
 void predict_one(const ExternalForces& forces, std::size_t i, float h, std::vector<Vec4f>& p,
                  FirstNonFinite& first_non_finite) {
@@ -122,7 +144,6 @@ std::optional<std::size_t> predict_motion(const StageView& stage,
   const ObjectsView& objects = stage.objects;
   ExternalForces forces{stage, fields, wind_at(stage.settings, stage.time)};
   if (find_wind_forces(stage, substep.h, scratch.wind)) forces.wind_of_particle = scratch.wind.of_particle;
-  const std::size_t count = objects.particles.size();
   std::vector<Vec4f>& p = objects.moving();
   FirstNonFinite first_non_finite;
   const auto one_by_one = [&](std::size_t begin, std::size_t end) {
@@ -130,14 +151,14 @@ std::optional<std::size_t> predict_motion(const StageView& stage,
   };
   const kernels::MotionKernels* kernels = packed(stage.settings);
   if (!fields.empty()) {
-    one_by_one(0, count);  // users' functions run on the user's thread
+    one_by_one(0, objects.particles.size());  // users' functions run on the user's thread
   } else if (!kernels || stage.settings.drag > 0) {
-    stage.threads.for_each(count, grain, one_by_one);
+    for_each_awake(stage, one_by_one);
   } else {
     const Vec3f& g = stage.settings.gravity;
     const float gravity[3] = {g.x, g.y, g.z};
     const kernels::MotionArrays arrays = arrays_of(objects, forces.wind_of_particle);
-    stage.threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+    for_each_awake(stage, [&](std::size_t begin, std::size_t end) {
       if (!kernels->predict(arrays, begin, end, gravity, substep.h))
         find_non_finite(objects.particles, begin, end, first_non_finite);
     });
@@ -152,7 +173,6 @@ void keep_prediction(const StageView& stage, MotionScratch& scratch) {
 std::optional<std::size_t> finish_motion(const StageView& stage, const Substep& substep,
                                          const MotionScratch& scratch) {
   const ObjectsView& objects = stage.objects;
-  const std::size_t count = objects.particles.size();
   const bool plain = objects.form == Form::plain;
   SOUPLE_ASSERT(plain || has_no_mass(objects.particles.offset),
                 "displacements have no mass in their last lane");
@@ -161,12 +181,12 @@ std::optional<std::size_t> finish_motion(const StageView& stage, const Substep& 
   if (const kernels::MotionKernels* kernels = packed(stage.settings)) {
     const kernels::MotionArrays arrays = arrays_of(objects, {});
     const kernels::Finish finish_packed = kernels->finish[plain ? 0 : 1];
-    stage.threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+    for_each_awake(stage, [&](std::size_t begin, std::size_t end) {
       if (!finish_packed(arrays, begin, end, substep.h))
         find_non_finite(objects.particles, begin, end, first_non_finite);
     });
   } else {
-    stage.threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+    for_each_awake(stage, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         finish_one(stage, i, substep.h, p, scratch.predicted, first_non_finite);
     });

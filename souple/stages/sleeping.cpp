@@ -45,7 +45,7 @@ void set_awake(Particles& particles, Object& object, SleepScratch& sleep) {
   object.island = 0;
   set_inverse_masses(particles, object);
   sleep.all = false;
-  sleep.woken = true;
+  sleep.woken = sleep.changed = true;
 }
 
 void set_asleep(Particles& particles, Object& object, std::uint32_t island) {
@@ -290,6 +290,7 @@ void put_islands_to_sleep(const SleepView& step) {
   for (std::uint32_t a = 0; a < n; ++a) {
     const std::uint32_t first = root(parent, a);
     if (cannot_sleep[first] != 0 || is_obstacle(*view.objects[a])) continue;
+    if (view.objects[a]->island == 0) step.sleep.changed = true;
     set_asleep(view.particles, *view.objects[a], view.objects[first]->id.value);
   }
 }
@@ -330,6 +331,24 @@ std::size_t fall_asleep(const SleepView& step, const StartOfStep& start, bool ha
   return count_sleepers(step);
 }
 
+void leave_out_asleep(const ObjectsView& objects, std::span<Projector* const> projectors,
+                      SleepScratch& sleep) {
+  if (!sleep.changed) return;
+  sleep.changed = false;
+  sleep.constraints.clear();
+  std::vector<IndexRange> particles;
+  for (const auto& object : objects.objects) {
+    if (object->island == 0) continue;
+    if (!particles.empty() && particles.back().end == object->begin)
+      particles.back().end = object->reserved_end();
+    else
+      particles.push_back({object->begin, object->reserved_end()});
+  }
+  if (particles.empty()) return;
+  for (const Projector* projector : projectors)
+    sleep.constraints.add_ranges(*projector, projector->constraints_of(particles), projector->size());
+}
+
 void wake_island(const ObjectsView& objects, const Object& touched, SleepScratch& sleep) {
   const std::uint32_t island = touched.island;
   for (const auto& object : objects.objects)
@@ -358,7 +377,8 @@ float inverse_mass_awake(const Particles& particles, const Object& object, std::
   return pinned ? 0 : 1 / particles.mass[object.begin + particle];
 }
 
-void update_sleeping_masses(const ObjectsView& objects) {
+void update_sleeping_masses(const ObjectsView& objects, SleepScratch& sleep) {
+  sleep.changed = true;
   for (const auto& object : objects.objects)
     if (!is_obstacle(*object)) set_inverse_masses(objects.particles, *object);
 }

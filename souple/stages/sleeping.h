@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/solver/left_out.h"
 #include "souple/stages/proximity.h"
 #include "souple/stages/stage_view.h"
 
@@ -20,6 +21,9 @@ struct UserConstraint;
 struct SleepScratch {
   bool woken = false;  ///< an object woke during a step: near pairs must be found again
   bool all = false;    ///< all movable objects are asleep, so there is nothing to solve
+  bool changed =
+      true;  ///< an object woke or fell asleep, or constraints changed: `constraints` is out of date
+  LeftOut constraints;  ///< of sleeping objects, which move nothing; see leave_out_asleep
   ProximityQuery proximity;
   std::vector<std::uint32_t> parent;  ///< per object: parent in its island (union-find)
   /// Per object: 1 if it must not sleep; for an island: of its first object.
@@ -48,6 +52,10 @@ std::size_t wake_disturbed(const SleepView& step, double dt);
 /// asleep. `has_force_fields`: forces of users may act at any time.
 std::size_t fall_asleep(const SleepView& step, const StartOfStep& start, bool has_force_fields, double dt);
 
+/// Brings `constraints` up to date: those of projectors each of whose constraints is of one object.
+void leave_out_asleep(const ObjectsView& objects, std::span<Projector* const> projectors,
+                      SleepScratch& sleep);
+
 /// Wakes the island of an object; rest times restart at 0.
 void wake_island(const ObjectsView& objects, const Object& object, SleepScratch& sleep);
 void wake_all(const ObjectsView& objects, SleepScratch& sleep);
@@ -57,6 +65,6 @@ void wake_particles_of(const ObjectsView& objects, const Projector& projector, S
 /// Inverse mass that a particle of the object has when awake [1/kg]; 0: pinned.
 float inverse_mass_awake(const Particles& particles, const Object& object, std::uint32_t particle);
 /// Sets the inverse masses of all objects according to their sleep state.
-void update_sleeping_masses(const ObjectsView& objects);
+void update_sleeping_masses(const ObjectsView& objects, SleepScratch& sleep);
 
 }  // namespace souple

@@ -40,7 +40,7 @@ void wake_particles_of(WorldState& world, const Projector& projector) {
 }
 
 void update_sleeping_masses(WorldState& world) {
-  if (world.settings.sleeping.enabled) update_sleeping_masses(world.objects_view());
+  if (world.settings.sleeping.enabled) update_sleeping_masses(world.objects_view(), world.scratch->sleep);
 }
 
 bool World::is_asleep(ObjectId id) const {

@@ -7,6 +7,7 @@
 #include "souple/world/contact_state.h"
 #include "souple/world/flow.h"
 #include "souple/world/impl.h"
+#include "souple/world/step_scratch.h"
 #include "souple/world/world.h"
 
 #include <algorithm>
@@ -162,6 +163,7 @@ Header checked_header(const WorldState& world, std::span<const std::byte> bytes)
 }
 
 void resume_objects(WorldState& world, std::span<const std::byte>& in) {
+  world.scratch->sleep.changed = true;
   for (const auto& object : world.objects) {
     Rest rest{};
     get(in, &rest, 1);

@@ -65,6 +65,9 @@ void solve(WorldState& world, const Substep& substep) {
   for (Projector* const projector : world.constraints.order) projector->begin_substep(view, substep);
   Substep solved = substep;
   solved.levels = !world.contact->contacts.separates();
+  SleepScratch& sleep = world.scratch->sleep;
+  leave_out_asleep(world.objects_view(), world.constraints.object_projectors, sleep);
+  if (!sleep.constraints.empty()) solved.asleep = &sleep.constraints;
   if (measures_balance(world)) {
     solved.external = &world.scratch->balance.external();
     world.scratch->balance.begin(world.steps, view);

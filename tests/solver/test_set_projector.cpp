@@ -2,6 +2,7 @@
 #include "souple/solver/set_projector.h"
 #include "tests/expect_error.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -97,6 +98,48 @@ TEST(SetProjector, ErasingParticlesRenumbers) {
   projector.prepare(3);
   ASSERT_EQ(projector.size(), 2u);
   EXPECT_EQ(projector.set().indices(0), (std::array<std::uint32_t, 2>{1, 2}));
+}
+
+// Two chains of one object each; the second has no inverse masses, like a sleeping object.
+TEST(SetProjector, ConstraintsOfSleepingObjectsAreFoundAndMayBeLeftOut) {
+  constexpr std::uint32_t n = 20;  // particles of a chain
+  const auto make = [] {
+    SetProjector<Distance> links;
+    for (const std::uint32_t first : {0u, n})
+      for (std::uint32_t i = 0; i + 1 < n; ++i) links.add({first + i, first + i + 1}, {0.9f}, {1e-4f});
+    links.prepare(2 * n);
+    return links;
+  };
+  SetProjector<Distance> links = make();
+  const IndexRange asleep[] = {{n, 2 * n}};
+  const std::vector<IndexRange> found = links.constraints_of(asleep);
+  std::vector<bool> left_out(links.size());
+  for (const IndexRange& range : found)
+    for (std::size_t i = range.begin; i < range.end; ++i) left_out[i] = true;
+  for (std::size_t i = 0; i < links.size(); ++i) EXPECT_EQ(left_out[i], links.set().indices(i)[0] >= n) << i;
+
+  const auto solve = [&](bool leaves_out) {
+    std::vector<Vec4f> position, offset(2 * n);
+    for (std::uint32_t i = 0; i < 2 * n; ++i)
+      position.push_back({static_cast<float>(i), 0, 0.1f * static_cast<float>(i % 3), i < n ? 1.0f : 0.0f});
+    const std::vector<Vec4f> start = offset;
+    const ParticleView view{position, offset, start, Form::displacement};
+    SetProjector<Distance> solved = make();
+    Substep substep{.h = 0.01f};
+    LeftOut of_solved;
+    of_solved.add_ranges(solved, found, solved.size());
+    if (leaves_out) substep.asleep = &of_solved;
+    solved.begin_substep(view, substep);
+    for (int color = 0; color < solved.color_count(); ++color) solved.project(color, view, substep);
+    return offset;
+  };
+  const std::vector<Vec4f> all = solve(false), some = solve(true);
+  float most = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(all[i].xyz(), some[i].xyz()) << i;
+    most = std::max(most, length(some[i].xyz()));
+  }
+  EXPECT_GT(most, 0.01f) << "the awake chain moves";
 }
 
 }  // namespace

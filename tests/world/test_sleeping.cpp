@@ -492,5 +492,23 @@ TEST(Sleeping, NothingIsSolvedWhenAllSleep) {
   EXPECT_TRUE(world.contacts().empty());
 }
 
+// The constraints and the motion of sleeping objects are left out: what moves beside them keeps its bits.
+TEST(Sleeping, WhatMovesDoesNotDependOnWhatSleeps) {
+  const auto swing = [](int boxes) {
+    World world(sleepy());
+    world.add_collider(Plane{});
+    for (int k = 0; k < boxes; ++k)
+      add_box(world, {2.0 * k, 0.1, 0}, k == 0 ? "box" : k == 1 ? "second" : "third");
+    if (boxes > 0) {
+      EXPECT_LT(frames_until_asleep(world, 300), 300);
+    }
+    const ObjectId cloth = world.add_cloth(grid(12, 12, 1.0), {}, at({-20, 3, 0}));
+    world.pin(cloth, vertices({0, 11}));
+    for (int k = 0; k < 40; ++k) EXPECT_EQ(world.step(frame).asleep, static_cast<std::size_t>(boxes));
+    return copy(world.positions(cloth));
+  };
+  EXPECT_EQ(swing(0), swing(3));
+}
+
 }  // namespace
 }  // namespace souple
