@@ -2,16 +2,9 @@
 
 #include "souple/fluid/stage/fluid_input.h"
 #include "souple/fluid/stage/fluids.h"
-#include "souple/fluid/stage/object_boundaries.h"
-#include "souple/objects/fluid_boundary.h"
-#include "souple/objects/object.h"
 #include "souple/stages/forces.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/flow.h"
 #include "souple/world/stages.h"
-
-#include <optional>
-#include <utility>
 
 namespace souple {
 
@@ -31,30 +24,10 @@ bool fluids_move(const WorldState& world) {
   return !world.fluids->none() && !world.current.first_non_finite;
 }
 
-/// Of fluids of the spacing of the last one: all have the same. Without fluids there are none.
-ObjectBoundaries boundaries_of(const ObjectsView& view) {
-  ObjectBoundaries result;
-  float spacing = 0;
-  for (const auto& object : view.objects)
-    if (const auto* material = std::get_if<FluidMaterial>(&object->material)) spacing = material->spacing;
-  for (std::uint32_t o = 0; spacing > 0 && o < view.objects.size(); ++o) {
-    if (std::optional<BoundaryMesh> boundary = boundary_mesh_of(*view.objects[o], spacing)) {
-      result.meshes.push_back(std::move(*boundary));
-      result.with_mesh.push_back(o);
-      continue;
-    }
-    const std::size_t before = result.bodies.size();
-    append_sub_resolution_bodies(*view.objects[o], spacing, view.particles.mass,
-                                 static_cast<std::uint32_t>(result.sub_resolution.size()), result.bodies);
-    if (result.bodies.size() > before) result.sub_resolution.push_back(o);
-  }
-  return result;
-}
-
 }  // namespace
 
 void build_fluids(WorldState& world) {
-  world.fluids->set_boundaries(boundaries_of(world.objects_view()));
+  world.fluids->build(world.objects_view());
 }
 
 void begin_fluids(WorldState& world, double dt) {

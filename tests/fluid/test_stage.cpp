@@ -50,6 +50,7 @@ struct Pool {
     tables.colliders.push_back({"floor", Plane{.normal = {0, 1, 0}, .offset = 0}, {}, {}, true});
     tables.against_objects = ContactMaterialTable(rows, rows, {});
     tables.against_colliders = ContactMaterialTable(rows, columns, {});
+    fluids.build(input().objects);
   }
   FluidInput input() {
     return {.objects = {particles, objects, object_of, Form::displacement},

@@ -2,12 +2,42 @@
 
 #include "souple/assert.h"
 #include "souple/contacts/contact_projector.h"
+#include "souple/fluid/fluid_bodies.h"
+#include "souple/fluid/sub_resolution_bodies.h"
+#include "souple/objects/fluid_boundary.h"
 #include "souple/objects/object.h"
 #include "souple/objects/objects_view.h"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 namespace souple {
+
+// All fluids have the same spacing. Without fluids there are no bodies.
+void FluidRegistry::find_bodies(const ObjectsView& objects, FluidBodies& bodies,
+                                SubResolutionBodies& sub_resolution_bodies) {
+  with_boundary.clear();
+  sub_resolution.clear();
+  std::vector<BoundaryMesh> boundaries;
+  std::vector<SubResolutionBody> pieces;
+  float spacing = 0;
+  for (const auto& object : objects.objects)
+    if (const auto* material = std::get_if<FluidMaterial>(&object->material)) spacing = material->spacing;
+  for (std::uint32_t o = 0; spacing > 0 && o < objects.objects.size(); ++o) {
+    if (std::optional<BoundaryMesh> boundary = boundary_mesh_of(*objects.objects[o], spacing)) {
+      boundaries.push_back(std::move(*boundary));
+      with_boundary.push_back(o);
+      continue;
+    }
+    const std::size_t before = pieces.size();
+    append_sub_resolution_bodies(*objects.objects[o], spacing, objects.particles.mass,
+                                 static_cast<std::uint32_t>(sub_resolution.size()), pieces);
+    if (pieces.size() > before) sub_resolution.push_back(o);
+  }
+  bodies.set_meshes(std::move(boundaries));
+  sub_resolution_bodies.set_bodies(std::move(pieces));
+}
 
 void FluidRegistry::find_particles(const ObjectsView& objects, const ContactTables& contacts) {
   particle.clear();

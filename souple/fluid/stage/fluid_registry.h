@@ -8,7 +8,9 @@
 namespace souple {
 
 struct ContactTables;
+class FluidBodies;
 struct ObjectsView;
+class SubResolutionBodies;
 
 /// The fluids of a world, their particles, and the objects with which they collide.
 struct FluidRegistry {
@@ -31,6 +33,10 @@ struct FluidRegistry {
   // bodies: whether they collide.
   std::vector<std::uint8_t> collides_with_collider, collides_with_body, collides_with_sub_resolution;
 
+  /// Finds the objects with a boundary mesh or sub-resolution bodies and registers them. To be called after
+  /// objects are added, removed or changed.
+  void find_bodies(const ObjectsView& objects, FluidBodies& bodies,
+                   SubResolutionBodies& sub_resolution_bodies);
   /// Finds the fluids, their particles and their collisions. To be called before each step.
   void find_particles(const ObjectsView& objects, const ContactTables& contacts);
   /// The fluid with this handle, which must exist.

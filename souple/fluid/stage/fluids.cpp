@@ -8,12 +8,10 @@
 #include "souple/fluid/stage/fluid_state.h"
 #include "souple/fluid/stage/fluid_statistics.h"
 #include "souple/fluid/stage/incompressibility.h"
-#include "souple/fluid/stage/object_boundaries.h"
 #include "souple/state/warnings.h"
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace souple {
 
@@ -51,12 +49,9 @@ struct Fluids::Parts {
 Fluids::Fluids() : parts_(std::make_unique<Parts>()) {}
 Fluids::~Fluids() = default;
 
-void Fluids::set_boundaries(ObjectBoundaries boundaries) {
+void Fluids::build(const ObjectsView& objects) {
   FluidState& fluids = parts_->state;
-  fluids.registry.with_boundary = std::move(boundaries.with_mesh);
-  fluids.registry.sub_resolution = std::move(boundaries.sub_resolution);
-  fluids.boundary.bodies.set_meshes(std::move(boundaries.meshes));
-  fluids.boundary.sub_resolution.set_bodies(std::move(boundaries.bodies));
+  fluids.registry.find_bodies(objects, fluids.boundary.bodies, fluids.boundary.sub_resolution);
 }
 
 bool Fluids::none() const {

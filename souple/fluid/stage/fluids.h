@@ -13,7 +13,7 @@ struct FluidAir;
 class FluidFoam;
 struct FluidInput;
 struct FoamInput;
-struct ObjectBoundaries;
+struct ObjectsView;
 struct Substep;
 
 /// The fluids' stage: all fluids of a world, in a step. Nothing but foam is kept from one step to the next.
@@ -33,7 +33,7 @@ class Fluids {
   Fluids& operator=(const Fluids&) = delete;
 
   /// To be called after objects are added, removed or changed.
-  void set_boundaries(ObjectBoundaries boundaries);
+  void build(const ObjectsView& objects);
   /// Finds the current particles. Reuses nothing of the last step.
   void begin_step(const FluidInput& input, double dt);
   bool none() const;
