@@ -1,5 +1,6 @@
 #include "souple/host/session.h"
 
+#include "souple/host/session/contents.h"
 #include "souple/host/session/impl.h"
 
 #include <utility>
@@ -18,6 +19,11 @@ const char* kind_name(Kind kind) {
   return souple::kind_name(static_cast<ObjectKind>(kind)).data();  // a literal
 }
 
+Session::Impl::Impl(const ClockOptions& options)
+    : contents(std::make_unique<Contents>([this](std::string message) { report(std::move(message)); })),
+      clock(options) {}
+Session::Impl::~Impl() = default;
+
 Session::Session(const ClockOptions& clock) : impl_(std::make_unique<Impl>(clock)) {}
 Session::~Session() = default;
 
@@ -25,20 +31,20 @@ Session::~Session() = default;
 
 void Session::open_scene(const std::string& file) {
   const std::uint64_t version_now = version();
-  impl_->contents.open(file);
+  impl_->contents->open(file);
   impl_->version_before = version_now + 1;
   impl_->begin_again();
 }
 
 void Session::clear() {
   const std::uint64_t version_now = version();
-  impl_->contents.clear();
+  impl_->contents->clear();
   impl_->version_before = version_now + 1;
   impl_->begin_again();
 }
 
 Handle Session::Impl::add(Kind kind, const TriangleSoup& soup, const MeshOptions& options) {
-  const Handle added = contents.add(kind, soup, options);
+  const Handle added = contents->add(kind, soup, options);
   take_statistics();
   return added;
 }
@@ -54,18 +60,18 @@ Handle Session::add_obstacle(const TriangleSoup& soup, const MeshOptions& option
 }
 
 void Session::remove(Handle object) {
-  impl_->contents.remove(object);
+  impl_->contents->remove(object);
   if (!grabbing()) release();
   impl_->take_statistics();
 }
 
 bool Session::contains(Handle object) const {
-  return impl_->contents.contains(object);
+  return impl_->contents->contains(object);
 }
 
 ObjectInfo Session::object(Handle handle) const {
-  const Item& item = impl_->contents.item(handle);
-  const World& world = impl_->contents.world();
+  const Item& item = impl_->contents->item(handle);
+  const World& world = impl_->contents->world();
   ObjectInfo info;
   info.handle = handle;
   info.name = item.name;
@@ -81,68 +87,68 @@ ObjectInfo Session::object(Handle handle) const {
 
 std::vector<ObjectInfo> Session::objects() const {
   std::vector<ObjectInfo> infos;
-  for (const auto& item : impl_->contents.items()) infos.push_back(object(item->handle));
+  for (const auto& item : impl_->contents->items()) infos.push_back(object(item->handle));
   return infos;
 }
 
 void Session::set_transform(Handle object, const float* transform) {
-  impl_->contents.set_transform(object, transform);
+  impl_->contents->set_transform(object, transform);
   ++impl_->version_before;
 }
 
 void Session::set_pinned(Handle object, std::uint32_t vertex, bool pinned) {
-  const Item& item = impl_->contents.item(object);
-  impl_->contents.set_pinned(object, Impl::world_vertex(item, impl_->contents.world(), vertex), pinned);
+  const Item& item = impl_->contents->item(object);
+  impl_->contents->set_pinned(object, Impl::world_vertex(item, impl_->contents->world(), vertex), pinned);
 }
 
 void Session::move_pin(Handle object, std::uint32_t vertex, float x, float y, float z) {
-  const Item& item = impl_->contents.item(object);
-  impl_->contents.move_pin(object, Impl::world_vertex(item, impl_->contents.world(), vertex), {x, y, z});
+  const Item& item = impl_->contents->item(object);
+  impl_->contents->move_pin(object, Impl::world_vertex(item, impl_->contents->world(), vertex), {x, y, z});
 }
 
 // --- colliders, connections ----------------------------------------------------------------------
 
 Handle Session::add_plane(const float* transform, const ColliderSurface& surface) {
-  return impl_->contents.add_collider(Plane{}, transform, surface);
+  return impl_->contents->add_collider(Plane{}, transform, surface);
 }
 
 Handle Session::add_sphere(float radius, const float* transform, const ColliderSurface& surface) {
-  return impl_->contents.add_collider(Sphere{.radius = radius}, transform, surface);
+  return impl_->contents->add_collider(Sphere{.radius = radius}, transform, surface);
 }
 
 Handle Session::add_box(float half_x, float half_y, float half_z, const float* transform,
                         const ColliderSurface& surface) {
-  return impl_->contents.add_collider(Box{.half_extents = {half_x, half_y, half_z}}, transform, surface);
+  return impl_->contents->add_collider(Box{.half_extents = {half_x, half_y, half_z}}, transform, surface);
 }
 
 Handle Session::add_capsule(float radius, float half_height, const float* transform,
                             const ColliderSurface& surface) {
-  return impl_->contents.add_collider(Capsule{.radius = radius, .half_height = half_height}, transform,
-                                      surface);
+  return impl_->contents->add_collider(Capsule{.radius = radius, .half_height = half_height}, transform,
+                                       surface);
 }
 
 void Session::move_collider(Handle collider, const float* transform) {
-  impl_->contents.move_collider(collider, transform);
+  impl_->contents->move_collider(collider, transform);
 }
 
 void Session::remove_collider(Handle collider) {
-  impl_->contents.remove_collider(collider);
+  impl_->contents->remove_collider(collider);
 }
 
 Handle Session::connect(Handle object, std::uint32_t vertex, Handle other, std::uint32_t other_vertex,
                         float distance, float compliance) {
-  Contents& contents = impl_->contents;
+  Contents& contents = *impl_->contents;
   const std::uint32_t a = Impl::world_vertex(contents.item(object), contents.world(), vertex);
   const std::uint32_t b = Impl::world_vertex(contents.item(other), contents.world(), other_vertex);
   return contents.connect({0, {object, other}, {a, b}, distance, compliance, {}});
 }
 
 void Session::disconnect(Handle connection) {
-  impl_->contents.disconnect(connection);
+  impl_->contents->disconnect(connection);
 }
 
 void Session::set_wind_exposure(Handle object, float exposure) {
-  impl_->contents.set_wind_exposure(object, exposure);
+  impl_->contents->set_wind_exposure(object, exposure);
 }
 
 // --- from any thread -----------------------------------------------------------------------------

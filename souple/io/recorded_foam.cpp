@@ -1,6 +1,7 @@
 #include "souple/io/recorded_foam.h"
 
 #include "souple/mesh_files/mesh_write.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 

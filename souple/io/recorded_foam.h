@@ -9,6 +9,8 @@
 
 namespace souple {
 
+class World;
+
 /// Kind and name of a world's foam in run.json, where it follows the objects.
 inline constexpr const char* foam_kind_name = "foam";
 

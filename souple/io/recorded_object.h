@@ -1,10 +1,12 @@
 #pragma once
 
+#include "souple/geometry/triangle_mesh.h"
 #include "souple/io/manifest.h"
 #include "souple/io/mdd.h"
 #include "souple/io/pc2.h"
 #include "souple/io/recorder.h"
 #include "souple/io/sequence.h"
+#include "souple/objects/handles.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -15,6 +17,8 @@
 #include <vector>
 
 namespace souple {
+
+class World;
 
 /// Folder and formats of a run's recording.
 struct RecordingPlan {

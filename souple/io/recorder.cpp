@@ -9,6 +9,7 @@
 #include "souple/io/recorder_names.h"
 #include "souple/io/recorder_report.h"
 #include "souple/version.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <cmath>

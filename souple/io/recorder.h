@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/world/world.h"
+#include "souple/objects/handles.h"
 
 #include <cstdint>
 #include <memory>
@@ -8,6 +8,8 @@
 #include <vector>
 
 namespace souple {
+
+class World;
 
 enum class CacheFormat { pc2, mdd, obj, ply };
 

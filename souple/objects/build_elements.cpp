@@ -2,6 +2,7 @@
 
 #include "souple/error.h"
 #include "souple/objects/constraint_builder.h"
+#include "souple/objects/constraint_groups.h"
 #include "souple/objects/kind_functions.h"
 #include "souple/objects/object.h"
 

@@ -8,9 +8,7 @@
 #include "souple/constraints/tet_volume.h"
 #include "souple/constraints/triangle_membrane.h"
 #include "souple/objects/set_kinds.h"
-#include "souple/solver/enclosed_volume.h"
 #include "souple/solver/set_projector.h"
-#include "souple/solver/shape_matching.h"
 
 #include <tuple>
 
@@ -27,17 +25,5 @@ struct ConstraintSets {
   std::size_t skipped = 0;  ///< elements of cloths that are too thin
 };
 static_assert(std::tuple_size_v<decltype(ConstraintSets::sets)> == set_kind_count);
-
-/// Constraints on whole objects, solved after the sets.
-struct ConstraintGroups {
-  ShapeMatching shape_matching;
-  EnclosedVolume enclosed_volume;
-};
-
-/// Constraints of all objects.
-struct ObjectConstraints {
-  ConstraintSets of_elements;
-  ConstraintGroups of_objects;
-};
 
 }  // namespace souple

@@ -4,6 +4,7 @@
 #include "souple/io/recorder.h"
 #include "souple/scene/first_frame.h"
 #include "souple/scene/scene.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <cctype>

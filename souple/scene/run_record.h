@@ -1,7 +1,6 @@
 #pragma once
 
 #include "souple/io/recorder.h"
-#include "souple/scene/scene.h"
 
 #include <cstdint>
 #include <string>

@@ -4,9 +4,14 @@
 #include "souple/collision/shapes.h"
 #include "souple/contacts/contact_material.h"
 #include "souple/geometry/builders.h"
+#include "souple/geometry/lattice.h"
 #include "souple/geometry/vertex_maps.h"
 #include "souple/mesh_files/mesh_file.h"
-#include "souple/world/world.h"
+#include "souple/objects/handles.h"
+#include "souple/objects/kind_traits.h"
+#include "souple/objects/materials.h"
+#include "souple/stages/settings.h"
+#include "souple/state/warnings.h"
 
 #include <array>
 #include <cstdint>
@@ -23,6 +28,8 @@
 // docs/scene-format.md explains the keys; it is generated from the reader's tables.
 
 namespace souple {
+
+class World;
 
 struct TransformDescription {
   Vec3d translate{};  ///< m

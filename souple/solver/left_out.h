@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/assert.h"
-#include "souple/solver/index_range.h"
+#include "souple/solver/projector.h"
 
 #include <algorithm>
 #include <cstddef>

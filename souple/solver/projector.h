@@ -1,6 +1,5 @@
 #pragma once
 
-#include "souple/solver/index_range.h"
 #include "souple/solver/modes.h"
 #include "souple/state/particles.h"
 #include "souple/threads/threads.h"
@@ -16,6 +15,11 @@ namespace souple {
 
 class ExternalMoves;
 class LeftOut;
+
+/// Indices [begin, end).
+struct IndexRange {
+  std::size_t begin = 0, end = 0;
+};
 
 /// The current substep.
 struct Substep {

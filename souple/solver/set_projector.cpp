@@ -24,8 +24,5 @@ template class SetProjector<TriangleMembrane>;
 template class SetProjector<TetVolume>;
 template class SetProjector<NeoHookean>;
 template class SetProjector<RopeBending>;
-template class SetProjector<ParticleContact>;
-template class SetProjector<Attachment>;
-template class SetProjector<Tether>;
 
 }  // namespace souple

@@ -1,16 +1,13 @@
 #pragma once
 
 #include "souple/assert.h"
-#include "souple/constraints/attachment.h"
 #include "souple/constraints/constraint_set.h"
 #include "souple/constraints/dihedral_bending.h"
 #include "souple/constraints/distance.h"
 #include "souple/constraints/isometric_bending.h"
 #include "souple/constraints/neo_hookean.h"
-#include "souple/constraints/particle_contact.h"
 #include "souple/constraints/rope_bending.h"
 #include "souple/constraints/tet_volume.h"
-#include "souple/constraints/tether.h"
 #include "souple/constraints/triangle_membrane.h"
 #include "souple/error.h"
 #include "souple/geometry/reorder.h"
@@ -812,8 +809,5 @@ extern template class SetProjector<TriangleMembrane>;
 extern template class SetProjector<TetVolume>;
 extern template class SetProjector<NeoHookean>;
 extern template class SetProjector<RopeBending>;
-extern template class SetProjector<ParticleContact>;
-extern template class SetProjector<Attachment>;
-extern template class SetProjector<Tether>;
 
 }  // namespace souple

@@ -9,6 +9,7 @@
 #include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
+#include "souple/world/registry.h"
 #include "souple/world/world.h"
 
 #include <algorithm>
@@ -48,7 +49,7 @@ void set_motion(WorldState& world, const Object& object, const ObjectOptions& op
 ObjectId add(WorldState& world, NewObject made, const ObjectOptions& options) {
   Object& object = *made.object;
   world.warnings.log_info(object.name, made.sentences);
-  object.id = {world.registry.next_id++};
+  object.id = {world.registry->next_id++};
   Particles& particles = world.particles;
   object.begin = static_cast<std::uint32_t>(particles.size());
   object.end = object.begin + static_cast<std::uint32_t>(object.rest.size());
@@ -66,8 +67,8 @@ ObjectId add(WorldState& world, NewObject made, const ObjectOptions& options) {
   world.contact->invalidate();
   ++world.version;
   SOUPLE_ASSERT(world.object_of.size() == particles.size(), "every particle belongs to an object");
-  world.registry.names.add(object.name, {NameRegistry::Owner::object, object.id.value});
-  world.registry.objects.add(made.object->id.value);
+  world.registry->names.add(object.name, {NameRegistry::Owner::object, object.id.value});
+  world.registry->objects.add(made.object->id.value);
   world.objects.push_back(std::move(made.object));
   return world.objects.back()->id;
 }
@@ -120,8 +121,8 @@ void remove_object(WorldState& world, const Object& object) {
   world.caches->mirrors.erase(object.id.value);
   std::erase_if(world.flow.emitters,
                 [&](const EmitterRecord& record) { return record.fluid == object.id.value; });
-  world.registry.names.remove(world.objects[index]->name);
-  world.registry.objects.remove(object.id.value);
+  world.registry->names.remove(world.objects[index]->name);
+  world.registry->objects.remove(object.id.value);
   world.objects.erase(world.objects.begin() + static_cast<std::ptrdiff_t>(index));
   world.dirty.all();
   world.contact->invalidate();

@@ -1,6 +1,7 @@
 #include "souple/world/build.h"
 
 #include "souple/objects/build_elements.h"
+#include "souple/objects/constraint_groups.h"
 #include "souple/objects/constraint_sets.h"
 #include "souple/objects/contact_geometry.h"
 #include "souple/objects/kind_functions.h"
@@ -63,7 +64,7 @@ bool merge(WorldState& world, SetKind kind, std::span<const ObjectPart> parts, S
 }
 
 void build_groups(WorldState& world) {
-  ConstraintGroups& groups = world.constraints.of_objects->of_objects;
+  ConstraintGroups& groups = *world.constraints.of_groups;
   groups = {};
   for (const auto& object : world.objects) add_groups(*object, groups);
   world.dirty.groups = false;
@@ -72,15 +73,15 @@ void build_groups(WorldState& world) {
 }  // namespace
 
 bool build_constraints(WorldState& world) {
-  if (!world.constraints.of_objects) world.constraints.of_objects = std::make_unique<ObjectConstraints>();
-  ObjectConstraints& all = *world.constraints.of_objects;
+  ConstraintSets& all = *world.constraints.of_elements;
+  ConstraintGroups& groups = *world.constraints.of_groups;
   const std::vector<ObjectPart> parts = parts_of(world);
   bool changed = world.dirty.objects;
   std::size_t kind = 0;
   const auto merge_one = [&](auto& set) {
     changed |= merge(world, static_cast<SetKind>(kind++), parts, set);
   };
-  std::apply([&](auto&... sets) { (merge_one(sets), ...); }, all.of_elements.sets);
+  std::apply([&](auto&... sets) { (merge_one(sets), ...); }, all.sets);
   for (const auto& object : world.objects) {
     object->fresh.reset();
     object->fresh_kinds = {};
@@ -91,8 +92,8 @@ bool build_constraints(WorldState& world) {
   const auto list = [&](Projector& projector) {
     if (projector.size() > 0) world.constraints.object_projectors.push_back(&projector);
   };
-  std::apply([&](auto&... sets) { (list(sets), ...); }, all.of_elements.sets);
-  list(all.of_objects.shape_matching), list(all.of_objects.enclosed_volume);
+  std::apply([&](auto&... sets) { (list(sets), ...); }, all.sets);
+  list(groups.shape_matching), list(groups.enclosed_volume);
   return changed;
 }
 

@@ -3,6 +3,7 @@
 #include "souple/objects/object.h"
 #include "souple/world/flow.h"
 #include "souple/world/impl.h"
+#include "souple/world/registry.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/world.h"
 
@@ -75,7 +76,7 @@ EmitterId World::add_emitter(ObjectId fluid, const Emitter& emitter) {
   const float spacing = std::get<FluidMaterial>(object.material).spacing;
   require_layer_size(emitter, spacing, owner);
   wake_island(world, object);
-  world.flow.emitters.push_back({{world.registry.next_id++},
+  world.flow.emitters.push_back({{world.registry->next_id++},
                                  fluid.value,
                                  emitter,
                                  layers_before(emitter, static_cast<double>(spacing), world.time)});
@@ -107,7 +108,7 @@ DrainId World::add_drain(const Drain& drain) {
   world.require_between_steps("add_drain");
   require_valid(drain, "a drain");
   wake_all(world);
-  world.flow.drains.push_back({{world.registry.next_id++}, drain, 0});
+  world.flow.drains.push_back({{world.registry->next_id++}, drain, 0});
   return world.flow.drains.back().id;
 }
 

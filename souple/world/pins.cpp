@@ -10,6 +10,7 @@
 #include "souple/stages/user_constraint.h"
 #include "souple/world/add.h"
 #include "souple/world/impl.h"
+#include "souple/world/registry.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/world.h"
 
@@ -243,7 +244,7 @@ ProjectorId World::add_projector(std::unique_ptr<Projector> projector) {
 
 ProjectorId WorldState::add_user_constraint(UserConstraint user_constraint,
                                             std::unique_ptr<Projector> projector) {
-  user_constraint.id = {registry.next_id++};
+  user_constraint.id = {registry->next_id++};
   user_constraint.projector = std::move(projector);
   dirty.tables = dirty.tables || user_constraint.distance_joint;  // contacts exclude joined particles
   dirty.solver = true;

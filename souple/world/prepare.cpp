@@ -3,6 +3,7 @@
 #include "souple/assert.h"
 #include "souple/multilevel/make_solver.h"
 #include "souple/objects/object.h"
+#include "souple/stages/sleeping.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/build.h"
 #include "souple/world/contact_state.h"
@@ -94,7 +95,7 @@ void bring_constraints_up_to_date(WorldState& world) {
                                : make_threads(world.settings.threading, world.settings.threads);
   if (!world.dirty.solver && !world.dirty.masses) return;
   order_projectors(world);
-  world.scratch->sleep.changed = true;
+  world.scratch->sleep->changed = true;
   for (Projector* projector : world.constraints.order)
     projector->split(0, 0);  // undo splits of the last solver
   const std::vector<Vec4f> awake = awake_positions(world);

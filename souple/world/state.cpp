@@ -3,13 +3,16 @@
 #include "souple/fluid/emitter_record.h"
 #include "souple/fluid/stage/fluids.h"
 #include "souple/objects/collider_record.h"
+#include "souple/objects/constraint_groups.h"
 #include "souple/objects/constraint_sets.h"
 #include "souple/objects/object.h"
 #include "souple/queries/caches.h"
 #include "souple/solver/solver.h"
+#include "souple/stages/sleeping.h"
 #include "souple/stages/stage_view.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"
+#include "souple/world/registry.h"
 #include "souple/world/step_scratch.h"
 
 #include <algorithm>
@@ -18,15 +21,20 @@
 
 namespace souple {
 
+StepScratch::StepScratch() : sleep(std::make_unique<SleepScratch>()) {}
+StepScratch::~StepScratch() = default;
+
 WorldState::WorldState()
-    : contact(std::make_unique<ContactState>()),
+    : registry(std::make_unique<Registry>()),
+      constraints{std::make_unique<ConstraintSets>(), std::make_unique<ConstraintGroups>(), {}, {}, {}, 0},
+      contact(std::make_unique<ContactState>()),
       fluids(std::make_unique<Fluids>()),
       scratch(std::make_unique<StepScratch>()),
       caches(std::make_unique<Caches>()) {}
 WorldState::~WorldState() = default;
 
 Object* WorldState::find_object(ObjectId id) const {
-  const std::optional<std::size_t> at = registry.objects.find(id.value);
+  const std::optional<std::size_t> at = registry->objects.find(id.value);
   return at ? objects[*at].get() : nullptr;
 }
 
@@ -37,7 +45,7 @@ Object& WorldState::object(ObjectId id) {
 }
 
 ColliderRecord& WorldState::collider(ColliderId id) {
-  if (const std::optional<std::size_t> at = registry.colliders.find(id.value)) return colliders[*at];
+  if (const std::optional<std::size_t> at = registry->colliders.find(id.value)) return colliders[*at];
   throw Error(
       fmt::format("no collider has the handle {}: it was removed, or belongs to another world", id.value));
 }
@@ -61,8 +69,8 @@ void Callbacks::erase_removed() {
 }
 
 std::string WorldState::unique_name(const std::string& wanted, std::string_view base) const {
-  if (wanted.empty()) return registry.names.first_free(base);
-  registry.names.require_free(wanted);
+  if (wanted.empty()) return registry->names.first_free(base);
+  registry->names.require_free(wanted);
   return wanted;
 }
 

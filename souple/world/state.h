@@ -11,8 +11,6 @@
 #include "souple/stages/settings.h"
 #include "souple/state/particles.h"
 #include "souple/state/warnings.h"
-#include "souple/world/handle_index.h"
-#include "souple/world/name_registry.h"
 #include "souple/world/report.h"
 
 #include <array>
@@ -30,14 +28,16 @@ namespace souple {
 
 struct Caches;
 struct ColliderRecord;
+struct ConstraintGroups;
+struct ConstraintSets;
 struct ContactState;
 struct DrainRecord;
 struct EmitterRecord;
 class Fluids;
 class JobSystem;
 struct Object;
-struct ObjectConstraints;
 struct QueryView;
+struct Registry;
 class Solver;
 struct StageView;
 struct StepScratch;
@@ -58,13 +58,6 @@ struct Changes {
   void all() { constraints = objects = tables = true; }
 };
 
-/// Handles and names.
-struct Registry {
-  HandleIndex objects, colliders;
-  NameRegistry names;  ///< of objects and colliders
-  std::uint32_t next_id = 1;
-};
-
 /// Functions of the user.
 struct Callbacks {
   CallbackList<VertexForceField> force_fields;
@@ -82,8 +75,10 @@ struct FlowRecords {
 
 /// Constraints of all objects and of the user.
 struct WorldConstraints {
-  std::unique_ptr<ObjectConstraints> of_objects;  ///< see build.h
-  std::vector<Projector*> object_projectors;      ///< those that are not empty, in order of solution
+  // Of all objects, see build.h.
+  std::unique_ptr<ConstraintSets> of_elements;
+  std::unique_ptr<ConstraintGroups> of_groups;
+  std::vector<Projector*> object_projectors;  ///< those that are not empty, in order of solution
   std::vector<UserConstraint> users;
   std::vector<Projector*> order;     ///< all projectors in order of solution, contacts last; see prepare.h
   std::size_t without_contacts = 0;  ///< so many of them come before the contacts
@@ -123,7 +118,7 @@ struct WorldState {
   std::vector<std::uint32_t> object_of;          ///< per particle: index into objects
   std::vector<std::unique_ptr<Object>> objects;  ///< ascending by id; addresses are stable
   std::vector<ColliderRecord> colliders;         ///< ascending by id
-  Registry registry;
+  std::unique_ptr<Registry> registry;
   FlowRecords flow;
 
   WorldConstraints constraints;

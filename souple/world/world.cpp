@@ -17,6 +17,7 @@
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/impl.h"
+#include "souple/world/registry.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/validate.h"
 
@@ -109,7 +110,7 @@ bool World::contains(ObjectId id) const {
 }
 
 ObjectId World::find_object(std::string_view name) const {
-  const NameRegistry::Entry* const entry = impl_->state.registry.names.find(name);
+  const NameRegistry::Entry* const entry = impl_->state.registry->names.find(name);
   if (entry != nullptr && entry->owner == NameRegistry::Owner::object) return {entry->id};
   std::vector<std::string_view> names;
   for (const auto& object : impl_->state.objects) names.push_back(object->name);
@@ -423,14 +424,14 @@ std::vector<Carrier> World::carriers(ObjectId id, std::uint32_t vertex) const {
 ColliderId World::add_collider(const Shape& shape, const ColliderOptions& options) {
   WorldState& world = impl_->state;
   world.require_between_steps("add_collider");
-  ColliderRecord record{{world.registry.next_id}, options, shape};
+  ColliderRecord record{{world.registry->next_id}, options, shape};
   record.options.name = world.unique_name(options.name, "collider");
   validate(shape, record.options.name);
   validate(contact_material_of(options), record.options.name);
-  world.registry.names.add(record.options.name, {NameRegistry::Owner::collider, record.id.value});
-  world.registry.colliders.add(record.id.value);
+  world.registry->names.add(record.options.name, {NameRegistry::Owner::collider, record.id.value});
+  world.registry->colliders.add(record.id.value);
   world.colliders.push_back(std::move(record));
-  ++world.registry.next_id;
+  ++world.registry->next_id;
   world.dirty.tables = true;
   wake_all(world);
   world.contact->invalidate();
@@ -441,8 +442,8 @@ void World::remove(ColliderId id) {
   WorldState& world = impl_->state;
   world.require_between_steps("remove");
   const ColliderRecord& record = world.collider(id);
-  world.registry.names.remove(record.options.name);
-  world.registry.colliders.remove(record.id.value);
+  world.registry->names.remove(record.options.name);
+  world.registry->colliders.remove(record.id.value);
   world.colliders.erase(world.colliders.begin() + (&record - world.colliders.data()));
   world.dirty.tables = true;
   wake_all(world);
@@ -457,9 +458,9 @@ void World::set_collider(ColliderId id, const Shape& shape, const ColliderOption
   validate(contact_material_of(options), record.options.name);
   const std::string name = record.options.name;
   if (!options.name.empty() && options.name != name) {
-    world.registry.names.require_free(options.name);
-    world.registry.names.remove(name);
-    world.registry.names.add(options.name, {NameRegistry::Owner::collider, id.value});
+    world.registry->names.require_free(options.name);
+    world.registry->names.remove(name);
+    world.registry->names.add(options.name, {NameRegistry::Owner::collider, id.value});
   }
   record.shape = shape;
   record.options = options;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/collision/segment_triangle/segment_test.h"
+#include "souple/collision/detection.h"
 #include "souple/collision/segment_triangle/segment_triangle.h"
 
 #include <cstddef>

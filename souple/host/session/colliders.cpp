@@ -1,4 +1,5 @@
 #include "souple/collision/collider_mesh.h"
+#include "souple/host/session/contents.h"
 #include "souple/host/session/impl.h"
 
 #include <cmath>
@@ -25,7 +26,7 @@ std::array<float, 16> matrix_of(const Transform& pose) {
 
 std::vector<ColliderShape> Session::colliders(double extent) const {
   if (!(extent > 0) || !std::isfinite(extent)) throw Error("colliders: the extent is not a length above 0");
-  const World& world = impl_->contents.world();
+  const World& world = impl_->contents->world();
   std::vector<ColliderShape> shapes;
   for (const ColliderId id : world.colliders()) {
     const Transform pose = world.collider_pose(id);
@@ -37,7 +38,7 @@ std::vector<ColliderShape> Session::colliders(double extent) const {
     shape.normals = flat(mesh.normals);
     for (const Triangle& triangle : mesh.triangles)
       shape.indices.insert(shape.indices.end(), triangle.begin(), triangle.end());
-    const std::optional<std::uint32_t> color = impl_->contents.collider_color(shape.name);
+    const std::optional<std::uint32_t> color = impl_->contents->collider_color(shape.name);
     shape.has_color = color.has_value();
     shape.color = channels_of(color);
     shapes.push_back(std::move(shape));
@@ -46,7 +47,7 @@ std::vector<ColliderShape> Session::colliders(double extent) const {
 }
 
 std::vector<std::array<float, 16>> Session::collider_transforms() const {
-  const World& world = impl_->contents.world();
+  const World& world = impl_->contents->world();
   std::vector<std::array<float, 16>> matrices;
   for (const ColliderId id : world.colliders()) matrices.push_back(matrix_of(world.collider_pose(id)));
   return matrices;

@@ -1,5 +1,6 @@
 #include "souple/host/session/contents.h"
 
+#include "souple/host/session/drive.h"
 #include "souple/scene/scene.h"
 
 #include <algorithm>

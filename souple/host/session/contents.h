@@ -1,6 +1,5 @@
 #pragma once
 
-#include "souple/host/session/drive.h"
 #include "souple/host/session/materials.h"
 #include "souple/host/vertex_welder.h"
 
@@ -12,6 +11,8 @@ struct SceneDescription;
 }
 
 namespace souple::host {
+
+struct Drive;
 
 /// A mesh of the host that became an object.
 struct HostMesh {

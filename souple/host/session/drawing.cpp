@@ -1,3 +1,4 @@
+#include "souple/host/session/contents.h"
 #include "souple/host/session/impl.h"
 
 #include <fmt/core.h>
@@ -31,8 +32,8 @@ void write_plain(const World& world, const Item& item, const VertexBuffers& buff
 }  // namespace
 
 void Session::write(Handle object, const VertexBuffers& buffers, std::size_t vertex_count, Normals normals) {
-  Item& item = impl_->contents.item(object);
-  const World& world = impl_->contents.world();
+  Item& item = impl_->contents->item(object);
+  const World& world = impl_->contents->world();
   if (!item.mesh) return write_plain(world, item, buffers, vertex_count);
   HostMesh& mesh = *item.mesh;
   require_count(item.name, vertex_count, mesh.weld.vertex_count());
@@ -41,7 +42,7 @@ void Session::write(Handle object, const VertexBuffers& buffers, std::size_t ver
 }
 
 std::vector<std::uint32_t> Session::triangles(Handle object) const {
-  const Item& item = impl_->contents.item(object);
+  const Item& item = impl_->contents->item(object);
   std::vector<std::uint32_t> indices;
   const auto add = [&](const auto& triangles) {
     for (const Triangle& triangle : triangles)
@@ -50,15 +51,15 @@ std::vector<std::uint32_t> Session::triangles(Handle object) const {
   if (item.mesh)
     add(item.mesh->weld.render_triangles());
   else
-    add(impl_->contents.world().triangles(item.id));
+    add(impl_->contents->world().triangles(item.id));
   return indices;
 }
 
 std::vector<std::uint32_t> Session::segments(Handle object) const {
-  const Item& item = impl_->contents.item(object);
+  const Item& item = impl_->contents->item(object);
   std::vector<std::uint32_t> indices;
   if (item.kind != Kind::rope) return indices;
-  const std::size_t count = impl_->contents.world().positions(item.id).size();
+  const std::size_t count = impl_->contents->world().positions(item.id).size();
   for (std::uint32_t v = 0; v + 1 < count; ++v) indices.insert(indices.end(), {v, v + 1});
   return indices;
 }

@@ -3,18 +3,22 @@
 #include "souple/host/action_queue.h"
 #include "souple/host/grab.h"
 #include "souple/host/session.h"
-#include "souple/host/session/contents.h"
 
 #include <deque>
+#include <memory>
 #include <mutex>
 
 namespace souple::host {
+
+class Contents;
+struct Item;
 
 /// Statistics of the last step and of the current world.
 Statistics statistics_of(const World& world, std::uint64_t steps);
 
 struct Session::Impl {
-  explicit Impl(const ClockOptions& options) : clock(options) {}
+  explicit Impl(const ClockOptions& options);
+  ~Impl();
 
   Handle add(Kind kind, const TriangleSoup& soup, const MeshOptions& options);
   /// Returns false if the step failed: the reason is reported, and the session is paused.
@@ -29,7 +33,7 @@ struct Session::Impl {
   /// The world object's vertex for a render vertex. Throws Error if there is none.
   static std::uint32_t world_vertex(const Item& item, const World& world, std::uint32_t vertex);
 
-  Contents contents{[this](std::string message) { report(std::move(message)); }};
+  std::unique_ptr<Contents> contents;
   Clock clock;
   ActionQueue<Session> actions;
   std::optional<Grab> hand;

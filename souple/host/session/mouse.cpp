@@ -1,3 +1,4 @@
+#include "souple/host/session/contents.h"
 #include "souple/host/session/impl.h"
 
 #include <algorithm>
@@ -36,7 +37,7 @@ bool Session::Impl::take_hold(const Item& item, std::uint32_t vertex, const Vec3
   hand.reset();
   plane.reset();
   if (item.kind == Kind::obstacle) return false;
-  hand.emplace(contents.world(), item.id, vertex, point);
+  hand.emplace(contents->world(), item.id, vertex, point);
   if (!hand->holds()) {
     hand.reset();
     return false;
@@ -46,15 +47,15 @@ bool Session::Impl::take_hold(const Item& item, std::uint32_t vertex, const Vec3
 }
 
 bool Session::grab_vertex(Handle object, std::uint32_t vertex, const Ray& ray, const Vec3f& facing) {
-  const Item& item = impl_->contents.item(object);
-  const World& world = impl_->contents.world();
+  const Item& item = impl_->contents->item(object);
+  const World& world = impl_->contents->world();
   const std::uint32_t held = Impl::world_vertex(item, world, vertex);
   return impl_->take_hold(item, held, world.positions(item.id)[held], ray, facing);
 }
 
 bool Session::grab_triangle(Handle object, std::uint32_t triangle, const Ray& ray, const Vec3f& facing) {
-  const Item& item = impl_->contents.item(object);
-  const World& world = impl_->contents.world();
+  const Item& item = impl_->contents->item(object);
+  const World& world = impl_->contents->world();
   const std::size_t count = item.mesh ? item.mesh->weld.triangle_count() : world.triangles(item.id).size();
   if (triangle >= count)
     throw Error(fmt::format("{}: there is no triangle {}, it has {}", item.name, triangle, count));
@@ -75,8 +76,8 @@ bool Session::grab_triangle(Handle object, std::uint32_t triangle, const Ray& ra
 }
 
 bool Session::grab(const Ray& ray, const Vec3f& facing) {
-  const Hit hit = impl_->contents.world().ray_cast(ray.origin, ray.direction);
-  const Item* item = hit.found && !hit.is_collider ? impl_->contents.find(hit.object) : nullptr;
+  const Hit hit = impl_->contents->world().ray_cast(ray.origin, ray.direction);
+  const Item* item = hit.found && !hit.is_collider ? impl_->contents->find(hit.object) : nullptr;
   if (item != nullptr) return impl_->take_hold(*item, hit.vertex, hit.point, ray, facing);
   release();
   return false;

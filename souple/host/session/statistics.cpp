@@ -1,3 +1,4 @@
+#include "souple/host/session/contents.h"
 #include "souple/host/session/impl.h"
 
 #include <fmt/format.h>

@@ -1,3 +1,4 @@
+#include "souple/host/session/contents.h"
 #include "souple/host/session/impl.h"
 
 #include <sstream>
@@ -20,7 +21,7 @@ void Session::Impl::report_lines(const std::string& lines) {
 }
 
 void Session::Impl::take_statistics() {
-  Statistics now = statistics_of(contents.world(), steps);
+  Statistics now = statistics_of(contents->world(), steps);
   const std::lock_guard<std::mutex> lock(mutex);
   statistics = std::move(now);
 }
@@ -35,12 +36,12 @@ void Session::Impl::begin_again() {
 }
 
 bool Session::Impl::step(double dt) {
-  contents.begin_step(dt);
-  const StepReport& report = contents.world().step(dt);
+  contents->begin_step(dt);
+  const StepReport& report = contents->world().step(dt);
   // Otherwise the world is unchanged: an invalid step is undone, and a step that failed to begin has no
   // substeps.
   const bool made = report.ok() && report.substeps > 0;
-  contents.end_step(made);
+  contents->end_step(made);
   if (made) ++steps;
   playing = playing && made;
   if (!made || (report.flags & ~flags_before) != 0) report_lines(report.message);
@@ -82,7 +83,7 @@ void Session::request_step() {
 void Session::reset() {
   Impl& s = *impl_;
   const std::uint64_t version_now = version();
-  s.contents.rebuild();
+  s.contents->rebuild();
   s.version_before = version_now + 1;
   s.begin_again();
 }
@@ -91,16 +92,16 @@ void Session::start_at(double host_time) {
   impl_->clock.start_at(host_time);
 }
 double Session::time() const {
-  return impl_->contents.world().time();
+  return impl_->contents->world().time();
 }
 std::uint64_t Session::steps() const {
   return impl_->steps;
 }
 std::uint64_t Session::version() const {
-  return impl_->version_before + impl_->contents.world().version();
+  return impl_->version_before + impl_->contents->world().version();
 }
 std::uint64_t Session::hash() const {
-  return impl_->contents.world().hash();
+  return impl_->contents->world().hash();
 }
 
 }  // namespace souple::host

@@ -3,6 +3,7 @@
 #include "souple/geometry/rest_frames.h"
 #include "souple/objects/checks.h"
 #include "souple/objects/constraint_builder.h"
+#include "souple/objects/constraint_groups.h"
 #include "souple/objects/import_particles.h"
 #include "souple/objects/kinds/kinds.h"
 #include "souple/objects/kinds/of_material.h"

@@ -3,6 +3,7 @@
 #include "souple/geometry/measures.h"
 #include "souple/objects/checks.h"
 #include "souple/objects/constraint_builder.h"
+#include "souple/objects/constraint_groups.h"
 #include "souple/objects/contact_geometry.h"
 #include "souple/objects/embedding_offset.h"
 #include "souple/objects/import_particles.h"

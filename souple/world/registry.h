@@ -1,0 +1,17 @@
+#pragma once
+
+#include "souple/world/handle_index.h"
+#include "souple/world/name_registry.h"
+
+#include <cstdint>
+
+namespace souple {
+
+/// Handles and names of a world.
+struct Registry {
+  HandleIndex objects, colliders;
+  NameRegistry names;  ///< of objects and colliders
+  std::uint32_t next_id = 1;
+};
+
+}  // namespace souple
