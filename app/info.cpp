@@ -7,6 +7,7 @@
 #include "souple/simd/instruction_set.h"
 #include "souple/threads/threads.h"
 #include "souple/version.h"
+#include "souple/world/memory.h"
 
 #include <cstdio>
 

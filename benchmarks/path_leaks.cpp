@@ -9,7 +9,7 @@
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/builders.h"
 #include "souple/world/world.h"
-#include "tests/collision/crossings.h"
+#include "tests/intersections/crossings.h"
 #include "tests/collision/random.h"
 
 #include <array>

@@ -1,6 +1,7 @@
 #include "render/constraint_lines.h"
 
 #include "render/looks.h"
+#include "souple/world/debug_draw.h"
 
 #include <algorithm>
 #include <array>

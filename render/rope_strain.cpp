@@ -1,5 +1,8 @@
 #include "render/rope_strain.h"
 
+#include "souple/objects/kind_traits.h"
+#include "souple/world/debug_draw.h"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>

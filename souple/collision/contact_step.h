@@ -1,21 +1,12 @@
 #pragma once
 
-#include "souple/collision/segment_triangle/choice.h"
+#include "souple/collision/detection.h"
 #include "souple/math/vec4.h"
 
 #include <cmath>
 #include <span>
 
 namespace souple {
-
-/// How contacts between surfaces are found in a substep.
-enum class Detection {
-  /// Vertices against triangles and edges against edges, by distance and by time of impact.
-  continuous,
-  /// Vertices whose path x -> p crosses a triangle (Müller et al. 2007, section 3.4), by a SegmentTest. It
-  /// serves for comparison: edges pass through edges, and what a test misses passes as well.
-  discrete
-};
 
 /// Data of a whole step, set before its first substep.
 struct ContactStep {

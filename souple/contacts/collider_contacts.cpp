@@ -10,8 +10,8 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
-#include <atomic>
 #include <limits>
+#include <utility>
 
 namespace souple {
 namespace {
@@ -85,7 +85,11 @@ void ColliderContacts::begin_step(const ContactInput& input, Threads& threads) {
   contacts_.resize(0);
   find_bodies();
   find_members();
-  find_candidates(input.particles, input.velocity, 0, threads);
+  find_frames(input.particles);
+  // Where a collider goes is known in the first substep.
+  searched_ =
+      std::none_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.packed.moves; });
+  if (searched_) find_candidates(input.particles, input.velocity, 0, threads);
 }
 
 void ColliderContacts::find_bodies() {
@@ -113,6 +117,13 @@ void ColliderContacts::find_members() {
   }
 }
 
+void ColliderContacts::find_frames(const ParticleView& particles) {
+  for (Body& body : bodies_) {
+    find_frame(body, particles);
+    set_pose(body, body.before, body.after);
+  }
+}
+
 // A plane's origin is its point nearest to the first particle: floats are fine there, wherever the plane's own
 // origin is.
 void ColliderContacts::find_frame(Body& body, const ParticleView& particles) const {
@@ -133,39 +144,28 @@ void ColliderContacts::set_pose(Body& body, const RigidPose& before, const Rigid
   set_poses(body.packed, body.origin, body.axes, before, after);
 }
 
-// The margin is the particle's radius plus twice its path in a step at its present speed and under gravity:
-// forces and neighbors change speeds, and a particle that leaves its margin costs a new broad phase. In the
-// middle of a step (h > 0) the speed is that of the predicted motion.
 void ColliderContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
                                        float h, Threads& threads) {
   candidates_.particle.clear(), candidates_.object.clear(), candidates_.keeps.clear();
-  const std::size_t count = members_.particle.size();
-  for (auto& axis : members_.at) axis.resize(count);
-  members_.margin.resize(count), distance_.resize(count);
-  const float t = step_.dt;
-  threads.for_each(count, particle_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t m = begin; m < end; ++m) {
-      const std::uint32_t i = members_.particle[m];
-      const Vec3f x(particle_position(particles, i));
-      for (int axis = 0; axis < 3; ++axis) members_.at[static_cast<std::size_t>(axis)][m] = x[axis];
-      const float speed = h > 0 ? length(particles.moved(i)) / h : length(velocity[i].xyz());
-      members_.margin[m] = 2 * t * (speed + step_.gravity * t) + radius_[i];
-    }
-  });
+  distance_.resize(members_.particle.size());
+  members_.margins.begin(members_.particle, radius_, {velocity, h, step_.dt, step_.gravity}, particles,
+                         threads);
   const kernels::ColliderParticles packed = packed_particles(particles);
   for (Body& body : bodies_) {
-    find_frame(body, particles);
-    set_pose(body, body.before, body.after);
+    if (body.packed.moves)
+      body.margin.begin(bounding_ball(shape_of(body)), 3 * double(members_.margins.largest()), body.before,
+                        body.after, double(step_.dt) / double(h));
     find_candidates_of(body, packed, threads);
   }
 }
 
-// A moving body may go anywhere within the step: all particles are its candidates.
 void ColliderContacts::find_candidates_of(Body& body, const kernels::ColliderParticles& particles,
                                           Threads& threads) {
   body.candidate_begin = candidates_.particle.size();
   const std::size_t count = members_.particle.size();
-  if (!body.packed.moves)
+  const double body_margin = body.packed.moves ? double(body.margin.margin()) : 0;
+  const bool goes_anywhere = !(body_margin < std::numeric_limits<double>::infinity());
+  if (!goes_anywhere)
     threads.for_each(count, particle_grain, [&](std::size_t begin, std::size_t end) {
       kernels_->distances(particles, body.packed, members_.particle.data(), begin, end, distance_.data());
     });
@@ -174,8 +174,8 @@ void ColliderContacts::find_candidates_of(Body& body, const kernels::ColliderPar
     if (!materials_->collide(members_.object[m], body.collider)) continue;
     const double keeps =
         corner_distance(double(radius_[i]), double(element_radius_[i]), body.curvature_radius);
-    const auto reach = float(3 * double(members_.margin[m]) + 2 * keeps);
-    if (!body.packed.moves && !(distance_[m] <= reach)) continue;
+    const auto reach = float(3 * (double(members_.margins[m]) + body_margin) + 2 * keeps);
+    if (!goes_anywhere && !(distance_[m] <= reach)) continue;
     candidates_.particle.push_back(i);
     candidates_.object.push_back(members_.object[m]);
     candidates_.keeps.push_back(float(keeps));
@@ -183,16 +183,15 @@ void ColliderContacts::find_candidates_of(Body& body, const kernels::ColliderPar
   body.candidate_end = candidates_.particle.size();
 }
 
-bool ColliderContacts::left_margins(const ParticleView& particles, Threads& threads) const {
-  std::atomic<bool> left{false};
-  const kernels::ColliderParticles packed = packed_particles(particles);
-  threads.for_each(members_.particle.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
-    if (kernels_->left(packed, members_.particle.data(),
-                       {members_.at[0].data(), members_.at[1].data(), members_.at[2].data()},
-                       members_.margin.data(), begin, end))
-      left.store(true, std::memory_order_relaxed);
+bool ColliderContacts::needs_search(const ParticleView& particles, Threads& threads) {
+  if (!std::exchange(searched_, true)) return true;
+  if (members_.margins.any_left(members_.particle, *kernels_, particles, threads)) {
+    find_frames(particles);
+    return true;
+  }
+  return std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) {
+    return body.packed.moves && body.margin.left(body.before, body.after);
   });
-  return left.load(std::memory_order_relaxed);
 }
 
 void ColliderContacts::refresh(const ParticleView& particles, const Substep& substep, double time,
@@ -207,7 +206,7 @@ void ColliderContacts::refresh(const ParticleView& particles, const Substep& sub
         poses_between(colliders_[body.collider].motion, time, time + double(substep.h));
     set_pose(body, before, after);
   }
-  if (left_margins(particles, threads)) find_candidates(particles, {}, substep.h, threads);
+  if (needs_search(particles, threads)) find_candidates(particles, {}, substep.h, threads);
   for (Body& body : bodies_) find_contacts(body, particles, threads);
 }
 
@@ -415,10 +414,9 @@ void ColliderContacts::clear() {
 }
 
 std::size_t ColliderContacts::bytes() const {
-  return bytes_of(bodies_, members_.particle, members_.object, members_.at[0], members_.at[1], members_.at[2],
-                  members_.margin, candidates_.particle, candidates_.object, candidates_.keeps, distance_,
-                  near_, some_) +
-         contacts_.bytes() + taken_.bytes();
+  return bytes_of(bodies_, members_.particle, members_.object, candidates_.particle, candidates_.object,
+                  candidates_.keeps, distance_, near_, some_) +
+         contacts_.bytes() + taken_.bytes() + members_.margins.bytes();
 }
 
 }  // namespace souple

@@ -3,6 +3,7 @@
 #include "souple/collision/rigid_pose.h"
 #include "souple/contacts/contact_projector.h"
 #include "souple/contacts/kernels/collider_contacts.h"
+#include "souple/contacts/motion_margins.h"
 
 #include <array>
 #include <span>
@@ -70,15 +71,14 @@ class ColliderContacts final : public ContactProjector {
     Mat3d axes{};
     RigidPose before, after;  // at the start and end of the substep
     kernels::ColliderBody packed;
+    ColliderMargin margin;  // if it moves
     std::size_t candidate_begin = 0, candidate_end = 0;
     std::size_t contact_begin = 0, contact_end = 0;
   };
-  /// Particles that may touch something, each with the object it belongs to, and their positions in the last broad
-  /// phase with the distances that they may move before the next one [m].
+  /// Particles that may touch something, each with the object it belongs to.
   struct Members {
     std::vector<std::uint32_t> particle, object;
-    std::array<std::vector<float>, 3> at;
-    std::vector<float> margin;
+    MotionMargins margins;
   };
   /// Particles that may touch a body in this step, body by body.
   struct Candidates {
@@ -101,12 +101,13 @@ class ColliderContacts final : public ContactProjector {
   const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
   void find_bodies();
   void find_members();
+  void find_frames(const ParticleView& particles);
   void find_frame(Body& body, const ParticleView& particles) const;
   void set_pose(Body& body, const RigidPose& before, const RigidPose& after) const;
   void find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity, float h,
                        Threads& threads);
   void find_candidates_of(Body& body, const kernels::ColliderParticles& particles, Threads& threads);
-  bool left_margins(const ParticleView& particles, Threads& threads) const;
+  bool needs_search(const ParticleView& particles, Threads& threads);
   static Vec3f relative_motion(const Body& body, std::uint32_t particle, const ParticleView& particles);
   void project_exactly(const ParticleView& particles);
   void find_contacts(Body& body, const ParticleView& particles, Threads& threads);
@@ -123,6 +124,7 @@ class ColliderContacts final : public ContactProjector {
   float last_h_ = 0;  // h of the last refresh [s]
   const kernels::ColliderContactKernels* kernels_ = nullptr;
   std::vector<Body> bodies_;
+  bool searched_ = false;  // in this step: candidates are known
   Members members_;
   Candidates candidates_;
   std::vector<float> distance_;      // per member or candidate: to the body's surface [m]

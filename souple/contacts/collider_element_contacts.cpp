@@ -7,7 +7,6 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
-#include <atomic>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -147,8 +146,7 @@ void ColliderElementContacts::find_corners() {
     }
     corners_.first_float.push_back(first);
   }
-  for (auto& axis : corners_.at) axis.resize(corners_.all.size());
-  corners_.margin.resize(corners_.all.size()), corners_.distance.resize(corners_.all.size());
+  corners_.distance.resize(corners_.all.size());
   corners_.from.resize(corners_.all.size()), corners_.to.resize(corners_.all.size());
   corners_.all_rows.resize(corners_.all.size());
   std::iota(corners_.all_rows.begin(), corners_.all_rows.end(), 0u);
@@ -165,9 +163,14 @@ void ColliderElementContacts::begin_step(const ContactInput& input, Threads& thr
   find_bodies();
   if (bodies_.empty()) return;
   depenetrating_.assign(bodies_.size() * objects_, 0);
-  for (Body& body : bodies_)
-    if (!body.packed.moves) find_depenetrating(body, input.particles, threads);
-  find_candidates(input.particles, input.velocity, 0, threads);
+  searched_ = true;
+  for (Body& body : bodies_) {
+    if (body.packed.moves)
+      searched_ = false;  // where it goes is known in the first substep
+    else
+      find_depenetrating(body, corners_.all, corners_.particle, input.particles, threads);
+  }
+  if (searched_) find_candidates(input.particles, input.velocity, 0, threads);
 }
 
 // Planes are skipped: the deepest point of an element is one of its corners.
@@ -221,34 +224,30 @@ void ColliderElementContacts::place(const Body& body, std::span<const std::uint3
   });
 }
 
-// The margins are those of ColliderContacts: a particle's radius plus twice its path in a step at its present
-// speed and under gravity.
 void ColliderElementContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
                                               float h, Threads& threads) {
-  const float t = step_.dt;
-  threads.for_each(corners_.all.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) {
-      const std::uint32_t i = corners_.particle[c];
-      const float speed = h > 0 ? length(particles.moved(i)) / h : length(velocity[i].xyz());
-      const Vec3f x(particle_position(particles, i));
-      for (int axis = 0; axis < 3; ++axis) corners_.at[static_cast<std::size_t>(axis)][c] = x[axis];
-      corners_.margin[c] = 2 * t * (speed + step_.gravity * t) + radius_[i];
-    }
-  });
+  corners_.margins.begin(corners_.particle, radius_, {velocity, h, step_.dt, step_.gravity}, particles,
+                         threads);
   candidates_.clear();
   corners_.rows.clear();
+  corners_.near.clear(), corners_.near_particle.clear();
   for (Body& body : bodies_) {
+    if (body.packed.moves) {
+      const double near = 3 * double(corners_.margins.largest()) + 2 * double(largest_radius_);
+      body.margin.begin(bounding_ball(colliders_[body.collider].shape), near, body.before, body.after,
+                        double(step_.dt) / double(h));
+      find_near_corners(body, particles, threads);
+    }
     find_candidates_of(body, particles, threads);
     find_rows(body);
   }
   candidates_.prepare_search();
 }
 
-// A moving body may go anywhere within the step. So all elements that may need contacts with it are its
-// candidates, and are tested in every substep.
 void ColliderElementContacts::find_candidates_of(Body& body, const ParticleView& particles,
                                                  Threads& threads) {
   const std::size_t first = candidates_.element.size();
+  const float body_margin = body.packed.moves ? body.margin.margin() : 0;
   body.candidate_begin = first;
   for (std::uint32_t e = 0; e < (body.is_field ? given_ : elements_.size()); ++e) {
     const Element& element = elements_[e];
@@ -258,11 +257,11 @@ void ColliderElementContacts::find_candidates_of(Body& body, const ParticleView&
     if (!(particles.inverse_mass(i) > 0 || particles.inverse_mass(j) > 0 || particles.inverse_mass(k) > 0))
       continue;
     const auto& row = corners_.first_float[e];
-    const float margin =
-        max(corners_.margin[row[0] / 4], max(corners_.margin[row[1] / 4], corners_.margin[row[2] / 4]));
-    candidates_.append(e, row, radius_of(element), 3 * margin);
+    const MotionMargins& margins = corners_.margins;
+    const float margin = max(margins[row[0] / 4], max(margins[row[1] / 4], margins[row[2] / 4]));
+    candidates_.append(e, row, radius_of(element), 3 * (margin + body_margin));
   }
-  if (!body.packed.moves) {
+  if (body_margin < std::numeric_limits<float>::infinity()) {
     place(body, corners_.all_rows, particles, threads);
     candidates_.near.resize(candidates_.element.size());
     const auto columns = candidates_.columns(0);
@@ -304,16 +303,27 @@ void ColliderElementContacts::find_rows(Body& body) {
   for (std::size_t r = body.row_begin; r < body.row_end; ++r) corners_.is_row[corners_.rows[r]] = 0;
 }
 
-bool ColliderElementContacts::left_margins(const ParticleView& particles, Threads& threads) const {
-  std::atomic<bool> left{false};
+void ColliderElementContacts::find_near_corners(Body& body, const ParticleView& particles, Threads& threads) {
   const kernels::ColliderParticles packed = packed_particles(particles);
   threads.for_each(corners_.all.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
-    if (particle_kernels_->left(packed, corners_.particle.data(),
-                                {corners_.at[0].data(), corners_.at[1].data(), corners_.at[2].data()},
-                                corners_.margin.data(), begin, end))
-      left.store(true, std::memory_order_relaxed);
+    particle_kernels_->distances(packed, body.packed, corners_.particle.data(), begin, end,
+                                 corners_.distance.data());
   });
-  return left.load(std::memory_order_relaxed);
+  body.near_corner_begin = corners_.near.size();
+  for (std::size_t c = 0; c < corners_.all.size(); ++c) {
+    if (!(corners_.distance[c] <= 3 * (corners_.margins[c] + body.margin.margin()))) continue;
+    corners_.near.push_back(corners_.all[c]);
+    corners_.near_particle.push_back(corners_.particle[c]);
+  }
+  body.near_corner_end = corners_.near.size();
+}
+
+bool ColliderElementContacts::needs_search(const ParticleView& particles, Threads& threads) {
+  if (!std::exchange(searched_, true)) return true;
+  return corners_.margins.any_left(corners_.particle, *particle_kernels_, particles, threads) ||
+         std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) {
+           return body.packed.moves && body.margin.left(body.before, body.after);
+         });
 }
 
 void ColliderElementContacts::refresh(const ParticleView& particles, const Substep& substep, double time,
@@ -327,9 +337,13 @@ void ColliderElementContacts::refresh(const ParticleView& particles, const Subst
         poses_between(colliders_[body.collider].motion, time, time + double(substep.h));
     set_pose(body, before, after);
   }
-  if (left_margins(particles, threads)) find_candidates(particles, {}, substep.h, threads);
+  if (needs_search(particles, threads)) find_candidates(particles, {}, substep.h, threads);
   for (Body& body : bodies_) {
-    if (body.packed.moves) find_depenetrating(body, particles, threads);
+    if (body.packed.moves) {
+      const std::size_t first = body.near_corner_begin, count = body.near_corner_end - first;
+      find_depenetrating(body, std::span(corners_.near).subspan(first, count),
+                         std::span(corners_.near_particle).subspan(first, count), particles, threads);
+    }
     find_contacts(body, particles, substep.h, threads);
   }
 }
@@ -338,8 +352,9 @@ void ColliderElementContacts::refresh(const ParticleView& particles, const Subst
 // slowly. Contacts of elements at the same time would tear the object, so they wait until no corner is
 // inside by more than its radius, and no element deeply. (A small overlap of elements is no reason to wait: stretched
 // cloth is pulled over edges by some millimeters where it hits them, and would then stay inside.)
-void ColliderElementContacts::find_depenetrating(Body& body, const ParticleView& particles,
-                                                 Threads& threads) {
+void ColliderElementContacts::find_depenetrating(Body& body, std::span<const Corner> corners,
+                                                 std::span<const std::uint32_t> particle,
+                                                 const ParticleView& particles, Threads& threads) {
   std::uint8_t* const depenetrating = depenetrating_of(body);
   std::fill_n(depenetrating, objects_, std::uint8_t{0});
   kernels::ColliderBody at_start = body.packed;
@@ -347,12 +362,11 @@ void ColliderElementContacts::find_depenetrating(Body& body, const ParticleView&
   kernels::ColliderParticles start = packed_particles(particles);
   if (start.position == start.moving) start.position = start.start;
   start.moving = start.start;
-  threads.for_each(corners_.all.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
-    particle_kernels_->distances(start, at_start, corners_.particle.data(), begin, end,
-                                 corners_.distance.data());
+  threads.for_each(corners.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+    particle_kernels_->distances(start, at_start, particle.data(), begin, end, corners_.distance.data());
   });
-  for (std::size_t c = 0; c < corners_.all.size(); ++c)
-    if (corners_.distance[c] < -radius_[corners_.all[c].particle]) depenetrating[corners_.all[c].object] = 1;
+  for (std::size_t c = 0; c < corners.size(); ++c)
+    if (corners_.distance[c] < -radius_[corners[c].particle]) depenetrating[corners[c].object] = 1;
 }
 
 // All threads test the candidates; one thread then appends the contacts in order. So the contacts and their
@@ -550,10 +564,10 @@ std::size_t ColliderElementContacts::Candidates::bytes() const {
 }
 
 std::size_t ColliderElementContacts::bytes() const {
-  return bytes_of(elements_, corners_.all, corners_.particle, corners_.first_float, bodies_, corners_.at[0],
-                  corners_.at[1], corners_.at[2], corners_.margin, corners_.distance, corners_.from,
-                  corners_.to, corners_.all_rows, corners_.is_row, corners_.rows, stale_, near_, contacts_) +
-         candidates_.bytes();
+  return bytes_of(elements_, corners_.all, corners_.particle, corners_.first_float, bodies_,
+                  corners_.distance, corners_.from, corners_.to, corners_.all_rows, corners_.is_row,
+                  corners_.rows, corners_.near, corners_.near_particle, stale_, near_, contacts_) +
+         corners_.margins.bytes() + candidates_.bytes();
 }
 
 }  // namespace souple

@@ -6,6 +6,7 @@
 #include "souple/contacts/contact_projector.h"
 #include "souple/contacts/kernels/collider_contacts.h"
 #include "souple/contacts/kernels/collider_elements.h"
+#include "souple/contacts/motion_margins.h"
 
 #include <array>
 #include <cstdint>
@@ -71,7 +72,9 @@ class ColliderElementContacts final : public ContactProjector {
     float smallest_radius = 0;  // of the elements that get contacts [m]
     int parts = 1;              // see kernels::ColliderFieldSearch
     float gap = 0;              // of samples, see there [m]
+    ColliderMargin margin;      // if it moves
     std::size_t row_begin = 0, row_end = 0;
+    std::size_t near_corner_begin = 0, near_corner_end = 0;
     std::size_t candidate_begin = 0, triangle_end = 0, candidate_end = 0;
     std::size_t contact_begin = 0, contact_end = 0;
   };
@@ -120,13 +123,14 @@ class ColliderElementContacts final : public ContactProjector {
     std::vector<std::uint32_t> particle;                    // per corner
     std::vector<std::array<std::uint32_t, 3>> first_float;  // per element: of its corners' records
     // Per corner:
-    std::array<std::vector<float>, 3> at;  // position in the last broad phase [m]
-    std::vector<float> margin;             // motion allowed before the next one [m]
-    std::vector<float> distance;           // from a body [m]
-    std::vector<Vec4f> from, to;           // records of kernels::ColliderFrameRecords
-    std::vector<std::uint32_t> all_rows;   // 0, 1, ...
+    std::vector<float> distance;          // from a body [m]
+    std::vector<Vec4f> from, to;          // records of kernels::ColliderFrameRecords
+    std::vector<std::uint32_t> all_rows;  // 0, 1, ...
     std::vector<std::uint8_t> is_row;
+    MotionMargins margins;
     std::vector<std::uint32_t> rows;  // corners of candidates, body by body
+    std::vector<Corner> near;         // corners that moving bodies may reach, body by body
+    std::vector<std::uint32_t> near_particle;
   };
 
   void set_elements(std::vector<Element> elements);
@@ -142,8 +146,12 @@ class ColliderElementContacts final : public ContactProjector {
   /// The first candidate from this one on that is an edge.
   std::size_t first_edge(std::size_t candidate) const;
   void find_rows(Body& body);
-  bool left_margins(const ParticleView& particles, Threads& threads) const;
-  void find_depenetrating(Body& body, const ParticleView& particles, Threads& threads);
+  void find_near_corners(Body& body, const ParticleView& particles, Threads& threads);
+  bool needs_search(const ParticleView& particles, Threads& threads);
+  /// Of the objects of these corners, whose particles are given too.
+  void find_depenetrating(Body& body, std::span<const Corner> corners,
+                          std::span<const std::uint32_t> particle, const ParticleView& particles,
+                          Threads& threads);
   void find_contacts(Body& body, const ParticleView& particles, float h, Threads& threads);
   void find_touches(const Body& body, Threads& threads);
   void find_touches_of_field(const Body& body, Threads& threads);
@@ -172,6 +180,7 @@ class ColliderElementContacts final : public ContactProjector {
   ContactStep step_;
   float last_h_ = 0;  // [s]
   std::vector<Body> bodies_;
+  bool searched_ = false;  // in this step: candidates are known
   Candidates candidates_;
   std::vector<std::uint32_t> stale_, near_;  // candidates in a field: to be sampled, and that may touch
   std::vector<std::uint8_t> depenetrating_;  // [body][object]: a part of the object started inside

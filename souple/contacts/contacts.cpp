@@ -3,7 +3,7 @@
 #include "souple/contacts/collider_contacts.h"
 #include "souple/contacts/collider_element_contacts.h"
 #include "souple/contacts/particle_contacts.h"
-#include "souple/contacts/surface_contacts.h"
+#include "souple/contacts/surfaces/surface_contacts.h"
 #include "souple/intersections/intersection_resolver.h"
 
 #include <exception>

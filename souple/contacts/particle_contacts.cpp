@@ -110,37 +110,7 @@ void ParticleContacts::begin_step(const ContactInput& input, Threads& threads) {
   save_friction();
   find_members(input.particles, input.velocity);
   const auto speed = [&](std::size_t m) { return input.velocity[members_[m].particle].xyz(); };
-  find_pairs(input.particles, 2.2f * largest_from_mean(speed, threads) * step_.dt);
-}
-
-// The largest distance of a member's vector from the mean of all: a heap that falls as a whole needs no
-// margin. Chunks have one size and their sums are added in order: the same bits for any number of threads.
-template <class Vector>
-float ParticleContacts::largest_from_mean(const Vector& vector, Threads& threads) {
-  constexpr std::size_t chunk = 1024;
-  const std::size_t n = members_.size(), chunks = (n + chunk - 1) / chunk;
-  chunk_sum_.resize(chunks);
-  chunk_largest_.resize(chunks);
-  threads.for_each(chunks, 2, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) {
-      chunk_sum_[c] = {};
-      for (std::size_t m = c * chunk; m < std::min(n, (c + 1) * chunk); ++m)
-        chunk_sum_[c] += Vec3d(vector(m));
-    }
-  });
-  Vec3d sum;
-  for (const Vec3d& part : chunk_sum_) sum += part;
-  const Vec3f mean(sum / max(1.0, double(n)));
-  threads.for_each(chunks, 2, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) {
-      chunk_largest_[c] = 0;
-      for (std::size_t m = c * chunk; m < std::min(n, (c + 1) * chunk); ++m)
-        chunk_largest_[c] = max(chunk_largest_[c], length_squared(vector(m) - mean));
-    }
-  });
-  float largest = 0;
-  for (const float part : chunk_largest_) largest = max(largest, part);
-  return sqrt(largest);
+  find_pairs(input.particles, 2.2f * largest_motion_.from_mean(members_.size(), speed, threads) * step_.dt);
 }
 
 void ParticleContacts::find_pairs(const ParticleView& particles, float wanted_margin) {
@@ -267,9 +237,9 @@ void ParticleContacts::refresh(const ParticleView& particles, const Substep& sub
   const auto displacement = [&](std::size_t m) {
     return particles.relative(members_[m].particle, grid_.corner()) - grid_.position(m);
   };
-  if (2 * largest_from_mean(displacement, threads) > margin_) {
+  if (2 * largest_motion_.from_mean(members_.size(), displacement, threads) > margin_) {
     const auto moved = [&](std::size_t m) { return particles.moved(members_[m].particle); };
-    find_pairs(particles, 2.2f * largest_from_mean(moved, threads));
+    find_pairs(particles, 2.2f * largest_motion_.from_mean(members_.size(), moved, threads));
   }
   is_contact_.resize(pairs_.size());
   threads.for_each(pairs_.size(), pair_grain, [&](std::size_t begin, std::size_t end) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/broad_phase/ball_grid.h"
+#include "souple/broad_phase/largest_motion.h"
 #include "souple/contacts/anchor.h"
 #include "souple/contacts/contact_law.h"
 #include "souple/contacts/contact_projector.h"
@@ -181,8 +182,6 @@ class ParticleContacts final : public ContactProjector {
   BallRotation rotation_of(const Contact& contact, const ParticleView& particles) const;
   void turn(const Contact& contact, const BallRotation& balls, const Vec3f& friction,
             const Vec3f& moment) const;
-  template <class Vector>
-  float largest_from_mean(const Vector& vector, Threads& threads);
 
   std::span<const ContactObject> objects_;
   std::span<const float> radius_;
@@ -198,13 +197,12 @@ class ParticleContacts final : public ContactProjector {
   std::vector<Pair> pairs_;
   std::vector<FrictionDisplacement> displacement_;  // per pair
   std::vector<CachedFriction> friction_cache_;      // from one broad phase to the next
-  std::vector<Vec3d> chunk_sum_;                    // per chunk of members
-  std::vector<float> chunk_largest_;
-  std::vector<std::uint8_t> is_contact_;    // per pair: 1 when it has a contact in this substep
-  std::vector<std::uint32_t> next_color_;   // per member: one above the highest color of its contacts
-  std::vector<ColoredPair> colored_pairs_;  // in order of pairs
-  std::vector<std::uint32_t> sorted_;       // pairs with a contact, by color
-  std::vector<Contact> contacts_;           // in the order of sorted_
+  LargestMotion largest_motion_;                    // of members since the last broad phase
+  std::vector<std::uint8_t> is_contact_;            // per pair: 1 when it has a contact in this substep
+  std::vector<std::uint32_t> next_color_;           // per member: one above the highest color of its contacts
+  std::vector<ColoredPair> colored_pairs_;          // in order of pairs
+  std::vector<std::uint32_t> sorted_;               // pairs with a contact, by color
+  std::vector<Contact> contacts_;                   // in the order of sorted_
   std::vector<std::uint32_t> color_begin_{0}, next_slot_;  // per color: index in contacts_
 };
 

@@ -52,7 +52,7 @@ void DensitySolver::for_lists(Threads& threads, const Function& f) const {
 }
 
 void DensitySolver::set_positions(std::span<const Vec4f> positions, Threads& threads) {
-  if (!lists_are_valid(positions)) find_neighbors(positions, threads);
+  if (!lists_are_valid(positions, threads)) find_neighbors(positions, threads);
   const auto order = order_.order();
   threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -66,17 +66,10 @@ void DensitySolver::set_positions(std::span<const Vec4f> positions, Threads& thr
 
 // Two particles further apart than support and margin cannot come within the support until one of them has
 // moved by half the margin relative to the mean motion.
-bool DensitySolver::lists_are_valid(std::span<const Vec4f> positions) const {
+bool DensitySolver::lists_are_valid(std::span<const Vec4f> positions, Threads& threads) {
   if (positions.size() != listed_.size()) return false;
-  Vec3d mean{};
-  for (std::size_t i = 0; i < positions.size(); ++i)
-    mean = mean + Vec3d(positions[i].xyz() - listed_[i].xyz());
-  const Vec3f shift(mean * (1 / std::max(1.0, static_cast<double>(positions.size()))));
-  const float margin_squared = 0.25f * margin_ * margin_;
-  return std::all_of(positions.begin(), positions.end(), [&, i = std::size_t{0}](const Vec4f& p) mutable {
-    const Vec3f displacement = p.xyz() - listed_[i++].xyz() - shift;
-    return dot(displacement, displacement) < margin_squared;
-  });
+  const auto moved = [&](std::size_t i) { return positions[i].xyz() - listed_[i].xyz(); };
+  return 2 * largest_motion_.from_mean(positions.size(), moved, threads) < margin_;
 }
 
 void DensitySolver::find_neighbors(std::span<const Vec4f> positions, Threads& threads) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/broad_phase/largest_motion.h"
 #include "souple/fluid/coarse_pressure.h"
 #include "souple/fluid/neighbors.h"
 #include "souple/fluid/smoothing.h"
@@ -129,7 +130,7 @@ class DensitySolver {
   int coarse_iterations() const { return coarse_.iterations(); }
 
  private:
-  bool lists_are_valid(std::span<const Vec4f> positions) const;
+  bool lists_are_valid(std::span<const Vec4f> positions, Threads& threads);
   void find_neighbors(std::span<const Vec4f> positions, Threads& threads);
   template <class Boundary>
   void find_sums(Boundary& boundary, Threads& threads) {
@@ -164,7 +165,8 @@ class DensitySolver {
   CellOrder order_;
   Neighbors neighbors_;
   CoarsePressure coarse_;
-  std::vector<Vec4f> listed_;  // positions at the last neighbor search, by particle
+  std::vector<Vec4f> listed_;     // positions at the last neighbor search, by particle
+  LargestMotion largest_motion_;  // since then
   // By sorted index, plus one extra record far away. x_: x, y, z and w; q_: x, y, z and V dlambda of the next
   // push.
   std::vector<Vec4f> x_, q_;

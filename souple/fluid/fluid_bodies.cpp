@@ -76,24 +76,22 @@ void FluidBodies::begin_substep(const ParticleView& particles, std::span<const f
                                 std::span<const Vec4f> positions, float search_radius, Threads& threads) {
   states_.resize(meshes_.size());
   for (std::size_t s = 0; s < meshes_.size(); ++s) update_state(meshes_[s], states_[s], particles, mass);
-  if (!lists_are_valid(positions)) find_candidates(positions, search_radius, threads);
+  if (!lists_are_valid(positions, threads)) find_candidates(positions, search_radius, threads);
 }
 
 // --- candidates ----------------------------------------------------------------------------------
 
-bool FluidBodies::lists_are_valid(std::span<const Vec4f> positions) const {
+bool FluidBodies::lists_are_valid(std::span<const Vec4f> positions, Threads& threads) {
   if (listed_.size() != positions.size()) return false;
-  float farthest = 0, farthest_vertex = 0;
-  for (std::size_t i = 0; i < positions.size(); ++i) {
-    const Vec3f offset = positions[i].xyz() - listed_[i].xyz();
-    farthest = std::max(farthest, dot(offset, offset));
+  const auto moved = [&](std::size_t i) { return positions[i].xyz() - listed_[i].xyz(); };
+  const float farthest = largest_motion_.from_origin(positions.size(), moved, threads);
+  float farthest_vertex = 0;
+  for (std::size_t s = 0; s < meshes_.size(); ++s) {
+    const auto vertex_moved = [&](std::size_t v) { return states_[s].now[v] - listed_vertices_[s][v]; };
+    farthest_vertex =
+        max(farthest_vertex, largest_motion_.from_origin(states_[s].now.size(), vertex_moved, threads));
   }
-  for (std::size_t s = 0; s < meshes_.size(); ++s)
-    for (std::size_t v = 0; v < states_[s].now.size(); ++v) {
-      const Vec3f offset = states_[s].now[v] - listed_vertices_[s][v];
-      farthest_vertex = std::max(farthest_vertex, dot(offset, offset));
-    }
-  return std::sqrt(farthest) + std::sqrt(farthest_vertex) < listed_margin_;
+  return farthest + farthest_vertex < listed_margin_;
 }
 
 void FluidBodies::find_candidates(std::span<const Vec4f> positions, float search_radius, Threads& threads) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/broad_phase/largest_motion.h"
 #include "souple/fluid/cell_order.h"
 #include "souple/fluid/coarse_pressure.h"
 #include "souple/fluid/local_boundary.h"
@@ -100,7 +101,7 @@ class FluidBodies {
                  std::vector<BoundaryPlane>& planes) const;
   void update_state(const BoundaryMesh& mesh, State& state, const ParticleView& particles,
                     std::span<const float> mass) const;
-  bool lists_are_valid(std::span<const Vec4f> positions) const;
+  bool lists_are_valid(std::span<const Vec4f> positions, Threads& threads);
   void find_candidates(std::span<const Vec4f> positions, float search_radius, Threads& threads);
   void find_candidates_of(std::uint32_t mesh, std::uint32_t triangle, std::span<const Vec4f> positions,
                           float search_radius);
@@ -129,6 +130,7 @@ class FluidBodies {
   std::vector<Vec4f> listed_;                  // particle positions at the last search
   float listed_margin_ = 0;  // motion of particles and vertices that requires a new search [m]
   std::vector<std::vector<Vec3f>> listed_vertices_;
+  LargestMotion largest_motion_;  // since the last search
 };
 
 }  // namespace souple

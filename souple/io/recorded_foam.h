@@ -3,7 +3,6 @@
 #include "souple/io/manifest.h"
 #include "souple/io/recorded_object.h"
 #include "souple/io/sequence.h"
-#include "souple/world/world.h"
 
 #include <cstdint>
 #include <string>

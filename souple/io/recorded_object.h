@@ -5,7 +5,6 @@
 #include "souple/io/pc2.h"
 #include "souple/io/recorder.h"
 #include "souple/io/sequence.h"
-#include "souple/world/world.h"
 
 #include <cstdint>
 #include <filesystem>

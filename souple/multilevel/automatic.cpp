@@ -1,5 +1,6 @@
 #include "souple/multilevel/automatic.h"
 
+#include "souple/multilevel/tet_levels.h"
 #include "souple/solver/set_projector.h"
 
 #include <algorithm>
@@ -15,6 +16,9 @@ SetProjector<NeoHookean>* find_tets(std::span<Projector* const> projectors) {
 
 }  // namespace
 
+Automatic::Automatic() : tet_levels_(std::make_unique<TetLevels>()) {}
+Automatic::~Automatic() = default;
+
 void Automatic::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
   prepare(projectors, particles, *make_threads(Threading::serial, 1));
 }
@@ -22,7 +26,7 @@ void Automatic::prepare(std::span<Projector* const> projectors, const ParticleVi
 // Trees are eliminated after the sweeps of all constraints, so that the ties of heavy objects hold, and before contacts.
 void Automatic::prepare(std::span<Projector* const> projectors, const ParticleView& particles,
                         Threads& threads) {
-  tet_levels_.prepare(find_tets(projectors), particles);
+  tet_levels_->prepare(find_tets(projectors), particles);
   stiff_bending_.prepare(projectors, particles);
   trees_.find(projectors, particles.position.size());
   with_trees_.assign(projectors.begin(), projectors.end());
@@ -56,7 +60,7 @@ LeftOut Automatic::solved_exactly(const Substep& substep) const {
 
 void Automatic::solve(std::span<Projector* const> projectors, const ParticleView& particles,
                       const Substep& substep, Threads& threads) {
-  tet_levels_.choose(substep);
+  tet_levels_->choose(substep);
   if (substep.mode != Mode::small_steps) {
     for (int iteration = 0; iteration < substep.iterations; ++iteration)
       sweep_as_needed(projectors, particles, substep, threads, motion_);
@@ -71,7 +75,7 @@ void Automatic::solve(std::span<Projector* const> projectors, const ParticleView
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
     stiff_bending_.solve(particles, iteration, threads);
     if (with_levels) cloth_levels_.correct(particles, substep, iteration, threads);
-    tet_levels_.correct(projectors, particles, substep, threads);
+    tet_levels_->correct(projectors, particles, substep, threads);
     sweep_as_needed(trees_.has_trees() ? with_trees_ : projectors, particles, swept, threads, motion_);
     if (with_levels) cloth_levels_.shorten_stretched(projectors, particles, substep, threads);
   }

@@ -2,14 +2,16 @@
 
 #include "souple/multilevel/hierarchical.h"
 #include "souple/multilevel/stiff_bending.h"
-#include "souple/multilevel/tet_levels.h"
 #include "souple/multilevel/tree_elimination.h"
 #include "souple/solver/left_out.h"
 #include "souple/solver/solver.h"
 
+#include <memory>
 #include <vector>
 
 namespace souple {
+
+class TetLevels;
 
 /// SolverKind::automatic, the default: what is set is what results, at any resolution. Each kind of object gets what
 /// it needs; docs/solvers.md, "Automatic", has the rule and its figures. In this order, per iteration:
@@ -23,6 +25,8 @@ namespace souple {
 /// Small objects get plain Gauss-Seidel. Modes xpbd and pbd sweep everything.
 class Automatic final : public Solver {
  public:
+  Automatic();
+  ~Automatic() override;
   std::string_view name() const override { return "automatic"; }
   using Solver::prepare;
   void prepare(std::span<Projector* const> projectors, const ParticleView& particles,
@@ -38,7 +42,7 @@ class Automatic final : public Solver {
 
   StiffBending stiff_bending_;
   Hierarchical cloth_levels_{Hierarchical::Pieces::large};
-  TetLevels tet_levels_;
+  std::unique_ptr<TetLevels> tet_levels_;
   TreeElimination trees_;
   LeftOut left_out_;  ///< of sweeps: constraints of stiff_bending_ and trees_
   bool left_out_changed_ = true;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/solver/modes.h"
 #include "souple/state/particles.h"
 #include "souple/threads/threads.h"
 
@@ -14,20 +15,6 @@ namespace souple {
 
 class ExternalMoves;
 class LeftOut;
-
-/// How constraints are enforced.
-enum class Mode {
-  small_steps,  ///< compliance; many substeps of one iteration (Macklin et al. 2019). Multipliers only if
-                ///< iterations > 1.
-  xpbd,         ///< compliance with stored multipliers at any number of iterations (Macklin et al. 2016)
-  pbd  ///< stiffness k in [0, 1], made independent of the iteration count (Müller et al. 2007, section 3.3)
-};
-
-/// Content of the array that the solver modifies (see state/particles.h).
-enum class Form {
-  displacement,  ///< displacements from the positions
-  plain          ///< predicted positions
-};
 
 /// The current substep.
 struct Substep {

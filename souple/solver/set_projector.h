@@ -1,7 +1,17 @@
 #pragma once
 
 #include "souple/assert.h"
+#include "souple/constraints/attachment.h"
 #include "souple/constraints/constraint_set.h"
+#include "souple/constraints/dihedral_bending.h"
+#include "souple/constraints/distance.h"
+#include "souple/constraints/isometric_bending.h"
+#include "souple/constraints/neo_hookean.h"
+#include "souple/constraints/particle_contact.h"
+#include "souple/constraints/rope_bending.h"
+#include "souple/constraints/tet_volume.h"
+#include "souple/constraints/tether.h"
+#include "souple/constraints/triangle_membrane.h"
 #include "souple/error.h"
 #include "souple/geometry/reorder.h"
 #include "souple/math/reductions.h"

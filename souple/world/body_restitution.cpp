@@ -1,5 +1,6 @@
 #include "souple/world/body_restitution.h"
 
+#include "souple/objects/contact_geometry.h"
 #include "souple/objects/object.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/step_scratch.h"

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "souple/objects/contact_geometry.h"
 #include "souple/world/state.h"
 
 namespace souple {

@@ -1,4 +1,5 @@
 #include "souple/solver/kernels/projection.h"
+#include "souple/solver/solver.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
 #include "souple/world/projectors.h"

@@ -1,6 +1,7 @@
 #include "souple/world/profile.h"
 
 #include "souple/constraints/distance.h"
+#include "souple/solver/solver.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
 #include "souple/world/projectors.h"

@@ -1,11 +1,12 @@
 #pragma once
 
-#include "souple/contacts/contact.h"
+#include "souple/collision/detection.h"
 #include "souple/fluid/foam_parameters.h"
 #include "souple/fluid/smoothing_shape.h"
 #include "souple/math/vec3.h"
-#include "souple/solver/projector.h"
-#include "souple/solver/solver.h"
+#include "souple/solver/modes.h"
+#include "souple/solver/solver_settings.h"
+#include "souple/threads/threads.h"
 
 #include <cstdint>
 

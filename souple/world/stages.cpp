@@ -5,6 +5,7 @@
 #include "souple/simd/instruction_set.h"
 #include "souple/solver/kernels/find_kernels.h"
 #include "souple/solver/kernels/motion.h"
+#include "souple/solver/solver.h"
 #include "souple/world/balance.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"

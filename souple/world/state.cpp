@@ -2,6 +2,7 @@
 
 #include "souple/objects/constraint_sets.h"
 #include "souple/objects/object.h"
+#include "souple/solver/solver.h"
 #include "souple/world/balance.h"
 #include "souple/world/caches.h"
 #include "souple/world/collider_record.h"

@@ -39,6 +39,7 @@ class JobSystem;
 struct Object;
 struct ObjectConstraints;
 struct SleepScratch;
+class Solver;
 struct StepScratch;
 struct UserConstraint;
 class World;

@@ -10,16 +10,10 @@
 #include "souple/math/transform.h"
 #include "souple/objects/callbacks.h"
 #include "souple/objects/handles.h"
-#include "souple/objects/kind_traits.h"
 #include "souple/objects/materials.h"
 #include "souple/objects/object_options.h"
 #include "souple/objects/obstacle_motion.h"
-#include "souple/solver/projector.h"
-#include "souple/threads/threads.h"
-#include "souple/world/debug_draw.h"
 #include "souple/world/emitter.h"
-#include "souple/world/memory.h"
-#include "souple/world/profile.h"
 #include "souple/world/query.h"
 #include "souple/world/report.h"
 #include "souple/world/selector.h"
@@ -37,6 +31,13 @@
 #include <vector>
 
 namespace souple {
+
+struct DebugDraw;
+class JobSystem;
+struct KindTime;
+struct MemoryReport;
+class Projector;
+struct SolveTime;
 
 /// One vertex of one object.
 struct VertexRef {

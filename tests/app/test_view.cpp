@@ -1,12 +1,8 @@
 #include "app/view/window.h"
-#include "souple/io/recorder.h"
-#include "tests/app/offscreen_viewer.h"
+#include "tests/app/view_fixture.h"
 #include "tests/expect_error.h"
-#include "tests/paths.h"
 
-#include <algorithm>
 #include <cstddef>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <set>
@@ -16,67 +12,10 @@
 
 #include <gtest/gtest.h>
 
-// The viewer as its user operates it, with a synthetic mouse and keyboard.
+// The viewer as its user operates it, with a synthetic mouse and keyboard: keys, pictures, errors.
 
 namespace souple::viewer {
 namespace {
-
-constexpr const char* cloth = R"({
-  "souple": 1, "description": "A cloth that hangs by its upper edge.", "frame_rate": 60, "substeps": 5,
-  "camera": {"from": [0, 1, 4], "to": [0, 1, 0], "fov": 40},
-  "objects": [
-    {"name": "cloth", "kind": "cloth", "mesh": {"grid": {"columns": 11, "rows": 11, "size": 1}},
-     "transform": {"translate": [0, 1, 0], "rotate": [90, 0, 0]},
-     "material": {"preset": "cotton", "damping": 1}, "pins": [{"vertices": [0, 5, 10]}]}
-  ]
-})";
-
-constexpr const char* grains = R"({
-  "souple": 1, "description": "Grains.",
-  "objects": [{"name": "sand", "kind": "grains", "points": [[0, 1, 0], [1, 1, 0]], "material": {"radius": 0.1}}]
-})";
-
-// A drag too strong for explicit integration: speeds grow sixteenfold each substep.
-constexpr const char* exploding = R"({
-  "souple": 1, "drag": 10000, "integrator": "explicit_euler",
-  "objects": [{"name": "sand", "kind": "grains", "points": [[0, 1, 0], [1, 1, 0]]}],
-  "wind": {"velocity": [2, 0, 0]}
-})";
-
-/// A folder with the scenes above, for a scene list.
-struct Scenes {
-  TestFolder folder;
-  std::vector<app::ShippedScene> list{
-      {"cloth", folder.write("cloth.json", cloth)},
-      {"grains", folder.write("grains.json", grains)},
-      {"broken", folder.write("broken.json", "{ \"souple\": 1, \"objets\": [] }")}};
-};
-
-class View : public ::testing::Test {
- protected:
-  Scenes scenes;
-  OffscreenViewer view{scenes.list[0].file, {}, scenes.list};
-
-  Vec3f vertex(std::size_t i) { return world().positions(world().find_object("cloth"))[i]; }
-  World& world() { return view.simulation().world(); }
-  bool said(const std::string& words) {
-    const std::vector<std::string> notices = view.viewer().notices();
-    return std::any_of(notices.begin(), notices.end(),
-                       [&](const std::string& notice) { return notice.find(words) != std::string::npos; });
-  }
-  void pause() {
-    if (view.viewer().session().playing()) view.type(" ");
-  }
-  std::vector<std::string> files() {
-    std::vector<std::string> names;
-    for (const auto& entry : std::filesystem::directory_iterator(view.folder().path()))
-      names.push_back(entry.path().filename().string());
-    std::sort(names.begin(), names.end());
-    return names;
-  }
-};
-
-// --- keys
 
 TEST_F(View, RunsAtOnceAndPauses) {
   view.pictures(6);
@@ -226,7 +165,7 @@ render::Image at_the_start(OffscreenViewer& view) {
 }
 
 TEST(ViewScenes, ASceneAfterAnotherLooksAsItDoesAlone) {
-  Scenes scenes;
+  TestScenes scenes;
   std::string coarse = cloth;
   coarse.replace(coarse.find("11"), 2, "5");
   const std::filesystem::path file = scenes.folder.write("coarse.json", coarse);
@@ -243,355 +182,6 @@ TEST(ViewScenes, ASceneAfterAnotherLooksAsItDoesAlone) {
     after = at_the_start(view);
   }
   EXPECT_EQ(after, alone);
-}
-
-// --- the mouse
-
-TEST_F(View, AGrabbedClothFollowsTheMouseAndIsReleased) {
-  view.pictures(5);
-  const ImVec2 start = view.seen(vertex(115));
-  view.move(start.x, start.y - 4);
-  view.press();
-  ASSERT_TRUE(view.viewer().mouse().grabbing());
-  for (int i = 1; i <= 20; ++i) view.move(start.x, start.y - 4 - 6.0f * static_cast<float>(i));
-  view.pictures(30);
-  EXPECT_NEAR(view.seen(view.viewer().mouse().grabbed_point()).y, start.y - 124, 20);
-  EXPECT_NEAR(view.seen(vertex(115)).y, start.y - 120, 40);
-  const render::Camera camera = view.viewer().camera();
-  view.release();
-  EXPECT_FALSE(view.viewer().mouse().grabbing());
-  view.pictures(90);
-  EXPECT_NEAR(view.seen(vertex(115)).y, start.y, 30);  // it hangs as before
-  EXPECT_EQ(view.viewer().camera().from, camera.from);
-  EXPECT_FALSE(view.viewer().session().failure());
-}
-
-TEST_F(View, PullingFarAndFastBreaksNothing) {
-  view.pictures(2);
-  const ImVec2 start = view.seen(vertex(60));
-  view.move(start.x, start.y);
-  view.press();
-  ASSERT_TRUE(view.viewer().mouse().grabbing());
-  for (int i = 0; i < 60; ++i) view.move(i % 2 == 0 ? 990 : 360, i % 3 == 0 ? 10 : 1700);
-  EXPECT_FALSE(view.viewer().session().failure());
-  view.release();
-  view.pictures(5);
-  EXPECT_TRUE(is_finite(vertex(60)));
-  EXPECT_LT(length(vertex(60)), 3);
-}
-
-TEST_F(View, WhatIsPinnedCannotBeGrabbed) {
-  view.pictures(2);
-  const ImVec2 pin = view.seen(vertex(5));
-  view.move(pin.x, pin.y + 6);
-  view.press();
-  EXPECT_FALSE(view.viewer().mouse().grabbing());
-  view.release();
-}
-
-TEST_F(View, ResettingLetsGo) {
-  view.pictures(2);
-  const ImVec2 start = view.seen(vertex(60));
-  view.move(start.x, start.y);
-  view.press();
-  ASSERT_TRUE(view.viewer().mouse().grabbing());
-  view.type("r");
-  EXPECT_FALSE(view.viewer().mouse().grabbing());
-  view.move(start.x + 50, start.y);
-  view.type("n");
-  view.release();
-  EXPECT_EQ(view.viewer().session().name(), "grains");
-}
-
-TEST_F(View, EmptySpaceOrbitsRightPansWheelZooms) {
-  pause();
-  const render::Camera start = view.viewer().camera();
-  view.move(420, 100);
-  view.press();
-  EXPECT_FALSE(view.viewer().mouse().grabbing());
-  view.move(520, 100);
-  view.release();
-  render::Camera now = view.viewer().camera();
-  EXPECT_NEAR(now.distance(), start.distance(), 1e-3);
-  EXPECT_EQ(now.to, start.to);
-  EXPECT_LT(now.from.x, start.from.x - 0.5f);  // the scene rotates with the mouse
-  view.press(1);
-  view.move(560, 100);
-  view.release(1);
-  EXPECT_NEAR(length(view.viewer().camera().to - now.to),
-              40 * now.pixel_size(now.distance(), view.viewer().area().height) * 0.2f, 0.02);
-  now = view.viewer().camera();
-  OffscreenViewer::io().MouseWheel = 2;
-  view.picture();
-  EXPECT_LT(view.viewer().camera().distance(), 0.85f * now.distance());
-}
-
-TEST_F(View, ThePanelKeepsItsMouse) {
-  pause();
-  const render::Camera start = view.viewer().camera();
-  view.move(20, 1700);
-  view.press();
-  view.move(200, 1500);
-  view.release();
-  OffscreenViewer::io().MouseWheel = 1;
-  view.picture();
-  EXPECT_EQ(view.viewer().camera().from, start.from);
-}
-
-TEST_F(View, DoubleClickPinsAndUnpins) {
-  pause();
-  const ObjectId object = world().find_object("cloth");
-  const ImVec2 at = view.seen(vertex(60));
-  view.double_click(at.x, at.y);
-  EXPECT_TRUE(view.simulation().is_pinned(object, 60)) << ::testing::PrintToString(world().pinned(object));
-  const Vec3f held = vertex(60);
-  view.type(" ");
-  view.pictures(20);
-  EXPECT_EQ(vertex(60), held);
-  view.double_click(at.x, at.y);
-  EXPECT_FALSE(view.simulation().is_pinned(object, 60));
-  EXPECT_EQ(world().pinned(object).size(), 3u);
-}
-
-// --- the past, and additions
-
-TEST_F(View, BGoesBackInTimeAndSpaceGoesOnFromThere) {
-  pause();
-  view.type("r");
-  view.type("b");
-  EXPECT_TRUE(said("this is the start"));
-  view.type("....");
-  const std::uint64_t hash = world().hash();
-  view.type(".");
-  view.type(" ");
-  view.picture();
-  view.type("b");
-  EXPECT_FALSE(view.viewer().session().playing());
-  while (view.viewer().session().frame() > 4) view.type("B");
-  EXPECT_EQ(world().hash(), hash);
-  view.type("bb..");
-  EXPECT_EQ(world().hash(), hash);
-  view.type(" ");
-  view.pictures(3);
-  EXPECT_GT(view.viewer().session().frame(), 5u);
-}
-
-TEST_F(View, BReleasesWhatIsGrabbed) {
-  view.pictures(5);
-  const ImVec2 start = view.seen(vertex(60));
-  view.move(start.x, start.y);
-  view.press();
-  ASSERT_TRUE(view.viewer().mouse().grabbing());
-  view.type("b");
-  EXPECT_FALSE(view.viewer().mouse().grabbing());
-  view.release();
-}
-
-TEST_F(View, TheRewindSliderGoesAnywhere) {
-  view.pictures(20);
-  const double end = view.viewer().session().time();
-  const ImVec2 slider = view.control("##rewind");
-  ASSERT_GT(slider.x, 0);
-  view.click(20, slider.y);
-  EXPECT_FALSE(view.viewer().session().playing());
-  EXPECT_EQ(view.viewer().session().time(), 0);
-  view.click(300, slider.y);
-  EXPECT_GE(view.viewer().session().time(), end);
-  view.click(150, slider.y);
-  EXPECT_LT(view.viewer().session().time(), end);
-  EXPECT_GT(view.viewer().session().time(), 0);
-}
-
-TEST_F(View, ABallIsThrownAlongTheCursor) {
-  view.pictures(5);
-  const Vec3f aim = vertex(82);
-  const ImVec2 cursor = view.seen(aim);
-  view.move(cursor.x, cursor.y);
-  view.type("t");
-  EXPECT_TRUE(said("ball: radius 0.1 m, 2.09 kg, 9.9 m/s")) << view.viewer().notices().back();
-  const ObjectId ball = world().find_object("ball");
-  const Vec3f from(world().center_of_mass(ball)), way = view.viewer().camera().from - from;
-  EXPECT_LT(length(way), 0.5f);
-  EXPECT_GT(dot(normalized(Vec3f(world().momentum(ball))), normalized(aim - from)), 0.97f);
-  const double depth = world().center_of_mass(world().find_object("cloth")).z;
-  view.pictures(30);
-  EXPECT_FALSE(view.viewer().session().failure());
-  EXPECT_LT(world().center_of_mass(world().find_object("cloth")).z, depth - 0.1);  // the cloth is hit
-  view.type("t");
-  EXPECT_EQ(world().objects().size(), 3u);
-  view.type("r");
-  EXPECT_EQ(world().objects().size(), 1u);
-}
-
-TEST_F(View, ABallNeedsRoom) {
-  pause();
-  view.viewer().camera().from = vertex(60) + Vec3f{0, 0, 0.2f};
-  view.viewer().camera().to = vertex(60);
-  view.type("t");
-  EXPECT_TRUE(said("no room for a ball"));
-  EXPECT_EQ(world().objects().size(), 1u);
-}
-
-/// Chooses from the menu that the key A opens.
-void choose(OffscreenViewer& view, const char* item) {
-  view.type("a");
-  view.pictures(2);
-  const auto& open = ImGui::GetCurrentContext()->OpenPopupStack;
-  ASSERT_EQ(open.size(), 1);
-  ASSERT_NE(open.back().Window, nullptr);
-  const ImGuiWindow& menu = *open.back().Window;
-  const ImVec2 at = view.control(item, menu.Name, menu.Pos.x + 20);
-  ASSERT_GT(at.x, 0) << item;
-  view.click(at.x, at.y);
-}
-
-TEST_F(View, TheMenuAddsAtTheCursor) {
-  pause();
-  const std::vector<std::pair<const char*, ObjectKind>> items{{"Cloth", ObjectKind::cloth},
-                                                              {"Soft ball", ObjectKind::soft_body},
-                                                              {"Stiff box", ObjectKind::soft_body},
-                                                              {"Rope", ObjectKind::rope},
-                                                              {"Grains", ObjectKind::grains}};
-  std::size_t objects = 1;
-  for (const auto& [item, kind] : items) {
-    const ImVec2 cursor = view.seen(vertex(5));
-    view.move(cursor.x, cursor.y + 2);
-    choose(view, item);
-    ASSERT_EQ(world().objects().size(), ++objects) << item;
-    const ObjectId added = world().objects().back();
-    EXPECT_EQ(world().kind(added), kind) << item;
-    const Vec3f center(world().center_of_mass(added));
-    EXPECT_NEAR(center.x, vertex(5).x, 0.05f) << item;
-    EXPECT_NEAR(center.z, vertex(5).z, 0.05f) << item;
-    EXPECT_GT(center.y, vertex(5).y) << item;
-    EXPECT_TRUE(said("added " + world().name(added)));
-  }
-  view.type("a");
-  view.pictures(2);
-  view.type("\x1b");  // closes the menu
-  view.pictures(2);
-  EXPECT_TRUE(ImGui::GetCurrentContext()->OpenPopupStack.empty());
-  EXPECT_EQ(world().objects().size(), objects);
-}
-
-TEST_F(View, ADroppedMeshIsAdded) {
-  pause();
-  view.viewer().open(scenes.folder.write("kite.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"));
-  EXPECT_EQ(world().kind(world().find_object("kite")), ObjectKind::cloth);
-  EXPECT_EQ(view.viewer().session().name(), "cloth");
-  view.viewer().open(scenes.folder.write("bad.obj", "v 0 0\n"));
-  EXPECT_TRUE(said("bad.obj"));
-  EXPECT_EQ(world().objects().size(), 2u);
-}
-
-// --- the panel
-
-TEST_F(View, SlidersActAtOnce) {
-  pause();
-  const ImVec2 substeps = view.control("##substeps");
-  ASSERT_GT(substeps.x, 0);
-  view.click(substeps.x + 60, substeps.y);
-  const int set = view.simulation().scene().settings.substeps;
-  EXPECT_GT(set, 15);
-  view.type(".");
-  EXPECT_EQ(view.simulation().report().substeps, set);
-
-  const ImVec2 stiffness = view.control("##membrane_stiffness");
-  view.click(stiffness.x - 80, stiffness.y);
-  const ObjectId object = world().find_object("cloth");
-  EXPECT_LT(world().cloth_material(object).membrane_stiffness, 100);
-  EXPECT_GE(world().cloth_material(object).membrane_stiffness, 1);
-
-  const ImVec2 density = view.control("##areal_density");
-  const double mass = world().total_mass(object);
-  view.click(density.x + 60, density.y);
-  EXPECT_GT(world().total_mass(object), 2 * mass);
-
-  const ImVec2 gusts = view.control("##gust");
-  view.click(gusts.x, gusts.y);
-  EXPECT_NEAR(world().settings().wind.gust, 0.5, 0.2);
-}
-
-TEST_F(View, TinyValuesHaveSlidersToo) {
-  pause();
-  const ImVec2 bending = view.control("##bending_stiffness");
-  view.click(bending.x - 85, bending.y);
-  const float bent = world().cloth_material(world().find_object("cloth")).bending_stiffness;
-  EXPECT_LT(bent, 1e-6f);
-  EXPECT_GE(bent, 1e-8f);
-}
-
-TEST_F(View, ANumberCanBeTyped) {
-  pause();
-  const ImVec2 stiffness = view.control("##membrane_stiffness");
-  OffscreenViewer::io().KeyCtrl = true;
-  view.click(stiffness.x, stiffness.y);
-  OffscreenViewer::io().KeyCtrl = false;
-  view.pictures(2);
-  view.type("1234");  // digits typed into a field select no display
-  OffscreenViewer::io().KeysDown[257] = true;
-  view.picture();
-  OffscreenViewer::io().KeysDown[257] = false;
-  view.picture();
-  EXPECT_EQ(world().cloth_material(world().find_object("cloth")).membrane_stiffness, 1234);
-  EXPECT_EQ(view.viewer().display().display, render::Display::shaded);
-}
-
-TEST_F(View, ButtonsDoWhatTheKeysDo) {
-  view.picture();
-  const ImVec2 play = view.control("###play", "##panel", 50);
-  ASSERT_GT(play.x, 0);
-  view.click(play.x, play.y);
-  EXPECT_FALSE(view.viewer().session().playing());
-  const double time = view.viewer().session().time();
-  const ImVec2 frame = view.control("###frame", "##panel", 220);
-  view.click(frame.x, frame.y);
-  EXPECT_NEAR(view.viewer().session().time(), time + 1 / 60.0, 1e-9);
-  const ImVec2 reset = view.control("###reset", "##panel", 300);
-  view.click(reset.x, reset.y);
-  EXPECT_EQ(view.viewer().session().time(), 0);
-  const ImVec2 next = view.control("##next", "##panel", 318);
-  view.click(next.x, next.y);
-  EXPECT_EQ(view.viewer().session().name(), "grains");
-}
-
-TEST_F(View, TheCopiedSceneIsTheOneOnScreen) {
-  pause();
-  view.type("r");
-  const ImVec2 substeps = view.control("##substeps");
-  view.click(substeps.x + 60, substeps.y);
-  view.viewer().camera().orbit(0.5f, 0.1f);
-  const ImVec2 copy = view.control("###copy");
-  ASSERT_GT(copy.x, 0);
-  view.click(copy.x, copy.y);
-  const std::string text = ImGui::GetClipboardText();
-  const SceneDescription scene = parse_scene(text, scenes.folder.path(), "clipboard");
-  EXPECT_EQ(scene.settings.substeps, view.simulation().scene().settings.substeps);
-  EXPECT_LT(length(Vec3f(scene.camera.from) - view.viewer().camera().from), 1e-5f);
-  Simulation copied(scene, "copied");
-  for (int i = 0; i < 3; ++i) {
-    copied.step_frame();
-    view.type(".");
-  }
-  EXPECT_EQ(copied.world().hash(), world().hash());
-}
-
-TEST_F(View, EveryKindOfMaterialHasItsSliders) {
-  const std::vector<std::string> objects{
-      R"("name": "body", "kind": "soft_body", "mesh": {"tet_bar": {"cells": [1, 1, 1], "size": [1, 1, 1]}})",
-      R"("name": "rope", "kind": "rope", "points": [[0, 1, 0], [1, 1, 0]], "segments": 3)",
-      R"("name": "sand", "kind": "grains", "points": [[0, 1, 0]])"};
-  for (const std::string& object : objects) {
-    view.viewer().open(scenes.folder.write(std::to_string(&object - objects.data()) + ".json",
-                                           "{\"souple\": 1, \"objects\": [{" + object + "}]}"));
-    pause();
-    view.invalidate_layout();
-    const ImVec2 friction = view.control("##friction");
-    ASSERT_GT(friction.x, 0) << object;
-    const std::string before = view.simulation().scene_text();
-    view.click(friction.x + 50, friction.y);
-    EXPECT_NE(view.simulation().scene_text(), before) << object;
-  }
 }
 
 // --- pictures
@@ -681,7 +271,7 @@ TEST_F(View, SmallAndMinimisedWindowsSurvive) {
 }
 
 TEST(ViewResolution, OfHalfFillsTheSameWindow) {
-  const Scenes scenes;
+  const TestScenes scenes;
   const WindowSize size{641, 403, 1};
   const auto shown = [&](bool half) {
     OffscreenViewer view(scenes.list[0].file, size, {}, half);
@@ -701,7 +291,7 @@ TEST(ViewResolution, OfHalfFillsTheSameWindow) {
 
 /// Text is as large and as sharp as at full resolution: the same pixels, where the legend lies over nothing else.
 TEST(ViewResolution, OfHalfHasTheSameLegends) {
-  const Scenes scenes;
+  const TestScenes scenes;
   const auto legend = [&](bool half) {
     OffscreenViewer view(scenes.list[0].file, {641, 403, 1}, {}, half);
     view.type("hr 4");  // strain
@@ -731,112 +321,6 @@ TEST(ViewFont, OfImGuiServesWhereNoneIsInstalled) {
   Viewer viewer(std::move(scenes), std::move(session), {folder.path(), false});
   for (int i = 0; i < 3; ++i) viewer.frame(1 / 60.0, window.framebuffer());
   EXPECT_GT(viewer.session().frame(), 0u);
-}
-
-// --- recordings
-
-class ViewRecording : public View {
- protected:
-  void SetUp() override {
-    World recorded = build_world(load_scene(scenes.list[0].file));
-    RecorderOptions options;
-    options.scene = cloth;
-    options.frames = 30;
-    Recorder recorder(recorded, scenes.folder.path() / "run", options);
-    for (int frame = 0; frame < 30; ++frame) {
-      recorded.step(1 / 60.0);
-      recorder.capture();
-      last = recorded.positions(recorded.find_object("cloth"))[115];
-    }
-    recorder.finish();
-    view.viewer().open(scenes.folder.path() / "run");
-    ASSERT_NE(view.viewer().recording(), nullptr) << view.viewer().notices().back();
-  }
-  Vec3f shown(std::size_t i) { return view.viewer().session().subject().bodies[0].positions[i]; }
-  Vec3f last{};
-};
-
-TEST_F(ViewRecording, PlaysToItsEndAndAgain) {
-  EXPECT_EQ(view.viewer().session().frame(), 1u);
-  view.pictures(40);
-  EXPECT_EQ(view.viewer().session().frame(), 30u);
-  EXPECT_FALSE(view.viewer().session().playing());
-  EXPECT_EQ(shown(115), last);
-  view.type(" ");
-  view.pictures(3);
-  EXPECT_LT(view.viewer().session().frame(), 10u);
-  EXPECT_TRUE(view.viewer().session().playing());
-}
-
-TEST_F(ViewRecording, KeysGoFrameByFrame) {
-  view.pictures(5);
-  view.type(".");
-  const std::uint64_t frame = view.viewer().session().frame();
-  view.type(".");
-  EXPECT_EQ(view.viewer().session().frame(), frame + 1);
-  view.type(",");
-  EXPECT_EQ(view.viewer().session().frame(), frame);
-  view.type("r,,");
-  EXPECT_EQ(view.viewer().session().frame(), 1u);
-}
-
-TEST_F(ViewRecording, GoesBackButTakesNoBalls) {
-  view.type(".r..b");
-  EXPECT_EQ(view.viewer().session().frame(), 2u);
-  view.type("bb");
-  EXPECT_TRUE(said("this is the first frame"));
-  EXPECT_EQ(view.viewer().session().frame(), 1u);
-  for (const char* key : {"t", "a"}) {
-    view.type(key);
-    EXPECT_TRUE(said("a recording cannot be changed"));
-  }
-}
-
-TEST_F(ViewRecording, TheSliderGoesAnywhere) {
-  view.pictures(2);
-  const ImVec2 slider = view.control("##frame_shown", "##time", 670);
-  ASSERT_GT(slider.x, 0);
-  view.click(970, slider.y);
-  EXPECT_GE(view.viewer().session().frame(), 29u);
-  EXPECT_FALSE(view.viewer().session().playing());
-  view.click(380, slider.y);
-  EXPECT_LE(view.viewer().session().frame(), 2u);
-}
-
-TEST_F(ViewRecording, CannotBeGrabbedButCanBeTurned) {
-  view.type(".");
-  const ImVec2 at = view.seen(shown(60));
-  const Vec3f from = view.viewer().camera().from;
-  view.move(at.x, at.y);
-  view.press();
-  EXPECT_FALSE(view.viewer().mouse().grabbing());
-  view.move(at.x + 100, at.y);
-  view.release();
-  EXPECT_NE(view.viewer().camera().from, from);
-  for (const char* key : {"1", "4", "5", "7", "9", "c", "c", "w"}) view.type(key);
-}
-
-// --- the manual's picture; SOUPLE_VIEWER_PICTURE=docs/pictures/viewer.png replaces it
-
-TEST(ViewPicture, OfTheManual) {
-  const TestFolder folder;
-  const char* wish = std::getenv("SOUPLE_VIEWER_PICTURE");
-  const std::filesystem::path file = wish != nullptr ? wish : folder.path() / "viewer.png";
-  // Small while time passes and a corner is pulled; then in full size.
-  const WindowSize size{1120, 720, 1};
-  OffscreenViewer view(source_path("scenes/curtain.json"), {size.width, size.height, 0.1f});
-  view.pictures(125);
-  const ImVec2 at = view.seen(view.viewer().session().subject().bodies[0].positions[std::size_t{39} * 46]);
-  view.move(at.x + 12, at.y - 12);
-  view.press();
-  for (float i = 1; i <= 10; ++i) view.move(at.x - 14 * i, at.y - 9 * i);
-  view.pictures(10);
-  view.viewer().rendering().shadows = view.viewer().rendering().ambient_occlusion = true;
-  view.resize(size);
-  view.pictures(2);
-  render::write_png(file, view.image(), 112);
-  EXPECT_TRUE(view.viewer().mouse().grabbing());
-  EXPECT_LT(std::filesystem::file_size(file), 150'000u);
 }
 
 }  // namespace

@@ -151,8 +151,8 @@ COUNTS = [
     ("docs/collisions.md", r"a whole number from 0 to (\d+)", lambda: largest("cloth", "layer")),
     ("docs/collisions.md", r"\*(\d+) x \d+ vertices with `self_collision`",
      lambda: find(CLOTH_TESTS, r"drop_and_look\((\d+),")),
-    ("docs/collisions.md", r"in chunks of (\d+)\.", lambda: constant("souple/contacts/pair_chunks.h", "chunk_size")),
-    ("docs/collisions.md", r"If (\w+) rounds do not", lambda: constant("souple/contacts/motion_filter.cpp", "correction_passes")),
+    ("docs/collisions.md", r"in chunks of (\d+)\.", lambda: constant("souple/contacts/surfaces/pair_chunks.h", "chunk_size")),
+    ("docs/collisions.md", r"If (\w+) rounds do not", lambda: constant("souple/contacts/surfaces/motion_filter.cpp", "correction_passes")),
     ("docs/collisions.md", r"than `speed` \(([\d.]+) m/s,", lambda: default("sleeping", "speed")),
     ("docs/collisions.md", r"for `seconds` \(([\d.]+) s\)", lambda: default("sleeping", "seconds")),
     ("docs/collisions.md", r"a cloth of (\d+) x \d+ falls on",
@@ -279,7 +279,7 @@ ALLOWED = {
     ("docs/solvers.md", "two constraints"): "those of a drawing",
 }
 
-# What README calls the constraints of souple/constraints/all.h.
+# What README calls the constraints of souple/constraints/kinds.h.
 CONSTRAINTS = {"Distance": "distance", "DihedralBending": "dihedral bending", "IsometricBending": "isometric and",
                "TriangleMembrane": "membrane", "TetVolume": "tet volume", "NeoHookean": "neo-Hookean",
                "RopeBending": "bending of ropes", "ParticleContact": "contact", "Attachment": "attachment",
@@ -421,7 +421,7 @@ class Lists(unittest.TestCase):
             self.assertLessEqual(named, set(scenes()), page)
 
     def test_constraints_of_readme(self):
-        lists = re.findall(r"(\w+Constraints) =\s*std::tuple<(.*?)>", read("souple/constraints/all.h"), re.S)
+        lists = re.findall(r"(\w+Constraints) =\s*std::tuple<(.*?)>", read("souple/constraints/kinds.h"), re.S)
         self.assertEqual([name for name, _ in lists], ["MeshConstraints", "OtherConstraints"])
         kinds = {kind for _, kinds in lists for kind in re.findall(r"\w+", kinds)}
         self.assertEqual(kinds, set(CONSTRAINTS), "CONSTRAINTS of this test")

@@ -2,6 +2,7 @@
 #include "souple/fluid/neighbors.h"
 #include "tests/count_allocations.h"
 #include "tests/fluid/clouds.h"
+#include "tests/instruction_sets.h"
 
 #include <algorithm>
 
@@ -94,9 +95,7 @@ TEST(Neighbors, WithAllInstructionSets) {
     list.resize(k.near_point(columns, i, ranges, 6, 0.3f, list.data()));
     return list;
   };
-  for (const InstructionSet set :
-       {InstructionSet::sse, InstructionSet::avx2, InstructionSet::avx512, InstructionSet::neon}) {
-    if (set > instruction_set()) continue;
+  for (const InstructionSet set : all_sets()) {
     for (std::uint32_t i = 0; i < 500; ++i)
       ASSERT_EQ(near(kernels::find_neighbor_kernels(set), i),
                 near(kernels::find_neighbor_kernels(InstructionSet::scalar), i));

@@ -1,6 +1,7 @@
 #include "souple/fluid/kernels/shapes.h"
 #include "souple/fluid/smoothing.h"
 #include "tests/fluid/clouds.h"
+#include "tests/instruction_sets.h"
 
 #include <array>
 #include <cmath>
@@ -104,9 +105,7 @@ TEST(DensityKernels, GiveTheSameBits) {
   const Smoothing smoothing(0.2f);
   for (const SmoothingShape shape : shapes) {
     const auto& plain = kernels::find_density_kernels(InstructionSet::scalar, shape);
-    for (const InstructionSet set :
-         {InstructionSet::sse, InstructionSet::avx2, InstructionSet::avx512, InstructionSet::neon}) {
-      if (set > instruction_set()) continue;
+    for (const InstructionSet set : all_sets()) {
       const auto& packed = kernels::find_density_kernels(set, shape);
       // Particles 0 to 2, with ranges of the list.
       const std::uint32_t first[] = {0, 64, 64, 304};
@@ -160,9 +159,7 @@ TEST(VelocityKernels, GiveTheSameBits) {
   const Smoothing smoothing(0.2f);
   for (const SmoothingShape shape : shapes) {
     const auto& plain = kernels::find_velocity_kernels(InstructionSet::scalar, shape);
-    for (const InstructionSet set :
-         {InstructionSet::sse, InstructionSet::avx2, InstructionSet::avx512, InstructionSet::neon}) {
-      if (set > instruction_set()) continue;
+    for (const InstructionSet set : all_sets()) {
       const auto& packed = kernels::find_velocity_kernels(set, shape);
       for (const std::uint32_t i : {0u, 7u, 100u, 299u}) {
         const auto sum = [&](const auto& function, const auto&... more) {

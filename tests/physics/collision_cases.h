@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/souple.h"
-#include "tests/collision/crossings.h"
+#include "tests/intersections/crossings.h"
 
 #include <string>
 #include <vector>

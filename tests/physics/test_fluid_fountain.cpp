@@ -1,4 +1,5 @@
 #include "souple/souple.h"
+#include "souple/world/memory.h"
 
 #include <algorithm>
 #include <cstddef>

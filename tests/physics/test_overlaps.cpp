@@ -1,4 +1,4 @@
-#include "tests/collision/crossings.h"
+#include "tests/intersections/crossings.h"
 #include "tests/physics/collision_cases.h"
 #include "tests/physics/motion.h"
 #include "tests/physics/validation.h"

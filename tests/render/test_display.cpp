@@ -4,6 +4,7 @@
 #include "render/legend.h"
 #include "render/vertex_colors.h"
 #include "souple/geometry/builders.h"
+#include "souple/world/debug_draw.h"
 
 #include <algorithm>
 #include <cmath>

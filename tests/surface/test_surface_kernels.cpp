@@ -1,5 +1,6 @@
 #include "souple/surface/kernels/find_kernels.h"
 #include "tests/collision/random.h"
+#include "tests/instruction_sets.h"
 
 #include <algorithm>
 #include <array>
@@ -14,17 +15,6 @@ namespace {
 
 using kernels::ParticleKernel;
 using kernels::SurfaceKernels;
-
-constexpr InstructionSet all_sets[] = {InstructionSet::scalar, InstructionSet::sse, InstructionSet::avx2,
-                                       InstructionSet::avx512, InstructionSet::neon};
-
-/// Instruction sets that this processor supports.
-std::vector<InstructionSet> sets() {
-  std::vector<InstructionSet> result;
-  for (const InstructionSet set : all_sets)
-    if (set <= instruction_set()) result.push_back(set);
-  return result;
-}
 
 template <class T>
 bool same_bits(const T& a, const T& b) {
@@ -109,7 +99,7 @@ TEST_F(SurfaceKernelsTest, AreTheSameBitsWithAllInstructionSets) {
   const float origin[3] = {-0.4f, -0.3f, -0.5f};
   std::array<float, kernels::brick_nodes> expected{};
   Points first{};
-  for (const InstructionSet set : sets()) {
+  for (const InstructionSet set : all_sets()) {
     const SurfaceKernels& functions = kernels::find_surface_kernels(set);
     std::array<float, kernels::brick_nodes> values{};
     functions.brick(kernels_.data(), list_.data(), list_.size(), origin, 0.3f, values.data());
@@ -146,7 +136,7 @@ TEST(SurfaceMoments, AreThoseOfTheNeighbors) {
     weight += w, first += w * d.y, xz += w * d.x * d.z;
   }
   kernels::Moments expected{};
-  for (const InstructionSet set : sets()) {
+  for (const InstructionSet set : all_sets()) {
     const auto moments = kernels::find_surface_kernels(set).moments(records.data(), at, list.data(), 32, 1);
     if (set == InstructionSet::scalar) expected = moments;
     EXPECT_TRUE(same_bits(moments, expected)) << simd_name(set);

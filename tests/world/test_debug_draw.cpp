@@ -2,6 +2,7 @@
 #include "souple/solver/custom_constraint.h"
 #include "souple/solver/set_projector.h"
 #include "souple/souple.h"
+#include "souple/world/debug_draw.h"
 
 #include <algorithm>
 #include <map>

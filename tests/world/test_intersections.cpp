@@ -1,7 +1,7 @@
 // Objects that start with intersections, or are placed into each other, are separated or reported.
 #include "souple/geometry/builders.h"
 #include "souple/world/world.h"
-#include "tests/collision/crossings.h"
+#include "tests/intersections/crossings.h"
 #include "tests/collision/random.h"
 
 #include <algorithm>

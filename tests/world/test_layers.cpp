@@ -2,7 +2,7 @@
 #include "souple/geometry/builders.h"
 #include "souple/scene/scene.h"
 #include "souple/world/world.h"
-#include "tests/collision/crossings.h"
+#include "tests/intersections/crossings.h"
 #include "tests/expect_error.h"
 #include "tests/paths.h"
 

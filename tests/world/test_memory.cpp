@@ -1,4 +1,5 @@
 #include "souple/geometry/builders.h"
+#include "souple/world/memory.h"
 #include "souple/world/world.h"
 
 #include <gtest/gtest.h>

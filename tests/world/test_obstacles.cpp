@@ -1,5 +1,7 @@
 // Obstacles: positions and velocities of their motion, and operations that they refuse.
 #include "souple/souple.h"
+#include "souple/world/debug_draw.h"
+#include "souple/world/memory.h"
 #include "tests/expect_error.h"
 
 #include <cmath>

@@ -1,5 +1,6 @@
 // A signed distance field as a collider of a world.
 #include "souple/souple.h"
+#include "souple/world/memory.h"
 #include "tests/collision/revolved.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "souple/geometry/builders.h"
 #include "souple/world/world.h"
-#include "tests/collision/crossings.h"
+#include "tests/intersections/crossings.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,29 +1,15 @@
 #pragma once
 
+#include "souple/collision/segment_triangle/segment_test.h"
 #include "souple/collision/segment_triangle/segment_triangle.h"
 
 #include <cstddef>
-#include <utility>
 
 // Segment-triangle tests by name, for one triangle or many. docs/segment-triangle.md compares them.
 
 namespace souple {
 
 enum class InstructionSet;
-
-enum class SegmentTest { plane_projection, signed_volumes, inclusion, moeller_trumbore, watertight };
-
-/// The default: the only watertight test, which misses no crossing of a closed mesh. docs/segment-triangle.md
-/// has its cost.
-inline constexpr SegmentTest default_segment_test = SegmentTest::watertight;
-
-/// Names of all tests; the only list of them.
-inline constexpr std::pair<const char*, SegmentTest> segment_test_names[] = {
-    {"plane_projection", SegmentTest::plane_projection},
-    {"signed_volumes", SegmentTest::signed_volumes},
-    {"inclusion", SegmentTest::inclusion},
-    {"moeller_trumbore", SegmentTest::moeller_trumbore},
-    {"watertight", SegmentTest::watertight}};
 
 /// Crossing of the segment and the triangle, by the given test.
 Crossing<float> find_crossing(SegmentTest test, const Segment<float>& segment, const Corners<float>& corners);

@@ -1,5 +1,7 @@
 #include "souple/host/session/contents.h"
 
+#include "souple/scene/scene.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -72,9 +74,10 @@ std::array<float, 3> channels_of(const std::optional<std::uint32_t>& color) {
   return {channel(16), channel(8), channel(0)};
 }
 
-Contents::Contents(Report report) : report_(std::move(report)) {
+Contents::Contents(Report report) : report_(std::move(report)), scene_(std::make_unique<SceneDescription>()) {
   listen();
 }
+Contents::~Contents() = default;
 
 void Contents::listen() {
   // Warnings of steps are in the step's report; as messages they would repeat in each step.
@@ -96,7 +99,7 @@ Item* Contents::find(ObjectId id) const {
 }
 
 std::optional<std::uint32_t> Contents::collider_color(const std::string& name) const {
-  for (const ColliderDescription& collider : scene_.colliders)
+  for (const ColliderDescription& collider : scene_->colliders)
     if (collider.name == name) return collider.color;
   return std::nullopt;
 }
@@ -131,7 +134,7 @@ void Contents::replace(SceneDescription scene, bool has_scene) {
   connections_.clear();
   items_ = std::move(items);
   last_ = last;
-  scene_ = std::move(scene);
+  *scene_ = std::move(scene);
   has_scene_ = has_scene;
   removed_.clear();
   world_ = std::move(world);
@@ -172,7 +175,7 @@ void Contents::remove(Handle handle) {
 }
 
 void Contents::rebuild() {
-  World world = has_scene_ ? build_world(scene_) : World(world_.settings());
+  World world = has_scene_ ? build_world(*scene_) : World(world_.settings());
   for (const std::string& name : removed_) world.remove(world.find_object(name));
   std::vector<ObjectId> ids;
   for (const auto& item : items_) {
@@ -206,14 +209,14 @@ void Contents::rebuild() {
 
 void Contents::set_settings(const Settings& settings) {
   world_.set_settings(settings);
-  scene_.settings = settings;
+  scene_->settings = settings;
 }
 
 void Contents::set_material(Handle handle, const AnyMaterial& material) {
   Item& changed = item(handle);
   world_.set_material(changed.id, material);
   changed.material = material;
-  if (!changed.mesh) keep_in(scene_, changed.name, material);
+  if (!changed.mesh) keep_in(*scene_, changed.name, material);
 }
 
 void Contents::set_pinned(Handle handle, std::uint32_t vertex, bool pinned) {

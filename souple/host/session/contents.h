@@ -2,10 +2,14 @@
 
 #include "souple/host/session/drive.h"
 #include "souple/host/session/materials.h"
-#include "souple/scene/scene.h"
+#include "souple/host/vertex_welder.h"
 
 #include <map>
 #include <optional>
+
+namespace souple {
+struct SceneDescription;
+}
 
 namespace souple::host {
 
@@ -68,6 +72,7 @@ class Contents {
   using Report = std::function<void(std::string)>;
   /// `report` receives notes about meshes.
   explicit Contents(Report report);
+  ~Contents();
 
   World& world() { return world_; }
   const World& world() const { return world_; }
@@ -110,7 +115,7 @@ class Contents {
   void listen();
 
   Report report_;
-  SceneDescription scene_;
+  std::unique_ptr<SceneDescription> scene_;  // never null
   bool has_scene_ = false;
   std::vector<std::string> removed_;  // names of removed scene objects
   std::vector<std::unique_ptr<Item>> items_;

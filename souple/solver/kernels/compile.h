@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/constraints/all.h"
 #include "souple/simd/pack.h"
 #include "souple/solver/kernels/kernels.h"
 #include "souple/solver/kernels/projection.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/constraints/all.h"
+#include "souple/constraints/kinds.h"
 
 #include <cstddef>
 #include <cstdint>

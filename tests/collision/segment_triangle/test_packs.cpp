@@ -1,6 +1,7 @@
 #include "souple/simd/instruction_set.h"
 #include "tests/collision/segment_triangle/cases.h"
 #include "tests/collision/segment_triangle/every_test.h"
+#include "tests/instruction_sets.h"
 
 #include <bit>
 #include <cstdint>
@@ -71,9 +72,7 @@ TYPED_TEST_SUITE(SegmentTrianglePacks, EveryTest, NameOfTest);
 TYPED_TEST(SegmentTrianglePacks, GiveTheBitsOfTheScalarCode) {
   const Triangles triangles(11);
   Found found;
-  for (const InstructionSet set : {InstructionSet::scalar, InstructionSet::sse, InstructionSet::avx2,
-                                   InstructionSet::avx512, InstructionSet::neon}) {
-    if (set != InstructionSet::scalar && set > instruction_set()) continue;  // not on this machine
+  for (const InstructionSet set : all_sets()) {
     int hits = 0;
     for (std::size_t s = 0; s < triangles.segments.size(); s += 7) {
       find_crossings(choice_of<TypeParam>(), triangles.segments[s], triangles.columns(), found.columns(),

@@ -1,0 +1,97 @@
+#include "souple/contacts/surfaces/contact_colors.h"
+
+#include "souple/assert.h"
+#include "souple/broad_phase/spatial_hash.h"
+#include "souple/contacts/contact_arrays.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+namespace souple {
+namespace {
+
+constexpr std::uint16_t no_color = std::numeric_limits<std::uint16_t>::max();
+
+}  // namespace
+
+void ContactColors::set_count(std::size_t particles) {
+  used_.reserve(3 * particles);
+  begin_.reserve(512), next_slot_.reserve(512);
+}
+
+void ContactColors::extend(std::size_t first_new, const ElementPairs& pairs) {
+  const std::size_t old_size = first_new == 0 ? 0 : color_.size();
+  resize_with_spare(color_, pairs.size());
+  std::fill(color_.begin() + static_cast<std::ptrdiff_t>(old_size), color_.end(), no_color);
+  if (first_new == 0) used_.assign(pairs.surfaces().particle_count(), 0);
+}
+
+// The lowest color that none of its movable particles has.
+std::uint16_t ContactColors::color_of(const NearPair& pair, const ParticleView& particles, std::size_t n) {
+  for (std::size_t round = 0;; ++round) {
+    if (used_.size() == round * n) used_.resize(used_.size() + n, 0);
+    std::uint64_t* const used = used_.data() + round * n;
+    std::uint64_t occupied = 0;
+    for (const std::uint32_t i : pair.particle)
+      if (particles.inverse_mass(i) > 0) occupied |= used[i];
+    if (occupied == ~std::uint64_t{0}) continue;
+    const int bit = std::countr_one(occupied);
+    for (const std::uint32_t i : pair.particle) used[i] |= std::uint64_t{1} << bit;
+    return static_cast<std::uint16_t>(64 * round + static_cast<std::size_t>(bit));
+  }
+}
+
+void ContactColors::sort(std::span<const PairToi> contacts, const ElementPairs& pairs,
+                         const ParticleView& particles) {
+  next_slot_.assign(next_slot_.capacity() > 0 ? 2 : 256, 0);
+  for (const PairToi& contact : contacts) {
+    std::uint16_t& color = color_[contact.pair];
+    if (color == no_color)
+      color = color_of(pairs.pair(contact.pair), particles, pairs.surfaces().particle_count());
+    const std::size_t kind = 2 * std::size_t{color} + (pairs.are_edges(contact.pair) ? 1 : 0);
+    if (next_slot_.size() <= kind) next_slot_.resize(2 * std::size_t{color} + 2, 0);
+    ++next_slot_[kind];
+  }
+  begin_.clear();
+  std::size_t sum = 0;
+  for (std::size_t kind = 0; kind < next_slot_.size(); kind += 2) {
+    const std::size_t vertices = next_slot_[kind], edges = next_slot_[kind + 1];
+    next_slot_[kind] = sum, next_slot_[kind + 1] = sum + vertices;
+    if (vertices + edges == 0) continue;
+    begin_.push_back(sum), begin_.push_back(sum + vertices);
+    sum += vertices + edges;
+  }
+  begin_.push_back(sum);
+  resize_with_spare(pair_, sum, ContactArrays::spare);
+  resize_with_spare(toi_, sum, ContactArrays::spare);
+  for (const PairToi& contact : contacts) {
+    const std::size_t slot =
+        next_slot_[2 * std::size_t{color_[contact.pair]} + (pairs.are_edges(contact.pair) ? 1 : 0)]++;
+    pair_[slot] = contact.pair;
+    toi_[slot] = contact.toi;
+  }
+  SOUPLE_ASSERT(std::is_sorted(begin_.begin(), begin_.end()), "colors follow each other");
+  SOUPLE_ASSERT(are_independent(pairs, particles), "contacts of one color share no particle that moves");
+}
+
+bool ContactColors::are_independent(const ElementPairs& pairs, const ParticleView& particles) const {
+  // Per particle: its last contact, counted from 1. Warm steps allocate nothing, with assertions too.
+  thread_local std::vector<std::size_t> last;
+  last.assign(pairs.surfaces().particle_count(), 0);
+  for (std::size_t kind = 0; kind + 1 < begin_.size(); ++kind)
+    for (std::size_t slot = begin_[kind]; slot < begin_[kind + 1]; ++slot)
+      for (const std::uint32_t i : pairs.pair(pair_[slot]).particle) {
+        if (!(particles.inverse_mass(i) > 0)) continue;
+        if (last[i] > begin_[kind - kind % 2] && last[i] != slot + 1) return false;
+        last[i] = slot + 1;
+      }
+  return true;
+}
+
+std::size_t ContactColors::bytes() const {
+  return bytes_of(color_, used_, pair_, toi_);
+}
+
+}  // namespace souple

@@ -1,0 +1,130 @@
+#pragma once
+
+#include "souple/broad_phase/near_pairs.h"
+#include "souple/contacts/contact.h"
+#include "souple/contacts/surfaces/element_surfaces.h"
+#include "souple/contacts/surfaces/motion_bounds.h"
+#include "souple/contacts/surfaces/pair_chunks.h"
+#include "souple/contacts/surfaces/predicted_paths.h"
+#include "souple/solver/projector.h"
+#include "souple/threads/threads.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+class IntersectionResolver;
+
+/// Candidate pairs of elements, vertex and triangle or edge and edge, that may come into contact in a step.
+///
+/// One search a step finds them with boxes swept along the velocities (predicted_paths.h, near_pairs.h). A pair is
+/// kept if its relative velocity and its margins can bring it into contact. Where particles move by many times their
+/// thickness within a step, a search covers only a part of the step, and another one follows. When particles
+/// leave their paths, only their pairs are searched again. The new pairs follow the existing pairs and
+/// replace the earlier pairs of those particles. Chunks of pairs that cannot touch yet are skipped (motion_bounds.h).
+class ElementPairs {
+ public:
+  /// Replaces all surfaces: call it again when objects are added, removed or changed.
+  void set_surfaces(std::vector<ContactSurface> surfaces);
+  void set_end(std::size_t surface, std::uint32_t end) { surfaces_.set_end(surface, end); }
+  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs) { surfaces_.exclude(std::move(pairs)); }
+  /// Sets the object whose exempt pairs are skipped; null: none are. It must outlive this object.
+  void set_intersection_resolver(const IntersectionResolver* intersection_resolver) {
+    intersection_resolver_ = intersection_resolver;
+  }
+
+  /// Finds pairs for a step of `dt`. radius[i]: half the thickness of particle i [m]. contact_margin[i]:
+  /// additional distance at which contacts of particle i begin [m]. All spans must live until the step ends.
+  void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
+                  std::span<const float> radius, std::span<const float> contact_margin,
+                  const ContactStep& step, Threads& threads);
+  /// Starts the next substep, of length `h` [s].
+  void begin_substep(float h) { remaining_ -= h, covered_ -= h, paths_.advance(h); }
+  /// Searches again for the pairs of particles that have left their paths within the substep of length `h`.
+  /// Returns the index of the first new pair: size() if there is none, 0 if all pairs are new.
+  std::size_t update(const ParticleView& particles, float h, Threads& threads);
+  /// As above, if only `particles_moved` have moved since the last update.
+  std::size_t update(const ParticleView& particles, float h, std::span<const std::uint32_t> particles_moved,
+                     Threads& threads);
+  void clear() { pairs_.clear(); }
+
+  const ElementSurfaces& surfaces() const { return surfaces_; }
+  std::size_t size() const { return pairs_.size(); }
+  const NearPair& pair(std::size_t index) const { return pairs_.pair(index); }
+  bool are_edges(std::size_t pair) const { return pairs_.are_edges(pair); }
+  bool is_replaced(std::size_t pair) const { return pairs_.is_replaced(pair); }
+  /// Lower bound of the distance of a pair that find_near returned, at the substep's start [m].
+  float distance_bound(std::size_t pair) const { return pairs_.distance_bound(pair); }
+  kernels::ElementPairColumns columns() { return pairs_.columns(); }
+
+  using Chunk = PairChunks::Chunk;
+  static constexpr std::size_t chunk_size = PairChunks::chunk_size;
+  std::size_t chunk_count() const { return pairs_.chunks().size(); }
+  const Chunk& chunk(std::size_t index) const { return pairs_.chunks()[index]; }
+  /// Measures the motion of all particles since the substep began. Call it before find_near, and again
+  /// whenever particles were moved.
+  void measure(const ParticleView& particles, Threads& threads) {
+    bounds_.measure(surfaces_, particles, paths_.contact_margin(), threads);
+  }
+  /// As above, for `particles_moved` alone: the particles that were moved since the last call.
+  void measure(const ParticleView& particles, std::span<const std::uint32_t> particles_moved) {
+    bounds_.measure(surfaces_, particles, particles_moved);
+  }
+  /// Whether a pair has a particle of the last `particles_moved`.
+  bool was_moved(std::size_t pair) const { return bounds_.was_moved(pairs_.pair(pair)); }
+  /// Whether a chunk may have a pair with was_moved() whose relative motion is at least `part` of its
+  /// distance.
+  bool any_moved_by(float part, const Chunk& chunk) const;
+  /// Largest contact margin of a chunk's particles at the last measurement of all particles [m].
+  float contact_margin(std::size_t index) const { return bounds_.contact_margin(index, chunk(index)); }
+  /// Writes the indices of a chunk's pairs that come near (kernels::NearRule) to `found`, ascending. Returns
+  /// their number.
+  std::size_t find_near(std::size_t chunk, const kernels::NearRule& rule,
+                        const kernels::ParticleRecords& records, std::uint32_t* found);
+  /// Adds the motion of the last measurement to the motion bounds of all chunks.
+  void end_substep();
+  /// Input of the kernels; `moved` is the motion of the last measurement.
+  kernels::ParticleRecords particle_records(const ParticleView& particles) const;
+  std::size_t bytes() const;
+
+ private:
+  using List = PairChunks::List;
+  using Batch = PairChunks::Batch;
+
+  void find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads);
+  float horizon(const ParticleView& particles, std::span<const Vec4f> velocity) const;
+  void select_inter_object_elements();
+  std::size_t refind(const ParticleView& particles, float h, bool over, Threads& threads);
+  ParticleView rewind(const ParticleView& particles, float h);
+  void refind_all(const ParticleView& before, float h, Threads& threads);
+  void refind_off_path(const ParticleView& before, float h, Threads& threads);
+  void add_found(const ParticleView& particles, float dt, Threads& threads);
+  void add(std::span<const NearPair> pairs, bool edges, bool inter_object, const ParticleView& particles,
+           float dt, Threads& threads);
+  void add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool inter_object,
+                 const ParticleView& particles, float dt) const;
+
+  ElementSurfaces surfaces_;
+  PredictedPaths paths_;
+  PairChunks pairs_;
+  MotionBounds bounds_;
+  const IntersectionResolver* intersection_resolver_ = nullptr;
+  ContactStep step_;
+  float remaining_ = 0;  // time of the step after this substep [s]
+  float covered_ = 0;    // time after this substep that the last search covers [s]
+  // Elements of the surfaces with self-collision, and of the surfaces with overlaps_other_.
+  SurfaceElements self_elements_, inter_object_elements_;
+  std::vector<Bounds> surface_bounds_;  // per surface: around its particles' boxes, with a margin
+  // Per surface: its bounds overlap those of a surface that it may collide with.
+  std::vector<std::uint8_t> overlaps_other_now_, overlaps_other_;
+  BoxSweep surface_sweep_;
+  NearPairFinder self_finder_, inter_object_finder_;
+  NearPairs self_pairs_, inter_object_pairs_;
+  std::vector<Batch> batches_;
+  // Per particle, for a search within a step: mean velocity in the substep [m/s], state at its start.
+  std::vector<Vec4f> velocity_now_, before_;
+};
+
+}  // namespace souple

@@ -1,0 +1,111 @@
+#include "souple/contacts/surfaces/element_surfaces.h"
+
+#include "souple/assert.h"
+#include "souple/contacts/kernels/find_kernels.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace souple {
+namespace {
+
+// Elements that are nearer than their thickness at rest: their thickness is this part of the rest distance.
+constexpr float rest_part = 0.9f;
+
+// Longest edge at rest [m].
+float longest_edge(const ContactSurface& surface) {
+  double longest = 0;
+  const auto measure = [&](std::uint32_t i, std::uint32_t j) {
+    longest = std::max(longest, length(surface.rest[i] - surface.rest[j]));
+  };
+  if (surface.rest.empty()) return 0;
+  for (const Edge& edge : surface.edges) measure(edge[0], edge[1]);
+  for (const Triangle& t : surface.triangles) measure(t[0], t[1]), measure(t[1], t[2]), measure(t[2], t[0]);
+  return static_cast<float>(longest);
+}
+
+}  // namespace
+
+void ElementSurfaces::set(std::vector<ContactSurface> surfaces) {
+  surfaces_ = std::move(surfaces);
+  surface_of_ = {}, rest_ = {}, longest_edge_ = {};
+  any_ = any_may_collide(surfaces_);
+  if (!any_) return;
+  std::uint32_t end = 0;
+  for (ContactSurface& surface : surfaces_) {
+    surface.reserved_end = std::max(surface.reserved_end, surface.end);
+    end = std::max(end, surface.reserved_end);
+  }
+  surface_of_.assign(end, no_surface);
+  rest_.assign(end, {});
+  longest_edge_.assign(surfaces_.size(), 0);
+  for (std::uint32_t a = 0; a < surfaces_.size(); ++a) {
+    const ContactSurface& surface = surfaces_[a];
+    std::fill(surface_of_.begin() + surface.begin, surface_of_.begin() + surface.end, a);
+    if (!surface.self_collision) continue;
+    for (std::size_t i = 0; i < surface.rest.size(); ++i)
+      rest_[surface.begin + i].set_xyz(Vec3f(surface.rest[i] - surface.rest[0]));
+    longest_edge_[a] = longest_edge(surface);
+  }
+}
+
+void ElementSurfaces::set_end(std::size_t surface, std::uint32_t end) {
+  if (!any_) return;
+  ContactSurface& one = surfaces_[surface];
+  SOUPLE_ASSERT(one.begin <= end && end <= one.reserved_end, "particles of the surface's range");
+  one.end = end;
+  std::fill(surface_of_.begin() + one.begin, surface_of_.begin() + end, static_cast<std::uint32_t>(surface));
+  std::fill(surface_of_.begin() + end, surface_of_.begin() + one.reserved_end, no_surface);
+}
+
+void ElementSurfaces::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
+  const std::size_t n = pairs.size();
+  for (std::size_t k = 0; k < n; ++k) pairs.push_back({pairs[k][1], pairs[k][0]});
+  std::sort(pairs.begin(), pairs.end());
+  SOUPLE_ASSERT(pairs.size() == 2 * n, "each pair stands in both orders");
+  excluded_ = std::move(pairs);
+}
+
+bool ElementSurfaces::is_excluded(const NearPair& pair, bool edges) const {
+  if (excluded_.empty()) return false;
+  const std::size_t first = edges ? 2 : 1;
+  for (std::size_t a = 0; a < first; ++a)
+    for (std::size_t b = first; b < 4; ++b)
+      if (std::binary_search(excluded_.begin(), excluded_.end(),
+                             std::array<std::uint32_t, 2>{pair.particle[a], pair.particle[b]}))
+        return true;
+  return false;
+}
+
+void ElementSurfaces::limit_to_rest_distance(std::span<const NearPair> pairs, bool edges,
+                                             float* thickness) const {
+  SOUPLE_ASSERT(pairs.size() <= max_batch, "a batch of pairs");
+  NearPair near[max_batch];
+  std::size_t which[max_batch], count = 0;
+  for (std::size_t k = 0; k < pairs.size(); ++k) {
+    const auto& i = pairs[k].particle;
+    const std::uint32_t surface = surface_of_[i[0]];
+    const float near_enough = thickness[k] / rest_part + 2 * longest_edge_[surface];
+    if (surfaces_[surface].rest.empty() ||
+        length_squared(rest_[i[0]].xyz() - rest_[i[3]].xyz()) > near_enough * near_enough)
+      continue;
+    near[count] = pairs[k];
+    which[count++] = k;
+  }
+  if (count == 0) return;
+  float distance[max_batch];
+  kernels::ParticleRecords at_rest;
+  at_rest.position = &rest_[0].x;
+  at_rest.moving = const_cast<float*>(at_rest.position);  // only read
+  const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
+  kernels.distances[edges ? 1 : 0](at_rest, &near[0].particle, 0, count, distance);
+  for (std::size_t n = 0; n < count; ++n)
+    thickness[which[n]] = min(thickness[which[n]], rest_part * distance[n]);
+}
+
+std::size_t ElementSurfaces::bytes() const {
+  return bytes_of(surfaces_, surface_of_, rest_);
+}
+
+}  // namespace souple

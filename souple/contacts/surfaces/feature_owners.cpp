@@ -1,0 +1,106 @@
+#include "souple/contacts/surfaces/feature_owners.h"
+
+#include "souple/collision/nearest.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+namespace souple {
+namespace {
+
+constexpr std::uint32_t no_vertex = std::numeric_limits<std::uint32_t>::max();
+
+// Whether the path from q to k starts towards the origin, by more than rounding errors. Otherwise a vertex
+// just above an edge would get a contact from neither triangle.
+bool points_to_origin(const Vec3f& q, const Vec3f& k) {
+  constexpr float sine = 1e-4f;
+  const float along = -dot(q, k - q);
+  return along > 0 && along * along > sine * sine * length_squared(q) * length_squared(k - q);
+}
+
+}  // namespace
+
+void FeatureOwners::build(const ElementSurfaces& surfaces) {
+  const std::size_t n = surfaces.particle_count();
+  owner_of_vertex_.assign(n, {no_vertex, no_vertex, no_vertex});
+  struct Entry {
+    std::uint32_t vertex;
+    VertexEdge edge;
+  };
+  std::vector<Entry> found;
+  for (std::size_t a = 0; a < surfaces.size(); ++a) {
+    const ContactSurface& surface = surfaces[a];
+    for (std::array<std::uint32_t, 3> t : surface.triangles) {
+      for (std::uint32_t& i : t) i += surface.begin;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t i = t[k], j = t[(k + 1) % 3], opposite = t[(k + 2) % 3];
+        if (owner_of_vertex_[i][0] == no_vertex) owner_of_vertex_[i] = t;
+        found.push_back({i, {j, opposite}});
+        found.push_back({j, {i, opposite}});
+      }
+    }
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Entry& a, const Entry& b) {
+    return a.vertex != b.vertex ? a.vertex < b.vertex : a.edge.other < b.edge.other;
+  });
+  vertex_edges_.clear();
+  vertex_edges_begin_.assign(n + 1, 0);
+  for (const Entry& one : found) {
+    vertex_edges_.push_back(one.edge);
+    ++vertex_edges_begin_[one.vertex + 1];
+  }
+  for (std::size_t i = 0; i < n; ++i) vertex_edges_begin_[i + 1] += vertex_edges_begin_[i];
+}
+
+bool FeatureOwners::is_owner(const NearPair& pair, unsigned on_border, const ParticleView& particles) const {
+  if (on_border == 0) return true;
+  if (std::has_single_bit(on_border))
+    return is_owner_of_edge(pair, static_cast<std::size_t>(std::countr_zero(on_border)), particles);
+  const auto k = static_cast<std::size_t>(std::countr_zero(~on_border & 7u)) % 3;
+  return is_owner_of_corner(pair, k, particles);
+}
+
+// The edge opposite to `corner`: its first triangle owns it, unless a triangle with this edge extends below
+// the vertex x. With q the nearest point of the edge and k the corner opposite to it, (x - q) . (k - q) <= 0
+// must hold.
+bool FeatureOwners::is_owner_of_edge(const NearPair& pair, std::size_t corner,
+                                     const ParticleView& particles) const {
+  const std::uint32_t x = pair.particle[0], k = pair.particle[1 + corner];
+  const std::uint32_t i = pair.particle[1 + (corner + 1) % 3], j = pair.particle[1 + (corner + 2) % 3];
+  const Vec3f to_i = particles.difference(i, x), to_j = particles.difference(j, x);
+  const float s = nearest_on_edge(Vec3f{}, to_i, to_j);
+  const Vec3f to_q = to_i * (1 - s) + to_j * s;
+  bool first = true;
+  for (std::uint32_t n = vertex_edges_begin_[i]; n < vertex_edges_begin_[i + 1]; ++n) {
+    if (vertex_edges_[n].other != j) continue;
+    const std::uint32_t opposite = vertex_edges_[n].opposite;
+    if (first && opposite != k) return false;
+    first = false;
+    if (opposite != k && opposite != x && points_to_origin(to_q, particles.difference(opposite, x)))
+      return false;
+  }
+  return true;
+}
+
+// A corner: its first triangle owns it, if all edges at the corner fulfill the condition above.
+bool FeatureOwners::is_owner_of_corner(const NearPair& pair, std::size_t corner,
+                                       const ParticleView& particles) const {
+  const auto& i = pair.particle;
+  const std::uint32_t x = i[0], q = i[1 + corner];
+  for (const std::uint32_t k : owner_of_vertex_[q])
+    if (k != i[1] && k != i[2] && k != i[3]) return false;
+  const Vec3f to_q = particles.difference(q, x);
+  for (std::uint32_t n = vertex_edges_begin_[q]; n < vertex_edges_begin_[q + 1]; ++n) {
+    const std::uint32_t other = vertex_edges_[n].other;
+    if (other != x && points_to_origin(to_q, particles.difference(other, x))) return false;
+  }
+  return true;
+}
+
+std::size_t FeatureOwners::bytes() const {
+  return bytes_of(owner_of_vertex_, vertex_edges_begin_, vertex_edges_);
+}
+
+}  // namespace souple

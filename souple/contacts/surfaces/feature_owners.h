@@ -1,0 +1,38 @@
+#pragma once
+
+#include "souple/contacts/surfaces/element_surfaces.h"
+#include "souple/solver/projector.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace souple {
+
+/// Which triangle of a surface makes the contact with a vertex that is nearest to an edge or a corner of several
+/// triangles. If the vertex is over none of the triangles around the feature, the first one of the mesh makes it.
+/// If it is over one of them, only that triangle does: the normal from the edge would brake sliding vertices.
+class FeatureOwners {
+ public:
+  void build(const ElementSurfaces& surfaces);
+  /// Whether the triangle of a pair owns the feature where its nearest point lies: the triangle, an edge or a
+  /// corner. Bit k of on_border: corner k has no weight.
+  bool is_owner(const NearPair& pair, unsigned on_border, const ParticleView& particles) const;
+  std::size_t bytes() const;
+
+ private:
+  /// An edge of a triangle, listed at one of its ends.
+  struct VertexEdge {
+    std::uint32_t other, opposite;  ///< the other end of the edge, and the opposite corner of the triangle
+  };
+  bool is_owner_of_edge(const NearPair& pair, std::size_t corner, const ParticleView& particles) const;
+  bool is_owner_of_corner(const NearPair& pair, std::size_t corner, const ParticleView& particles) const;
+
+  /// Edges of vertex i begin at vertex_edges_begin_[i], sorted by their other ends, then in the order of
+  /// triangles.
+  std::vector<std::uint32_t> vertex_edges_begin_;
+  std::vector<VertexEdge> vertex_edges_;
+  std::vector<std::array<std::uint32_t, 3>> owner_of_vertex_;  // per particle: its first triangle
+};
+
+}  // namespace souple

@@ -1,0 +1,114 @@
+#include "souple/contacts/surfaces/motion_filter.h"
+
+#include "souple/contacts/kernels/find_kernels.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+
+namespace souple {
+
+void MotionFilter::set_count() {
+  // The number of violations varies between substeps.
+  correction_pair_.reserve(256), correction_toi_.reserve(256), violations_.reserve(256);
+  corrected_particles_.reserve(2048);
+  corrections_.resize(256);
+}
+
+void MotionFilter::find_violations(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase,
+                                   const ParticleView& particles, Threads& threads) {
+  candidates.measure(particles, threads);
+  narrow_phase.find_violations(candidates, particles, true, violations_, threads);
+}
+
+// After a pass. It moved only particles of violations and of correction contacts, so only their pairs are
+// tested: all other pairs have no violation, as before.
+std::size_t MotionFilter::refind_violations(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase,
+                                            const ParticleView& particles, const Substep& substep,
+                                            Threads& threads) {
+  corrected_particles_.clear();
+  for (const PairToi& violation : violations_)
+    for (const std::uint32_t i : candidates.pair(violation.pair).particle) corrected_particles_.push_back(i);
+  for (const std::uint32_t* const column : corrections_.columns().particle)
+    corrected_particles_.insert(corrected_particles_.end(), column, column + correction_pair_.size());
+  std::sort(corrected_particles_.begin(), corrected_particles_.end());
+  corrected_particles_.erase(std::unique(corrected_particles_.begin(), corrected_particles_.end()),
+                             corrected_particles_.end());
+  const std::size_t first_new = candidates.update(particles, substep.h, corrected_particles_, threads);
+  if (first_new == 0) {
+    find_violations(candidates, narrow_phase, particles, threads);
+  } else {
+    candidates.measure(particles, corrected_particles_);
+    narrow_phase.find_violations(candidates, particles, false, violations_, threads);
+  }
+  return first_new;
+}
+
+// Adds correction contacts of the violations and solves all correction contacts, one after the other. They
+// conserve momentum.
+void MotionFilter::solve_corrections(ElementPairs& candidates, const SurfaceNarrowPhase& narrow_phase,
+                                     const ParticleView& particles) {
+  const std::size_t begin = correction_pair_.size();
+  const auto append = [&](bool edges) {
+    for (const PairToi& violation : violations_) {
+      const NearPair& pair = candidates.pair(violation.pair);
+      if (candidates.are_edges(violation.pair) != edges ||
+          !has_normal(pair, motion_of(pair, particles), violation.toi, edges, particles))
+        continue;
+      correction_pair_.push_back(violation.pair);
+      correction_toi_.push_back(violation.toi);
+    }
+  };
+  append(false);
+  const std::size_t edges = correction_pair_.size();
+  append(true);
+  corrections_.resize(correction_pair_.size());
+  const kernels::ContactColumns columns = corrections_.columns();
+  narrow_phase.describe(candidates, false, begin, edges, particles, correction_pair_, correction_toi_,
+                        columns);
+  narrow_phase.describe(candidates, true, edges, correction_pair_.size(), particles, correction_pair_,
+                        correction_toi_, columns);
+  const kernels::ElementPairKernels& scalar_kernels =
+      kernels::find_element_pair_kernels(InstructionSet::scalar);
+  constexpr int sweeps = 4;
+  for (int sweep = 0; sweep < sweeps; ++sweep)
+    scalar_kernels.project(candidates.particle_records(particles), columns, 0, correction_pair_.size());
+}
+
+// Particles of violations keep the part of their motion that is safe.
+void MotionFilter::clamp_to_toi(const ElementPairs& candidates, const ParticleView& particles) {
+  clamp_toi_.assign(candidates.surfaces().particle_count(), 1);
+  for (const PairToi& violation : violations_)
+    for (const std::uint32_t i : candidates.pair(violation.pair).particle)
+      clamp_toi_[i] = min(clamp_toi_[i], violation.toi);
+  for (std::size_t i = 0; i < clamp_toi_.size(); ++i)
+    if (clamp_toi_[i] < 1 && particles.inverse_mass(i) > 0)
+      particles.moving[i].set_xyz(particles.start[i].xyz() + particles.moved(i) * clamp_toi_[i]);
+}
+
+// First correction contacts, which conserve momentum. Then the motions of remaining violations are clamped.
+MotionFilter::Result MotionFilter::apply(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase,
+                                         const ParticleView& particles, const Substep& substep,
+                                         Threads& threads) {
+  constexpr int correction_passes = 20, passes = 30;
+  correction_pair_.clear(), correction_toi_.clear();
+  Result result;
+  result.first_new = candidates.update(particles, substep.h, threads);
+  find_violations(candidates, narrow_phase, particles, threads);
+  for (int pass = 0; pass < passes && !violations_.empty(); ++pass) {
+    if (pass < correction_passes) {
+      solve_corrections(candidates, narrow_phase, particles);
+    } else {
+      result.clamped += violations_.size();
+      clamp_to_toi(candidates, particles);
+    }
+    result.first_new =
+        std::min(result.first_new, refind_violations(candidates, narrow_phase, particles, substep, threads));
+  }
+  return result;
+}
+
+std::size_t MotionFilter::bytes() const {
+  return bytes_of(clamp_toi_) + corrections_.bytes();
+}
+
+}  // namespace souple

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "souple/contacts/contact_arrays.h"
+#include "souple/contacts/surfaces/surface_narrow_phase.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace souple {
+
+/// Prevents intersections after the solver: tests all motions again. Pairs that would still pass through each other
+/// receive correction contacts, which conserve momentum. If these do not suffice (an object is squeezed between
+/// walls), motions are clamped. So objects without intersections never start to intersect.
+class MotionFilter {
+ public:
+  void set_count();
+  struct Result {
+    std::size_t clamped = 0;    ///< number of clamps
+    std::size_t first_new = 0;  ///< the first pair that is new since, see ElementPairs::update
+  };
+  /// Changes the motions of particles.
+  Result apply(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase, const ParticleView& particles,
+               const Substep& substep, Threads& threads);
+  std::size_t bytes() const;
+
+ private:
+  void find_violations(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase,
+                       const ParticleView& particles, Threads& threads);
+  std::size_t refind_violations(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase,
+                                const ParticleView& particles, const Substep& substep, Threads& threads);
+  void solve_corrections(ElementPairs& candidates, const SurfaceNarrowPhase& narrow_phase,
+                         const ParticleView& particles);
+  void clamp_to_toi(const ElementPairs& candidates, const ParticleView& particles);
+
+  std::vector<PairToi> violations_;
+  std::vector<std::uint32_t> correction_pair_;
+  std::vector<float> correction_toi_;
+  ContactArrays corrections_;                       // correction contacts, of correction_pair_
+  std::vector<std::uint32_t> corrected_particles_;  // moved by the last pass
+  std::vector<float> clamp_toi_;                    // per particle: part of the motion that remains
+};
+
+}  // namespace souple

@@ -1,0 +1,73 @@
+#include "souple/contacts/surfaces/pair_chunks.h"
+
+#include "souple/assert.h"
+#include "souple/broad_phase/spatial_hash.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+
+namespace souple {
+
+void PairChunks::List::resize(std::size_t size) {
+  particle.resize(size), thickness.resize(size), distance_bound.resize(size);
+}
+
+void PairChunks::List::add(const NearPair& pair, float pair_thickness, float distance) {
+  particle[count] = pair, thickness[count] = pair_thickness, distance_bound[count] = distance;
+  ++count;
+}
+
+std::size_t PairChunks::List::bytes() const {
+  return bytes_of(particle, thickness, distance_bound);
+}
+
+void PairChunks::clear() {
+  particle_.clear(), thickness_.clear(), distance_bound_.clear(), is_edges_.clear();
+  chunks_.clear();
+}
+
+void PairChunks::clear(std::size_t particles) {
+  clear();
+  valid_from_.assign(particles, 0);
+}
+
+void PairChunks::append(std::span<Batch> batches, List Batch::*list, bool edges, bool inter_object,
+                        Threads& threads) {
+  const std::size_t begin = size();
+  std::size_t sum = begin;
+  for (Batch& batch : batches) {
+    (batch.*list).offset = sum;
+    sum += (batch.*list).count;
+  }
+  resize_with_spare(particle_, sum);
+  resize_with_spare(is_edges_, sum);
+  for (std::vector<float>* column : {&thickness_, &distance_bound_}) resize_with_spare(*column, sum);
+  threads.for_each(batches.size(), 1, [&](std::size_t b, std::size_t last) {
+    for (; b < last; ++b) {
+      const List& from = batches[b].*list;
+      std::copy_n(from.particle.data(), from.count, particle_.data() + from.offset);
+      std::copy_n(from.thickness.data(), from.count, thickness_.data() + from.offset);
+      std::copy_n(from.distance_bound.data(), from.count, distance_bound_.data() + from.offset);
+      std::fill_n(is_edges_.data() + from.offset, from.count, edges ? 1 : 0);
+    }
+  });
+  if (chunks_.capacity() == 0) chunks_.reserve(64);
+  for (std::size_t next = begin; next < sum; next += chunk_size) {
+    Chunk chunk;
+    chunk.begin = static_cast<std::uint32_t>(next);
+    chunk.end = static_cast<std::uint32_t>(std::min(sum, next + chunk_size));
+    chunk.edges = edges, chunk.inter_object = inter_object;
+    SOUPLE_ASSERT(chunk.begin < chunk.end, "a chunk has pairs");
+    chunks_.push_back(chunk);
+  }
+}
+
+kernels::ElementPairColumns PairChunks::columns() {
+  return {particle_.empty() ? nullptr : &particle_[0].particle, thickness_.data(), distance_bound_.data()};
+}
+
+std::size_t PairChunks::bytes() const {
+  return bytes_of(particle_, thickness_, distance_bound_, is_edges_, valid_from_, chunks_);
+}
+
+}  // namespace souple

@@ -1,0 +1,173 @@
+#include "souple/contacts/surfaces/predicted_paths.h"
+
+#include "souple/assert.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace souple {
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+// The search skips boxes that are not finite.
+constexpr Bounds infinite_box{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+// Chunks have one size, and their results are joined in order: they do not depend on the number of threads.
+constexpr std::size_t chunk_size = 1024;
+constexpr std::size_t particle_grain = 2048;
+// Margin around the path that follows from a particle's velocity, as parts of the path's length and of the
+// radius: contacts may move the particle. `predict` adds the fall by gravity: a particle may fall where the
+// rest of its object does not, or the reverse.
+constexpr float motion_margin_part = 0.15f, radius_margin_part = 0.25f;
+// Margin around the path of a particle that has left its path: contacts move it again.
+constexpr float off_path_margin_part = 0.5f;
+
+Vec3d mean_position(const ElementSurfaces& surfaces, std::size_t surface, const ParticleView& particles) {
+  Vec3d sum;
+  double count = 0;
+  surfaces.for_each_sample(surface, [&](std::uint32_t i) {
+    if (particles.inverse_mass(i) == 0) return;
+    sum += Vec3d(particles.relative(i, {}));
+    ++count;
+  });
+  return count > 0 ? sum / count : sum;
+}
+
+}  // namespace
+
+void PredictedPaths::set_count(std::size_t particles) {
+  *this = {};
+  off_path_.reserve(particles);
+}
+
+void PredictedPaths::begin_step(std::span<const float> radius, std::span<const float> contact_margin,
+                                float gravity) {
+  radius_ = radius, contact_margin_ = contact_margin, gravity_ = gravity;
+}
+
+// Mean velocities and positions of the particles that can move.
+void PredictedPaths::find_means(const ElementSurfaces& surfaces, const ParticleView& particles,
+                                std::span<const Vec4f> velocity) {
+  mean_velocity_.assign(surfaces.size(), {});
+  shift_.assign(surfaces.size(), {});
+  mean_position_.assign(surfaces.size(), {});
+  for (std::size_t a = 0; a < surfaces.size(); ++a) {
+    Vec3d sum;
+    double count = 0;
+    surfaces.for_each_sample(a, [&](std::uint32_t i) {
+      if (particles.inverse_mass(i) == 0) return;
+      sum += Vec3d(velocity[i].xyz());
+      ++count;
+    });
+    const Vec3f mean(count > 0 ? sum / count : sum);
+    if (is_finite(mean)) mean_velocity_[a] = mean;
+    mean_position_[a] = mean_position(surfaces, a, particles);
+  }
+}
+
+void PredictedPaths::find_shift(const ElementSurfaces& surfaces, const ParticleView& particles) {
+  for (std::size_t a = 0; a < surfaces.size(); ++a)
+    if (surfaces[a].self_collision)
+      shift_[a] = Vec3f(mean_position(surfaces, a, particles) - mean_position_[a]);
+}
+
+void PredictedPaths::predict_all(const ElementSurfaces& surfaces, const ParticleView& particles,
+                                 std::span<const Vec4f> velocity, float dt, Threads& threads) {
+  elapsed_ = 0;
+  const std::size_t n = surfaces.particle_count();
+  boxes_.resize(n), relative_boxes_.resize(n), path_.resize(n), predicted_velocity_.resize(n);
+  threads.for_each(n, particle_grain, [&](std::size_t k, std::size_t end) {
+    for (; k < end; ++k) {
+      const auto i = static_cast<std::uint32_t>(k);
+      boxes_[i] = infinite_box;
+      if (surfaces.of(i) != no_surface)
+        predict(i, surfaces.of(i), particles.relative(i, {}), velocity[i].xyz(), 0, dt,
+                radius_margin_part * max(radius_[i], 0.0f));
+    }
+  });
+}
+
+// The path of a particle that is at x at the time `since` after pairs were found and moves with v for dt.
+void PredictedPaths::predict(std::uint32_t i, std::uint32_t surface, const Vec3f& x, const Vec3f& v,
+                             float since, float dt, float margin) {
+  const Vec3f relative_v = v - mean_velocity_[surface], relative_x = x - shift_[surface];
+  const float contact_distance = max(radius_[i], min_thickness) * (1 + speculative_part) + contact_margin_[i];
+  const float fall = 0.5f * gravity_ * dt * dt, relative_length = dt * length(relative_v);
+  Path& path = path_[i];
+  path = {x - v * since, relative_x - relative_v * since,
+          margin + 2 * fall + motion_margin_part * dt * length(v),
+          margin + min(fall, relative_length) + motion_margin_part * relative_length, since + 1.01f * dt};
+  boxes_[i] = around(x, x + v * dt, contact_distance + path.margin);
+  relative_boxes_[i] =
+      around(relative_x, relative_x + relative_v * dt, contact_distance + path.relative_margin);
+  predicted_velocity_[i].set_xyz(v);
+}
+
+bool PredictedPaths::is_on_path(std::uint32_t i, const ContactSurface& surface, std::uint32_t index,
+                                bool checks_world, const Vec3f& x) const {
+  const Path& path = path_[i];
+  if (elapsed_ > path.valid_until) return false;
+  const Vec3f v = predicted_velocity_[i].xyz();
+  const auto within = [](const Vec3f& d, float margin) { return length_squared(d) <= margin * margin; };
+  if (checks_world && !within(x - (path.origin + v * elapsed_), path.margin)) return false;
+  if (!surface.self_collision) return true;
+  return within(x - shift_[index] - (path.relative_origin + (v - mean_velocity_[index]) * elapsed_),
+                path.relative_margin);
+}
+
+void PredictedPaths::find_off_path(const ElementSurfaces& surfaces,
+                                   std::span<const std::uint8_t> overlaps_other,
+                                   const ParticleView& particles, Threads& threads) {
+  find_shift(surfaces, particles);
+  const std::size_t n = surfaces.particle_count(), chunks = (n + chunk_size - 1) / chunk_size;
+  for (std::size_t c = off_path_of_chunk_.size(); c < chunks; ++c)
+    off_path_of_chunk_.emplace_back().reserve(chunk_size);
+  threads.for_each(chunks, 2, [&](std::size_t c, std::size_t last) {
+    for (; c < last; ++c) {
+      off_path_of_chunk_[c].clear();
+      for (std::size_t k = c * chunk_size; k < std::min(n, (c + 1) * chunk_size); ++k) {
+        const auto i = static_cast<std::uint32_t>(k);
+        const std::uint32_t a = surfaces.of(i);
+        if (a != no_surface &&
+            !is_on_path(i, surfaces[a], a, overlaps_other[a] != 0, particles.relative(i, {})))
+          off_path_of_chunk_[c].push_back(i);
+      }
+    }
+  });
+  off_path_.clear();
+  for (std::size_t c = 0; c < chunks; ++c)
+    off_path_.insert(off_path_.end(), off_path_of_chunk_[c].begin(), off_path_of_chunk_[c].end());
+}
+
+void PredictedPaths::find_off_path(const ElementSurfaces& surfaces,
+                                   std::span<const std::uint8_t> overlaps_other,
+                                   const ParticleView& particles, std::span<const std::uint32_t> moved) {
+  off_path_.clear();
+  for (const std::uint32_t i : moved) {
+    const std::uint32_t a = surfaces.of(i);
+    SOUPLE_ASSERT(a != no_surface, "a particle of a surface");
+    if (!is_on_path(i, surfaces[a], a, overlaps_other[a] != 0, particles.relative(i, {})))
+      off_path_.push_back(i);
+  }
+}
+
+void PredictedPaths::predict_off_path(const ElementSurfaces& surfaces, const ParticleView& before,
+                                      std::span<const Vec4f> velocity, float h, float dt) {
+  saved_shift_ = shift_;
+  find_shift(surfaces, before);
+  for (const std::uint32_t i : off_path_)
+    predict(i, surfaces.of(i), before.relative(i, {}), velocity[i].xyz(), elapsed_ - h, dt,
+            off_path_margin_part * max(radius_[i], 0.0f));
+  shift_.swap(saved_shift_);
+}
+
+kernels::PredictionMargins PredictedPaths::margins(bool inter_object) const {
+  return {radius_.data(), inter_object ? &path_[0].margin : &path_[0].relative_margin,
+          sizeof(Path) / sizeof(float), min_thickness, speculative_part};
+}
+
+std::size_t PredictedPaths::bytes() const {
+  return bytes_of(boxes_, relative_boxes_, path_, predicted_velocity_);
+}
+
+}  // namespace souple

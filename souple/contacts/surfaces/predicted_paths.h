@@ -1,0 +1,97 @@
+#pragma once
+
+#include "souple/broad_phase/bounds.h"
+#include "souple/contacts/kernels/element_pairs.h"
+#include "souple/contacts/surfaces/element_surfaces.h"
+#include "souple/solver/projector.h"
+#include "souple/threads/threads.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+inline constexpr float min_thickness = 1e-5f;  // m
+/// Speculative margin, as a part of the thickness: contacts exist before elements are near enough for a
+/// correction, because the solver moves them too.
+inline constexpr float speculative_part = 0.1f;
+
+/// Where each particle of the surfaces will be within the time that a search for pairs covers: on a straight path,
+/// within a margin. Paths for self-collision are relative to the object's mean motion: a heap that falls as a whole
+/// has no more pairs than one at rest.
+class PredictedPaths {
+ public:
+  /// Forgets all paths. `particles`: how many particles paths are predicted for.
+  void set_count(std::size_t particles);
+  /// radius[i]: half the thickness of particle i [m]. contact_margin[i]: additional distance at which contacts of
+  /// particle i begin [m]. Both must live until the step ends.
+  void begin_step(std::span<const float> radius, std::span<const float> contact_margin, float gravity);
+
+  /// Sets the mean motions of the surfaces, relative to which the next paths are predicted.
+  void find_means(const ElementSurfaces& surfaces, const ParticleView& particles,
+                  std::span<const Vec4f> velocity);
+  /// Velocity of a particle relative to its surface's mean [m/s].
+  Vec3f relative_velocity(const Vec3f& velocity, std::size_t surface) const {
+    return velocity - mean_velocity_[surface];
+  }
+  /// Of a particle in contacts [m].
+  float thickness(std::uint32_t particle) const { return 2 * max(radius_[particle], min_thickness); }
+  /// Predicts all paths for a time of `dt` [s].
+  void predict_all(const ElementSurfaces& surfaces, const ParticleView& particles,
+                   std::span<const Vec4f> velocity, float dt, Threads& threads);
+  /// Starts the next substep.
+  void advance(float h) { elapsed_ += h; }
+  /// Finds the particles that have left their paths. Positions of surfaces far from all others (overlaps_other is 0)
+  /// are compared relative to their mean only, because the margin of their bounds covers their motion.
+  void find_off_path(const ElementSurfaces& surfaces, std::span<const std::uint8_t> overlaps_other,
+                     const ParticleView& particles, Threads& threads);
+  /// As above, if only `moved` have moved since. Compares all particles of a surface with one shift, that of the last
+  /// search of all particles.
+  void find_off_path(const ElementSurfaces& surfaces, std::span<const std::uint8_t> overlaps_other,
+                     const ParticleView& particles, std::span<const std::uint32_t> moved);
+  std::span<const std::uint32_t> off_path() const { return off_path_; }
+  /// Predicts those again, from the substep's start, for a time of `dt`.
+  void predict_off_path(const ElementSurfaces& surfaces, const ParticleView& before,
+                        std::span<const Vec4f> velocity, float h, float dt);
+  /// Sets the motion of each surface's mean since pairs were found.
+  void find_shift(const ElementSurfaces& surfaces, const ParticleView& particles);
+
+  /// Per particle: around its path, in world space and relative to its surface's mean motion.
+  std::span<const Bounds> boxes() const { return boxes_; }
+  std::span<const Bounds> relative_boxes() const { return relative_boxes_; }
+  /// Per particle: predicted velocity [m/s].
+  std::span<const Vec4f> velocity() const { return predicted_velocity_; }
+  kernels::PredictionMargins margins(bool inter_object) const;
+  std::span<const float> contact_margin() const { return contact_margin_; }
+  std::size_t bytes() const;
+
+ private:
+  /// Predicted positions of a particle at the time t since pairs were found [m]: within `margin` of
+  /// origin + v t in world space, and within `relative_margin` of relative_origin + (v - mean_velocity) t
+  /// relative to its surface's shift.
+  struct Path {
+    Vec3f origin, relative_origin;
+    float margin, relative_margin;
+    float valid_until;  // end of the time that the search covers, since pairs were found [s]
+  };
+  void predict(std::uint32_t particle, std::uint32_t surface, const Vec3f& x, const Vec3f& v, float since,
+               float dt, float margin);
+  bool is_on_path(std::uint32_t particle, const ContactSurface& surface, std::uint32_t index,
+                  bool checks_world, const Vec3f& x) const;
+
+  std::span<const float> radius_, contact_margin_;
+  float gravity_ = 0;
+  std::vector<Vec3f> mean_velocity_;  // per surface: when pairs were found [m/s]
+  std::vector<Vec3d> mean_position_;  // per surface: mean of sampled particles, when pairs were found [m]
+  std::vector<Vec3f> shift_;          // per surface: motion of that mean since then [m]
+  std::vector<Vec3f> saved_shift_;    // shift_, while particles are at the substep's start [m]
+  std::vector<Bounds> boxes_, relative_boxes_;
+  std::vector<Path> path_;
+  std::vector<Vec4f> predicted_velocity_;  // v above
+  float elapsed_ = 0;                      // from the last search of all pairs to the substep's end [s]
+  std::vector<std::vector<std::uint32_t>> off_path_of_chunk_;  // off_path_, by chunks of particles
+  std::vector<std::uint32_t> off_path_;                        // particles that have left their paths
+};
+
+}  // namespace souple

@@ -1,0 +1,219 @@
+#include "souple/contacts/surfaces/surface_contacts.h"
+
+#include "souple/assert.h"
+#include "souple/contacts/contact_law.h"
+#include "souple/contacts/kernels/find_kernels.h"
+#include "souple/contacts/surfaces/contact_colors.h"
+#include "souple/contacts/surfaces/motion_filter.h"
+#include "souple/contacts/surfaces/surface_narrow_phase.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace souple {
+namespace {
+
+constexpr std::size_t contact_grain = 256;
+
+const kernels::ElementPairKernels& simd_kernels() {
+  return kernels::find_element_pair_kernels(instruction_set());
+}
+
+}  // namespace
+
+SurfaceContacts::SurfaceContacts(const IntersectionResolver* intersection_resolver)
+    : narrow_phase_(std::make_unique<SurfaceNarrowPhase>()),
+      colors_(std::make_unique<ContactColors>()),
+      filter_(std::make_unique<MotionFilter>()) {
+  pairs_.set_intersection_resolver(intersection_resolver);
+}
+SurfaceContacts::~SurfaceContacts() = default;
+
+void SurfaceContacts::build(const ContactGeometry& geometry) {
+  pairs_.exclude(geometry.joined);
+  set_surfaces(geometry.surfaces);
+}
+
+void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
+  clear_contacts();
+  pairs_.set_surfaces(std::move(surfaces));
+  if (!pairs_.surfaces().any()) return;
+  narrow_phase_->build(pairs_.surfaces());
+  colors_->set_count(pairs_.surfaces().particle_count());
+  filter_->set_count();
+}
+
+void SurfaceContacts::begin_step(const ContactInput& input, Threads& threads) {
+  clear_contacts();
+  pairs_.clear();
+  if (!pairs_.surfaces().any()) return;
+  narrow_phase_->begin_step(pairs_.surfaces(), input.tables.against_objects, input.step);
+  contact_margin_ = input.contact_margin;
+  pairs_.begin_step(input.particles, input.velocity, input.radius, input.contact_margin, input.step, threads);
+  colors_->extend(0, pairs_);
+}
+
+void SurfaceContacts::clear_contacts() {
+  contacts_.resize(0);
+  colors_->clear_contacts();
+}
+
+void SurfaceContacts::refresh(const ParticleView& particles, const Substep& substep, double,
+                              Threads& threads) {
+  clear_contacts();
+  if (!pairs_.surfaces().any()) return;
+  narrow_phase_->begin_substep(substep.h);
+  pairs_.begin_substep(substep.h);
+  colors_->extend(pairs_.update(particles, substep.h, threads), pairs_);
+  pairs_.measure(particles, threads);
+  narrow_phase_->find_contacts(pairs_, particles, contact_pairs_, threads);
+  colors_->sort(contact_pairs_, pairs_, particles);
+  describe_contacts(particles, threads);
+  for (std::size_t c = 0; narrow_phase_->is_discrete() && c < size(); ++c)
+    narrow_phase_->describe_crossing(pairs_, colors_->pair()[c], c, particles, columns_);
+}
+
+void SurfaceContacts::describe_contacts(const ParticleView& particles, Threads& threads) {
+  contacts_.resize(contact_pairs_.size());
+  columns_ = contacts_.columns();
+  const std::span<const std::size_t> kind_begin = colors_->begin();
+  threads.for_each(contact_pairs_.size(), contact_grain, [&](std::size_t begin, std::size_t end) {
+    auto kind = static_cast<std::size_t>(std::upper_bound(kind_begin.begin(), kind_begin.end(), begin) -
+                                         kind_begin.begin()) -
+                1;
+    for (; begin < end; ++kind) {
+      const std::size_t last = std::min(end, kind_begin[kind + 1]);
+      narrow_phase_->describe(pairs_, kind % 2 == 1, begin, last, particles, colors_->pair(), colors_->toi(),
+                              columns_);
+      begin = std::max(begin, last);
+    }
+  });
+}
+
+int SurfaceContacts::color_count() const {
+  return colors_->count();
+}
+
+std::size_t SurfaceContacts::color_size(int color) const {
+  const auto c = static_cast<std::size_t>(color);
+  return colors_->begin()[2 * c + 2] - colors_->begin()[2 * c];
+}
+
+void SurfaceContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
+                              const Substep&) {
+  const std::size_t first = colors_->begin()[2 * static_cast<std::size_t>(color)];
+  simd_kernels().project(pairs_.particle_records(particles), columns_, first + begin, first + end);
+}
+
+// A contact's correction beyond the approach becomes the margin of its particles, if it exceeds the
+// speculative margin: at most max_part of the thickness. Older margins decay.
+void SurfaceContacts::update_contact_margins() {
+  constexpr float max_part = 0.5f, decay = 0.9f, negligible = 1e-6f;  // negligible: m
+  for (float& contact_margin : contact_margin_)
+    contact_margin = contact_margin > negligible ? decay * contact_margin : 0;
+  for (std::size_t c = 0; c < size(); ++c) {
+    const float beyond = columns_.normal_sum[c] - max(0.0f, columns_.approach[c]);
+    if (!(beyond > speculative_part * columns_.thickness[c])) continue;
+    SOUPLE_ASSERT(columns_.thickness[c] >= 0, "no thickness is negative");
+    const float contact_margin = min(beyond, max_part * columns_.thickness[c]);
+    for (const std::uint32_t* particle : columns_.particle)
+      contact_margin_[particle[c]] = max(contact_margin_[particle[c]], contact_margin);
+  }
+}
+
+std::size_t SurfaceContacts::after_solve(const ParticleView& particles, const Substep& substep,
+                                         Threads& threads) {
+  if (!pairs_.surfaces().any()) return 0;
+  if (narrow_phase_->is_discrete()) {
+    colors_->extend(pairs_.update(particles, substep.h, threads), pairs_);
+    pairs_.measure(particles, threads);
+    pairs_.end_substep();
+    return 0;
+  }
+  const auto [clamped, first_new] = filter_->apply(pairs_, *narrow_phase_, particles, substep, threads);
+  colors_->extend(first_new, pairs_);
+  pairs_.end_substep();
+  update_contact_margins();
+  return clamped;
+}
+
+void SurfaceContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
+                                        const Substep&, Threads& threads) {
+  if (velocity.empty()) return;
+  for (int color = 0; color < color_count(); ++color) {
+    const std::size_t first = colors_->begin()[2 * static_cast<std::size_t>(color)];
+    threads.for_each(color_size(color), grain(), [&](std::size_t begin, std::size_t end) {
+      simd_kernels().apply_restitution(pairs_.particle_records(particles), columns_, narrow_phase_->limits(),
+                                       &velocity[0].x, first + begin, first + end);
+    });
+  }
+}
+
+void SurfaceContacts::append_impacts(const Substep&, std::vector<Impact>& out) const {
+  for (std::size_t c = 0; c < size(); ++c) {
+    const float approach = columns_.approach[c] * narrow_phase_->limits().inverse_h;
+    if (!bounces(columns_.normal_sum[c], columns_.restitution[c], approach,
+                 narrow_phase_->limits().restitution_threshold))
+      continue;
+    out.push_back({columns_.particle[0][c],
+                   columns_.particle[3][c],
+                   {columns_.normal[0][c], columns_.normal[1][c], columns_.normal[2][c]},
+                   approach,
+                   columns_.restitution[c],
+                   {}});
+  }
+}
+
+ContactReport SurfaceContacts::report() const {
+  return report_of(size(), columns_.normal_sum, columns_.depth);
+}
+
+void SurfaceContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
+  const auto first = static_cast<std::ptrdiff_t>(out.size());
+  for (std::size_t contact = 0; contact < size(); ++contact) {
+    if (!(columns_.normal_sum[contact] > 0)) continue;
+    const auto i = [&](std::size_t k) { return columns_.particle[k][contact]; };
+    const auto c = [&](std::size_t k) { return columns_.c[k][contact]; };
+    const Vec3f normal{columns_.normal[0][contact], columns_.normal[1][contact], columns_.normal[2][contact]};
+    // The particle with the largest weight on each side.
+    const bool edges = c(0) < 1 || c(1) > 0;
+    const std::uint32_t one = edges && c(1) > c(0) ? i(1) : i(0);
+    std::size_t other = edges ? 2 : 1;
+    for (std::size_t k = other; k < 4; ++k)
+      if (c(k) < c(other)) other = k;
+    const Vec3f point = particles.relative(one, {}) - normal * (0.5f * columns_.thickness[contact]);
+    out.push_back({one, i(other), point, normal,
+                   normal_impulse(columns_.normal_sum[contact], columns_.restitution_velocity[contact],
+                                  narrow_phase_->limits().inverse_h, columns_.inverse_mass[contact])});
+  }
+  // Not a stable sort, which would allocate: contacts of the same particles are in order of their points.
+  std::sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
+    const auto key = [](const ContactPush& push) {
+      return std::tie(push.particle, push.other, push.point.x, push.point.y, push.point.z, push.impulse);
+    };
+    return key(a) < key(b);
+  });
+}
+
+void SurfaceContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
+  for (int color = 0; color < color_count(); ++color)
+    for (std::size_t c = colors_->begin()[2 * static_cast<std::size_t>(color)];
+         c < colors_->begin()[2 * static_cast<std::size_t>(color) + 2]; ++c) {
+      const std::array<std::uint32_t, 4> i{columns_.particle[0][c], columns_.particle[1][c],
+                                           columns_.particle[2][c], columns_.particle[3][c]};
+      Vec3f apart;
+      for (std::size_t k = 1; k < 4; ++k) apart += particles.difference(i[k], i[0]) * columns_.c[k][c];
+      const Vec3f n{columns_.normal[0][c], columns_.normal[1][c], columns_.normal[2][c]};
+      const float C = dot(n, apart) - columns_.thickness[c];
+      visitor({i, color, 0, max(0.0f, -C)});
+    }
+}
+
+std::size_t SurfaceContacts::bytes() const {
+  return bytes_of(contact_pairs_) + pairs_.bytes() + narrow_phase_->bytes() + colors_->bytes() +
+         contacts_.bytes() + filter_->bytes();
+}
+
+}  // namespace souple

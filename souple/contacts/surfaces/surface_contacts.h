@@ -1,0 +1,94 @@
+#pragma once
+
+#include "souple/contacts/contact_arrays.h"
+#include "souple/contacts/contact_projector.h"
+#include "souple/contacts/surfaces/element_motion.h"
+#include "souple/contacts/surfaces/element_pairs.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+class ContactColors;
+class MotionFilter;
+class SurfaceNarrowPhase;
+
+/// Contacts between surfaces: a vertex and a triangle, or two edges, of two objects or of one. A ball and the
+/// edge of a rope are two edges, the ball's of zero length.
+///
+///   C = n . sum_k c_k p_k - d >= 0,   sum_k c_k = 0
+///
+/// c_k are the weights of the two nearest points (1 and minus barycentric for a vertex and a triangle), n the
+/// unit vector between them, and d the distance that the thickness requires. Both are computed once a
+/// substep, at the end of the motion x -> p. If the motion would bring the two elements through each other,
+/// they are computed just before the impact (continuous.h). So n always points to the side where the elements
+/// started. Corrections w_k c_k n conserve momentum. Friction, restitution and the slow release of an old
+/// overlap are as in ParticleContacts.
+///
+/// A vertex that is nearest to an edge or a corner makes a contact with one of the triangles there
+/// (feature_owners.h). Pairs of edges whose nearest point is an end make no contact, unless one is a rope's: the vertex
+/// at that end makes it with the triangles.
+///
+/// A contact must exist before the solver brings two elements too near. Otherwise it is present in one
+/// substep and absent in the next, and resting objects would tremble. Where bodies are stiff or heavy, the
+/// solver first moves them into each other by much more than their motion in a substep, and contacts push
+/// them back. So contacts of a particle that was pushed back start earlier by that correction, in this
+/// substep and some following ones.
+///
+/// With discrete detection only a vertex whose path crosses a triangle gets a contact, at the crossing and
+/// along the triangle's normal (path_crossing.h).
+///
+/// After the solver, `after_solve` tests all motions again (motion_filter.h).
+///
+/// A substep goes through four classes: ElementPairs keeps the candidates, SurfaceNarrowPhase finds which of them touch
+/// and describes the contacts, ContactColors orders them for the solver, and MotionFilter corrects what the solver left.
+class SurfaceContacts final : public ContactProjector {
+ public:
+  /// Contacts ignore the pairs that the resolver exempts; null: none. It must outlive this object.
+  explicit SurfaceContacts(const IntersectionResolver* intersection_resolver = nullptr);
+  ~SurfaceContacts() override;
+
+  /// No contact between an element of one particle of a joined pair and an element of the other particle.
+  void build(const ContactGeometry& geometry) override;
+  void set_end(std::size_t object, std::uint32_t end) override { pairs_.set_end(object, end); }
+  void begin_step(const ContactInput& input, Threads& threads) override;
+  void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads) override;
+  /// Prevents intersections. Returns the number of clamps.
+  std::size_t after_solve(const ParticleView& particles, const Substep& substep, Threads& threads) override;
+  void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
+                         Threads& threads) override;
+  void append_impacts(const Substep& substep, std::vector<Impact>& out) const override;
+  ContactReport report() const override;
+  void events(const ParticleView& particles, std::vector<ContactPush>& out) const override;
+
+  std::string_view kind() const override { return "surface contact"; }
+  std::size_t size() const override { return contacts_.size(); }
+  int color_count() const override;
+  std::size_t color_size(int color) const override;
+  std::size_t grain() const override { return 256; }
+  using Projector::project;
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
+               const Substep& substep) override;
+  void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
+  std::size_t bytes() const override;
+  void clear() override { set_surfaces({}); }
+
+ private:
+  void set_surfaces(std::vector<ContactSurface> surfaces);
+  void clear_contacts();
+  void describe_contacts(const ParticleView& particles, Threads& threads);
+  void update_contact_margins();
+
+  ElementPairs pairs_;
+  std::unique_ptr<SurfaceNarrowPhase> narrow_phase_;
+  std::unique_ptr<ContactColors> colors_;
+  std::unique_ptr<MotionFilter> filter_;
+  std::span<float> contact_margin_;
+  std::vector<PairToi> contact_pairs_;  // in order of pairs
+  ContactArrays contacts_;              // in order of colors
+  kernels::ContactColumns columns_{};   // of contacts_
+};
+
+}  // namespace souple

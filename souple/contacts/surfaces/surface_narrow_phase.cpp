@@ -1,0 +1,221 @@
+#include "souple/contacts/surfaces/surface_narrow_phase.h"
+
+#include "souple/assert.h"
+#include "souple/broad_phase/spatial_hash.h"
+#include "souple/contacts/anchor.h"
+#include "souple/contacts/contact_law.h"
+#include "souple/contacts/kernels/find_kernels.h"
+#include "souple/error.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+
+namespace souple {
+namespace {
+
+using kernels::Classification;
+
+// Pairs that start nearer than this have no side to keep, and continuous detection ignores them: otherwise
+// two sheets in one plane could never separate. [m]
+constexpr float coincident_distance = 1e-8f;
+
+const kernels::ElementPairKernels& simd_kernels() {
+  return kernels::find_element_pair_kernels(instruction_set());
+}
+
+/// Nearest point of the first element relative to that of the second.
+Anchor<4> anchor_of(const kernels::ContactColumns& contacts, std::size_t c) {
+  Anchor<4> anchor;
+  for (std::size_t k = 0; k < 4; ++k) {
+    anchor.particle[k] = contacts.particle[k][c];
+    anchor.weight[k] = contacts.c[k][c];
+  }
+  return anchor;
+}
+
+void find_chunk_violations(ElementPairs& candidates, std::size_t chunk, const ParticleView& particles,
+                           bool all, std::vector<PairToi>& found) {
+  constexpr float distance_part = 0.9f;  // of the distance: pairs with a smaller motion are skipped
+  if (!all && !candidates.any_moved_by(distance_part, candidates.chunk(chunk))) return;
+  std::uint32_t near[ElementPairs::chunk_size];
+  const std::size_t count =
+      candidates.find_near(chunk, {distance_part, 0, 0}, candidates.particle_records(particles), near);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!all && !candidates.was_moved(near[k])) continue;
+    if (candidates.distance_bound(near[k]) < coincident_distance || candidates.is_replaced(near[k])) continue;
+    const float toi =
+        safe_time(motion_of(candidates.pair(near[k]), particles), candidates.chunk(chunk).edges);
+    SOUPLE_ASSERT(0 <= toi && toi <= 1, "a time of impact is a part of the motion");
+    if (toi < 1) found.push_back({near[k], toi});
+  }
+}
+
+}  // namespace
+
+void SurfaceNarrowPhase::begin_step(const ElementSurfaces& surfaces, const ContactMaterialTable& materials,
+                                    const ContactStep& step) {
+  if (materials.rows() < surfaces.size() || materials.columns() < surfaces.size())
+    throw Error(
+        "SurfaceContacts: the contact material table has fewer rows or columns than there are surfaces; "
+        "rebuild it");
+  materials_ = &materials;
+  step_ = step;
+}
+
+void SurfaceNarrowPhase::begin_substep(float h) {
+  limits_ = {1 / h, step_.restitution_threshold(h)};
+}
+
+void SurfaceNarrowPhase::find_contacts(ElementPairs& candidates, const ParticleView& particles,
+                                       std::vector<PairToi>& found, Threads& threads) {
+  find(candidates.chunk_count(), found, threads, [&](std::size_t chunk, std::vector<PairToi>& of_chunk) {
+    is_discrete() ? find_chunk_crossings(candidates, chunk, particles, of_chunk)
+                  : find_chunk_contacts(candidates, chunk, particles, of_chunk);
+  });
+}
+
+void SurfaceNarrowPhase::find_violations(ElementPairs& candidates, const ParticleView& particles, bool all,
+                                         std::vector<PairToi>& found, Threads& threads) {
+  find(candidates.chunk_count(), found, threads, [&](std::size_t chunk, std::vector<PairToi>& of_chunk) {
+    find_chunk_violations(candidates, chunk, particles, all, of_chunk);
+  });
+}
+
+// Calls of_chunk(index of the chunk, its results) and joins the results of all chunks in order.
+template <class Function>
+void SurfaceNarrowPhase::find(std::size_t count, std::vector<PairToi>& found, Threads& threads,
+                              const Function& of_chunk) {
+  if (chunk_results_.size() < count) {
+    const std::size_t before = chunk_results_.size();
+    chunk_results_.resize(count + count / 2 + 16);
+    for (std::size_t c = before; c < chunk_results_.size(); ++c)
+      chunk_results_[c].pairs.reserve(ElementPairs::chunk_size);
+  }
+  threads.for_each(count, 4, [&](std::size_t c, std::size_t last) {
+    for (; c < last; ++c) {
+      chunk_results_[c].pairs.clear();
+      of_chunk(c, chunk_results_[c].pairs);
+    }
+  });
+  std::size_t sum = 0;
+  for (std::size_t c = 0; c < count; ++c) {
+    chunk_results_[c].offset = sum;
+    sum += chunk_results_[c].pairs.size();
+  }
+  resize_with_spare(found, sum, ContactArrays::spare);
+  for (std::size_t c = 0; c < count; ++c)
+    std::copy(chunk_results_[c].pairs.begin(), chunk_results_[c].pairs.end(),
+              found.begin() + static_cast<std::ptrdiff_t>(chunk_results_[c].offset));
+}
+
+void SurfaceNarrowPhase::find_chunk_contacts(ElementPairs& candidates, std::size_t chunk,
+                                             const ParticleView& particles,
+                                             std::vector<PairToi>& found) const {
+  std::uint32_t near[ElementPairs::chunk_size];
+  float classification[ElementPairs::chunk_size];
+  const kernels::ParticleRecords records = candidates.particle_records(particles);
+  const std::size_t count =
+      candidates.find_near(chunk, {1, 1 + speculative_part, candidates.contact_margin(chunk)}, records, near);
+  if (count == 0) return;
+  simd_kernels().classify[candidates.chunk(chunk).edges ? 1 : 0](
+      records, candidates.columns(), speculative_part, near, 0, count, classification);
+  for (std::size_t k = 0; k < count; ++k) {
+    float toi = 1;
+    if (!candidates.is_replaced(near[k]) &&
+        is_contact(candidates, near[k], static_cast<unsigned>(classification[k]), particles, toi))
+      found.push_back({near[k], toi});
+  }
+}
+
+PathCrossing SurfaceNarrowPhase::path_crossing_of(ElementPairs& candidates, std::uint32_t pair,
+                                                  const ParticleView& particles) const {
+  const NearPair& particle = candidates.pair(pair);
+  return find_path_crossing(step_.segment_test, particle, candidates.columns().thickness[pair], particles);
+}
+
+void SurfaceNarrowPhase::find_chunk_crossings(ElementPairs& candidates, std::size_t chunk,
+                                              const ParticleView& particles,
+                                              std::vector<PairToi>& found) const {
+  if (candidates.chunk(chunk).edges) return;
+  std::uint32_t near[ElementPairs::chunk_size];
+  const std::size_t count =
+      candidates.find_near(chunk, {1, 1 + speculative_part, 0}, candidates.particle_records(particles), near);
+  for (std::size_t k = 0; k < count; ++k)
+    if (!candidates.is_replaced(near[k]) && path_crossing_of(candidates, near[k], particles).found)
+      found.push_back({near[k], 1});
+}
+
+void SurfaceNarrowPhase::describe_crossing(ElementPairs& candidates, std::uint32_t pair, std::size_t contact,
+                                           const ParticleView& particles,
+                                           const kernels::ContactColumns& out) const {
+  const PathCrossing crossing = path_crossing_of(candidates, pair, particles);
+  const auto& i = candidates.pair(pair).particle;
+  float inverse_mass = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const float c = k == 0 ? 1 : -crossing.weight[static_cast<int>(k) - 1];
+    out.c[k][contact] = c;
+    inverse_mass += particles.inverse_mass(i[k]) * c * c;
+  }
+  for (int axis = 0; axis < 3; ++axis) out.normal[axis][contact] = crossing.normal[axis];
+  out.inverse_mass[contact] = inverse_mass;
+  out.approach[contact] = -dot(crossing.normal, anchor_of(out, contact).moved(particles));
+}
+
+bool SurfaceNarrowPhase::is_contact(const ElementPairs& candidates, std::uint32_t pair,
+                                    unsigned classification, const ParticleView& particles,
+                                    float& toi) const {
+  const bool edges = candidates.are_edges(pair);
+  const NearPair& particle = candidates.pair(pair);
+  if ((classification & Classification::fast) != 0) {
+    const Motion motion = motion_of(particle, particles);
+    toi = safe_time(motion, edges);
+    if (toi < 1) return has_normal(particle, motion, toi, edges, particles);
+  }
+  if ((classification & Classification::touches) == 0) return false;
+  const unsigned on_border = classification / Classification::on_border;
+  if (!edges) return owners_.is_owner(particle, on_border, particles);
+  const auto is_rope = [&](std::uint32_t i) {
+    return candidates.surfaces()[candidates.surfaces().of(i)].triangles.empty();
+  };
+  return on_border == 0 || is_rope(particle.particle[0]) || is_rope(particle.particle[2]);
+}
+
+void SurfaceNarrowPhase::describe(ElementPairs& candidates, bool edges, std::size_t begin, std::size_t end,
+                                  const ParticleView& particles, const std::vector<std::uint32_t>& pairs,
+                                  const std::vector<float>& tois, const kernels::ContactColumns& out) const {
+  if (begin >= end) return;
+  for (std::size_t c = begin; c < end; ++c) {
+    const NearPair& pair = candidates.pair(pairs[c]);
+    const float radius = materials_->radius(candidates.surfaces().of(pair.particle[0]),
+                                            candidates.surfaces().of(pair.particle[3]));
+    out.slop[c] = step_.depenetration_speed(radius) / limits_.inverse_h;
+  }
+  simd_kernels().describe[edges ? 1 : 0](candidates.particle_records(particles), candidates.columns(),
+                                         pairs.data(), tois.data(), begin, end, out);
+  for (std::size_t c = begin; c < end; ++c) {
+    const NearPair& pair = candidates.pair(pairs[c]);
+    const ContactMaterialPair& surface = materials_->at(candidates.surfaces().of(pair.particle[0]),
+                                                        candidates.surfaces().of(pair.particle[3]));
+    out.static_friction[c] = surface.static_friction;
+    out.kinetic_friction[c] = surface.kinetic_friction;
+    if (surface.kinetic_friction < surface.static_friction)
+      out.kinetic_friction[c] = kinetic_friction_at(surface, anchor_of(out, c).moved(particles),
+                                                    limits_.restitution_threshold / limits_.inverse_h);
+    out.restitution[c] = surface.restitution;
+    if (step_.turn.empty()) continue;
+    const std::uint32_t ball = pair.particle[0];
+    out.share[c] = candidates.surfaces()[candidates.surfaces().of(ball)].rolls
+                       ? inverse_inertia_factor * particles.inverse_mass(ball) / out.inverse_mass[c]
+                       : 0.0f;
+    out.rolling_friction[c] = surface.rolling_friction;
+    for (float* const sum : out.moment_sum) sum[c] = 0;
+  }
+}
+
+std::size_t SurfaceNarrowPhase::bytes() const {
+  std::size_t sum = owners_.bytes();
+  for (const ChunkResult& found : chunk_results_) sum += bytes_of(found.pairs);
+  return sum;
+}
+
+}  // namespace souple

@@ -1,0 +1,208 @@
+#include "souple/contacts/contact_arrays.h"
+#include "souple/contacts/kernels/find_kernels.h"
+#include "souple/state/particles.h"
+#include "tests/collision/random.h"
+#include "tests/instruction_sets.h"
+
+#include <array>
+#include <cstring>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+using kernels::ElementPairKernels;
+
+Vec4f record(const Vec3d& x, float w) {
+  return {float(x.x), float(x.y), float(x.z), w};
+}
+
+/// Particles in a small box, with small motions, and pairs of them. Every fifth particle cannot move.
+struct Crowd {
+  std::vector<Vec4f> position, moving, start, moved, velocity;
+  std::vector<std::array<std::uint32_t, 4>> pairs;
+  std::vector<float> thickness, distance_bound, contact_margin;
+  bool plain;
+
+  explicit Crowd(bool is_plain, std::size_t count) : plain(is_plain) {
+    test::Random random(count);
+    const std::size_t particles = 4 * count;
+    for (std::size_t i = 0; i < particles; ++i) {
+      const float w = i % 5 == 0 ? 0.0f : float(random.uniform(0.5, 2));
+      const Vec3d x = random.point(0, 0.1), d = random.point(-0.01, 0.01);
+      start.push_back(record(plain ? x : Vec3d{}, plain ? w : 0));
+      moving.push_back(record(plain ? x + d : d, plain ? w : 0));
+      position.push_back(plain ? moving.back() : record(x, w));
+      moved.push_back({});
+      moved[i].set_xyz(moving[i].xyz() - start[i].xyz());
+      velocity.push_back(record(random.point(-1, 1), 0));
+      contact_margin.push_back(i % 3 == 0 ? float(random.uniform(0, 0.01)) : 0.0f);
+    }
+    for (std::uint32_t k = 0; k < count; ++k) {
+      pairs.push_back({4 * k, 4 * k + 1, 4 * k + 2, 4 * k + 3});
+      thickness.push_back(float(random.uniform(0.005, 0.04)));
+      distance_bound.push_back(float(random.uniform(0, 0.1)));
+    }
+  }
+  const std::uint32_t (*quads() const)[4] {
+    return reinterpret_cast<const std::uint32_t(*)[4]>(pairs.data());
+  }
+  kernels::PredictionMargins margins() const { return {&start[0].x, &moved[0].y, 4, 0.001f, 0.1f}; }
+  kernels::ParticleRecords records() {
+    kernels::ParticleRecords result;
+    result.moving = &moving[0].x;
+    result.position = plain ? result.moving : &position[0].x;
+    result.corrected = result.moving;
+    result.start = &start[0].x;
+    result.moved = &moved[0].x;
+    result.contact_margin = contact_margin.data();
+    return result;
+  }
+};
+
+/// All results of the kernels for a crowd, one after another.
+std::vector<float> everything(const ElementPairKernels& kernels, bool plain, std::size_t count, int kind) {
+  Crowd crowd(plain, count);
+  for (std::size_t k = 0; kind == 1 && k < count; k += 3) crowd.pairs[k][1] = crowd.pairs[k][0];
+  std::vector<float> result(3 * count);
+  const auto add = [&](const float* from, std::size_t n) { result.insert(result.end(), from, from + n); };
+  kernels.distances[kind](crowd.records(), crowd.quads(), 0, count, result.data());
+  kernels.ranges[kind](crowd.records(), crowd.margins(), 0.1f, crowd.quads(), 0, count, result.data() + count,
+                       result.data() + 2 * count);
+
+  const kernels::ElementPairColumns columns{crowd.quads(), crowd.thickness.data(),
+                                            crowd.distance_bound.data()};
+  std::vector<std::uint32_t> found(count);
+  const kernels::NearPairStatistics statistics = kernels.find_near[kind](
+      crowd.records(), columns, {1, 1.1f, 0.002f}, 0.001f, 0.1f, 0, count, found.data());
+  found.resize(statistics.found);
+  add(&statistics.min_distance_bound, 1), add(&statistics.min_gap_bound, 1);
+  add(crowd.distance_bound.data(), count);
+  for (const std::uint32_t k : found) result.push_back(static_cast<float>(k));
+  std::vector<float> classification(found.size());
+  kernels.classify[kind](crowd.records(), columns, 0.1f, found.data(), 0, found.size(),
+                         classification.data());
+  add(classification.data(), classification.size());
+
+  std::vector<float> part(found.size(), 1);
+  for (std::size_t k = 0; k < part.size(); k += 3) part[k] = 0.4f;
+  ContactArrays arrays;
+  arrays.resize(found.size());
+  const kernels::ContactColumns contacts = arrays.columns();
+  const kernels::ContactLimits limits{600, 0.03f};
+  for (std::size_t k = 0; k < found.size(); ++k) contacts.slop[k] = 0.005f;
+  kernels.describe[kind](crowd.records(), columns, found.data(), part.data(), 0, found.size(), contacts);
+  for (std::size_t k = 0; k < found.size(); ++k)
+    contacts.static_friction[k] = 0.5f, contacts.kinetic_friction[k] = 0.3f, contacts.restitution[k] = 0.2f;
+  for (int sweep = 0; sweep < 3; ++sweep) kernels.project(crowd.records(), contacts, 0, found.size());
+  kernels.apply_restitution(crowd.records(), contacts, limits, &crowd.velocity[0].x, 0, found.size());
+  for (const float* column : {contacts.c[0], contacts.c[1], contacts.c[2], contacts.c[3], contacts.normal[1],
+                              contacts.slop, contacts.inverse_mass, contacts.approach, contacts.normal_sum,
+                              contacts.tangent_sum[0], contacts.restitution_velocity, contacts.depth})
+    add(column, found.size());
+  add(&crowd.moving[0].x, 4 * crowd.moving.size());
+  add(&crowd.velocity[0].x, 4 * crowd.velocity.size());
+  return result;
+}
+
+// Numbers of pairs that fill registers or not. Some edges repeat a vertex.
+TEST(ElementPairKernels, EveryInstructionSetGivesTheSameBits) {
+  for (const bool plain : {false, true})
+    for (const int kind : {0, 1})
+      for (const std::size_t count : {1u, 2u, 7u, 16u, 33u, 250u}) {
+        const std::vector<float> scalar =
+            everything(kernels::find_element_pair_kernels(InstructionSet::scalar), plain, count, kind);
+        for (const InstructionSet set : all_sets()) {
+          const std::vector<float> packed =
+              everything(kernels::find_element_pair_kernels(set), plain, count, kind);
+          ASSERT_EQ(packed.size(), scalar.size()) << simd_name(set);
+          EXPECT_EQ(std::memcmp(packed.data(), scalar.data(), scalar.size() * sizeof(float)), 0)
+              << simd_name(set) << (plain ? " plain " : " displacement ") << kind << " " << count;
+        }
+      }
+}
+
+// A vertex and a triangle that approach each other: the range has the radii of the vertex and of the thickest
+// corner, the fastest corner's relative velocity, and the margins of both.
+TEST(ElementPairKernels, ARangeIsThicknessAndMotionAndMargins) {
+  const std::vector<Vec4f> velocity{{1, 0, 0, 0}, {1, 0, 0, 0}, {-2, 0, 0, 0}, {1, 4, 0, 0}};
+  const std::vector<float> radius{0.1f, 0.2f, 0.3f, 0.1f}, margin{0.01f, 0.02f, 0.02f, 0.05f},
+      contact_margin{0, 0.003f, 0, 0.001f};
+  const std::uint32_t pair[1][4] = {{0, 1, 2, 3}};
+  kernels::ParticleRecords records;
+  records.moved = &velocity[0].x;
+  records.contact_margin = contact_margin.data();
+  const kernels::PredictionMargins margins{radius.data(), margin.data(), 1, 1e-5f, 0.5f};
+  for (const InstructionSet set : all_sets()) {
+    const ElementPairKernels& kernels = kernels::find_element_pair_kernels(set);
+    float thickness = 0, range = 0;
+    kernels.ranges[0](records, margins, 0.1f, pair, 0, 1, &thickness, &range);
+    EXPECT_FLOAT_EQ(thickness, 0.4f);
+    EXPECT_FLOAT_EQ(range, 1.5f * 0.4f + 0.003f + 0.1f * 4 + 0.06f);
+    kernels.ranges[1](records, margins, 0.1f, pair, 0, 1, &thickness, &range);
+    EXPECT_FLOAT_EQ(thickness, 0.2f + 0.3f);
+    EXPECT_FLOAT_EQ(range, 1.5f * 0.5f + 0.003f + 0.1f * 4 + 0.07f);
+  }
+}
+
+/// Projects the only pair of a crowd, 3 cm thick, without friction.
+void project_one(const ElementPairKernels& kernels, Crowd& crowd, int kind) {
+  crowd.thickness[0] = crowd.distance_bound[0] = 0.03f;
+  const kernels::ElementPairColumns columns{crowd.quads(), crowd.thickness.data(),
+                                            crowd.distance_bound.data()};
+  const std::uint32_t found = 0;
+  const float part = 1;
+  ContactArrays arrays;
+  arrays.resize(1);
+  const kernels::ContactColumns contacts = arrays.columns();
+  contacts.slop[0] = 0;
+  kernels.describe[kind](crowd.records(), columns, &found, &part, 0, 1, contacts);
+  contacts.static_friction[0] = contacts.kinetic_friction[0] = 0;
+  kernels.project(crowd.records(), contacts, 0, 1);
+}
+
+// Two overlapping elements move apart in proportion to their inverse masses. Momentum is conserved, and a
+// corner that cannot move stays.
+TEST(ElementPairKernels, AProjectionKeepsMomentumAndTheDistance) {
+  for (const InstructionSet set : all_sets()) {
+    const ElementPairKernels& kernels = kernels::find_element_pair_kernels(set);
+    Crowd crowd(false, 1);
+    crowd.position = {record({0.3, 0.01, 0.2}, 2), record({0, 0, 0}, 1), record({0, 0, 1}, 1),
+                      record({1, 0, 0}, 0)};
+    crowd.moving = crowd.start = crowd.moved = std::vector<Vec4f>(4);
+    project_one(kernels, crowd, 0);
+    const auto moved = [&](std::size_t i) { return Vec3d(crowd.moving[i].xyz()); };
+    EXPECT_EQ(moved(3), Vec3d{});
+    // Weights of the triangle's corners where the vertex is above it: 0.5, 0.2, 0.3.
+    EXPECT_NEAR(0.01 + moved(0).y - 0.5 * moved(1).y - 0.2 * moved(2).y, 0.03, 1e-7);
+    // The third corner has infinite mass and absorbs its part of the momentum.
+    EXPECT_NEAR(moved(1).y / moved(0).y, -0.5 / 2, 1e-5);
+    EXPECT_NEAR(moved(2).y / moved(0).y, -0.2 / 2, 1e-5);
+  }
+}
+
+// A ball and an edge; the ball is an edge from its particle to itself. Its correction counts exactly once.
+TEST(ElementPairKernels, ABallIsPushedOffAnEdge) {
+  for (const bool plain : {false, true})
+    for (const InstructionSet set : all_sets()) {
+      const ElementPairKernels& kernels = kernels::find_element_pair_kernels(set);
+      Crowd crowd(plain, 1);
+      crowd.pairs[0] = {0, 0, 2, 3};
+      crowd.position = {record({0.25, 0.01, 0}, 2), record({}, 1), record({0, 0, 0}, 1),
+                        record({1, 0, 0}, 1)};
+      crowd.moving = plain ? crowd.position : std::vector<Vec4f>(4);
+      crowd.start = crowd.moving;
+      crowd.moved = std::vector<Vec4f>(4);
+      const std::vector<Vec4f> before = crowd.moving;
+      project_one(kernels, crowd, 1);
+      const auto moved = [&](std::size_t i) { return Vec3d(crowd.moving[i].xyz() - before[i].xyz()); };
+      EXPECT_NEAR(0.01 + moved(0).y - 0.75 * moved(2).y - 0.25 * moved(3).y, 0.03, 1e-7) << simd_name(set);
+      EXPECT_NEAR(moved(0).y / 2 + moved(2).y + moved(3).y, 0, 1e-8);
+      EXPECT_NEAR(moved(2).y / moved(3).y, 3, 1e-4);
+    }
+}
+
+}  // namespace
+}  // namespace souple
