@@ -3,6 +3,7 @@
 #include "app/scene_colors.h"
 #include "souple/error.h"
 #include "souple/io/recorded_foam.h"
+#include "souple/objects/kind_traits.h"
 
 #include <string_view>
 #include <utility>

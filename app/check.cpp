@@ -2,6 +2,7 @@
 #include "app/exit_codes.h"
 #include "app/find_scene.h"
 #include "souple/geometry/measures.h"
+#include "souple/objects/kind_traits.h"
 #include "souple/scene/scene.h"
 #include "souple/world/memory.h"
 

@@ -5,6 +5,7 @@
 #include "render/tube.h"
 #include "render/vertex_colors.h"
 #include "souple/geometry/creased_surface.h"
+#include "souple/objects/kind_traits.h"
 #include "souple/surface/splat_shapes.h"
 
 #include <cstdint>

@@ -8,6 +8,7 @@
 #include "souple/collision/collider_mesh.h"
 #include "souple/error.h"
 #include "souple/math/fnv1a.h"
+#include "souple/objects/kind_traits.h"
 #include "souple/world/debug_draw.h"
 
 #include <algorithm>

@@ -1,5 +1,7 @@
 #include "render/looks.h"
 
+#include "souple/objects/kind_traits.h"
+
 #include <array>
 #include <cmath>
 

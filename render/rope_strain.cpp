@@ -1,5 +1,6 @@
 #include "render/rope_strain.h"
 
+#include "souple/objects/kind_traits.h"
 #include "souple/world/debug_draw.h"
 
 #include <algorithm>

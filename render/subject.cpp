@@ -1,5 +1,7 @@
 #include "render/subject.h"
 
+#include "souple/objects/kind_traits.h"
+
 #include <algorithm>
 
 namespace souple::render {

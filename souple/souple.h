@@ -7,6 +7,7 @@
 #include "souple/geometry/builders.h"
 #include "souple/geometry/fill.h"
 #include "souple/io/recorder.h"
+#include "souple/objects/kind_traits.h"
 #include "souple/world/debug_draw.h"
 #include "souple/world/memory.h"
 #include "souple/world/profile.h"

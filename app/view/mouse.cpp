@@ -2,6 +2,7 @@
 
 #include "app/view/simulation.h"
 #include "souple/host/grab.h"
+#include "souple/objects/kind_traits.h"
 
 #include <cmath>
 #include <imgui.h>

@@ -37,7 +37,8 @@ bool preset_row(MaterialDescription<FluidMaterial>& material) {
   material.spacing = spacing;
   return changed;
 }
-bool preset_row(const ObstacleMaterial&) {
+template <class M>
+bool preset_row(const M&) {
   return false;  // there are no presets
 }
 
@@ -55,11 +56,8 @@ bool model_rows(MaterialDescription<SoftBodyMaterial>& material) {
   material.model = static_cast<SoftBodyModel>(model);
   return changed;
 }
-bool model_rows(const ObstacleMaterial&) {
-  return false;
-}
-template <class Material>
-bool model_rows(MaterialDescription<Material>&) {
+template <class M>
+bool model_rows(const M&) {
   return false;
 }
 

@@ -5,6 +5,7 @@
 #include "app/view/simulation.h"
 #include "app/view/ui.h"
 #include "souple/error.h"
+#include "souple/objects/kind_traits.h"
 
 #include <algorithm>
 #include <array>

@@ -4,6 +4,7 @@
 #include "app/view/ui.h"
 #include "app/view/viewer.h"
 #include "app/view/widgets.h"
+#include "souple/objects/kind_traits.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,7 @@
 #include "souple/host/grab.h"
 
 #include "souple/geometry/measures.h"
+#include "souple/objects/kind_traits.h"
 #include "souple/solver/projector.h"
 #include "souple/world/world.h"
 

@@ -3,6 +3,7 @@
 #include "souple/files/atomic_file.h"
 #include "souple/geometry/submesh.h"
 #include "souple/mesh_files/mesh_write.h"
+#include "souple/objects/kind_traits.h"
 #include "souple/world/world.h"
 
 #include <algorithm>

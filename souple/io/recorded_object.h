@@ -7,6 +7,7 @@
 #include "souple/io/recorder.h"
 #include "souple/io/sequence.h"
 #include "souple/objects/handles.h"
+#include "souple/objects/kind_traits.h"
 
 #include <cstdint>
 #include <filesystem>

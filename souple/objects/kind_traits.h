@@ -26,7 +26,6 @@ struct KindTraits {
 };
 
 const KindTraits& traits_of(ObjectKind kind);
-std::string_view kind_name(ObjectKind kind);
 std::optional<ObjectKind> find_kind(std::string_view name);
 /// The kind of objects that a material belongs to.
 ObjectKind kind_of(const Material& material);

@@ -124,6 +124,7 @@ struct ObstacleMaterial {
 };
 
 enum class ObjectKind { cloth, soft_body, rope, grains, obstacle, fluid };
+std::string_view kind_name(ObjectKind kind);
 
 /// Of an object of any kind: the alternatives are in the order of ObjectKind.
 using Material = std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial, ObstacleMaterial,

@@ -2,7 +2,7 @@
 
 #include "souple/math/vec3.h"
 #include "souple/objects/handles.h"
-#include "souple/objects/kind_traits.h"
+#include "souple/objects/materials.h"
 
 #include <cstdint>
 #include <string_view>

@@ -10,6 +10,7 @@
 #include "souple/objects/handles.h"
 #include "souple/objects/kind_traits.h"
 #include "souple/objects/materials.h"
+#include "souple/queries/selector.h"
 #include "souple/stages/settings.h"
 #include "souple/state/warnings.h"
 

@@ -7,6 +7,7 @@
 #include "souple/queries/object_sums.h"
 #include "souple/queries/overlap.h"
 #include "souple/queries/search.h"
+#include "souple/solver/solver.h"
 #include "souple/world/impl.h"
 #include "souple/world/world.h"
 

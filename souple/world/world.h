@@ -11,7 +11,6 @@
 #include "souple/math/transform.h"
 #include "souple/objects/callbacks.h"
 #include "souple/objects/handles.h"
-#include "souple/objects/kind_traits.h"
 #include "souple/objects/materials.h"
 #include "souple/objects/object_options.h"
 #include "souple/objects/obstacle_motion.h"

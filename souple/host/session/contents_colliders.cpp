@@ -1,4 +1,5 @@
 #include "souple/host/session/contents.h"
+#include "souple/host/session/drive.h"
 
 #include <algorithm>
 #include <utility>
