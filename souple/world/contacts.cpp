@@ -85,7 +85,7 @@ ContactMaterial contact_material_of(const ColliderOptions& options) {
 void build_contact_tables(WorldState& world) {
   world.contact->invalidate();
   ContactTables& tables = world.contact->tables;
-  world.scratch->sleep.proximity.invalidate();
+  world.scratch->sleep->proximity.invalidate();
   tables.objects.clear();
   tables.colliders.clear();
   std::vector<NamedContactMaterial> object_materials, collider_materials;
@@ -118,7 +118,7 @@ void update_fluid_counts(WorldState& world) {
     world.contact->tables.objects[a].end = object.end;
     world.contact->contacts.set_end(a, object.end);
   }
-  world.scratch->sleep.proximity.invalidate();
+  world.scratch->sleep->proximity.invalidate();
   world.dirty.counts = false;
 }
 
@@ -189,7 +189,7 @@ void find_candidates(WorldState& world, double dt) {
 }
 
 void generate_contacts(WorldState& world, const Substep& substep) {
-  if (world.scratch->sleep.all) return;
+  if (world.scratch->sleep->all) return;
   world.warnings.guarded("a collider's motion", [&] {
     world.contact->contacts.refresh(world.view(), substep, world.time, *world.threads);
   });

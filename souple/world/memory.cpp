@@ -3,6 +3,7 @@
 #include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
 #include "souple/queries/caches.h"
+#include "souple/stages/sleeping.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/state/bytes.h"
 #include "souple/world/contact_state.h"
@@ -105,7 +106,7 @@ MemoryReport World::memory() {
                 world.scratch->motion.wind.of_triangle, world.scratch->rigid_sums)});
   add_constraints(world, report);
   report.simulation.push_back(
-      {"contacts", world.contact->contacts.bytes() + world.scratch->sleep.proximity.bytes()});
+      {"contacts", world.contact->contacts.bytes() + world.scratch->sleep->proximity.bytes()});
   if (const std::size_t foam = world.fluids->foam().bytes(); foam > 0)
     report.simulation.push_back({"foam", foam});
   add_objects(world, report);

@@ -94,7 +94,7 @@ void bring_constraints_up_to_date(WorldState& world) {
                                : make_threads(world.settings.threading, world.settings.threads);
   if (!world.dirty.solver && !world.dirty.masses) return;
   order_projectors(world);
-  world.scratch->sleep.changed = true;
+  world.scratch->sleep->changed = true;
   for (Projector* projector : world.constraints.order)
     projector->split(0, 0);  // undo splits of the last solver
   const std::vector<Vec4f> awake = awake_positions(world);

@@ -13,7 +13,7 @@ namespace {
 
 SleepView sleep_view(WorldState& world) {
   return {world.stage_view(), world.contact->tables, world.colliders, world.constraints.users,
-          world.scratch->sleep};
+          *world.scratch->sleep};
 }
 
 }  // namespace
@@ -28,19 +28,19 @@ void fall_asleep(WorldState& world, double dt) {
 }
 
 void wake_island(WorldState& world, const Object& object) {
-  wake_island(world.objects_view(), object, world.scratch->sleep);
+  wake_island(world.objects_view(), object, *world.scratch->sleep);
 }
 
 void wake_all(WorldState& world) {
-  wake_all(world.objects_view(), world.scratch->sleep);
+  wake_all(world.objects_view(), *world.scratch->sleep);
 }
 
 void wake_particles_of(WorldState& world, const Projector& projector) {
-  wake_particles_of(world.objects_view(), projector, world.scratch->sleep);
+  wake_particles_of(world.objects_view(), projector, *world.scratch->sleep);
 }
 
 void update_sleeping_masses(WorldState& world) {
-  if (world.settings.sleeping.enabled) update_sleeping_masses(world.objects_view(), world.scratch->sleep);
+  if (world.settings.sleeping.enabled) update_sleeping_masses(world.objects_view(), *world.scratch->sleep);
 }
 
 bool World::is_asleep(ObjectId id) const {

@@ -1,6 +1,7 @@
 #include "souple/math/fnv1a.h"
 #include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
+#include "souple/stages/sleeping.h"
 #include "souple/world/arrivals.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/flow.h"
@@ -162,7 +163,7 @@ Header checked_header(const WorldState& world, std::span<const std::byte> bytes)
 }
 
 void resume_objects(WorldState& world, std::span<const std::byte>& in) {
-  world.scratch->sleep.changed = true;
+  world.scratch->sleep->changed = true;
   for (const auto& object : world.objects) {
     Rest rest{};
     get(in, &rest, 1);

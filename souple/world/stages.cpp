@@ -31,7 +31,7 @@ double part_of_step(const WorldState& world, const Substep& substep) {
 
 // Kelvin-Voigt damping of the constraints, on the velocities of the substep. PBD mode has none.
 void damp_constraints(WorldState& world, const Substep& substep) {
-  if (world.scratch->sleep.all || substep.mode == Mode::pbd) return;
+  if (world.scratch->sleep->all || substep.mode == Mode::pbd) return;
   const ParticleView view = world.view();
   const std::span<Vec4f> velocity = world.particles.velocity;
   for (Projector* const projector : world.constraints.order)
@@ -48,7 +48,7 @@ bool measures_balance(const WorldState& world) {
 }  // namespace
 
 void integrate(WorldState& world, const Substep& substep) {
-  if (world.scratch->sleep.woken) find_candidates(world, static_cast<double>(substep.h) * substep.count);
+  if (world.scratch->sleep->woken) find_candidates(world, static_cast<double>(substep.h) * substep.count);
   const StageView stage = world.stage_view();
   note(world, predict_motion(stage, world.callbacks.force_fields, substep, world.scratch->motion));
   predict_spin(stage.objects, substep, stage.threads);
@@ -64,13 +64,13 @@ void solve_incompressibility(WorldState& world, const Substep& substep) {
 }
 
 void solve(WorldState& world, const Substep& substep) {
-  if (world.scratch->sleep.all) return;
+  if (world.scratch->sleep->all) return;
   SOUPLE_ASSERT(!world.dirty.solver && !world.dirty.constraints, "a step prepares its solver");
   const ParticleView view = world.view();
   for (Projector* const projector : world.constraints.order) projector->begin_substep(view, substep);
   Substep solved = substep;
   solved.levels = !world.contact->contacts.separates();
-  SleepScratch& sleep = world.scratch->sleep;
+  SleepScratch& sleep = *world.scratch->sleep;
   leave_out_asleep(world.objects_view(), world.constraints.object_projectors, sleep);
   if (!sleep.constraints.empty()) solved.asleep = &sleep.constraints;
   if (measures_balance(world)) {

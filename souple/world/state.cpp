@@ -5,6 +5,7 @@
 #include "souple/objects/object.h"
 #include "souple/queries/caches.h"
 #include "souple/solver/solver.h"
+#include "souple/stages/sleeping.h"
 #include "souple/stages/stage_view.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"
@@ -24,6 +25,9 @@ WorldState::WorldState()
       scratch(std::make_unique<StepScratch>()),
       caches(std::make_unique<Caches>()) {}
 WorldState::~WorldState() = default;
+
+StepScratch::StepScratch() : sleep(std::make_unique<SleepScratch>()) {}
+StepScratch::~StepScratch() = default;
 
 Object* WorldState::find_object(ObjectId id) const {
   const std::optional<std::size_t> at = registry.objects.find(id.value);

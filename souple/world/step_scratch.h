@@ -4,19 +4,24 @@
 #include "souple/stages/body_restitution.h"
 #include "souple/stages/damping.h"
 #include "souple/stages/motion.h"
-#include "souple/stages/sleeping.h"
 
+#include <memory>
 #include <vector>
 
 namespace souple {
 
+struct SleepScratch;
+
 /// What stages keep from substep to substep, so that a step allocates nothing.
 struct StepScratch {
+  StepScratch();
+  ~StepScratch();
+
   MotionScratch motion;
   std::vector<RigidSums> rigid_sums;
   BodyImpacts impacts;
   Balance balance;
-  SleepScratch sleep;
+  std::unique_ptr<SleepScratch> sleep;
 };
 
 }  // namespace souple
