@@ -14,14 +14,14 @@ struct SleepScratch;
 
 /// What stages keep from substep to substep, so that a step allocates nothing.
 struct StepScratch {
+  StepScratch();
+  ~StepScratch();
+
   MotionScratch motion;
   std::vector<RigidSums> rigid_sums;
   BodyImpacts impacts;
   Balance balance;
   std::unique_ptr<SleepScratch> sleep;
-
-  StepScratch();
-  ~StepScratch();
 };
 
 }  // namespace souple
