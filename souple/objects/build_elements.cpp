@@ -12,7 +12,7 @@
 namespace souple {
 
 std::size_t build_elements(Object& object, const SetKinds& kinds) {
-  const SetKinds wanted = object.fresh_kinds | kinds;
+  const SetKinds wanted = object.built.kinds | kinds;
   auto fresh = std::make_unique<ConstraintSets>();
   ConstraintBuilder builder(wanted, *fresh);
   try {
@@ -22,9 +22,9 @@ std::size_t build_elements(Object& object, const SetKinds& kinds) {
   } catch (const Error& error) {
     throw Error(object.name + ": " + error.what());
   }
-  object.fresh = std::move(fresh);
-  object.fresh_kinds = wanted;
-  return object.fresh->skipped;
+  object.built.fresh = std::move(fresh);
+  object.built.kinds = wanted;
+  return object.built.fresh->skipped;
 }
 
 void add_groups(const Object& object, ConstraintGroups& groups) {

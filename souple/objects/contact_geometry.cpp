@@ -70,11 +70,11 @@ ContactSurface contact_surface(const Object& object, std::uint32_t index, std::s
       .triangles = object.surface,
       .edges = edges,
       .particles_only = is_particle_only(object),
-      .self_collision = object.self_collision && !is_particle_only(object) && matrix.collide(index, index),
-      .groups = object.filter.groups,
-      .mask = object.filter.mask,
+      .self_collision = object.collision.itself && !is_particle_only(object) && matrix.collide(index, index),
+      .groups = object.collision.filter.groups,
+      .mask = object.collision.filter.mask,
       .immovable = kind.driven,
-      .layer = object.layer,
+      .layer = object.collision.layer,
       .rest = object.rest,
       .rolls = kind.rolls,
       .radius = radius};
@@ -114,8 +114,8 @@ void find_contact_radii(const Object& object, std::span<float> radius, std::span
   const float of_material = contact_radius(object.material);
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const std::uint32_t local = i - object.begin;
-    const float scale = object.thickness_map.empty() ? 1 : object.thickness_map[local];
-    const float offset = object.embedding_offset.empty() ? 0 : object.embedding_offset[local];
+    const float scale = object.per_particle.thickness.empty() ? 1 : object.per_particle.thickness[local];
+    const float offset = object.per_particle.outside.empty() ? 0 : object.per_particle.outside[local];
     radius[i] = of_material * scale - offset;
     element_radius[i] = 0;
   }

@@ -39,8 +39,8 @@ void shrink(Object& object) {
   const auto shrink_all = [](auto&... vectors) { (vectors.shrink_to_fit(), ...); };
   shrink_all(object.mesh.positions, object.mesh.triangles, object.mesh.uvs, object.mesh.colors,
              object.mesh.faces, object.mesh.face_uvs, object.tets.positions, object.tets.tets, object.rest,
-             object.particle_of, object.vertex_of, object.surface, object.surface_source,
-             object.stiffness_map, object.thickness_map, object.embedding_offset);
+             object.particle_of, object.vertex_of, object.surface, object.triangles.source,
+             object.per_particle.stiffness, object.per_particle.thickness, object.per_particle.outside);
   for (auto* map : {&object.particle_of, &object.vertex_of}) map->reserve(object.capacity);
   object.rest.reserve(object.capacity);
 }
@@ -74,16 +74,18 @@ void finish_object(NewObject& made, const ObjectOptions& options) {
   Object& object = *made.object;
   object.capacity = std::max(static_cast<std::uint32_t>(object.rest.size()), options.max_particles);
   if (object.capacity == 0) throw Error(object.name + ": there are no vertices");
-  object.stiffness_map = gather_map(options.stiffness_map, object, object.vertex_count(), "stiffness");
-  object.thickness_map = gather_map(options.thickness_map, object, object.vertex_count(), "thickness");
+  object.per_particle.stiffness =
+      gather_map(options.stiffness_map, object, object.vertex_count(), "stiffness");
+  object.per_particle.thickness =
+      gather_map(options.thickness_map, object, object.vertex_count(), "thickness");
   const std::size_t skipped = build_elements(object, SetKinds::all());
   if (skipped > 0)
     made.sentences.push_back(
         fmt::format("{} elements are too thin for a bending or membrane constraint", skipped));
-  object.self_collision = options.self_collision;
+  object.collision.itself = options.self_collision;
   require_layer(object, options.layer);
-  object.layer = options.layer;
-  object.filter = {options.collision_groups, options.collision_mask};
+  object.collision.layer = options.layer;
+  object.collision.filter = {options.collision_groups, options.collision_mask};
   shrink(object);
 }
 

@@ -37,7 +37,53 @@ struct PinnedParticle {
   std::optional<Vec3d> arrival;  ///< end of the next step [m]
 };
 
+/// Triangles of an object's surface.
+struct SurfaceTriangles {
+  /// Cloth and obstacles: index in the mesh of each triangle; empty: identity.
+  std::vector<std::uint32_t> source;
+  /// Computed at the first wind: particle i belongs to the triangles of[k] with begin[i] <= k < begin[i + 1], in ascending
+  /// order.
+  std::vector<std::uint32_t> begin, of;
+};
+
+/// Values of an object's particles; each list may be empty.
+struct ParticleValues {
+  std::vector<float> stiffness, thickness;  ///< factors; empty: 1
+  std::vector<float> outside;               ///< distance outside the embedded surface [m]
+  std::vector<std::uint32_t> pin_guess;     ///< its last known index in the pins
+};
+
+/// What an object collides with.
+struct ObjectCollision {
+  bool itself = false;     ///< the surface collides with itself
+  int layer = 0;           ///< of cloth; 0: none
+  CollisionFilter filter;  ///< with which other objects
+};
+
+/// The gas that an object encloses.
+struct ObjectGas {
+  float pressure = 0;                             ///< Pa
+  std::optional<std::pair<float, float>> volume;  ///< factor and compliance
+};
+
+struct ObjectSleep {
+  double rest_time = 0;      ///< time at rest so far [s]
+  std::uint32_t island = 0;  ///< id of the sleeping island: that of one of its objects; 0: awake
+};
+
+/// Of an obstacle.
+struct PlacedMotion : ObstacleMotion {
+  Transform placement{};  ///< of the mesh sequence
+};
+
 struct ConstraintSets;
+
+/// An object's constraints since the last build_constraints.
+struct BuiltConstraints {
+  std::unique_ptr<ConstraintSets> fresh;  ///< built since, of `kinds`
+  SetKinds kinds;
+  std::uint32_t begin = 0, end = 0;  ///< its particles at that time; equal: none
+};
 
 /// The definition of an object. Its constraints are a pure function of this struct (see build.h).
 struct Object {
@@ -56,35 +102,18 @@ struct Object {
   std::optional<Embedding> embedding;      ///< user vertices in `tets`, if they are not particles
   /// Triangles over particles, for wind and pressure; may be empty.
   std::vector<std::array<std::uint32_t, 3>> surface;
-  /// Triangles of each particle, computed from `surface` at the first wind: particle i belongs to the
-  /// triangles triangles_of[k] with triangle_begin[i] <= k < triangle_begin[i + 1], in ascending order.
-  std::vector<std::uint32_t> triangle_begin, triangles_of;
-  /// Cloth and obstacles: index in `mesh` of each triangle of `surface`; empty: identity.
-  std::vector<std::uint32_t> surface_source;
-  std::vector<float> stiffness_map;  ///< per particle; empty: 1
-  std::vector<float> thickness_map;  ///< per particle; empty: 1
-  /// Per particle: distance outside the embedded surface [m]; may be empty.
-  std::vector<float> embedding_offset;
-  std::vector<PinnedParticle> pins;                        ///< ascending by particle
-  std::vector<std::uint32_t> pin_guess;                    ///< per particle: its last known index in `pins`
-  bool self_collision = false;                             ///< the surface collides with itself
-  int layer = 0;                                           ///< cloth layer; 0: none
-  CollisionFilter filter;                                  ///< with which other objects it collides
-  float pressure = 0;                                      ///< Pa
-  std::optional<std::pair<float, float>> enclosed_volume;  ///< factor and compliance
-  double rest_time = 0;                                    ///< time at rest so far [s]
-  std::uint32_t island = 0;  ///< id of the sleeping island: that of one of its objects; 0: awake
-  Imbalance imbalance;       ///< of cloths, soft bodies and ropes
-  ObstacleMotion motion;     ///< of obstacles
-  Transform placement;       ///< of obstacles: transform of the mesh sequence
-  float wind_exposure = 1;   ///< share of the wind's velocity
+  SurfaceTriangles triangles;  ///< of `surface`
+  ParticleValues per_particle;
+  std::vector<PinnedParticle> pins;  ///< ascending by particle
+  ObjectCollision collision;
+  ObjectGas gas;
+  ObjectSleep sleep;
+  Imbalance imbalance;      ///< of cloths, soft bodies and ropes
+  PlacedMotion motion;      ///< of obstacles
+  float wind_exposure = 1;  ///< share of the wind's velocity
   std::uint64_t user_data = 0;
 
-  std::unique_ptr<ConstraintSets>
-      fresh;  ///< constraints built since the last build_constraints, of fresh_kinds
-  SetKinds fresh_kinds;
-  std::uint32_t merged_begin = 0,
-                merged_end = 0;  ///< its particles at the last build_constraints; equal: none
+  BuiltConstraints built;
 
   Object();
   ~Object();

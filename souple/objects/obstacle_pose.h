@@ -28,7 +28,7 @@ class ObstaclePose {
     if (before_ == nullptr) return pose_.point(object_.rest[particle]);
     const std::uint32_t vertex = object_.vertex_of[particle];
     const Vec3d a((*before_)[vertex]), b((*after_)[vertex]);
-    return pose_.point(object_.placement.point(a + (b - a) * part_));
+    return pose_.point(object_.motion.placement.point(a + (b - a) * part_));
   }
 
  private:

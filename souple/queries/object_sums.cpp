@@ -15,7 +15,7 @@ double kinetic_energy(const QueryView& view, const Object& object) {
            length_squared(Vec3d(view.particles.velocity[i].xyz()));
   if (!object.traits().rolls) return sum;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
-    const std::vector<float>& map = object.thickness_map;
+    const std::vector<float>& map = object.per_particle.thickness;
     const auto r =
         static_cast<double>(contact_radius(object.material) * (map.empty() ? 1.0f : map[i - object.begin]));
     const double inertia =

@@ -38,8 +38,8 @@ inline bool passes(const Object& object, const QueryFilter& filter) {
     return std::find(ids.begin(), ids.end(), object.id) != ids.end();
   };
   return filter.objects && (filter.kinds & kind_bit(object.kind)) != 0 &&
-         passes_groups(object.filter.groups, filter) && (filter.only.empty() || holds(filter.only)) &&
-         !holds(filter.except);
+         passes_groups(object.collision.filter.groups, filter) &&
+         (filter.only.empty() || holds(filter.only)) && !holds(filter.except);
 }
 
 inline bool passes(const ColliderRecord& record, const QueryFilter& filter) {

@@ -67,7 +67,7 @@ void apply_stiffness(const LinearConstraint& constraint, const ParticleView& vie
 /// From E, F, the load and K; for a sleeping object the last measurement.
 Imbalance imbalance_of(const Object& object, const Mat3d& elastic, const Mat3d& carried, double load,
                        double stiffness) {
-  if (object.island != 0) return object.imbalance;
+  if (object.sleep.island != 0) return object.imbalance;
   const double force = norm(elastic - carried), all = norm(elastic) + norm(carried) + load;
   if (!(std::isfinite(force) && all > 0 && stiffness > 0)) return {};
   Imbalance result{.unbalanced = force / all, .stretch = force / stiffness};
@@ -206,7 +206,7 @@ std::optional<std::size_t> Balance::worst(const ObjectsView& objects) const {
   double most = 0;
   for (std::size_t k = 0; k < objects_.size(); ++k) {
     const Object& object = *objects.objects[objects_[k].index];
-    if (object.island != 0 || object.imbalance.times_not_converged < flagged_after) continue;
+    if (object.sleep.island != 0 || object.imbalance.times_not_converged < flagged_after) continue;
     if (!worst || object.imbalance.stretch > most) worst = k, most = object.imbalance.stretch;
   }
   return worst;

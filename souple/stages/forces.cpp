@@ -25,19 +25,19 @@ double hashed(std::uint64_t seed, std::uint64_t index) {
 constexpr std::size_t grain = 512;
 
 void find_triangles_of_particles(Object& object) {
-  if (object.triangle_begin.size() == object.particle_count() + 1 &&
-      object.triangles_of.size() == 3 * object.surface.size())
+  if (object.triangles.begin.size() == object.particle_count() + 1 &&
+      object.triangles.of.size() == 3 * object.surface.size())
     return;
-  object.triangle_begin.assign(object.particle_count() + 1, 0);
-  object.triangles_of.resize(3 * object.surface.size());
+  object.triangles.begin.assign(object.particle_count() + 1, 0);
+  object.triangles.of.resize(3 * object.surface.size());
   for (const auto& triangle : object.surface)
-    for (const std::uint32_t i : triangle) ++object.triangle_begin[i];
+    for (const std::uint32_t i : triangle) ++object.triangles.begin[i];
   std::uint32_t sum = 0;
-  for (std::uint32_t& begin : object.triangle_begin) begin = sum += begin;
+  for (std::uint32_t& begin : object.triangles.begin) begin = sum += begin;
   // Filled from the back: each list's end becomes its begin.
   for (std::size_t t = object.surface.size(); t-- > 0;)
     for (const std::uint32_t i : object.surface[t])
-      object.triangles_of[--object.triangle_begin[i]] = static_cast<std::uint32_t>(t);
+      object.triangles.of[--object.triangles.begin[i]] = static_cast<std::uint32_t>(t);
 }
 
 Air air_of(const Wind& settings, const ClothMaterial& material, const Vec3f& wind, float h) {
@@ -78,8 +78,8 @@ void gather_forces(const Object& object, WindForces& forces, Threads& threads) {
   threads.for_each(object.particle_count(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Vec3f sum;
-      for (std::uint32_t k = object.triangle_begin[i]; k < object.triangle_begin[i + 1]; ++k)
-        sum += forces.of_triangle[object.triangles_of[k]].xyz();
+      for (std::uint32_t k = object.triangles.begin[i]; k < object.triangles.begin[i + 1]; ++k)
+        sum += forces.of_triangle[object.triangles.of[k]].xyz();
       forces.of_particle[object.begin + i].set_xyz(sum);
     }
   });

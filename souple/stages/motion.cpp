@@ -45,7 +45,7 @@ void for_each_awake(const StageView& stage, std::size_t first, std::size_t last,
   const auto& objects = stage.objects.objects;
   std::size_t begin = first;
   for (std::size_t o = stage.objects.object_of[first]; o < objects.size() && objects[o]->begin < last; ++o) {
-    if (objects[o]->island == 0) continue;
+    if (objects[o]->sleep.island == 0) continue;
     if (objects[o]->begin > begin) f(begin, objects[o]->begin);
     begin = objects[o]->reserved_end();
   }

@@ -35,14 +35,15 @@ bool is_obstacle(const Object& object) {
 
 void set_inverse_masses(Particles& particles, const Object& object) {
   for (std::uint32_t i = object.begin; i < object.end; ++i)
-    particles.position[i].w = object.island != 0 || !(particles.mass[i] > 0) ? 0 : 1 / particles.mass[i];
+    particles.position[i].w =
+        object.sleep.island != 0 || !(particles.mass[i] > 0) ? 0 : 1 / particles.mass[i];
   for (const PinnedParticle& pin : object.pins) particles.position[object.begin + pin.particle].w = 0;
 }
 
 void set_awake(Particles& particles, Object& object, SleepScratch& sleep) {
-  object.rest_time = 0;
-  if (object.island == 0) return;
-  object.island = 0;
+  object.sleep.rest_time = 0;
+  if (object.sleep.island == 0) return;
+  object.sleep.island = 0;
   set_inverse_masses(particles, object);
   sleep.all = false;
   sleep.woken = sleep.changed = true;
@@ -50,7 +51,7 @@ void set_awake(Particles& particles, Object& object, SleepScratch& sleep) {
 
 void set_asleep(Particles& particles, Object& object, std::uint32_t island) {
   SOUPLE_ASSERT(island != 0, "an island has a name");
-  object.island = island;
+  object.sleep.island = island;
   set_inverse_masses(particles, object);
   const auto stop = [&](std::vector<Vec4f>& array) {
     std::fill(array.begin() + object.begin, array.begin() + object.end, Vec4f{});
@@ -79,7 +80,7 @@ bool mark_mover(const SleepView& step, const Object& object, float dt) {
   const ParticleView view = step.stage.objects.view();
   const Settings& settings = step.stage.settings;
   const float threshold = settings.sleeping.speed * (is_obstacle(object) ? carrier_speed_ratio : 1.0f);
-  const bool jumped = is_obstacle(object) && object.rest_time == 0;
+  const bool jumped = is_obstacle(object) && object.sleep.rest_time == 0;
   bool any = false;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const Vec3f v = particles.velocity[i].xyz();
@@ -112,20 +113,20 @@ void wake_near_movers(const SleepView& step, float dt) {
   bool any = false;
   for (std::size_t a = 0; a < objects.size(); ++a) {
     const Object& object = *objects[a];
-    if (object.island != 0 || (object.rest_time > 0 && !is_obstacle(object))) continue;
+    if (object.sleep.island != 0 || (object.sleep.rest_time > 0 && !is_obstacle(object))) continue;
     proximity.active[a] = mark_mover(step, object, dt) ? 1 : 0;
     any = any || proximity.active[a] != 0;
   }
   if (!any) return;
   for (std::size_t a = 0; a < objects.size(); ++a) {
-    if (objects[a]->island == 0) continue;
+    if (objects[a]->sleep.island == 0) continue;
     proximity.passive[a] = 1;
     mark_still(step, *objects[a], false);
   }
   find_close_objects(view, step.tables, proximity, step.stage.threads);
   for (const auto& [a, b] : proximity.found)
     for (const std::uint32_t k : {a, b})
-      if (objects[k]->island != 0) wake_island(view, *objects[k], step.sleep);
+      if (objects[k]->sleep.island != 0) wake_island(view, *objects[k], step.sleep);
 }
 
 /// A collider at the start and at the end of a step.
@@ -161,7 +162,7 @@ void wake_near_collider(const SleepView& step, std::size_t collider, double dt) 
   const auto threshold = static_cast<double>(carrier_speed_ratio * step.stage.settings.sleeping.speed) * dt;
   for (std::size_t a = 0; a < view.objects.size(); ++a) {
     const Object& object = *view.objects[a];
-    if (object.island == 0 || !step.tables.against_colliders.collide(a, collider)) continue;
+    if (object.sleep.island == 0 || !step.tables.against_colliders.collide(a, collider)) continue;
     for (std::uint32_t i = object.begin; i < object.end; ++i) {
       const auto radius = static_cast<double>(max(view.particles.radius[i], 0.0f));
       const double margin = (1 + double(margin_ratio)) * radius + double(min_margin);
@@ -194,15 +195,15 @@ bool measure_rest(const SleepView& step, const StartOfStep& before_step, double 
   const auto seconds = static_cast<double>(sleeping.seconds);
   bool ready = false;
   for (const auto& object : step.stage.objects.objects) {
-    if (object->island != 0) continue;
+    if (object->sleep.island != 0) continue;
     const double limit =
         static_cast<double>(sleeping.speed * (is_obstacle(*object) ? carrier_speed_ratio : 1.0f)) * dt;
-    const double before = object->rest_time;
+    const double before = object->sleep.rest_time;
     const double motion = max(static_cast<double>(max_displacement(step, before_step, *object)),
                               static_cast<double>(fastest_spin(step.stage.objects.particles, *object)) * dt);
-    object->rest_time = motion <= limit ? before + dt : 0;
-    ready = ready ||
-            (!is_obstacle(*object) && std::floor(object->rest_time / seconds) > std::floor(before / seconds));
+    object->sleep.rest_time = motion <= limit ? before + dt : 0;
+    ready = ready || (!is_obstacle(*object) &&
+                      std::floor(object->sleep.rest_time / seconds) > std::floor(before / seconds));
   }
   return ready;
 }
@@ -259,11 +260,11 @@ void find_islands(const SleepView& step) {
   for (std::uint32_t a = 0; a < n; ++a) {
     const Object& object = *view.objects[a];
     if (is_obstacle(object)) continue;
-    mark_still(step, object, object.island == 0);
-    proximity.active[a] = object.island == 0 ? 1 : 0;
+    mark_still(step, object, object.sleep.island == 0);
+    proximity.active[a] = object.sleep.island == 0 ? 1 : 0;
     proximity.passive[a] = 1;
-    for (std::uint32_t b = 0; object.island != 0 && b < a; ++b)
-      if (view.objects[b]->island == object.island) unite(parent, a, b);
+    for (std::uint32_t b = 0; object.sleep.island != 0 && b < a; ++b)
+      if (view.objects[b]->sleep.island == object.sleep.island) unite(parent, a, b);
   }
   find_close_objects(view, step.tables, proximity, step.stage.threads);
   for (const auto& [a, b] : proximity.found) unite(parent, a, b);
@@ -284,13 +285,13 @@ void put_islands_to_sleep(const SleepView& step) {
   const auto seconds = static_cast<double>(step.stage.settings.sleeping.seconds);
   for (std::uint32_t a = n; a-- > 0;) {  // roots have the lowest index: they come last
     const Object& object = *view.objects[a];
-    if (object.island == 0 && object.rest_time < seconds) cannot_sleep[a] = 1;
+    if (object.sleep.island == 0 && object.sleep.rest_time < seconds) cannot_sleep[a] = 1;
     if (cannot_sleep[a] != 0) cannot_sleep[root(parent, a)] = 1;
   }
   for (std::uint32_t a = 0; a < n; ++a) {
     const std::uint32_t first = root(parent, a);
     if (cannot_sleep[first] != 0 || is_obstacle(*view.objects[a])) continue;
-    if (view.objects[a]->island == 0) step.sleep.changed = true;
+    if (view.objects[a]->sleep.island == 0) step.sleep.changed = true;
     set_asleep(view.particles, *view.objects[a], view.objects[first]->id.value);
   }
 }
@@ -299,8 +300,8 @@ void put_islands_to_sleep(const SleepView& step) {
 std::size_t count_sleepers(const SleepView& step) {
   std::size_t awake = 0, asleep = 0;
   for (const auto& object : step.stage.objects.objects) {
-    asleep += object->island != 0 ? 1 : 0;
-    awake += object->island == 0 && !is_obstacle(*object) ? 1 : 0;
+    asleep += object->sleep.island != 0 ? 1 : 0;
+    awake += object->sleep.island == 0 && !is_obstacle(*object) ? 1 : 0;
   }
   step.sleep.all = awake == 0 && asleep > 0;
   return asleep;
@@ -338,7 +339,7 @@ void leave_out_asleep(const ObjectsView& objects, std::span<Projector* const> pr
   sleep.constraints.clear();
   std::vector<IndexRange> particles;
   for (const auto& object : objects.objects) {
-    if (object->island == 0) continue;
+    if (object->sleep.island == 0) continue;
     if (!particles.empty() && particles.back().end == object->begin)
       particles.back().end = object->reserved_end();
     else
@@ -350,9 +351,9 @@ void leave_out_asleep(const ObjectsView& objects, std::span<Projector* const> pr
 }
 
 void wake_island(const ObjectsView& objects, const Object& touched, SleepScratch& sleep) {
-  const std::uint32_t island = touched.island;
+  const std::uint32_t island = touched.sleep.island;
   for (const auto& object : objects.objects)
-    if (object->id == touched.id || (island != 0 && object->island == island))
+    if (object->id == touched.id || (island != 0 && object->sleep.island == island))
       set_awake(objects.particles, *object, sleep);
 }
 
@@ -371,7 +372,7 @@ void wake_particles_of(const ObjectsView& objects, const Projector& projector, S
 }
 
 float inverse_mass_awake(const Particles& particles, const Object& object, std::uint32_t particle) {
-  if (object.island == 0) return particles.position[object.begin + particle].w;
+  if (object.sleep.island == 0) return particles.position[object.begin + particle].w;
   const bool pinned = std::any_of(object.pins.begin(), object.pins.end(),
                                   [&](const PinnedParticle& pin) { return pin.particle == particle; });
   return pinned ? 0 : 1 / particles.mass[object.begin + particle];

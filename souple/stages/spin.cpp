@@ -12,7 +12,7 @@ template <class Function>
 void for_each_spinning(const ObjectsView& objects, Threads& threads, const Function& f) {
   if (!objects.particles.has_spin()) return;
   for (const auto& object : objects.objects) {
-    if (!object->traits().rolls || object->island != 0) continue;
+    if (!object->traits().rolls || object->sleep.island != 0) continue;
     const std::size_t first = object->begin;
     threads.for_each(object->particle_count(), grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = first + begin; i < first + end; ++i) f(i);

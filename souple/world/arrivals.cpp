@@ -75,7 +75,7 @@ void World::move_collider(ColliderId id, const Transform& pose) {
 namespace {
 
 PinnedParticle& pin_of(Object& object, std::uint32_t particle, std::uint32_t vertex) {
-  std::uint32_t& guess = object.pin_guess[particle];
+  std::uint32_t& guess = object.per_particle.pin_guess[particle];
   if (guess < object.pins.size() && object.pins[guess].particle == particle) return object.pins[guess];
   const auto found =
       std::lower_bound(object.pins.begin(), object.pins.end(), particle,
@@ -90,7 +90,7 @@ PinnedParticle& pin_of(Object& object, std::uint32_t particle, std::uint32_t ver
 template <class Function>
 void for_each_pin(WorldState& world, Object& object, std::span<const std::uint32_t> vertices,
                   const Function& f) {
-  object.pin_guess.resize(object.particle_count());
+  object.per_particle.pin_guess.resize(object.particle_count());
   for (const bool check : {true, false})
     for (std::size_t k = 0; k < vertices.size(); ++k) {
       if (vertices[k] >= object.vertex_count())

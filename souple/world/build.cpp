@@ -42,7 +42,7 @@ namespace {
 std::vector<ObjectPart> parts_of(const WorldState& world) {
   std::vector<ObjectPart> parts;
   for (const auto& object : world.objects)
-    parts.push_back({object->merged_begin, object->merged_end, object->begin});
+    parts.push_back({object->built.begin, object->built.end, object->begin});
   return parts;
 }
 
@@ -53,8 +53,8 @@ bool merge(WorldState& world, SetKind kind, std::span<const ObjectPart> parts, S
   bool any_fresh = false;
   for (std::size_t o = 0; o < fresh.size(); ++o) {
     Object& object = *world.objects[o];
-    if (!object.fresh_kinds.has(kind)) continue;
-    fresh[o] = &std::get<SetProjector<Kind>>(object.fresh->sets);
+    if (!object.built.kinds.has(kind)) continue;
+    fresh[o] = &std::get<SetProjector<Kind>>(object.built.fresh->sets);
     any_fresh = any_fresh || fresh[o]->size() > 0;
   }
   const bool any = any_fresh || of_all.size() > 0;
@@ -83,9 +83,9 @@ bool build_constraints(WorldState& world) {
   };
   std::apply([&](auto&... sets) { (merge_one(sets), ...); }, all.sets);
   for (const auto& object : world.objects) {
-    object->fresh.reset();
-    object->fresh_kinds = {};
-    object->merged_begin = object->begin, object->merged_end = object->reserved_end();
+    object->built.fresh.reset();
+    object->built.kinds = {};
+    object->built.begin = object->begin, object->built.end = object->reserved_end();
   }
   if (world.dirty.groups || world.dirty.objects) build_groups(world);
   world.constraints.object_projectors.clear();

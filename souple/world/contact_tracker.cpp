@@ -94,7 +94,7 @@ void ContactTracker::keep_sleepers(const WorldState& world) {
   const auto pushing = static_cast<std::ptrdiff_t>(touching_.size());
   const auto rests = [&](std::uint32_t id) {
     const Object* const object = world.find_object({id});
-    return object != nullptr && (object->island != 0 || object->traits().driven);
+    return object != nullptr && (object->sleep.island != 0 || object->traits().driven);
   };
   for (const Touch& touch : last_) {
     if (touch.is_sensor || !rests(touch.key.object)) continue;

@@ -92,7 +92,7 @@ void build_contact_tables(WorldState& world) {
   std::vector<NamedContactMaterial> object_materials, collider_materials;
   for (const auto& object : world.objects) {
     tables.objects.push_back(contact_object(*object));
-    object_materials.push_back({object->name, contact_material_of(object->material), object->filter,
+    object_materials.push_back({object->name, contact_material_of(object->material), object->collision.filter,
                                 radius_at_rest(*object, world.particles.radius)});
   }
   for (const ColliderRecord& record : world.colliders) {
@@ -176,7 +176,7 @@ void find_candidates(WorldState& world, double dt) {
   particles.start = world.settings.form == Form::plain ? particles.position : particles.offset;
   const ParticleView view = world.view();
   for (std::size_t a = 0; a < tables.objects.size(); ++a)
-    tables.objects[a].moves = world.objects[a]->island == 0;
+    tables.objects[a].moves = world.objects[a]->sleep.island == 0;
   const ContactInput input{
       view, particles.velocity, particles.radius, particles.element_radius, particles.contact_margin, tables,
       step};

@@ -40,9 +40,10 @@ std::size_t bytes_of_motion(const ObstacleMotion& motion) {
 
 /// Maps between vertices and particles, and the triangles over particles.
 std::size_t bytes_of_maps(const Object& object) {
-  std::size_t sum = bytes_of(object.particle_of, object.vertex_of, object.surface, object.surface_source,
-                             object.stiffness_map, object.thickness_map, object.embedding_offset, object.pins,
-                             object.triangle_begin, object.triangles_of);
+  std::size_t sum =
+      bytes_of(object.particle_of, object.vertex_of, object.surface, object.triangles.source,
+               object.per_particle.stiffness, object.per_particle.thickness, object.per_particle.outside,
+               object.pins, object.triangles.begin, object.triangles.of);
   if (object.embedding)
     sum += bytes_of(object.embedding->vertices, object.embedding->weights, object.embedding->tets);
   return sum;

@@ -302,7 +302,7 @@ void World::set_pressure(ObjectId id, float pascals) {
   if (!std::isfinite(pascals)) throw Error("set_pressure: the pressure is not finite");
   Object& object = closed_cloth(impl_->state, id, "set_pressure");
   wake_island(impl_->state, object);
-  object.pressure = pascals;
+  object.gas.pressure = pascals;
   impl_->state.dirty.groups = true;
 }
 
@@ -313,7 +313,7 @@ void World::set_enclosed_volume(ObjectId id, float factor, float compliance) {
   require_compliance(compliance, "set_enclosed_volume");
   Object& object = closed_cloth(impl_->state, id, "set_enclosed_volume");
   wake_island(impl_->state, object);
-  object.enclosed_volume = {factor, compliance};
+  object.gas.volume = {factor, compliance};
   impl_->state.dirty.groups = true;
 }
 

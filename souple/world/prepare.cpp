@@ -34,7 +34,7 @@ std::vector<Vec4f> awake_positions(const WorldState& world) {
   std::vector<Vec4f> result(particles.position.begin(), particles.position.end());
   for (const auto& pointer : world.objects) {
     const Object& object = *pointer;
-    if (object.island == 0) continue;
+    if (object.sleep.island == 0) continue;
     for (std::uint32_t i = object.begin; i < object.end; ++i)
       result[i].w = particles.mass[i] > 0 ? 1 / particles.mass[i] : 0;
     for (const PinnedParticle& pin : object.pins) result[object.begin + pin.particle].w = 0;

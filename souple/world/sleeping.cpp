@@ -45,7 +45,7 @@ void update_sleeping_masses(WorldState& world) {
 }
 
 bool World::is_asleep(ObjectId id) const {
-  return impl_->state.object(id).island != 0;
+  return impl_->state.object(id).sleep.island != 0;
 }
 
 void World::wake(ObjectId id) {

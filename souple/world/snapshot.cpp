@@ -168,8 +168,8 @@ void resume_objects(WorldState& world, std::span<const std::byte>& in) {
   for (const auto& object : world.objects) {
     Rest rest{};
     get(in, &rest, 1);
-    object->rest_time = rest.rest_time;
-    object->island = rest.island;
+    object->sleep.rest_time = rest.rest_time;
+    object->sleep.island = rest.island;
     object->imbalance = rest.imbalance;
     if (object->traits().flows) set_count(world, *object, std::min(rest.particles, object->capacity));
   }
@@ -203,7 +203,8 @@ Snapshot World::snapshot() const {
   for_each_spin(world, particles.spin, [&out](const Vec4f* spin, std::size_t n) { put(out, spin, n); });
   put(out, contacts.data(), contacts.size());
   for (const auto& object : world.objects) {
-    const Rest rest{object->rest_time, object->island, object->particle_count(), object->imbalance};
+    const Rest rest{object->sleep.rest_time, object->sleep.island, object->particle_count(),
+                    object->imbalance};
     put(out, &rest, 1);
   }
   for (const EmitterRecord& record : world.flow.emitters) put(out, &record.layers, 1);

@@ -95,7 +95,8 @@ void update_velocities(WorldState& world, const Substep& substep) {
   damp_constraints(world, substep);
   update_fluid_velocities(world, substep);
   for (const auto& object : world.objects)
-    if (object->island == 0) damp(objects, *object, substep.h, *world.threads, world.scratch->rigid_sums);
+    if (object->sleep.island == 0)
+      damp(objects, *object, substep.h, *world.threads, world.scratch->rigid_sums);
 }
 
 }  // namespace souple

@@ -182,15 +182,15 @@ const ObstacleMaterial& World::obstacle_material(ObjectId id) const {
 void World::set_collision_groups(ObjectId id, std::uint32_t groups, std::uint32_t mask) {
   WorldState& world = impl_->state;
   world.require_between_steps("set_collision_groups");
-  world.object(id).filter = {groups, mask};
+  world.object(id).collision.filter = {groups, mask};
   world.dirty.tables = true;
   wake_all(world);
 }
 std::uint32_t World::collision_groups(ObjectId id) const {
-  return impl_->state.object(id).filter.groups;
+  return impl_->state.object(id).collision.filter.groups;
 }
 std::uint32_t World::collision_mask(ObjectId id) const {
-  return impl_->state.object(id).filter.mask;
+  return impl_->state.object(id).collision.filter.mask;
 }
 
 void World::set_layer(ObjectId id, int layer) {
@@ -198,12 +198,12 @@ void World::set_layer(ObjectId id, int layer) {
   world.require_between_steps("set_layer");
   Object& object = world.object(id);
   require_layer(object, layer);
-  object.layer = layer;
+  object.collision.layer = layer;
   world.dirty.tables = true;
   wake_all(world);
 }
 int World::layer(ObjectId id) const {
-  return impl_->state.object(id).layer;
+  return impl_->state.object(id).collision.layer;
 }
 
 void World::set_motion(ObjectId id, ObstacleMotion motion) {
@@ -212,12 +212,12 @@ void World::set_motion(ObjectId id, ObstacleMotion motion) {
   Object& object = world.object(id);
   require_obstacle(object, "set_motion");
   validate(motion, object.vertex_count(), object.name);
-  std::swap(object.motion, motion);
+  std::swap<ObstacleMotion>(object.motion, motion);
   std::vector<Vec3d> now;
   try {
     now = obstacle_positions(object, world.time);
   } catch (...) {
-    object.motion = std::move(motion);
+    static_cast<ObstacleMotion&>(object.motion) = std::move(motion);
     throw;
   }
   for (std::uint32_t k = 0; k < object.particle_count(); ++k) {

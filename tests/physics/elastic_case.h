@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/geometry/builders.h"
+#include "souple/solver/projector.h"
 #include "souple/souple.h"
 
 #include <cmath>

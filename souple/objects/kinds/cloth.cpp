@@ -61,8 +61,9 @@ void add_springs(const Object& object, const ClothMaterial& m, ConstraintBuilder
   for (std::size_t e = 0; e < edges.edges.size(); ++e) {
     const Edge& edge = edges.edges[e];
     const double l = length(object.rest[edge[0]] - object.rest[edge[1]]);
-    const double k = static_cast<double>(m.membrane_stiffness * object.mean(object.stiffness_map, edge)) *
-                     area[e] / (l * l);
+    const double k =
+        static_cast<double>(m.membrane_stiffness * object.mean(object.per_particle.stiffness, edge)) *
+        area[e] / (l * l);
     const auto compliance = static_cast<float>(1 / k);
     if (usable(compliance))
       to.set<Distance>().add(edge, {static_cast<float>(l)}, {compliance}, m.damping_time, m.pbd_stretch);
@@ -80,14 +81,14 @@ void add_membrane(const Object& object, const ClothMaterial& m, ConstraintBuilde
   for (std::size_t t = 0; t < object.surface.size(); ++t) {
     const Triangle& triangle = object.surface[t];
     const double area = rest_area(object, triangle);
-    const auto scale = static_cast<double>(object.mean(object.stiffness_map, triangle));
+    const auto scale = static_cast<double>(object.mean(object.per_particle.stiffness, triangle));
     if (!(scale > 0) || !(area > 0)) continue;
     const Vec3d x[3] = {object.rest[triangle[0]], object.rest[triangle[1]], object.rest[triangle[2]]};
     to.add_if_valid([&] {
       to.set<TriangleMembrane>().add(
           triangle,
           TriangleMembrane::from_rest(
-              x, frames[object.surface_source.empty() ? t : object.surface_source[t]].warp),
+              x, frames[object.triangles.source.empty() ? t : object.triangles.source[t]].warp),
           TriangleMembrane::compliance(warp * scale, weft * scale, poisson, shear * scale, area),
           m.damping_time, m.pbd_stretch);
     });
@@ -97,7 +98,7 @@ void add_membrane(const Object& object, const ClothMaterial& m, ConstraintBuilde
 template <class Kind>
 void add_hinges(const Object& object, const ClothMaterial& m, ConstraintBuilder& to) {
   for (const Hinge& hinge : interior_edges(object.surface)) {
-    const float stiffness = m.bending_stiffness * object.mean(object.stiffness_map, hinge);
+    const float stiffness = m.bending_stiffness * object.mean(object.per_particle.stiffness, hinge);
     if (!(stiffness > 0)) continue;
     const Vec3d x[4] = {object.rest[hinge[0]], object.rest[hinge[1]], object.rest[hinge[2]],
                         object.rest[hinge[3]]};
@@ -120,7 +121,8 @@ void add_hinges(const Object& object, const ClothMaterial& m, ConstraintBuilder&
 // keeps the rest distance and is stiffer at small angles.
 void add_cross_springs(const Object& object, const ClothMaterial& m, ConstraintBuilder& to) {
   for (const Hinge& hinge : interior_edges(object.surface)) {
-    const double D = static_cast<double>(m.bending_stiffness * object.mean(object.stiffness_map, hinge));
+    const double D =
+        static_cast<double>(m.bending_stiffness * object.mean(object.per_particle.stiffness, hinge));
     if (!(D > 0)) continue;
     const Vec3d x[4] = {object.rest[hinge[0]], object.rest[hinge[1]], object.rest[hinge[2]],
                         object.rest[hinge[3]]};
@@ -139,15 +141,15 @@ void add_cross_springs(const Object& object, const ClothMaterial& m, ConstraintB
 }
 
 void add_gas(const ClothMaterial&, const Object& object, ConstraintGroups& groups) {
-  if (object.pressure == 0 && !object.enclosed_volume) return;
+  if (object.gas.pressure == 0 && !object.gas.volume) return;
   std::vector<Triangle> triangles;
   for (const Triangle& t : object.surface)
     triangles.push_back({object.begin + t[0], object.begin + t[1], object.begin + t[2]});
-  EnclosedVolumeOptions options{.pressure = object.pressure};
-  if (object.enclosed_volume) {
+  EnclosedVolumeOptions options{.pressure = object.gas.pressure};
+  if (object.gas.volume) {
     options.keep_volume = true;
-    options.volume_factor = object.enclosed_volume->first;
-    options.compliance = object.enclosed_volume->second;
+    options.volume_factor = object.gas.volume->first;
+    options.compliance = object.gas.volume->second;
   }
   groups.enclosed_volume.add(triangles, enclosed_volume(object.rest, object.surface), options);
 }

@@ -41,8 +41,8 @@ NewObject import_obstacle(std::string name, const TriangleMesh& mesh, const Obst
   import_surface(obstacle, mesh, options.transform);
   if (object.surface.empty()) throw Error(object.name + ": the mesh has no triangles to collide with");
   validate(motion, object.vertex_count(), object.name);
-  object.motion = std::move(motion);
-  object.placement = options.transform;
+  static_cast<ObstacleMotion&>(object.motion) = std::move(motion);
+  object.motion.placement = options.transform;
   obstacle.mass.assign(object.rest.size(), 0.0);
   finish_object(obstacle, options);
   return obstacle;

@@ -43,14 +43,15 @@ void add_elements(const RopeMaterial& m, const Object& object, ConstraintBuilder
     const Edge edge{i, i + 1};
     const double l = length(object.rest[i] - object.rest[i + 1]);
     const double k =
-        E * pi * radius * radius / l * static_cast<double>(object.mean(object.stiffness_map, edge));
+        E * pi * radius * radius / l * static_cast<double>(object.mean(object.per_particle.stiffness, edge));
     const auto compliance = static_cast<float>(1 / k);
     if (usable(compliance) && to.wants(SetKind::distance))
       to.set<Distance>().add(edge, {static_cast<float>(l)}, {compliance}, m.damping_time, m.pbd_stretch);
     if (i + 2 >= object.particle_count() || !to.wants(SetKind::rope_bending)) continue;
     const std::array<std::uint32_t, 3> three{i, i + 1, i + 2};
     const auto bend = static_cast<float>(
-        l * l * l / static_cast<double>(m.bending_stiffness * object.mean(object.stiffness_map, three)));
+        l * l * l /
+        static_cast<double>(m.bending_stiffness * object.mean(object.per_particle.stiffness, three)));
     if (usable(bend))
       to.set<RopeBending>().add(three, {static_cast<float>(l)}, {bend}, m.damping_time, m.pbd_bending);
   }

@@ -53,7 +53,7 @@ RestTet rest_tet(const Object& object, const Tet& tet) {
 void add_neo_hookean(const Object& object, const SoftBodyMaterial& m, ConstraintBuilder& to) {
   for (const Tet& tet : object.tets.tets) {
     const RestTet rest = rest_tet(object, tet);
-    const auto E = static_cast<double>(m.young_modulus * object.mean(object.stiffness_map, tet));
+    const auto E = static_cast<double>(m.young_modulus * object.mean(object.per_particle.stiffness, tet));
     if (!(E > 0)) continue;
     to.set<NeoHookean>().add(tet, NeoHookean::from_rest(rest.x),
                              NeoHookean::compliance(E, static_cast<double>(m.poisson_ratio), rest.volume),
@@ -69,7 +69,7 @@ void add_tet_springs(const Object& object, const SoftBodyMaterial& m, Constraint
   std::map<Edge, double> stiffness;
   for (const Tet& tet : object.tets.tets) {
     const RestTet rest = rest_tet(object, tet);
-    const auto scale = static_cast<double>(object.mean(object.stiffness_map, tet));
+    const auto scale = static_cast<double>(object.mean(object.per_particle.stiffness, tet));
     if (!(scale > 0)) continue;
     for (std::size_t a = 0; a < 4; ++a)
       for (std::size_t b = a + 1; b < 4; ++b)
@@ -231,7 +231,7 @@ NewObject import_soft_body(std::string name, const TriangleMesh& surface, const 
   name_nearest_vertices(object);
   // The lattice is larger than the surface, so its particles would reach the floor before the surface. Each
   // outer particle may therefore penetrate by its distance from the surface.
-  object.embedding_offset = distances_outside(object.rest, object.mesh, 2 * lattice.cell_size);
+  object.per_particle.outside = distances_outside(object.rest, object.mesh, 2 * lattice.cell_size);
   const double density =
       static_cast<double>(material.density) * lattice.surface_volume / lattice.lattice_volume;
   body.mass = lumped_masses(object.tets, density);
