@@ -1,6 +1,7 @@
 #include "souple/geometry/builders.h"
 #include "souple/geometry/measures.h"
 #include "souple/host/grab.h"
+#include "souple/world/debug_draw.h"
 #include "souple/world/world.h"
 
 #include <benchmark/benchmark.h>

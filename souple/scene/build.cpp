@@ -580,6 +580,7 @@ class Builder {
     options.collision_groups = collider.collision.groups;
     options.collision_mask = collider.collision.mask;
     options.restitution = collider.restitution;
+    options.sensor = collider.sensor;
     options.name = collider.name;
     options.motion = collider.keyframes.empty() ? ColliderMotion::fixed(transform_of(collider.transform))
                                                 : motion_of(collider.keyframes, collider.loop);

@@ -259,6 +259,7 @@ struct ColliderDescription {
   CollisionFilter collision{};                 ///< collision groups and mask
   std::optional<std::uint32_t> color;          ///< 0xRRGGBB (sRGB), for viewers and pictures
   bool show = true;                            ///< in pictures; a hidden collider still collides
+  bool sensor = false;                         ///< pushes nothing, see ColliderOptions
   TransformDescription transform;              ///< with scale 1
   std::vector<KeyframeDescription> keyframes;  ///< instead of the transform
   bool loop = false;

@@ -325,6 +325,20 @@ TEST_F(Behavior, KineticFrictionBrakesWhatSlides) {
   }
 }
 
+// A grain falls through it as through nothing, and the world says when it does.
+TEST_F(Behavior, ASensorPushesNothingAndIsTold) {
+  World world = built(R"({"souple": 1, "objects": [{"name": "puck", "kind": "grains", "points": [[0, 1, 0]]}],
+      "colliders": [{"name": "gate", "shape": {"plane": {}}, "sensor": true}]})");
+  world.track_contacts(true);
+  bool overlapped = false;
+  for (int i = 0; i < 60; ++i) {
+    run(world, 1);
+    for (const ContactPair& pair : world.contact_pairs()) overlapped = overlapped || pair.is_sensor;
+  }
+  EXPECT_TRUE(overlapped);
+  EXPECT_NEAR(static_cast<double>(positions_of_only(world)[0].y), 1 - g / 2, 0.1);
+}
+
 TEST_F(Behavior, GroupsAndPairsDecideWhatMeets) {
   const auto height = [&](const std::string& object, const std::string& collider,
                           const std::string& collide) {

@@ -3,6 +3,7 @@
 
 #include <souple/error.h>
 #include <souple/scene/scene.h>
+#include <souple/world/world.h>
 
 namespace souple::radium {
 

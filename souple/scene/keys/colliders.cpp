@@ -77,6 +77,8 @@ CodecPtr<ColliderDescription> collider_codec() {
                             "contact uses the larger of both sides")
       .key<&C::color>("color", maybe(color()), "color in pictures, as in HTML; if not given: light gray")
       .key<&C::show>("show", boolean(), "false: hidden in pictures; it still collides")
+      .key<&C::sensor>("sensor", boolean(),
+                       "true: pushes nothing and stops no fluid; programs ask which objects overlap it")
       .key<&C::transform>("transform", pose_codec(), "position and rotation")
       .key<&C::keyframes>("keyframes", keyframes_codec(), "motion, instead of `transform`")
       .key<&C::loop>("loop", boolean(), "repeats the keyframes after the last")
