@@ -106,7 +106,7 @@ def shaken(test):
 
 
 STAGES = enumerators("souple/world/report.h", "Stage")
-SEGMENT_TESTS = enumerators("souple/collision/segment_triangle/choice.h", "SegmentTest")
+SEGMENT_TESTS = enumerators("souple/collision/detection.h", "SegmentTest")
 INTEGRATORS = enumerators("souple/stages/settings.h", "Integrator")
 CLOTH_TESTS = "tests/physics/test_collision_cloth.cpp"
 COLUMN_TESTS = "tests/physics/test_fluid_column.cpp"
@@ -450,7 +450,7 @@ class Lists(unittest.TestCase):
         self.assertEqual(said, SEGMENT_TESTS, "docs/segment-triangle.md")
         said = {cells[0].strip("`") for cells in rows_below("docs/solvers.md", "\n| `solver.kind` |")
                 if cells[0].startswith("`")}
-        self.assertEqual(said, set(enumerators("souple/solver/solver.h", "SolverKind")), "docs/solvers.md")
+        self.assertEqual(said, set(enumerators("souple/solver/solver_settings.h", "SolverKind")), "docs/solvers.md")
 
     def test_instruction_sets_of_performance(self):
         said = re.search(r"`SOUPLE_SIMD=([\w|]+)`", read("docs/performance.md"))[1].split("|")
