@@ -9,8 +9,8 @@
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/builders.h"
 #include "souple/world/world.h"
-#include "tests/intersections/crossings.h"
 #include "tests/collision/random.h"
+#include "tests/intersections/crossings.h"
 
 #include <array>
 #include <cmath>

@@ -33,7 +33,6 @@ WorldState::WorldState()
       caches(std::make_unique<Caches>()) {}
 WorldState::~WorldState() = default;
 
-
 Object* WorldState::find_object(ObjectId id) const {
   const std::optional<std::size_t> at = registry->objects.find(id.value);
   return at ? objects[*at].get() : nullptr;

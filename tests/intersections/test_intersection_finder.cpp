@@ -1,8 +1,8 @@
 #include "souple/geometry/builders.h"
 #include "souple/intersections/intersection_finder.h"
-#include "tests/intersections/crossings.h"
 #include "tests/collision/random.h"
 #include "tests/count_allocations.h"
+#include "tests/intersections/crossings.h"
 
 #include <tuple>
 

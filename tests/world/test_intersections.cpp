@@ -1,8 +1,8 @@
 // Objects that start with intersections, or are placed into each other, are separated or reported.
 #include "souple/geometry/builders.h"
 #include "souple/world/world.h"
-#include "tests/intersections/crossings.h"
 #include "tests/collision/random.h"
+#include "tests/intersections/crossings.h"
 
 #include <algorithm>
 #include <cmath>

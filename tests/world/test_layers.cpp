@@ -2,8 +2,8 @@
 #include "souple/geometry/builders.h"
 #include "souple/scene/scene.h"
 #include "souple/world/world.h"
-#include "tests/intersections/crossings.h"
 #include "tests/expect_error.h"
+#include "tests/intersections/crossings.h"
 #include "tests/paths.h"
 
 #include <algorithm>
