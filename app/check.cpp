@@ -5,6 +5,7 @@
 #include "souple/objects/kind_traits.h"
 #include "souple/scene/scene.h"
 #include "souple/world/memory.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <cmath>

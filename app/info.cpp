@@ -8,6 +8,7 @@
 #include "souple/threads/threads.h"
 #include "souple/version.h"
 #include "souple/world/memory.h"
+#include "souple/world/world.h"
 
 #include <cstdio>
 

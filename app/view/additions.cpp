@@ -4,6 +4,7 @@
 #include "souple/geometry/mesh_report.h"
 #include "souple/math/scalar.h"
 #include "souple/mesh_files/mesh_file.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <cctype>

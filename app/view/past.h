@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/scene/scene.h"
+#include "souple/world/world.h"
 
 #include <cstddef>
 #include <cstdint>

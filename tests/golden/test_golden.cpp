@@ -1,6 +1,7 @@
 #include "golden_file.h"
 #include "souple/error.h"
 #include "souple/scene/scene.h"
+#include "souple/world/world.h"
 #include "tests/paths.h"
 #include "trace.h"
 

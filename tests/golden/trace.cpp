@@ -4,6 +4,7 @@
 #include "souple/files/atomic_file.h"
 #include "souple/files/file.h"
 #include "souple/math/fnv1a.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <string_view>

@@ -4,6 +4,7 @@
 #include "souple/io/particle_file.h"
 #include "souple/io/playback.h"
 #include "souple/io/recorder.h"
+#include "souple/world/world.h"
 
 #include <cmath>
 #include <cstring>

@@ -6,6 +6,7 @@
 #include "souple/io/recorder.h"
 #include "souple/mesh_files/mesh_file.h"
 #include "souple/version.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <cstring>

@@ -3,6 +3,7 @@
 #include "souple/io/manifest.h"
 #include "souple/io/playback.h"
 #include "souple/io/recorder.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 
