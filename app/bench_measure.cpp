@@ -3,6 +3,7 @@
 #include "app/bench_scenes.h"
 #include "app/option_names.h"
 #include "souple/simd/instruction_set.h"
+#include "souple/world/debug_draw.h"
 #include "souple/world/profile.h"
 #include "souple/world/world.h"
 

@@ -1,5 +1,7 @@
 #include "studio.h"
 
+#include "souple/world/world.h"
+
 namespace souple::render {
 
 namespace {

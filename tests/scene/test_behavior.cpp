@@ -2,6 +2,7 @@
 #include "scene_test.h"
 #include "souple/io/mdd.h"
 #include "souple/io/pc2.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <cmath>

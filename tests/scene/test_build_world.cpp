@@ -1,5 +1,6 @@
 // A world built from a scene matches its description.
 #include "scene_test.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <cmath>

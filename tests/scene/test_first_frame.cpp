@@ -4,6 +4,7 @@
 #include "souple/io/pc2.h"
 #include "souple/io/recorder.h"
 #include "souple/scene/first_frame.h"
+#include "souple/world/world.h"
 
 #include <filesystem>
 #include <fstream>

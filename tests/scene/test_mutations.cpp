@@ -1,5 +1,6 @@
 // Reading a mutated scene gives a scene or an Error.
 #include "scene_test.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <array>

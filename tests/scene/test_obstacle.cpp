@@ -5,6 +5,7 @@
 #include "souple/io/pc2.h"
 #include "souple/io/playback.h"
 #include "souple/io/recorder.h"
+#include "souple/world/world.h"
 #include "tests/expect_error.h"
 
 #include <algorithm>
