@@ -1,5 +1,6 @@
 #include "souple/queries/select.h"
 
+#include "souple/error.h"
 #include "souple/objects/object.h"
 #include "souple/queries/nearest_name.h"
 
