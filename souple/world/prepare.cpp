@@ -1,6 +1,7 @@
 #include "souple/world/prepare.h"
 
 #include "souple/assert.h"
+#include "souple/error.h"
 #include "souple/multilevel/make_solver.h"
 #include "souple/objects/object.h"
 #include "souple/stages/sleeping.h"
