@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/error.h"
 #include "souple/scene/scene.h"
 #include "tests/paths.h"
 
