@@ -38,10 +38,10 @@ TEST(Memory, EveryConstraintIsCounted) {
   ClothMaterial material;
   material.bending = BendingModel::none;
   const std::size_t edges = bytes_of_part(memory_of(material).simulation, "distance");
-  EXPECT_GE(edges, 119201 * 2 * sizeof(std::uint32_t));
+  EXPECT_GE(edges, std::size_t{119201} * 2 * sizeof(std::uint32_t));
   material.bending = BendingModel::distance;
   EXPECT_GE(bytes_of_part(memory_of(material).simulation, "distance"),
-            edges + 118405 * 2 * sizeof(std::uint32_t));
+            edges + std::size_t{118405} * 2 * sizeof(std::uint32_t));
 }
 
 }  // namespace
