@@ -102,16 +102,16 @@ TEST(SetProjector, ErasingParticlesRenumbers) {
 
 // Two chains of one object each; the second has no inverse masses, like a sleeping object.
 TEST(SetProjector, ConstraintsOfSleepingObjectsAreFoundAndMayBeLeftOut) {
-  constexpr std::uint32_t n = 20, all = 40;  // particles of a chain, and of both
+  constexpr std::uint32_t n = 20, both = 40;  // particles of a chain, of both
   const auto make = [] {
     SetProjector<Distance> links;
     for (const std::uint32_t first : {0u, n})
       for (std::uint32_t i = 0; i + 1 < n; ++i) links.add({first + i, first + i + 1}, {0.9f}, {1e-4f});
-    links.prepare(all);
+    links.prepare(both);
     return links;
   };
   SetProjector<Distance> links = make();
-  const IndexRange asleep[] = {{n, all}};
+  const IndexRange asleep[] = {{n, both}};
   const std::vector<IndexRange> found = links.constraints_of(asleep);
   std::vector<bool> left_out(links.size());
   for (const IndexRange& range : found)
@@ -119,8 +119,8 @@ TEST(SetProjector, ConstraintsOfSleepingObjectsAreFoundAndMayBeLeftOut) {
   for (std::size_t i = 0; i < links.size(); ++i) EXPECT_EQ(left_out[i], links.set().indices(i)[0] >= n) << i;
 
   const auto solve = [&](bool leaves_out) {
-    std::vector<Vec4f> position, offset(all);
-    for (std::uint32_t i = 0; i < all; ++i)
+    std::vector<Vec4f> position, offset(both);
+    for (std::uint32_t i = 0; i < both; ++i)
       position.push_back({static_cast<float>(i), 0, 0.1f * static_cast<float>(i % 3), i < n ? 1.0f : 0.0f});
     const std::vector<Vec4f> start = offset;
     const ParticleView view{position, offset, start, Form::displacement};
