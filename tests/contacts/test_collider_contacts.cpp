@@ -153,6 +153,34 @@ TEST(ColliderContacts, AMovingColliderCarriesParticles) {
   }
 }
 
+// A ball that starts in the middle of a step, and a bar that spins by a third of a turn in it, reach particles that were far
+// away when candidates were searched.
+TEST(ColliderContacts, AColliderThatSpeedsUpWithinAStepStillHits) {
+  for (const Form form : forms) {
+    MiniWorld world(form);
+    world.gravity = {};
+    world.add({0.4, 0, 0}, 0.01f);
+    world.end_object({0, std::nullopt, 0});
+    const auto x = [](double t) { return 60 * std::max(0.0, t - 0.008); };
+    world.add_collider(Sphere{.radius = 0.1f}, {0, std::nullopt, 0}, ColliderMotion::callback([x](double t) {
+                         return Transform{{x(t), 0, 0}, {}, 1};
+                       }));
+    world.step(1.0 / 60, 20);
+    EXPECT_GT(world.at(0).x, x(1.0 / 60) + 0.1) << "in front of the ball";
+
+    MiniWorld other(form);
+    other.gravity = {};
+    other.add({0, 0.9, 0}, 0.01f);
+    other.end_object({0, std::nullopt, 0});
+    other.add_collider(Box{{}, {1, 0.05f, 0.05f}}, {0, std::nullopt, 0},
+                       ColliderMotion::callback([](double t) {
+                         return Transform{{}, Quatd::from_axis_angle({0, 0, 1}, 125 * t), 1};
+                       }));
+    other.step(1.0 / 60, 20);
+    EXPECT_LT(other.at(0).x, -0.3) << "swept along by the bar";
+  }
+}
+
 // A restarting loop moves the collider at once: this must not give particles a velocity.
 TEST(ColliderContacts, ALoopThatJumpsBackDoesNotKick) {
   MiniWorld world(Form::displacement);
