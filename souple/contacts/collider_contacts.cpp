@@ -150,35 +150,77 @@ void ColliderContacts::find_candidates(const ParticleView& particles, std::span<
   distance_.resize(members_.particle.size());
   members_.margins.begin(members_.particle, radius_, {velocity, h, step_.dt, step_.gravity}, particles,
                          threads);
+  find_groups(particles);
+  const double largest_margin = double(members_.margins.largest());
   const kernels::ColliderParticles packed = packed_particles(particles);
   for (Body& body : bodies_) {
     if (body.packed.moves)
-      body.margin.begin(bounding_ball(shape_of(body)), 3 * double(members_.margins.largest()), body.before,
-                        body.after, double(step_.dt) / double(h));
+      body.margin.begin(bounding_ball(shape_of(body)), 3 * largest_margin, body.before, body.after,
+                        double(step_.dt) / double(h));
     find_candidates_of(body, packed, threads);
   }
+}
+
+// Members of one object are contiguous.
+void ColliderContacts::find_groups(const ParticleView& particles) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  groups_.clear();
+  const std::size_t count = members_.particle.size();
+  for (std::size_t m = 0; m < count;) {
+    Group group{
+        members_.object[m], m, m, {infinity, infinity, infinity}, {-infinity, -infinity, -infinity}, 0, 0};
+    for (; m < count && members_.object[m] == group.object; ++m) {
+      const std::uint32_t i = members_.particle[m];
+      const Vec3d x = particle_position(particles, i);
+      for (int axis = 0; axis < 3; ++axis) {
+        group.lo[axis] = min(group.lo[axis], x[axis]);
+        group.hi[axis] = max(group.hi[axis], x[axis]);
+      }
+      group.margin = max(group.margin, double(members_.margins[m]));
+      group.keeps = max(group.keeps, double(radius_[i]) + 2 * double(element_radius_[i]));
+    }
+    group.end = m;
+    groups_.push_back(group);
+  }
+}
+
+// Many colliders are far from most objects: the ball around a collider against the box around an object. A particle keeps
+// no more than its radius and that of its elements, see corner_distance.
+bool ColliderContacts::may_reach(const Group& group, const Body& body, double body_margin) const {
+  if (!materials_->collide(group.object, body.collider)) return false;
+  const BoundingBall ball = bounding_ball(shape_of(body));
+  const Vec3d center = body.after.to_world(ball.center);
+  double square = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double beyond = max(0.0, max(group.lo[axis] - center[axis], center[axis] - group.hi[axis]));
+    square += beyond * beyond;
+  }
+  const double reach = 1.001 * (ball.radius + 3 * (group.margin + body_margin) + 2 * group.keeps);
+  return !(square > reach * reach);
 }
 
 void ColliderContacts::find_candidates_of(Body& body, const kernels::ColliderParticles& particles,
                                           Threads& threads) {
   body.candidate_begin = candidates_.particle.size();
-  const std::size_t count = members_.particle.size();
   const double body_margin = body.packed.moves ? double(body.margin.margin()) : 0;
   const bool goes_anywhere = !(body_margin < std::numeric_limits<double>::infinity());
-  if (!goes_anywhere)
-    threads.for_each(count, particle_grain, [&](std::size_t begin, std::size_t end) {
-      kernels_->distances(particles, body.packed, members_.particle.data(), begin, end, distance_.data());
-    });
-  for (std::size_t m = 0; m < count; ++m) {
-    const std::uint32_t i = members_.particle[m];
-    if (!materials_->collide(members_.object[m], body.collider)) continue;
-    const double keeps =
-        corner_distance(double(radius_[i]), double(element_radius_[i]), body.curvature_radius);
-    const auto reach = float(3 * (double(members_.margins[m]) + body_margin) + 2 * keeps);
-    if (!goes_anywhere && !(distance_[m] <= reach)) continue;
-    candidates_.particle.push_back(i);
-    candidates_.object.push_back(members_.object[m]);
-    candidates_.keeps.push_back(float(keeps));
+  for (const Group& group : groups_) {
+    if (!may_reach(group, body, body_margin)) continue;
+    if (!goes_anywhere)
+      threads.for_each(group.end - group.begin, particle_grain, [&](std::size_t begin, std::size_t end) {
+        kernels_->distances(particles, body.packed, members_.particle.data(), group.begin + begin,
+                            group.begin + end, distance_.data());
+      });
+    for (std::size_t m = group.begin; m < group.end; ++m) {
+      const std::uint32_t i = members_.particle[m];
+      const double keeps =
+          corner_distance(double(radius_[i]), double(element_radius_[i]), body.curvature_radius);
+      const auto reach = float(3 * (double(members_.margins[m]) + body_margin) + 2 * keeps);
+      if (!goes_anywhere && !(distance_[m] <= reach)) continue;
+      candidates_.particle.push_back(i);
+      candidates_.object.push_back(group.object);
+      candidates_.keeps.push_back(float(keeps));
+    }
   }
   body.candidate_end = candidates_.particle.size();
 }
@@ -414,8 +456,8 @@ void ColliderContacts::clear() {
 }
 
 std::size_t ColliderContacts::bytes() const {
-  return bytes_of(bodies_, members_.particle, members_.object, candidates_.particle, candidates_.object,
-                  candidates_.keeps, distance_, near_, some_) +
+  return bytes_of(bodies_, groups_, members_.particle, members_.object, candidates_.particle,
+                  candidates_.object, candidates_.keeps, distance_, near_, some_) +
          contacts_.bytes() + taken_.bytes() + members_.margins.bytes();
 }
 

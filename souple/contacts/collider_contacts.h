@@ -80,6 +80,13 @@ class ColliderContacts final : public ContactProjector {
     std::vector<std::uint32_t> particle, object;
     MotionMargins margins;
   };
+  /// The members of an object, [begin, end), in a search.
+  struct Group {
+    std::uint32_t object;
+    std::size_t begin, end;
+    Vec3d lo, hi;          // of their positions [m]
+    double margin, keeps;  // the largest [m]
+  };
   /// Particles that may touch a body in this step, body by body.
   struct Candidates {
     std::vector<std::uint32_t> particle, object;
@@ -106,7 +113,9 @@ class ColliderContacts final : public ContactProjector {
   void set_pose(Body& body, const RigidPose& before, const RigidPose& after) const;
   void find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity, float h,
                        Threads& threads);
+  void find_groups(const ParticleView& particles);
   void find_candidates_of(Body& body, const kernels::ColliderParticles& particles, Threads& threads);
+  bool may_reach(const Group& group, const Body& body, double body_margin) const;
   bool needs_search(const ParticleView& particles, Threads& threads);
   static Vec3f relative_motion(const Body& body, std::uint32_t particle, const ParticleView& particles);
   void project_exactly(const ParticleView& particles);
@@ -126,6 +135,7 @@ class ColliderContacts final : public ContactProjector {
   std::vector<Body> bodies_;
   bool searched_ = false;  // in this step: candidates are known
   Members members_;
+  std::vector<Group> groups_;
   Candidates candidates_;
   std::vector<float> distance_;      // per member or candidate: to the body's surface [m]
   std::vector<std::uint32_t> near_;  // candidates in contact with the body
