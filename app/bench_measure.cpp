@@ -202,6 +202,10 @@ BenchResult measure(const BenchOptions& options) {
   result.constraints_per_second = static_cast<double>(result.constraints) * result.substeps *
                                   result.iterations / (result.ms_per_step * 1e-3);
   result.hash = world.hash();
+  if (scene.counts_crossings) {
+    result.crossings = 0;
+    for (const ObjectId object : world.objects()) *result.crossings += world.count_crossings(object);
+  }
   if (options.strain && result.peak_strain > *options.strain) return result;
   time_projections(world, result);
   result.diagnostic = world.time_solve(frame, result.iterations).diagnostic;

@@ -61,7 +61,8 @@ struct BenchResult {
   double max_strain = 0;   ///< at the end: largest extension of a distance, a membrane or an edge of a tet
   double peak_strain = 0;  ///< with BenchOptions::strain: the largest after any of the runs
   std::uint64_t hash = 0;  ///< hash of the world at the end
-  std::string diagnostic;  ///< diagnostic message of the solver
+  std::optional<std::size_t> crossings;  ///< at the end: edges through triangles of the same cloth
+  std::string diagnostic;                ///< diagnostic message of the solver
   std::optional<ResidualResult> residual;
 };
 

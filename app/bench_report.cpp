@@ -168,6 +168,7 @@ Json bench_json(const BenchResult& r) {
   object.set("projections_per_second", named_values_json(r.projections_per_second));
   object.set("max_strain", rounded(r.max_strain));
   object.set("hash", Json::of(hash));
+  if (r.crossings) object.set("crossings", Json::whole(static_cast<std::int64_t>(*r.crossings)));
   if (!r.diagnostic.empty()) object.set("remark", Json::of(r.diagnostic));
   if (r.residual) object.set("residual", residual_json(*r.residual));
   return object;
@@ -204,6 +205,8 @@ void print_bench(const Json& now, const Json* before) {
   if (const Json* residual = now.find("residual")) print_residual(*residual);
   std::printf("  largest strain %s, hash %s\n", percent(number_at(now, "max_strain")).c_str(),
               text_at(now, "hash").c_str());
+  if (now.find("crossings") != nullptr)
+    std::printf("  %.0f edges pass through triangles of the same cloth\n", number_at(now, "crossings"));
   if (before != nullptr) print_differences(now, *before);
 }
 

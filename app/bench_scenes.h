@@ -17,6 +17,7 @@ struct BenchScene {
   int min_size, max_size;  ///< range of --size
   /// Fills an empty world.
   void (*build)(World& world, int size);
+  bool counts_crossings = false;  ///< see World::count_crossings
 };
 
 /// All scenes, in listing order.

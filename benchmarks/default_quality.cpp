@@ -445,7 +445,7 @@ double hem(const Settings& settings) {
   World world(settings);
   world.add_collider(Plane{});
   ObjectOptions options;
-  options.self_collision = true;
+  options.self_collision = SelfCollision::surfaces;
   const ObjectId cloth = add(world, sheet, options);
   for (std::uint32_t ring = 0; ring < 10; ++ring)
     world.pin(cloth, vertices({5 * ring}),

@@ -47,7 +47,7 @@ NewObject cloth(double size) {
   static_cast<ClothMaterial&>(sheet.material) = material::cotton;
   sheet.material.preset = "cotton";
   fit_thickness(sheet.material, size);
-  sheet.self_collision = true;
+  sheet.self_collision = SelfCollision::surfaces;
   return {std::move(sheet), {}, size * std::sqrt(0.5)};
 }
 
@@ -77,7 +77,7 @@ NewObject rope(double size) {
   static_cast<RopeMaterial&>(line.material) = material::nylon;
   line.material.preset = "nylon";
   line.material.radius = std::min(line.material.radius, static_cast<float>(size / 100));
-  line.self_collision = true;
+  line.self_collision = SelfCollision::surfaces;
   return {std::move(line), {}, size / 2};
 }
 

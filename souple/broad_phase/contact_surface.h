@@ -20,6 +20,7 @@ struct ContactSurface {
   std::span<const Edge> edges{};                              ///< without triangles, such as those of ropes
   bool particles_only = false;  ///< no triangles or edges: every particle is a ball of its radius
   bool self_collision = false;  ///< between triangles and edges of this object
+  bool vertex_balls = false;    ///< between balls at its vertices instead (vertex_balls.h)
   std::uint32_t groups = 1;     ///< bits; objects a and b collide when a.groups & b.mask and
   std::uint32_t mask = ~0u;     ///<   b.groups & a.mask are both non-zero
   bool immovable = false;       ///< an obstacle: no contact can move it, so two of them are not compared

@@ -4,6 +4,7 @@
 #include "souple/contacts/collider_element_contacts.h"
 #include "souple/contacts/particle_contacts.h"
 #include "souple/contacts/surfaces/surface_contacts.h"
+#include "souple/contacts/vertex_balls.h"
 #include "souple/intersections/intersection_resolver.h"
 
 #include <exception>
@@ -14,6 +15,7 @@ namespace souple {
 Contacts::Contacts() : intersection_resolver_(std::make_unique<IntersectionResolver>()) {
   kinds_.push_back(std::make_unique<SurfaceContacts>(intersection_resolver_.get()));
   kinds_.push_back(std::make_unique<ParticleContacts>());
+  kinds_.push_back(std::make_unique<VertexBalls>());
   kinds_.push_back(std::make_unique<ColliderElementContacts>());
   kinds_.push_back(std::make_unique<ColliderContacts>());
 }

@@ -70,7 +70,9 @@ ContactSurface contact_surface(const Object& object, std::uint32_t index, std::s
       .triangles = object.surface,
       .edges = edges,
       .particles_only = is_particle_only(object),
-      .self_collision = object.collision.itself && !is_particle_only(object) && matrix.collide(index, index),
+      .self_collision = object.collision.itself == SelfCollision::surfaces && !is_particle_only(object) &&
+                        matrix.collide(index, index),
+      .vertex_balls = object.collision.itself == SelfCollision::particles && matrix.collide(index, index),
       .groups = object.collision.filter.groups,
       .mask = object.collision.filter.mask,
       .immovable = kind.driven,

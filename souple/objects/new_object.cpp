@@ -82,6 +82,10 @@ void finish_object(NewObject& made, const ObjectOptions& options) {
   if (skipped > 0)
     made.sentences.push_back(
         fmt::format("{} elements are too thin for a bending or membrane constraint", skipped));
+  if (options.self_collision == SelfCollision::particles && object.surface.empty())
+    throw Error(
+        object.name +
+        ": self_collision: particles is for cloth and for soft bodies made of tets; use surfaces or off");
   object.collision.itself = options.self_collision;
   require_layer(object, options.layer);
   object.collision.layer = options.layer;

@@ -11,6 +11,7 @@
 #include "souple/objects/kind_traits.h"
 #include "souple/objects/materials.h"
 #include "souple/objects/obstacle_motion.h"
+#include "souple/objects/self_collision.h"
 #include "souple/objects/set_kinds.h"
 
 #include <array>
@@ -55,7 +56,7 @@ struct ParticleValues {
 
 /// What an object collides with.
 struct ObjectCollision {
-  bool itself = false;     ///< the surface collides with itself
+  SelfCollision itself = SelfCollision::off;
   int layer = 0;           ///< of cloth; 0: none
   CollisionFilter filter;  ///< with which other objects
 };

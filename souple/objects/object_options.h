@@ -2,6 +2,7 @@
 
 #include "souple/collision/collider_motion.h"
 #include "souple/math/transform.h"
+#include "souple/objects/self_collision.h"
 
 #include <cstdint>
 #include <optional>
@@ -20,7 +21,7 @@ struct ObjectOptions {
   std::vector<float> stiffness_map{};
   std::vector<float> thickness_map{};  ///< per vertex: factor of the thickness; empty: 1
   /// The surface collides with itself: cloth lies on its own folds, a rope does not pass through itself.
-  bool self_collision = false;
+  SelfCollision self_collision = SelfCollision::off;
   /// Layer of the surface, 0 to 1000. Where two objects collide, the object of the higher layer belongs on
   /// the outer side of the lower one: the side from which the lower one's triangles are counter-clockwise.
   /// Parts on the wrong side are moved out. 0: no order. Only objects with a surface of their own have

@@ -10,6 +10,7 @@
 #include "souple/objects/handles.h"
 #include "souple/objects/kind_traits.h"
 #include "souple/objects/materials.h"
+#include "souple/objects/self_collision.h"
 #include "souple/queries/selector.h"
 #include "souple/stages/settings.h"
 #include "souple/state/warnings.h"
@@ -149,13 +150,13 @@ struct MaterialDescription : Material {
 struct ObjectDescription {
   std::string name;
   TransformDescription transform;
-  Vec3f velocity{};                    ///< m/s
-  Vec3f angular_velocity{};            ///< rad/s
-  std::optional<std::uint32_t> color;  ///< 0xRRGGBB (sRGB), for viewers and pictures
-  bool self_collision = false;         ///< not for grains
-  int layer = 0;                       ///< not for ropes and grains
-  CollisionFilter collision{};         ///< collision groups and mask
-  float wind_exposure = 1;             ///< share of the wind's velocity that reaches it; not for obstacles
+  Vec3f velocity{};                                   ///< m/s
+  Vec3f angular_velocity{};                           ///< rad/s
+  std::optional<std::uint32_t> color;                 ///< 0xRRGGBB (sRGB), for viewers and pictures
+  SelfCollision self_collision = SelfCollision::off;  ///< not for grains; ropes: not particles
+  int layer = 0;                                      ///< not for ropes and grains
+  CollisionFilter collision{};                        ///< collision groups and mask
+  float wind_exposure = 1;  ///< share of the wind's velocity that reaches it; not for obstacles
   std::vector<PinDescription> pins;
   std::vector<AttachmentDescription> attachments;
 };

@@ -4,6 +4,7 @@
 #include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
 #include "souple/queries/caches.h"
+#include "souple/queries/crossings.h"
 #include "souple/queries/object_sums.h"
 #include "souple/queries/overlap.h"
 #include "souple/queries/search.h"
@@ -96,6 +97,11 @@ std::vector<Overlap> World::overlap(const Shape& shape, const Transform& pose,
   validate(pose, "overlap");
   if (pose.scale != 1) throw Error(fmt::format("overlap: the scale is {}, expected 1", pose.scale));
   return find_overlaps(impl_->state.query_view(), shape, pose, filter);
+}
+
+std::size_t World::count_crossings(ObjectId id) const {
+  const WorldState& world = impl_->state;
+  return souple::count_crossings(world.query_view(), world.object(id));
 }
 
 // --- sums over an object

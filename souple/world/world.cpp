@@ -193,6 +193,10 @@ std::uint32_t World::collision_mask(ObjectId id) const {
   return impl_->state.object(id).collision.filter.mask;
 }
 
+SelfCollision World::self_collision(ObjectId id) const {
+  return impl_->state.object(id).collision.itself;
+}
+
 void World::set_layer(ObjectId id, int layer) {
   WorldState& world = impl_->state;
   world.require_between_steps("set_layer");

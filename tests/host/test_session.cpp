@@ -44,7 +44,7 @@ TEST(Session, MeshesOfTheHostMoveAsInAPureRunToTheBit) {
   World world;
   TriangleMesh placed = VertexWelder(sheet.soup()).mesh();
   for (Vec3d& x : placed.positions) x += Vec3d(0.125, 1, 0);
-  const ObjectId pure = world.add_cloth(placed, material::silk, {.self_collision = true});
+  const ObjectId pure = world.add_cloth(placed, material::silk, {.self_collision = SelfCollision::surfaces});
   const ObjectId pure_body = world.add_soft_body(VertexWelder(ball.soup()).mesh(), {}, {.cells = 300});
   world.add_obstacle(VertexWelder(post.soup()).mesh());
   for (int i = 0; i < 40; ++i) ASSERT_TRUE(world.step(dt).ok());

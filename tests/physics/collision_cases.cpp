@@ -117,7 +117,7 @@ DrapeAndFold drape_and_fold(int n, Support support) {
   world.add_obstacle(capsule(0.025, 1.2, 12, 3, 24), wood, {.pose = path},
                      {.name = "bar", .transform = along_z});
   ObjectOptions options{.transform = at(0, 0.56, 0)};
-  options.self_collision = true;
+  options.self_collision = SelfCollision::surfaces;
   scene.cloth = world.add_cloth(grid(n, n, 1),
                                 {.areal_density = 0.2f,
                                  .bending_stiffness = 2e-5f,
@@ -132,7 +132,7 @@ Heap sheet_on_edge(int n) {
   constexpr double side = 2;
   Heap heap{World(), {}};
   ObjectOptions options;
-  options.self_collision = true;
+  options.self_collision = SelfCollision::surfaces;
   options.transform.rotation = Quatd::from_axis_angle({0, 0, 1}, 1.48);
   options.transform.translation = {0, 0.5 * side + 0.02, 0};
   heap.cloth =
@@ -154,7 +154,7 @@ TwistedTube twisted_tube(int around, double turns, double seconds) {
   TwistedTube scene{World({.solver = {.kind = SolverKind::gauss_seidel}}), {}, seconds};
   World& world = scene.world;
   ObjectOptions options;
-  options.self_collision = true;
+  options.self_collision = SelfCollision::surfaces;
   const TriangleMesh mesh = tube(around, along, radius, length);
   scene.tube = world.add_cloth(mesh,
                                {.areal_density = 0.2f,
@@ -200,7 +200,7 @@ Knot reef_knot(int across, double pull) {
                                .damping = 2};
   const auto add = [&](const char* name, const std::vector<Vec3d>& points, double direction) {
     ObjectOptions options{.name = name};
-    options.self_collision = true;
+    options.self_collision = SelfCollision::surfaces;
     const TriangleMesh mesh = strip_along(smooth_curve(points, edge), across, width);
     const ObjectId strip = world.add_cloth(mesh, material, options);
     // Springs on `across` vertices; without motion of the strip each would stretch by at most 1.2 m.
@@ -351,7 +351,7 @@ Shot shot_at(ShotAt what, int n, int grains, double speed) {
   World& world = shot.world;
   if (what == ShotAt::cloth) {
     ObjectOptions options;
-    options.self_collision = true;
+    options.self_collision = SelfCollision::surfaces;
     shot.target = world.add_cloth(
         grid(n, n, 1), {.areal_density = 1, .membrane_stiffness = 1e5f, .thickness = float(0.3 / (n - 1))},
         options);

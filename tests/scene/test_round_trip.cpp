@@ -16,13 +16,13 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
       {"name": "flag", "kind": "cloth", "mesh": {"grid": {"columns": 80, "rows": 48, "size": 2.0, "diagonals": "one_way"}},
        "transform": {"translate": [0, 2, 0], "rotate": [90, 0, 0], "scale": 1.5}, "velocity": [1, 2, 3],
        "angular_velocity": [4, 5, 6], "collision_groups": [0, 31], "collision_mask": [], "color": "#0aF0c8", "pressure": -20, "enclosed_volume": {"factor": 1.5, "compliance": 1e-6},
-       "tethers": {"slack": 0.1}, "layer": 2, "wind_exposure": 0.25,
+       "tethers": {"slack": 0.1}, "layer": 2, "wind_exposure": 0.25, "self_collision": "particles",
        "material": {"preset": "silk", "areal_density": 0.08, "stretch": "membrane", "bending": "dihedral"},
        "pins": [{"in_box": [[-1.01, 1, -1], [-0.99, 3, 1]]}, {"nearest": [1, 2, 3], "about": [0, 1, 0], "loop": true,
                  "keyframes": [{"time": 0}, {"time": 1, "translate": [1, 0, 0], "rotate": [0, 90, 0]}]}],
        "attachments": [{"vertices": [3, 1], "compliance": 0.001}]},
       {"name": "bar", "kind": "soft_body", "mesh": {"tet_bar": {"cells": [3, 2, 1], "size": [3, 2, 1]}},
-       "material": {"young_modulus": 6e4, "poisson_ratio": 0.3, "model": "shape_matching"}},
+       "material": {"young_modulus": 6e4, "poisson_ratio": 0.3, "model": "shape_matching"}, "self_collision": "surfaces"},
       {"name": "ball", "kind": "soft_body", "mesh": {"sphere": {"radius": 0.5, "subdivisions": 2}}, "lattice": {"cell_size": 0.1}},
       {"name": "line", "kind": "rope", "points": [[0, 1, 0], [1, 1, 0]], "segments": 40,
        "material": {"preset": "nylon", "radius": 0.006}},
@@ -78,6 +78,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(flag.enclosed_volume->factor, 1.5f);
   EXPECT_EQ(flag.tethers->slack, 0.1f);
   EXPECT_EQ(flag.wind_exposure, 0.25f);
+  EXPECT_EQ(flag.self_collision, SelfCollision::particles);
   EXPECT_EQ(flag.material.areal_density, 0.08f);
   EXPECT_EQ(flag.material.stretch, StretchModel::membrane);
   EXPECT_EQ(flag.material.bending, BendingModel::dihedral);
@@ -93,6 +94,7 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   const auto& bar = std::get<SoftBodyDescription>(scene.objects[1]);
   EXPECT_EQ(std::get<TetBarMesh>(bar.mesh.source).cells, (std::array<int, 3>{3, 2, 1}));
   EXPECT_EQ(bar.material.model, SoftBodyModel::shape_matching);
+  EXPECT_EQ(bar.self_collision, SelfCollision::surfaces);
   EXPECT_EQ(std::get<SoftBodyDescription>(scene.objects[2]).lattice->cell_size, 0.1);
   EXPECT_EQ(std::get<RopeDescription>(scene.objects[3]).material.radius, 0.006f);
   EXPECT_EQ(std::get<GrainsBox>(std::get<GrainsDescription>(scene.objects[4]).centers).hi, Vec3d(1, 2, 3));

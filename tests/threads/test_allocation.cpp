@@ -49,6 +49,18 @@ INSTANTIATE_TEST_SUITE_P(All, WarmStep,
                                          Settings{.integrator = Integrator::implicit_euler, .threads = 2}),
                          name_of);
 
+// Balls at the vertices of a heap.
+TEST(WarmStepOfVertexBalls, AllocatesNothing) {
+  World world({.threads = 2});
+  ObjectOptions options;
+  options.self_collision = SelfCollision::particles;
+  options.transform = {{0, 0.52, 0}, Quatd::from_axis_angle({0, 0, 1}, 1.48), 1};
+  world.add_cloth(grid(30, 30, 1.0), {.thickness = 0.01f}, options);
+  world.add_collider(Plane{});
+  EXPECT_EQ(allocations_of_a_warm_step(world, 120), 0);
+  EXPECT_GT(world.report().contacts, 200u);
+}
+
 // An obstacle driven by keyframes and, relative to them, by a sequence.
 TEST(WarmStepOfAnObstacle, AllocatesNothing) {
   World world({.threads = 2});

@@ -15,7 +15,7 @@ World crowded_world(int threads) {
   World world({.threads = threads});
   const auto above = [](double x, double y, double z) {
     ObjectOptions options{.transform = {.translation = {x, y, z}}};
-    options.self_collision = true;
+    options.self_collision = SelfCollision::surfaces;
     return options;
   };
   const auto turning = ColliderMotion::callback([](double t) {

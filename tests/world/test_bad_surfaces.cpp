@@ -21,7 +21,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 
 ObjectOptions with_self_collision(double height = 0) {
   ObjectOptions options;
-  options.self_collision = true;
+  options.self_collision = SelfCollision::surfaces;
   options.transform.translation = {0, height, 0};
   return options;
 }

@@ -182,7 +182,7 @@ TEST(Groups, SelfCollisionOfAClothIsSwitchedOffByThePair) {
     World world({.substeps = 3});
     ObjectOptions options;
     options.name = "sheet";
-    options.self_collision = self_collision;
+    options.self_collision = self_collision ? SelfCollision::surfaces : SelfCollision::off;
     options.transform = {{0, 0.35, 0}, Quatd::from_euler_xyz({0.2, 0, 1.5}), 1};
     world.add_cloth(grid(11, 11, 0.6), {}, options);
     world.add_collider(Plane{});

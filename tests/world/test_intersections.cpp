@@ -75,7 +75,7 @@ Transform upright(double x) {
 ObjectId add_sheet(World& world, const Transform& transform) {
   ObjectOptions options;
   options.transform = transform;
-  options.self_collision = true;
+  options.self_collision = SelfCollision::surfaces;
   return world.add_cloth(grid(15, 15, 1), {.thickness = 0.02f}, options);
 }
 
@@ -217,7 +217,7 @@ TEST(Intersections, WhatIsHeldIsOnlyReported) {
 TEST(Intersections, ABulgeThroughTheOtherHalfOfASheetIsDrawnOut) {
   World world({.gravity = {}});
   ObjectOptions options;
-  options.self_collision = true;
+  options.self_collision = SelfCollision::surfaces;
   TriangleMesh mesh = grid(25, 25, 1);
   for (Vec3d& x : mesh.positions) {
     const double r2 = (x.x - 0.25) * (x.x - 0.25) + x.z * x.z;
@@ -251,7 +251,7 @@ TEST(Intersections, WhateverIsThrownTogetherComesApartSlow) {
     const Vec3d axis = normalized(random.point(-1, 1));
     options.transform.rotation = Quatd::from_axis_angle(axis, random.uniform(0, 6.28));
     options.transform.translation = random.point(-spread, spread);
-    options.self_collision = true;
+    options.self_collision = SelfCollision::surfaces;
     return options;
   };
   for (int turn = 0; turn < 12; ++turn) {
@@ -264,7 +264,7 @@ TEST(Intersections, WhateverIsThrownTogetherComesApartSlow) {
     for (int k = 0; kind != 0 && k < 3 - kind; ++k)
       world.add_cloth(grid(15, 15, 1), {.thickness = 0.02f}, anywhere(0.2));
     ObjectOptions options = anywhere(0.2);
-    options.self_collision = false;
+    options.self_collision = SelfCollision::off;
     if (kind == 2) world.add_obstacle(torus(0.25, 0.07, 24, 10), {.thickness = 0.01f}, {}, options);
     const History history = simulate(world, 200);
     EXPECT_EQ(history.at_last, 0u) << turn;

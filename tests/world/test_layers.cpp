@@ -84,7 +84,7 @@ const ClothMaterial cotton{.areal_density = 0.2f, .thickness = 0.006f, .damping 
 
 ObjectOptions layer(const char* name, int number, const Transform& placed = {}) {
   ObjectOptions options{.name = name, .transform = placed};
-  options.self_collision = true;
+  options.self_collision = SelfCollision::surfaces;
   options.layer = number;
   return options;
 }

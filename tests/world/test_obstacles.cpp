@@ -241,7 +241,8 @@ TEST(Obstacles, WhatMakesNoSenseIsSaid) {
   expect_error([&] { world.set_material(plate, ClothMaterial{}); }, {"obstacle"});
   const TriangleMesh mesh = grid(3, 3, 1);
   expect_error([&] { world.add_obstacle(mesh, {}, {}, {.velocity = {1, 0, 0}}); }, {"velocity", "motion"});
-  expect_error([&] { world.add_obstacle(mesh, {}, {}, {.self_collision = true}); }, {"self_collision"});
+  expect_error([&] { world.add_obstacle(mesh, {}, {}, {.self_collision = SelfCollision::surfaces}); },
+               {"self_collision"});
   expect_error([&] { world.add_obstacle(mesh, {.friction = -1}); }, {"friction", "-1"});
   TriangleMesh point;
   point.positions = {{0, 0, 0}};

@@ -55,7 +55,7 @@ ObjectId add_box(World& world, const Vec3d& where, const char* name) {
 
 void add_heap_of_cloth(World& world) {
   ObjectOptions options = at({0, 0.25, 0}, {0.3, 0, 1.4});
-  options.self_collision = true;
+  options.self_collision = SelfCollision::surfaces;
   world.add_cloth(grid(9, 9, 0.4), {.damping = 4}, options);
 }
 

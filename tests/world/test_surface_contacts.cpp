@@ -48,7 +48,7 @@ TEST(Crossings, GridCountsWhatAllPairsCount) {
 World falling_sheet(int n, bool self_collision, int threads = 0) {
   World world({.threads = threads});
   ObjectOptions options;
-  options.self_collision = self_collision;
+  options.self_collision = self_collision ? SelfCollision::surfaces : SelfCollision::off;
   options.transform.translation = {0, 0.7, 0};
   options.transform.rotation = Quatd::from_axis_angle({0, 0, 1}, 1.48);
   world.add_cloth(grid(n, n, 1), {.areal_density = 0.2f, .thickness = 0.2f / static_cast<float>(n)}, options);
@@ -83,10 +83,10 @@ TEST(SurfaceContacts, AFastStoneDoesNotPass) {
   for (const Form form : {Form::displacement, Form::plain}) {
     World world({.form = form, .gravity = {}});
     ObjectOptions own;
-    own.self_collision = true;
+    own.self_collision = SelfCollision::surfaces;
     const ObjectId sheet = world.add_cloth(grid(12, 12, 0.5), {.thickness = 0.01f}, own);
     ObjectOptions thrown;
-    thrown.self_collision = true;
+    thrown.self_collision = SelfCollision::surfaces;
     thrown.transform.translation = {0.013, 0.5, 0.017};
     thrown.velocity = {0, -30, 0};
     const ObjectId stone =

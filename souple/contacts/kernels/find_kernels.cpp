@@ -19,4 +19,9 @@ const ColliderElementKernels& find_collider_element_kernels(InstructionSet set) 
       set, []<class Isa>(std::type_identity<Isa>) { return &collider_element_kernels<Isa>(); });
 }
 
+const VertexBallKernels& find_vertex_ball_kernels(InstructionSet set) {
+  return *souple::detail::find_for(
+      set, []<class Isa>(std::type_identity<Isa>) { return &vertex_ball_kernels<Isa>(); });
+}
+
 }  // namespace souple::kernels

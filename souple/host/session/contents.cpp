@@ -17,7 +17,7 @@ ObjectId add_to(World& world, const Item& item) {
   const TriangleMesh mesh = host.weld.mesh(host.placement);
   ObjectOptions options;
   options.name = item.name;
-  options.self_collision = host.self_collision;
+  options.self_collision = host.self_collision ? SelfCollision::surfaces : SelfCollision::off;
   switch (item.kind) {
     case Kind::cloth:
       return world.add_cloth(mesh, std::get<ClothMaterial>(item.material), options);

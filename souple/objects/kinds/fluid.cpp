@@ -55,7 +55,7 @@ void require_fluid_options(const ObjectOptions& options, const std::string& name
   };
   if (!options.stiffness_map.empty()) refuse("stiffness_map");
   if (!options.thickness_map.empty()) refuse("thickness_map");
-  if (options.self_collision) refuse("self_collision");
+  if (options.self_collision != SelfCollision::off) refuse("self_collision");
 }
 
 }  // namespace

@@ -28,7 +28,7 @@ void require_obstacle_options(const ObjectOptions& options, const std::string& n
   if (length_squared(options.velocity) > 0) refuse("velocity");
   if (length_squared(options.angular_velocity) > 0) refuse("angular_velocity");
   if (!options.stiffness_map.empty()) refuse("stiffness_map");
-  if (options.self_collision) refuse("self_collision");
+  if (options.self_collision != SelfCollision::off) refuse("self_collision");
 }
 
 }  // namespace

@@ -79,8 +79,10 @@ void add_object_keys(Table<T>& keys) {
 
 template <class T>
 void add_self_collision_key(Table<T>& keys) {
-  keys.template key<&T::self_collision>("self_collision", boolean(),
-                                        "whether its surface collides with itself");
+  keys.template key<&T::self_collision>(
+      "self_collision", self_collision(true),
+      "whether it collides with itself: true is `surfaces`, which never pass through each other; `particles` "
+      "is fast but lets some pass");
 }
 
 template <class T>
@@ -139,8 +141,8 @@ std::shared_ptr<Table<RopeDescription>> rope_table() {
                          "number of segments of equal length")
       .key<&T::material>("material", rope_material_codec(), "material properties");
   add_object_keys(*keys);
-  add_self_collision_key(*keys);
-  keys->key<&T::tethers>("tethers", maybe(tethers_codec()), "limits the distance of vertices from the pins");
+  keys->key<&T::self_collision>("self_collision", self_collision(false), "whether it collides with itself")
+      .key<&T::tethers>("tethers", maybe(tethers_codec()), "limits the distance of vertices from the pins");
   return keys;
 }
 

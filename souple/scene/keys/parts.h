@@ -32,6 +32,8 @@ std::shared_ptr<Table<T>> table(const char* name, const char* doc) {
 CodecPtr<std::array<int, 3>> counts(int max);
 /// A bit mask as the list of the bits that are set, or "all".
 CodecPtr<std::uint32_t> groups();
+/// A switch or the word of a SelfCollision, "particles" only where it is possible.
+CodecPtr<SelfCollision> self_collision(bool particles);
 
 /// A struct written as its only field.
 template <class Outer, class Inner, class Access>

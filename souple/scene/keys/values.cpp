@@ -76,6 +76,40 @@ class Groups : public Codec<std::uint32_t> {
   Number<std::uint32_t> group_{within(0, 31)};
 };
 
+class SelfCollisionWord : public Codec<SelfCollision> {
+ public:
+  explicit SelfCollisionWord(bool with_particles) : particles_(with_particles) {}
+  void read(const Json& json, const JsonPath& path, SelfCollision& value) const override {
+    if (json.is(Json::Kind::boolean)) {
+      value = json.boolean ? SelfCollision::surfaces : SelfCollision::off;
+    } else if (json.is(Json::Kind::text) && json.text == surfaces) {
+      value = SelfCollision::surfaces;
+    } else if (particles_ && json.is(Json::Kind::text) && json.text == particles) {
+      value = SelfCollision::particles;
+    } else {
+      path.unexpected(text(), json);
+    }
+  }
+  Json write(const SelfCollision& value) const override {
+    return value == SelfCollision::particles ? Json::of(particles) : Json::of(value != SelfCollision::off);
+  }
+  TypeInfo describe(Format&) const override {
+    Json words = Json::array({Json::of(true), Json::of(false), Json::of(surfaces)});
+    if (particles_) words.items.push_back(Json::of(particles));
+    Json schema = Json::object();
+    schema.set("enum", words);
+    return {text(), schema};
+  }
+
+ private:
+  static constexpr const char *surfaces = "surfaces", *particles = "particles";
+  std::string text() const {
+    return particles_ ? "true, false, \"surfaces\" or \"particles\"" : "true, false or \"surfaces\"";
+  }
+
+  bool particles_;
+};
+
 }  // namespace
 
 CodecPtr<std::array<int, 3>> counts(int max) {
@@ -84,6 +118,10 @@ CodecPtr<std::array<int, 3>> counts(int max) {
 
 CodecPtr<std::uint32_t> groups() {
   return std::make_shared<Groups>();
+}
+
+CodecPtr<SelfCollision> self_collision(bool particles) {
+  return std::make_shared<SelfCollisionWord>(particles);
 }
 
 }  // namespace souple::scene_format
