@@ -2,12 +2,14 @@
 
     blender -b --factory-startup -t THREADS --python benchmarks/blender_sheet.py -- START.obj OUT.f32 [OPTION...]
 
-START.obj is what `folded_sheet start` writes (Y up). Writes the vertices of each frame to OUT.f32 as folded_sheet reads them and
-prints a line RESULT with JSON: the milliseconds of each frame, on the clock and of the processor, reading the vertices excluded.
+START.obj is what `folded_sheet start` prints (Y up). Writes the vertices of each frame to OUT.f32, as folded_sheet reads
+them, and prints a line RESULT with JSON: the milliseconds of each frame, wall clock and processor time, without reading the
+vertices.
 
 Units, measured in Blender 3.4 with free fall and a hanging sheet: whatever the frame rate, cloth advances by
 sqrt(1/1000) s a frame times `time_scale`; `mass` is of one vertex; a spring of an edge has a stiffness of
-1000 tension_stiffness / (mean edge length) N/m. The self-collision distance belongs to each side, as half of Souple's thickness.
+1000 tension_stiffness / (mean edge length) N/m. Not measured, but read in Blender's source: bending (see souples_material),
+and that the self-collision distance belongs to each side, as half of Souple's thickness; layers are pushed 16/9 of it apart.
 """
 import argparse
 import array
@@ -56,8 +58,8 @@ def souples_material(settings, mesh):
     for kind in ("tension", "compression", "shear"):
         setattr(settings, kind + "_stiffness", MEMBRANE * sum(lengths) / len(lengths) / 1000)
         setattr(settings, kind + "_damping", damping * getattr(settings, kind + "_damping"))
-    # Each opposite vertex is pushed by 100 bending_stiffness (length) / 3 newtons a radian; the isometric model has a moment of
-    # 3 D a radian about edges along rows and columns.
+    # In Blender each vertex opposite an edge is pushed by 100 bending_stiffness (edge length) / 3 newtons a radian; the
+    # isometric model has a moment of 3 D a radian about edges along rows and columns.
     settings.bending_stiffness = 9 * BENDING / (100 * min(lengths) ** 2)
     settings.bending_damping *= damping
 

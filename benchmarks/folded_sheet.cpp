@@ -1,15 +1,16 @@
-// A sheet that stands on its edge and falls into folds (the sheet of `souple bench heap`): what its motion costs in
-// Souple, and what any engine's motion of it is worth. script/measure blender runs it beside Blender.
+// A sheet that stands on its edge and falls into folds (the sheet of `souple bench heap`): what its motion costs
+// in Souple, and the quality of any engine's motion of it. script/measure_blender runs it beside Blender.
 //
-//   folded_sheet start SIZE                      prints the sheet as it starts, an OBJ: SIZE x SIZE vertices, Y up
+//   folded_sheet start SIZE                      prints the sheet as it starts, an OBJ: SIZE x SIZE vertices
 //   folded_sheet run SIZE FRAMES THREADS [FILE]  simulates FRAMES of 1/60 s with the default settings
 //   folded_sheet count SIZE FILE                 reads the frames of another engine
 //
 // FILE holds positions, x y z as 32-bit floats in the machine's byte order, vertex by vertex, frame by frame; Y up.
 //
-// `run` and `count` print JSON: per frame the edges that pass through triangles (by the tests' own checker, which shares no
-// code with the engine), mean and largest strain of the edges at the end, and whether the sheet then rests. `run` adds
-// the milliseconds of each frame, on the clock and of the processor; it counts after the last one, so that counting disturbs no timing.
+// `run` and `count` print JSON. Per frame: the edges that pass through triangles (by the tests' own checker, which
+// shares no code with the engine) and the mean height of the vertices. Of the last frame: mean and largest strain
+// of the edges, and speed; of all frames: the lowest point. `run` adds the milliseconds of each frame, wall clock
+// and processor time of all threads. It counts after the last frame, so that counting disturbs no timing.
 
 #include "souple/error.h"
 #include "souple/geometry/adjacency.h"
@@ -60,13 +61,14 @@ double speed_between(const Frame& before, const Frame& after) {
   return std::sqrt(sum / static_cast<double>(after.size()));
 }
 
-/// Of the vertices over the floor: how far the sheet has fallen [m].
+/// Of the vertices over the floor [m].
 double mean_height(const Frame& frame) {
   double sum = 0;
   for (const Vec3f& x : frame) sum += x.y;
   return sum / static_cast<double>(frame.size());
 }
 
+/// Height of the lowest vertex, at most 0 [m]: how deep the sheet enters the floor.
 double lowest(const std::vector<Frame>& frames) {
   float least = 0;
   for (const Frame& frame : frames)
@@ -135,7 +137,7 @@ void run(int size, int frame_count, int threads, const char* file) {
   std::vector<double> ms, processor_ms;
   for (int k = 0; k < frame_count; ++k) {
     const auto begin = std::chrono::steady_clock::now();
-    const std::clock_t processor_begin = std::clock();  // of all threads
+    const std::clock_t processor_begin = std::clock();
     heap.world.step(frame_time);
     ms.push_back(std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
     processor_ms.push_back(1e3 * static_cast<double>(std::clock() - processor_begin) / CLOCKS_PER_SEC);
