@@ -20,7 +20,7 @@ struct ObjectOptions {
   /// Per vertex: factor of the stiffness; a constraint uses the mean of its vertices. Empty: 1.
   std::vector<float> stiffness_map{};
   std::vector<float> thickness_map{};  ///< per vertex: factor of the thickness; empty: 1
-  /// The surface collides with itself: cloth lies on its own folds, a rope does not pass through itself.
+  /// How the surface collides with itself. `surfaces`: cloth lies on its own folds, a rope does not pass through itself.
   SelfCollision self_collision = SelfCollision::off;
   /// Layer of the surface, 0 to 1000. Where two objects collide, the object of the higher layer belongs on
   /// the outer side of the lower one: the side from which the lower one's triangles are counter-clockwise.
