@@ -5,6 +5,7 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <limits>
 #include <numeric>
@@ -83,9 +84,9 @@ kernels::BoxColumns NearPairFinder::Boxes::columns() const {
   return {{lo[0].data(), lo[1].data(), lo[2].data()}, {hi[0].data(), hi[1].data(), hi[2].data()}, {}};
 }
 
-void NearPairFinder::find(const SurfaceElements& elements, std::span<const Bounds> boxes,
+bool NearPairFinder::find(const SurfaceElements& elements, std::span<const Bounds> boxes,
                           const ObjectFilter& compares, std::span<const Vec4f> position_w, NearPairs& out,
-                          Threads& threads) {
+                          Threads& threads, std::size_t most) {
   require(boxes.size(), elements.particle_end(), "boxes");
   require(position_w.size(), elements.particle_end(), "position_w");
   elements_ = &elements;
@@ -101,43 +102,63 @@ void NearPairFinder::find(const SurfaceElements& elements, std::span<const Bound
 
   start = Clock::now();
   const std::size_t patches = patch_boxes_.size();
-  find_in_chunks(patches, chunk_size, out, threads, [&](std::size_t a, Part& part) {
-    find_near(static_cast<std::uint32_t>(a), compares, position_w, part);
-  });
+  const bool complete =
+      find_in_chunks(patches, chunk_size, most, out, threads, [&](std::size_t a, Part& part) {
+        find_near(static_cast<std::uint32_t>(a), compares, position_w, part);
+      });
   milliseconds_.pairs = milliseconds_since(start);
   marks_.assign(patches, {});
   is_moving_.assign(elements.particle_end(), 0);
+  return complete;
 }
 
 // Calls find_one(k, part) for k in [0, count). Parts take chunks in rotation, so that crowded regions are
-// distributed among them. Pairs are in order of k.
+// distributed among them. Pairs are in order of k. Whether there are more than `most` does not depend on the order in
+// which threads find them: the sum only grows.
 template <class Function>
-void NearPairFinder::find_in_chunks(std::size_t count, std::size_t per_chunk, NearPairs& out,
-                                    Threads& threads, const Function& find_one) {
+bool NearPairFinder::find_in_chunks(std::size_t count, std::size_t per_chunk, std::size_t most,
+                                    NearPairs& out, Threads& threads, const Function& find_one) {
   chunks_.resize((count + per_chunk - 1) / per_chunk);
   const std::size_t parts =
       std::clamp<std::size_t>(chunks_.size(), 1, static_cast<std::size_t>(threads.count()));
   if (parts_.size() < parts) parts_.resize(parts);
+  std::atomic<std::size_t> sum = 0;
   threads.for_each(parts, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       Part& part = parts_[p];
       part.vertex_triangle.count = part.edge_edge.count = 0;
+      std::size_t counted = 0;
+      const auto exceeds = [&] {
+        const std::size_t found = part.vertex_triangle.count + part.edge_edge.count;
+        const std::size_t before = sum.fetch_add(found - counted, std::memory_order_relaxed);
+        const bool more = before + (found - counted) > most;
+        counted = found;
+        return more;
+      };
       for (std::size_t c = p; c < chunks_.size(); c += parts) {
         const std::size_t first_vertex_triangle = part.vertex_triangle.count,
                           first_edge = part.edge_edge.count;
-        for (std::size_t k = c * per_chunk; k < std::min(count, (c + 1) * per_chunk); ++k) find_one(k, part);
+        for (std::size_t k = c * per_chunk; k < std::min(count, (c + 1) * per_chunk); ++k) {
+          find_one(k, part);
+          if (most != unlimited && exceeds()) return;
+        }
         chunks_[c] = {{first_vertex_triangle, part.vertex_triangle.count - first_vertex_triangle, 0},
                       {first_edge, part.edge_edge.count - first_edge, 0}};
       }
     }
   });
+  if (sum > most) {
+    out.vertex_triangle.clear(), out.edge_edge.clear();
+    return false;
+  }
   join(&Chunk::vertex_triangle, &Part::vertex_triangle, out.vertex_triangle, parts, threads);
   join(&Chunk::edge_edge, &Part::edge_edge, out.edge_edge, parts, threads);
+  return true;
 }
 
-void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::span<const Bounds> boxes,
+bool NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::span<const Bounds> boxes,
                                 const ObjectFilter& compares, std::span<const Vec4f> position_w,
-                                NearPairs& out, Threads& threads) {
+                                NearPairs& out, Threads& threads, std::size_t most) {
   for (const std::uint32_t i : particles)
     if (i < elements_->particle_end()) clean_boxes_[i] = finite_or_infinite(boxes[i]);
   mark(particles);
@@ -145,7 +166,7 @@ void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::s
   if (!moved_patches_.empty())
     hash_.build(patch_boxes_, SpatialHash::choose_cell_size(patch_boxes_), threads);
   constexpr std::size_t per_chunk = 16;
-  find_in_chunks(moved_patches_.size(), per_chunk, out, threads, [&](std::size_t k, Part& part) {
+  const auto find_one = [&](std::size_t k, Part& part) {
     const std::uint32_t a = moved_patches_[k];
     part.found.clear();
     hash_.find(patch_boxes_[a], part.found);
@@ -154,8 +175,10 @@ void NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::s
       const bool seen = b < a && (of_b.vertices | of_b.edges | of_b.triangles) != 0;
       if (!seen) find_between(a, marks_[a], b, of_b, compares, position_w, part);
     }
-  });
+  };
+  const bool complete = find_in_chunks(moved_patches_.size(), per_chunk, most, out, threads, find_one);
   unmark(particles);
+  return complete;
 }
 
 // Finds the patches that contain a given particle, and marks their items that do.

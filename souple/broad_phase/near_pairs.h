@@ -40,17 +40,20 @@ class NearPairFinder {
   /// inverse mass 0, and elements with a box that is not finite. Two grains are never a pair. The order of
   /// pairs depends on elements and boxes alone, not on the number of threads. `position_w`: per particle, w =
   /// inverse mass. Throws Error when `boxes` or `position_w` are too small. Allocates nothing when
-  /// warm.
-  void find(const SurfaceElements& elements, std::span<const Bounds> boxes, const ObjectFilter& compares,
-            std::span<const Vec4f> position_w, NearPairs& out, Threads& threads);
+  /// warm. Returns false, with `out` empty, if there are more than `most` pairs: memory and time are then bounded by
+  /// `most` and the number of patches, however large the boxes are.
+  bool find(const SurfaceElements& elements, std::span<const Bounds> boxes, const ObjectFilter& compares,
+            std::span<const Vec4f> position_w, NearPairs& out, Threads& threads,
+            std::size_t most = unlimited);
+  static constexpr std::size_t unlimited = ~std::size_t{0};
 
   /// After a find, when the boxes of `particles` have changed: replaces `out` by all pairs that contain such
   /// a particle, from the present boxes alone, including pairs that the find returned. Call
   /// SurfaceElements::index_particles before. Costs little for few particles. Elements, filter and masses
-  /// must be those of the find.
-  void find_moved(std::span<const std::uint32_t> particles, std::span<const Bounds> boxes,
+  /// must be those of the find. `most`: as in `find`.
+  bool find_moved(std::span<const std::uint32_t> particles, std::span<const Bounds> boxes,
                   const ObjectFilter& compares, std::span<const Vec4f> position_w, NearPairs& out,
-                  Threads& threads);
+                  Threads& threads, std::size_t most = unlimited);
 
   /// Vertices, edges and triangles that the last find skipped because their box was not finite.
   std::size_t left_out() const { return left_out_; }
@@ -97,8 +100,8 @@ class NearPairFinder {
   void make_boxes(std::span<const Bounds> boxes, std::span<const Vec4f> position_w, Threads& threads);
   std::size_t make_boxes_of(std::size_t patch, std::span<const Vec4f> position_w);
   template <class Function>
-  void find_in_chunks(std::size_t count, std::size_t per_chunk, NearPairs& out, Threads& threads,
-                      const Function& find_one);
+  bool find_in_chunks(std::size_t count, std::size_t per_chunk, std::size_t most, NearPairs& out,
+                      Threads& threads, const Function& find_one);
   void mark(std::span<const std::uint32_t> particles);
   void unmark(std::span<const std::uint32_t> particles);
   void find_near(std::uint32_t patch, const ObjectFilter& compares, std::span<const Vec4f> position_w,

@@ -44,6 +44,14 @@ struct Impact {
   Vec3f surface_velocity{};  ///< of the collider [m/s]
 };
 
+/// The fastest motion that was shortened because contacts cannot follow it, or because it was driven into something that
+/// cannot give way.
+struct ShortenedMotion {
+  std::uint32_t object = 0;  ///< index of the particle's object
+  float speed = 0;           ///< [m/s]; 0: no motion was shortened
+  float limit = 0;           ///< speed that remained, relative to what moves with it [m/s]; 0: it was stopped
+};
+
 struct ContactReport {
   std::size_t count = 0;  ///< contacts with a normal impulse in the last substep
   float deepest = 0;      ///< largest penetration left after the last substep [m]

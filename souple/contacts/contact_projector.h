@@ -105,6 +105,8 @@ class ContactProjector : public Projector {
   /// Its residual is max(0, -C).
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override = 0;
   virtual ContactReport report() const = 0;
+  /// The fastest motion that was shortened in this step; speed 0: none.
+  virtual ShortenedMotion shortened() const { return {}; }
   /// Appends the contacts with a normal impulse in the last substep.
   virtual void events(const ParticleView& particles, std::vector<ContactPush>& out) const = 0;
 

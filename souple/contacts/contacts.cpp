@@ -81,6 +81,13 @@ ContactReport Contacts::report() const {
   return sum;
 }
 
+ShortenedMotion Contacts::shortened() const {
+  ShortenedMotion fastest;
+  for (const auto& kind : kinds_)
+    if (kind->shortened().speed > fastest.speed) fastest = kind->shortened();
+  return fastest;
+}
+
 void Contacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
   for (const bool colliders : {true, false})
     for (const auto& kind : kinds_)

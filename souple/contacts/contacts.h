@@ -32,6 +32,8 @@ class Contacts {
                          Threads& threads);
 
   ContactReport report() const;
+  /// The fastest motion that was shortened in this step; speed 0: none.
+  ShortenedMotion shortened() const;
   /// Appends the contacts with a normal impulse in the last substep: first those with colliders.
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const;
   /// The kinds in order of solution. The last ones keep objects out of colliders.

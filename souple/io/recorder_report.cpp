@@ -52,10 +52,10 @@ const char* word(Integrator integrator) {
 }
 
 constexpr std::pair<Flag, const char*> flag_names[] = {
-    {Flag::non_finite, "non_finite"},      {Flag::large_strain, "large_strain"},
-    {Flag::deep_contact, "deep_contact"},  {Flag::callback_failed, "callback_failed"},
-    {Flag::intersecting, "tangled"},       {Flag::coarse_substeps, "coarse_substeps"},
-    {Flag::not_converged, "not_converged"}};
+    {Flag::non_finite, "non_finite"},       {Flag::large_strain, "large_strain"},
+    {Flag::deep_contact, "deep_contact"},   {Flag::callback_failed, "callback_failed"},
+    {Flag::intersecting, "tangled"},        {Flag::coarse_substeps, "coarse_substeps"},
+    {Flag::not_converged, "not_converged"}, {Flag::shortened_motion, "shortened_motion"}};
 
 }  // namespace
 

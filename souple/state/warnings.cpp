@@ -27,6 +27,9 @@ std::string_view advice(Flag flag) {
       return "the solver has not converged, so the material appears too soft: raise substeps, or use the "
              "solver "
              "automatic";
+    case Flag::shortened_motion:
+      return "an object moves too far in a substep for its contacts, or is driven into something that cannot "
+             "give way, so its motion was shortened: lower its speed, or raise substeps";
   }
   return "?";
 }

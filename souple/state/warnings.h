@@ -27,7 +27,11 @@ enum class Flag : std::uint32_t {
   coarse_substeps = 1u << 5,
   /// The deformation of an object needs forces far larger than those that it carries (ObjectReport):
   /// raise substeps, or use the solver `automatic`. The message names the object.
-  not_converged = 1u << 6
+  not_converged = 1u << 6,
+  /// Something moves so far in a substep that contacts cannot follow it, or is driven into something that cannot give
+  /// way. Its motion was shortened, so it loses speed; what is driven lags behind. Lower the speed, or raise substeps. The
+  /// message names the object and its speed.
+  shortened_motion = 1u << 7
 };
 /// One line: meaning of the flag and the setting that helps.
 std::string_view advice(Flag flag);

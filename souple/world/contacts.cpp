@@ -210,6 +210,21 @@ void report_contacts(WorldState& world) {
   const ContactReport report = world.contact->contacts.report();
   world.report.contacts = report.count;
   world.report.deepest_contact = static_cast<double>(report.deepest);
+  const ShortenedMotion shortened = world.contact->contacts.shortened();
+  if (shortened.speed > 0 && shortened.limit == 0)
+    world.warnings.warn(
+        Flag::shortened_motion,
+        fmt::format(
+            "'{}' is driven at {:.3g} m/s into something that cannot give way, so it was held back: drive it "
+            "slower, or to another place",
+            world.objects[shortened.object]->name, shortened.speed));
+  else if (shortened.speed > 0)
+    world.warnings.warn(
+        Flag::shortened_motion,
+        fmt::format(
+            "'{}' moves at {:.3g} m/s, too far in a substep for its contacts to be found, so its motion was "
+            "shortened to {:.3g} m/s: lower its speed, or raise substeps",
+            world.objects[shortened.object]->name, shortened.speed, shortened.limit));
 }
 
 std::span<const ContactEvent> World::contacts() const {

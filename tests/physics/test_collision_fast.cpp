@@ -2,7 +2,8 @@
 
 #include <gtest/gtest.h>
 
-// A ball of grains at 200 m/s, 17 cm per substep, passes through nothing.
+// A ball of grains at 200 m/s, 17 cm per substep, passes through nothing. However fast objects are, memory is bounded by
+// their meshes: motions that contacts cannot follow are shortened, and the step says so.
 
 namespace souple {
 namespace {
@@ -42,6 +43,84 @@ TEST(Shots, NoGrainPassesASoftBodyOfOneLayer) {
 
 TEST(Shots, NoGrainPassesAFineClothSlow) {
   shoot_and_look(ShotAt::cloth, 40, 400);
+}
+
+/// A held sheet of 1 m, another one half a meter above it that flies down at `speed`.
+struct TwoSheets {
+  World world;
+  ObjectId low, high;
+};
+
+TwoSheets two_sheets(double speed, bool held) {
+  TwoSheets scene;
+  const TriangleMesh sheet = grid(24, 24, 1);
+  scene.low = scene.world.add_cloth(sheet, material::cotton, {.name = "low"});
+  if (held) scene.world.pin(scene.low, all());
+  scene.high = scene.world.add_cloth(sheet, material::cotton,
+                                     {.name = "high",
+                                      .transform = {.translation = {0.02, 0.5, 0.01}},
+                                      .velocity = Vec3f{0.1f, -1, 0.05f} * static_cast<float>(speed),
+                                      .self_collision = SelfCollision::surfaces});
+  return scene;
+}
+
+std::size_t memory_after_two_frames(double speed) {
+  TwoSheets scene = two_sheets(speed, true);
+  for (int frame = 0; frame < 2; ++frame) {
+    const StepReport& report = scene.world.step(1.0 / 60);
+    EXPECT_TRUE(report.ok()) << report.message;
+    EXPECT_EQ(test::crossing_counter_of(scene.world).crossings(), 0u) << speed << " m/s, frame " << frame;
+  }
+  return MemoryReport::total(scene.world.memory().simulation);
+}
+
+TEST(FastSheets, MemoryDoesNotFollowTheSpeed) {
+  const std::size_t calm = memory_after_two_frames(1);
+  for (const double speed : {30.0, 100.0, 1e3, 1e4, 1e6})
+    EXPECT_LT(memory_after_two_frames(speed), 10 * calm + (std::size_t{16} << 20)) << speed << " m/s";
+}
+
+TEST(FastSheets, AShortenedMotionIsReportedWithObjectAndSpeed) {
+  TwoSheets scene = two_sheets(1e5, true);
+  const StepReport& report = scene.world.step(1.0 / 60);
+  EXPECT_TRUE(report.has(Flag::shortened_motion));
+  EXPECT_NE(report.message.find("'high' moves at 1.01e+05 m/s"), std::string::npos) << report.message;
+  EXPECT_FALSE(two_sheets(10, true).world.step(1.0 / 60).has(Flag::shortened_motion));
+}
+
+TEST(FastSheets, ObjectsThatFlyTogetherKeepTheirSpeed) {
+  TwoSheets scene = two_sheets(0, false);
+  for (const ObjectId sheet : {scene.low, scene.high}) {
+    const std::vector<Vec3f> velocities(scene.world.positions(sheet).size(), {3e4f, 0, 4e4f});
+    scene.world.set_velocities(sheet, velocities);
+  }
+  for (int frame = 0; frame < 3; ++frame)
+    EXPECT_FALSE(scene.world.step(1.0 / 60).has(Flag::shortened_motion)) << scene.world.report().message;
+  EXPECT_NEAR(scene.world.momentum(scene.low).x / scene.world.total_mass(scene.low), 3e4, 1);
+}
+
+TEST(FastSheets, ADrivenObstacleLagsAndCatchesUp) {
+  World world;
+  const ObjectId sheet =
+      world.add_cloth(grid(14, 14, 1), material::cotton, {.self_collision = SelfCollision::surfaces});
+  // 6 m/s, then 3.6 m within one frame.
+  const ObjectId ball = world.add_obstacle(
+      sphere(2, 0.2), {},
+      {.pose = ColliderMotion::keyframes(
+           {{0, {0, 0.5, 0}}, {1.0 / 60, {0, 0.4, 0}}, {2.0 / 60, {0, -3.2, 0}}, {1, {0, -3.6, 0}}})});
+  bool shortened = false;
+  for (int frame = 0; frame < 10; ++frame) {
+    const StepReport& report = world.step(1.0 / 60);
+    ASSERT_TRUE(report.ok()) << report.message;
+    shortened = shortened || report.has(Flag::shortened_motion);
+    if (!shortened) ASSERT_EQ(test::crossing_counter_of(world).crossings(), 0u) << "frame " << frame;
+  }
+  EXPECT_TRUE(shortened);
+  Vec3d center;
+  for (const Vec3f& x : world.positions(ball))
+    center += Vec3d(x) / static_cast<double>(world.positions(ball).size());
+  EXPECT_NEAR(center.y, -3.2 - 0.4 * (8.0 / 58), 0.01);
+  EXPECT_GT(world.positions(sheet).size(), 0u);
 }
 
 }  // namespace

@@ -142,5 +142,30 @@ TEST(Overlaps, OfASheetAndTheGroundLeaveAlikeAtEverySize) {
   compare("sheet of 1 m below the ground", sheet);
 }
 
+// Three sheets at one place, turned in space.
+TEST(Overlaps, SheetsAtOnePlaceSeparateInTheOrderOfTheirAddition) {
+  World world;
+  const Transform pose{.translation = {0.1, 1.3, 0.2},
+                       .rotation = Quatd::from_axis_angle({0.6, 0.8, 0}, 0.7)};
+  std::vector<ObjectId> sheets;
+  for (int n = 0; n < 3; ++n)
+    sheets.push_back(world.add_cloth(grid(20, 20, 1), material::cotton, {.transform = pose}));
+  const Vec3f normal(pose.direction({0, 1, 0}));
+  for (int frame = 1; frame <= 10; ++frame) {
+    const StepReport& report = world.step(1.0 / 60);
+    ASSERT_TRUE(report.ok()) << report.message;
+    EXPECT_LT(report.largest_strain, 0.02) << "frame " << frame;
+    EXPECT_EQ(test::crossing_counter_of(world).crossings(), 0u) << "frame " << frame;
+  }
+  double last = -1;
+  for (const ObjectId sheet : sheets) {
+    double height = 0;
+    for (const Vec3f& x : world.positions(sheet)) height += static_cast<double>(dot(normal, x));
+    height /= static_cast<double>(world.positions(sheet).size());
+    if (last > -1) EXPECT_GT(height, last + 0.5e-3);
+    last = height;
+  }
+}
+
 }  // namespace
 }  // namespace souple

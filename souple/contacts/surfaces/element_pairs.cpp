@@ -19,6 +19,9 @@ constexpr std::size_t batch_size = ElementSurfaces::max_batch;
 // Margin of a surface's bounds, as a part of its size. The rest of the world may pull a surface far from all
 // others by as much within a step, while its particles are not checked.
 constexpr float far_surface_margin_part = 0.125f;
+// Pairs that a search may find: for each element that may touch itself or another surface, and for any scene. A sheet
+// that collapses in folds has 25.
+constexpr std::size_t self_pairs_of_element = 32, other_pairs_of_element = 20, pairs_of_any = 65536;
 // Far pairs: more than the contact distance apart by at least this part of their thickness.
 constexpr float far_part = 0.4f;
 
@@ -77,6 +80,7 @@ void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec
   paths_.begin_step(radius, contact_margin, step.gravity);
   step_ = step;
   remaining_ = step.dt;
+  limit_.begin_step(surfaces_);
   find(particles, velocity, threads);
 }
 
@@ -101,21 +105,46 @@ float ElementPairs::horizon(const ParticleView& particles, std::span<const Vec4f
       min(remaining, max(1.0, std::floor(motion_in_thicknesses * thickness / speeds / h)) * h));
 }
 
+std::size_t ElementPairs::budget() const {
+  const auto elements = [](const SurfaceElements& all) { return all.vertices().size() + all.edges().size(); };
+  return pairs_of_any + self_pairs_of_element * elements(self_elements_) +
+         other_pairs_of_element * elements(inter_object_elements_);
+}
+
 void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads) {
-  paths_.find_means(surfaces_, particles, velocity);
-  covered_ = horizon(particles, velocity);
-  const float dt = covered_;
+  const float h = step_.h > 0 ? min(step_.h, remaining_) : remaining_;
+  std::span<const Vec4f> v = limit_.limited(surfaces_, particles, velocity, h);
+  paths_.find_means(surfaces_, particles, v);
+  paths_.set_frame(limit_.frame());
+  float dt = limit_.is_active() ? h : horizon(particles, v);
+  bool found = find_within(dt, budget(), particles, v, threads);
+  if (!found && dt > h) found = find_within(dt = h, budget(), particles, v, threads);
+  while (!found) {
+    // What is near although it hardly moves has to be found.
+    const bool helps = limit_.shorten(surfaces_, overlaps_other_, particles, velocity, h);
+    v = limit_.limited(surfaces_, particles, velocity, h);
+    paths_.find_means(surfaces_, particles, v);
+    paths_.set_frame(limit_.frame());
+    if (!helps && !limit_.is_active()) dt = horizon(particles, v);
+    found = find_within(dt, helps ? budget() : NearPairFinder::unlimited, particles, v, threads);
+  }
+  covered_ = dt;
+  pairs_.clear(surfaces_.particle_count());
+  add_found(particles, dt, threads);
+}
+
+// Searches for the pairs within dt. Returns false if there are more than `most`.
+bool ElementPairs::find_within(float dt, std::size_t most, const ParticleView& particles,
+                               std::span<const Vec4f> velocity, Threads& threads) {
   paths_.predict_all(surfaces_, particles, velocity, dt, threads);
   select_inter_object_elements();
-  self_finder_.find(self_elements_, paths_.relative_boxes(), itself, particles.position, self_pairs_,
-                    threads);
   const auto others = [this](std::uint32_t a, std::uint32_t b) {
     return surfaces_.collides_with_other(a, b);
   };
-  inter_object_finder_.find(inter_object_elements_, paths_.boxes(), others, particles.position,
-                            inter_object_pairs_, threads);
-  pairs_.clear(surfaces_.particle_count());
-  add_found(particles, dt, threads);
+  return self_finder_.find(self_elements_, paths_.relative_boxes(), itself, particles.position, self_pairs_,
+                           threads, most) &&
+         inter_object_finder_.find(inter_object_elements_, paths_.boxes(), others, particles.position,
+                                   inter_object_pairs_, threads, most);
 }
 
 // Selects the elements of surfaces whose bounds overlap those of a surface that they may collide with.
@@ -149,12 +178,14 @@ void ElementPairs::select_inter_object_elements() {
 
 std::size_t ElementPairs::update(const ParticleView& particles, float h, Threads& threads) {
   const bool over = covered_ <= -0.5f * h;
+  limit_.apply(surfaces_, particles, h, threads);
   if (!over) paths_.find_off_path(surfaces_, overlaps_other_, particles, threads);
   return refind(particles, h, over, threads);
 }
 
 std::size_t ElementPairs::update(const ParticleView& particles, float h,
                                  std::span<const std::uint32_t> particles_moved, Threads& threads) {
+  limit_.apply(surfaces_, particles, h, threads);
   paths_.find_off_path(surfaces_, overlaps_other_, particles, particles_moved);
   return refind(particles, h, false, threads);
 }
@@ -162,18 +193,19 @@ std::size_t ElementPairs::update(const ParticleView& particles, float h,
 std::size_t ElementPairs::refind(const ParticleView& particles, float h, bool over, Threads& threads) {
   // For a fifth of all particles, a search for their pairs alone takes as long as a search for all pairs.
   constexpr std::size_t refind_all_divisor = 5;
+  // Pairs that were replaced stay until the next search of all. They may take as much as so many searches.
+  constexpr std::size_t kept_budgets = 2;
   const std::size_t off_path = paths_.off_path().size();
-  const bool all = over || off_path > surfaces_.particle_count() / refind_all_divisor + 8;
+  const bool all = over || off_path > surfaces_.particle_count() / refind_all_divisor + 8 ||
+                   (off_path > 0 && size() > kept_budgets * budget());
   if (!all && off_path == 0) return size();
   const ParticleView before = rewind(particles, h);
-  if (all) {
-    refind_all(before, h, threads);
-    paths_.find_shift(surfaces_, particles);
-    return 0;
-  }
   const std::size_t first = size();
-  refind_off_path(before, h, threads);
-  return first;
+  if (!all && refind_off_path(before, h, threads)) return first;
+  refind_all(before, h, threads);
+  limit_.apply(surfaces_, particles, h, threads);
+  paths_.find_shift(surfaces_, particles);
+  return 0;
 }
 
 // Returns the particles at the substep's start. Sets velocity_now_ to their mean velocities since then.
@@ -196,19 +228,23 @@ void ElementPairs::refind_all(const ParticleView& before, float h, Threads& thre
 
 // Searches for the pairs of the particles that left their paths. Contacts moved these particles, so a prediction of
 // their motion is valid for a short time only.
-void ElementPairs::refind_off_path(const ParticleView& before, float h, Threads& threads) {
+// Returns false if there are too many.
+bool ElementPairs::refind_off_path(const ParticleView& before, float h, Threads& threads) {
   constexpr float covered_substeps = 3;
   const float dt = max(min(covered_ + h, covered_substeps * h), h);
   paths_.predict_off_path(surfaces_, before, velocity_now_, h, dt);
   const std::span<const std::uint32_t> off_path = paths_.off_path();
-  for (const std::uint32_t i : off_path) pairs_.replace_pairs_of(i);
-  self_finder_.find_moved(off_path, paths_.relative_boxes(), itself, before.position, self_pairs_, threads);
   const auto others = [this](std::uint32_t a, std::uint32_t b) {
     return surfaces_.collides_with_other(a, b);
   };
-  inter_object_finder_.find_moved(off_path, paths_.boxes(), others, before.position, inter_object_pairs_,
-                                  threads);
+  if (!self_finder_.find_moved(off_path, paths_.relative_boxes(), itself, before.position, self_pairs_,
+                               threads, budget()) ||
+      !inter_object_finder_.find_moved(off_path, paths_.boxes(), others, before.position, inter_object_pairs_,
+                                       threads, budget()))
+    return false;
+  for (const std::uint32_t i : off_path) pairs_.replace_pairs_of(i);
   add_found(before, dt, threads);
+  return true;
 }
 
 // --- pairs
@@ -271,13 +307,34 @@ void ElementPairs::add_found(const ParticleView& particles, float dt, Threads& t
 
 // --- chunks that need no test
 
-bool ElementPairs::any_moved_by(float part, const Chunk& chunk) const {
+// Few pairs of a chunk have moved particles. Distances are computed of these alone.
+std::size_t ElementPairs::find_moved_by(float part, std::size_t index,
+                                        const kernels::ParticleRecords& records, std::uint32_t* found) {
   constexpr float rounding = 1e-6f;
-  for (std::size_t pair = chunk.begin; pair < chunk.end; ++pair)
-    if (was_moved(pair) && bounds_.of_pair(pairs_.pair(pair), chunk.edges) * (1 + rounding) >=
-                               part * (pairs_.distance_bound(pair) - chunk.motion_since))
-      return true;
-  return false;
+  const Chunk& chunk = pairs_.chunks()[index];
+  if (!bounds_.may_have_moved(index, chunk)) return 0;
+  NearPair near[chunk_size];
+  float motion[chunk_size], distance[chunk_size];
+  std::size_t count = 0;
+  for (std::uint32_t pair = chunk.begin; pair < chunk.end; ++pair) {
+    if (!was_moved(pair) || is_replaced(pair)) continue;
+    motion[count] = bounds_.of_pair(pairs_.pair(pair), chunk.edges) * (1 + rounding);
+    if (!(motion[count] >= part * (pairs_.distance_bound(pair) - chunk.motion_since))) continue;
+    near[count] = pairs_.pair(pair);
+    found[count++] = pair;
+  }
+  if (count == 0) return 0;
+  kernels::ParticleRecords at_start = records;
+  at_start.moving = const_cast<float*>(records.start);                        // only read
+  if (records.position == records.moving) at_start.position = records.start;  // plain form
+  kernels::find_element_pair_kernels(instruction_set())
+      .distances[chunk.edges ? 1 : 0](at_start, &near[0].particle, 0, count, distance);
+  std::size_t kept = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    columns().distance_bound[found[k]] = distance[k];
+    if (motion[k] >= part * distance[k]) found[kept++] = found[k];
+  }
+  return kept;
 }
 
 std::size_t ElementPairs::find_near(std::size_t index, const kernels::NearRule& rule,
@@ -307,7 +364,7 @@ std::size_t ElementPairs::bytes() const {
       bytes_of(self_pairs_.vertex_triangle, self_pairs_.edge_edge, inter_object_pairs_.vertex_triangle,
                inter_object_pairs_.edge_edge, velocity_now_, before_);
   for (const Batch& batch : batches_) sum += batch.near.bytes() + batch.far.bytes();
-  return sum + surfaces_.bytes() + paths_.bytes() + pairs_.bytes() + bounds_.bytes() +
+  return sum + surfaces_.bytes() + paths_.bytes() + limit_.bytes() + pairs_.bytes() + bounds_.bytes() +
          self_elements_.bytes() + inter_object_elements_.bytes() + self_finder_.bytes() +
          inter_object_finder_.bytes();
 }

@@ -4,6 +4,7 @@
 #include "souple/contacts/contact.h"
 #include "souple/contacts/surfaces/element_surfaces.h"
 #include "souple/contacts/surfaces/motion_bounds.h"
+#include "souple/contacts/surfaces/motion_limit.h"
 #include "souple/contacts/surfaces/pair_chunks.h"
 #include "souple/contacts/surfaces/predicted_paths.h"
 #include "souple/solver/projector.h"
@@ -24,6 +25,9 @@ class IntersectionResolver;
 /// thickness within a step, a search covers only a part of the step, and another one follows. When particles
 /// leave their paths, only their pairs are searched again. The new pairs follow the existing pairs and
 /// replace the earlier pairs of those particles. Chunks of pairs that cannot touch yet are skipped (motion_bounds.h).
+///
+/// The number of pairs is bounded in proportion to the number of elements. A search that exceeds its budget is repeated
+/// for one substep alone, and then for shortened motions (motion_limit.h).
 class ElementPairs {
  public:
   /// Replaces all surfaces: call it again when objects are added, removed or changed.
@@ -42,13 +46,16 @@ class ElementPairs {
                   const ContactStep& step, Threads& threads);
   /// Starts the next substep, of length `h` [s].
   void begin_substep(float h) { remaining_ -= h, covered_ -= h, paths_.advance(h); }
-  /// Searches again for the pairs of particles that have left their paths within the substep of length `h`.
+  /// Searches again for the pairs of particles that have left their paths within the substep of length `h`. Shortens
+  /// motions while there is a limit.
   /// Returns the index of the first new pair: size() if there is none, 0 if all pairs are new.
   std::size_t update(const ParticleView& particles, float h, Threads& threads);
   /// As above, if only `particles_moved` have moved since the last update.
   std::size_t update(const ParticleView& particles, float h, std::span<const std::uint32_t> particles_moved,
                      Threads& threads);
   void clear() { pairs_.clear(); }
+  /// The fastest motion that was shortened in this step; speed 0: none.
+  const ShortenedMotion& shortened() const { return limit_.shortened(); }
 
   const ElementSurfaces& surfaces() const { return surfaces_; }
   std::size_t size() const { return pairs_.size(); }
@@ -74,9 +81,10 @@ class ElementPairs {
   }
   /// Whether a pair has a particle of the last `particles_moved`.
   bool was_moved(std::size_t pair) const { return bounds_.was_moved(pairs_.pair(pair)); }
-  /// Whether a chunk may have a pair with was_moved() whose relative motion is at least `part` of its
-  /// distance.
-  bool any_moved_by(float part, const Chunk& chunk) const;
+  /// Writes the indices of a chunk's pairs with was_moved() whose relative motion is at least `part` of their distance to
+  /// `found`, ascending. Returns their number.
+  std::size_t find_moved_by(float part, std::size_t chunk, const kernels::ParticleRecords& records,
+                            std::uint32_t* found);
   /// Largest contact margin of a chunk's particles at the last measurement of all particles [m].
   float contact_margin(std::size_t index) const { return bounds_.contact_margin(index, chunk(index)); }
   /// Writes the indices of a chunk's pairs that come near (kernels::NearRule) to `found`, ascending. Returns
@@ -94,12 +102,15 @@ class ElementPairs {
   using Batch = PairChunks::Batch;
 
   void find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads);
+  bool find_within(float dt, std::size_t most, const ParticleView& particles, std::span<const Vec4f> velocity,
+                   Threads& threads);
+  std::size_t budget() const;
   float horizon(const ParticleView& particles, std::span<const Vec4f> velocity) const;
   void select_inter_object_elements();
   std::size_t refind(const ParticleView& particles, float h, bool over, Threads& threads);
   ParticleView rewind(const ParticleView& particles, float h);
   void refind_all(const ParticleView& before, float h, Threads& threads);
-  void refind_off_path(const ParticleView& before, float h, Threads& threads);
+  bool refind_off_path(const ParticleView& before, float h, Threads& threads);
   void add_found(const ParticleView& particles, float dt, Threads& threads);
   void add(std::span<const NearPair> pairs, bool edges, bool inter_object, const ParticleView& particles,
            float dt, Threads& threads);
@@ -108,6 +119,7 @@ class ElementPairs {
 
   ElementSurfaces surfaces_;
   PredictedPaths paths_;
+  MotionLimit limit_;
   PairChunks pairs_;
   MotionBounds bounds_;
   const IntersectionResolver* intersection_resolver_ = nullptr;

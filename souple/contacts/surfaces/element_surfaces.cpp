@@ -13,23 +13,28 @@ namespace {
 // Elements that are nearer than their thickness at rest: their thickness is this part of the rest distance.
 constexpr float rest_part = 0.9f;
 
-// Longest edge at rest [m].
-float longest_edge(const ContactSurface& surface) {
-  double longest = 0;
+// Edges at rest, the sides of triangles included [m].
+struct EdgeLengths {
+  float longest = 0, mean = 0;
+};
+
+EdgeLengths edge_lengths(const ContactSurface& surface) {
+  double longest = 0, sum = 0, count = 0;
   const auto measure = [&](std::uint32_t i, std::uint32_t j) {
-    longest = std::max(longest, length(surface.rest[i] - surface.rest[j]));
+    const double one = length(surface.rest[i] - surface.rest[j]);
+    longest = std::max(longest, one), sum += one, ++count;
   };
-  if (surface.rest.empty()) return 0;
+  if (surface.rest.empty()) return {};
   for (const Edge& edge : surface.edges) measure(edge[0], edge[1]);
   for (const Triangle& t : surface.triangles) measure(t[0], t[1]), measure(t[1], t[2]), measure(t[2], t[0]);
-  return static_cast<float>(longest);
+  return {static_cast<float>(longest), static_cast<float>(count > 0 ? sum / count : 0)};
 }
 
 }  // namespace
 
 void ElementSurfaces::set(std::vector<ContactSurface> surfaces) {
   surfaces_ = std::move(surfaces);
-  surface_of_ = {}, rest_ = {}, longest_edge_ = {};
+  surface_of_ = {}, rest_ = {}, longest_edge_ = {}, mean_edge_ = {};
   any_ = any_may_collide(surfaces_);
   if (!any_) return;
   std::uint32_t end = 0;
@@ -39,14 +44,16 @@ void ElementSurfaces::set(std::vector<ContactSurface> surfaces) {
   }
   surface_of_.assign(end, no_surface);
   rest_.assign(end, {});
-  longest_edge_.assign(surfaces_.size(), 0);
+  longest_edge_.assign(surfaces_.size(), 0), mean_edge_.assign(surfaces_.size(), 0);
   for (std::uint32_t a = 0; a < surfaces_.size(); ++a) {
     const ContactSurface& surface = surfaces_[a];
     std::fill(surface_of_.begin() + surface.begin, surface_of_.begin() + surface.end, a);
+    const EdgeLengths edges = edge_lengths(surface);
+    mean_edge_[a] = edges.mean;
     if (!surface.self_collision) continue;
     for (std::size_t i = 0; i < surface.rest.size(); ++i)
       rest_[surface.begin + i].set_xyz(Vec3f(surface.rest[i] - surface.rest[0]));
-    longest_edge_[a] = longest_edge(surface);
+    longest_edge_[a] = edges.longest;
   }
 }
 

@@ -34,6 +34,8 @@ class ElementSurfaces {
   std::size_t particle_count() const { return surface_of_.size(); }
   /// The surface of a particle, or no_surface.
   std::uint32_t of(std::uint32_t particle) const { return surface_of_[particle]; }
+  /// Mean length of a surface's edges, or sides of its triangles, at rest [m]; 0 if it has none.
+  float mean_edge(std::size_t surface) const { return mean_edge_[surface]; }
   bool is_excluded(const NearPair& pair, bool edges) const;
   /// Limits the thickness of pairs of one surface: contacts keep them no farther apart than at rest. At most
   /// max_batch pairs.
@@ -55,6 +57,7 @@ class ElementSurfaces {
   std::vector<std::uint32_t> surface_of_;               // per particle: its surface, or no_surface
   std::vector<Vec4f> rest_;          // per particle: rest position relative to its surface's first one [m]
   std::vector<float> longest_edge_;  // per surface: longest edge at rest [m]
+  std::vector<float> mean_edge_;     // per surface [m]
   bool any_ = false;
 };
 

@@ -77,7 +77,7 @@ void MotionBounds::measure(const ElementSurfaces& surfaces, const ParticleView& 
       block_contact_margin_[b] = margin;
     }
   });
-  was_moved_.assign(n, 0);
+  was_moved_.assign(n, 0), block_was_moved_.assign(blocks, 0);
   remeasured_.clear();
   max_motion_ = max_relative_motion_ = max_contact_margin_ = 0;
   for (const float farthest : block_motion_) max_motion_ = max(max_motion_, farthest);
@@ -88,10 +88,10 @@ void MotionBounds::measure(const ElementSurfaces& surfaces, const ParticleView& 
 
 void MotionBounds::measure(const ElementSurfaces& surfaces, const ParticleView& particles,
                            std::span<const std::uint32_t> particles_moved) {
-  for (const std::uint32_t i : remeasured_) was_moved_[i] = 0;
+  for (const std::uint32_t i : remeasured_) was_moved_[i] = block_was_moved_[i / block_size] = 0;
   remeasured_.assign(particles_moved.begin(), particles_moved.end());
   for (const std::uint32_t i : particles_moved) {
-    was_moved_[i] = 1;
+    was_moved_[i] = block_was_moved_[i / block_size] = 1;
     const Vec3f moved = particles.moved(i);
     moved_[i].set_xyz(moved);
     float &farthest = block_motion_[i / block_size], &max_relative = block_relative_motion_[i / block_size];
@@ -101,6 +101,13 @@ void MotionBounds::measure(const ElementSurfaces& surfaces, const ParticleView& 
     max_motion_ = max(max_motion_, farthest);
     max_relative_motion_ = max(max_relative_motion_, max_relative);
   }
+}
+
+bool MotionBounds::may_have_moved(std::size_t index, const Chunk& chunk) const {
+  if (chunk.blocks == too_many) return true;
+  const auto& blocks = blocks_[index];
+  return std::any_of(blocks.begin(), blocks.begin() + chunk.blocks,
+                     [&](std::uint32_t block) { return block_was_moved_[block] != 0; });
 }
 
 float MotionBounds::contact_margin(std::size_t index, const Chunk& chunk) const {

@@ -36,6 +36,9 @@ class MotionBounds {
     return (was_moved_[i[0]] | was_moved_[i[1]] | was_moved_[i[2]] | was_moved_[i[3]]) != 0;
   }
 
+  /// Whether a chunk may have such a pair.
+  bool may_have_moved(std::size_t index, const Chunk& chunk) const;
+
   /// Lists the blocks of chunk `index`, which is new, and sets its smallest bounds.
   void add_chunk(std::size_t index, PairChunks& pairs);
   /// Makes room for the blocks of so many chunks.
@@ -56,8 +59,9 @@ class MotionBounds {
   std::vector<Vec3f> mean_motion_;  // per surface: mean of sampled particles' motions [m]
   // Per block: largest motion of its particles, in world space and relative to their mean_motion_ [m].
   std::vector<float> block_motion_, block_relative_motion_;
-  std::vector<std::uint8_t> was_moved_;    // per particle: whether it is in remeasured_
-  std::vector<std::uint32_t> remeasured_;  // `particles_moved` of the last measure()
+  std::vector<std::uint8_t> was_moved_;        // per particle: whether it is in remeasured_
+  std::vector<std::uint8_t> block_was_moved_;  // per block: whether one of its particles is
+  std::vector<std::uint32_t> remeasured_;      // `particles_moved` of the last measure()
   float max_motion_ = 0, max_relative_motion_ = 0;
   std::vector<float> block_contact_margin_;  // per block: largest contact margin [m]
   float max_contact_margin_ = 0;

@@ -25,7 +25,8 @@ void MotionFilter::find_violations(ElementPairs& candidates, SurfaceNarrowPhase&
 std::size_t MotionFilter::refind_violations(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase,
                                             const ParticleView& particles, const Substep& substep,
                                             Threads& threads) {
-  corrected_particles_.clear();
+  corrected_particles_.assign(held_particles_.begin(), held_particles_.end());
+  held_particles_.clear();
   for (const PairToi& violation : violations_)
     for (const std::uint32_t i : candidates.pair(violation.pair).particle) corrected_particles_.push_back(i);
   for (const std::uint32_t* const column : corrections_.columns().particle)
@@ -85,25 +86,64 @@ void MotionFilter::clamp_to_toi(const ElementPairs& candidates, const ParticleVi
       particles.moving[i].set_xyz(particles.start[i].xyz() + particles.moved(i) * clamp_toi_[i]);
 }
 
-// First correction contacts, which conserve momentum. Then the motions of remaining violations are clamped.
+// Particles of violations stay where they were at the substep's start. Returns whether any had moved.
+bool MotionFilter::stop(const ElementPairs& candidates, const ParticleView& particles) const {
+  bool any_moved = false;
+  for (const PairToi& violation : violations_)
+    for (const std::uint32_t i : candidates.pair(violation.pair).particle) {
+      if (particles.inverse_mass(i) == 0 || particles.moved(i) == Vec3f{}) continue;
+      particles.moving[i].set_xyz(particles.start[i].xyz());
+      any_moved = true;
+    }
+  return any_moved;
+}
+
+// As above, for the driven particles of the surfaces that have violations. All of a surface stop, so that an obstacle keeps
+// its shape.
+bool MotionFilter::hold_driven(const ElementPairs& candidates, const ParticleView& particles) {
+  const ElementSurfaces& surfaces = candidates.surfaces();
+  for (const PairToi& violation : violations_)
+    for (const std::uint32_t particle : candidates.pair(violation.pair).particle) {
+      if (particles.inverse_mass(particle) > 0 || particles.moved(particle) == Vec3f{}) continue;
+      const std::uint32_t surface = surfaces.of(particle);
+      for (std::uint32_t i = surfaces[surface].begin; i < surfaces[surface].end; ++i) {
+        if (particles.inverse_mass(i) > 0 || particles.moved(i) == Vec3f{}) continue;
+        if (length(particles.moved(i)) > held_.speed) held_ = {surface, length(particles.moved(i)), 0};
+        particles.moving[i].set_xyz(particles.start[i].xyz());
+        held_particles_.push_back(i);
+      }
+    }
+  return !held_particles_.empty();
+}
+
+// First correction contacts, which conserve momentum. Then the motions of remaining violations are clamped. A clamped
+// particle may be hit by another one, so at last they are stopped, and driven particles only where they would pass through
+// stopped ones: each pass stops further particles, until no violation is left.
 MotionFilter::Result MotionFilter::apply(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase,
                                          const ParticleView& particles, const Substep& substep,
                                          Threads& threads) {
-  constexpr int correction_passes = 20, passes = 30;
+  constexpr int correction_passes = 20, clamping_passes = 4, stopping_passes = 100;
   correction_pair_.clear(), correction_toi_.clear();
   Result result;
+  held_ = {};
   result.first_new = candidates.update(particles, substep.h, threads);
   find_violations(candidates, narrow_phase, particles, threads);
+  constexpr int passes = correction_passes + clamping_passes + stopping_passes;
   for (int pass = 0; pass < passes && !violations_.empty(); ++pass) {
     if (pass < correction_passes) {
       solve_corrections(candidates, narrow_phase, particles);
-    } else {
+    } else if (pass < correction_passes + clamping_passes) {
       result.clamped += violations_.size();
       clamp_to_toi(candidates, particles);
+    } else {
+      result.clamped += violations_.size();
+      if (!stop(candidates, particles) && !hold_driven(candidates, particles)) break;
     }
     result.first_new =
         std::min(result.first_new, refind_violations(candidates, narrow_phase, particles, substep, threads));
   }
+  held_.speed /= substep.h;
+  result.held = held_;
   return result;
 }
 

@@ -10,13 +10,14 @@ namespace souple {
 
 /// Prevents intersections after the solver: tests all motions again. Pairs that would still pass through each other
 /// receive correction contacts, which conserve momentum. If these do not suffice (an object is squeezed between
-/// walls), motions are clamped. So objects without intersections never start to intersect.
+/// walls), motions are clamped, and at last stopped: also those of driven particles, which lag behind. So objects without intersections never start to intersect.
 class MotionFilter {
  public:
   void set_count();
   struct Result {
     std::size_t clamped = 0;    ///< number of clamps
     std::size_t first_new = 0;  ///< the first pair that is new since, see ElementPairs::update
+    ShortenedMotion held;       ///< the fastest driven particle that was stopped
   };
   /// Changes the motions of particles.
   Result apply(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase, const ParticleView& particles,
@@ -31,12 +32,16 @@ class MotionFilter {
   void solve_corrections(ElementPairs& candidates, const SurfaceNarrowPhase& narrow_phase,
                          const ParticleView& particles);
   void clamp_to_toi(const ElementPairs& candidates, const ParticleView& particles);
+  bool stop(const ElementPairs& candidates, const ParticleView& particles) const;
+  bool hold_driven(const ElementPairs& candidates, const ParticleView& particles);
 
   std::vector<PairToi> violations_;
   std::vector<std::uint32_t> correction_pair_;
   std::vector<float> correction_toi_;
   ContactArrays corrections_;                       // correction contacts, of correction_pair_
   std::vector<std::uint32_t> corrected_particles_;  // moved by the last pass
+  std::vector<std::uint32_t> held_particles_;       // driven particles that the last pass stopped
+  ShortenedMotion held_;                            // see Result; its speed is a distance [m]
   std::vector<float> clamp_toi_;                    // per particle: part of the motion that remains
 };
 

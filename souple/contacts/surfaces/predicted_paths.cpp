@@ -48,7 +48,7 @@ void PredictedPaths::begin_step(std::span<const float> radius, std::span<const f
 // Mean velocities and positions of the particles that can move.
 void PredictedPaths::find_means(const ElementSurfaces& surfaces, const ParticleView& particles,
                                 std::span<const Vec4f> velocity) {
-  mean_velocity_.assign(surfaces.size(), {});
+  mean_velocity_.assign(surfaces.size(), {}), frame_ = {};
   shift_.assign(surfaces.size(), {});
   mean_position_.assign(surfaces.size(), {});
   for (std::size_t a = 0; a < surfaces.size(); ++a) {
@@ -95,9 +95,10 @@ void PredictedPaths::predict(std::uint32_t i, std::uint32_t surface, const Vec3f
   const float fall = 0.5f * gravity_ * dt * dt, relative_length = dt * length(relative_v);
   Path& path = path_[i];
   path = {x - v * since, relative_x - relative_v * since,
-          margin + 2 * fall + motion_margin_part * dt * length(v),
+          margin + 2 * fall + motion_margin_part * dt * length(v - frame_),
           margin + min(fall, relative_length) + motion_margin_part * relative_length, since + 1.01f * dt};
-  boxes_[i] = around(x, x + v * dt, contact_distance + path.margin);
+  const Vec3f in_frame = x - frame_ * since;
+  boxes_[i] = around(in_frame, in_frame + (v - frame_) * dt, contact_distance + path.margin);
   relative_boxes_[i] =
       around(relative_x, relative_x + relative_v * dt, contact_distance + path.relative_margin);
   predicted_velocity_[i].set_xyz(v);

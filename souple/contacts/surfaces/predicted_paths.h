@@ -31,6 +31,8 @@ class PredictedPaths {
   /// Sets the mean motions of the surfaces, relative to which the next paths are predicted.
   void find_means(const ElementSurfaces& surfaces, const ParticleView& particles,
                   std::span<const Vec4f> velocity);
+  /// Sets the velocity of the frame in which the next boxes() are swept [m/s]; find_means sets it to 0.
+  void set_frame(const Vec3f& velocity) { frame_ = velocity; }
   /// Velocity of a particle relative to its surface's mean [m/s].
   Vec3f relative_velocity(const Vec3f& velocity, std::size_t surface) const {
     return velocity - mean_velocity_[surface];
@@ -57,7 +59,7 @@ class PredictedPaths {
   /// Sets the motion of each surface's mean since pairs were found.
   void find_shift(const ElementSurfaces& surfaces, const ParticleView& particles);
 
-  /// Per particle: around its path, in world space and relative to its surface's mean motion.
+  /// Per particle: around its path, in the frame and relative to its surface's mean motion.
   std::span<const Bounds> boxes() const { return boxes_; }
   std::span<const Bounds> relative_boxes() const { return relative_boxes_; }
   /// Per particle: predicted velocity [m/s].
@@ -83,6 +85,7 @@ class PredictedPaths {
   std::span<const float> radius_, contact_margin_;
   float gravity_ = 0;
   std::vector<Vec3f> mean_velocity_;  // per surface: when pairs were found [m/s]
+  Vec3f frame_;                       // of boxes_ [m/s]
   std::vector<Vec3d> mean_position_;  // per surface: mean of sampled particles, when pairs were found [m]
   std::vector<Vec3f> shift_;          // per surface: motion of that mean since then [m]
   std::vector<Vec3f> saved_shift_;    // shift_, while particles are at the substep's start [m]

@@ -47,6 +47,7 @@ void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
 
 void SurfaceContacts::begin_step(const ContactInput& input, Threads& threads) {
   clear_contacts();
+  held_ = {};
   pairs_.clear();
   if (!pairs_.surfaces().any()) return;
   narrow_phase_->begin_step(pairs_.surfaces(), input.tables.against_objects, input.step);
@@ -132,7 +133,8 @@ std::size_t SurfaceContacts::after_solve(const ParticleView& particles, const Su
     pairs_.end_substep();
     return 0;
   }
-  const auto [clamped, first_new] = filter_->apply(pairs_, *narrow_phase_, particles, substep, threads);
+  const auto [clamped, first_new, held] = filter_->apply(pairs_, *narrow_phase_, particles, substep, threads);
+  if (held.speed > held_.speed) held_ = held;
   colors_->extend(first_new, pairs_);
   pairs_.end_substep();
   update_contact_margins();

@@ -61,6 +61,9 @@ class SurfaceContacts final : public ContactProjector {
                          Threads& threads) override;
   void append_impacts(const Substep& substep, std::vector<Impact>& out) const override;
   ContactReport report() const override;
+  ShortenedMotion shortened() const override {
+    return pairs_.shortened().speed > 0 ? pairs_.shortened() : held_;
+  }
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const override;
 
   std::string_view kind() const override { return "surface contact"; }
@@ -85,6 +88,7 @@ class SurfaceContacts final : public ContactProjector {
   std::unique_ptr<SurfaceNarrowPhase> narrow_phase_;
   std::unique_ptr<ContactColors> colors_;
   std::unique_ptr<MotionFilter> filter_;
+  ShortenedMotion held_;  // the fastest driven particle that was stopped in this step
   std::span<float> contact_margin_;
   std::vector<PairToi> contact_pairs_;  // in order of pairs
   ContactArrays contacts_;              // in order of colors

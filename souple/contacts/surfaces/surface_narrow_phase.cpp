@@ -2,6 +2,7 @@
 
 #include "souple/assert.h"
 #include "souple/broad_phase/spatial_hash.h"
+#include "souple/collision/nearest.h"
 #include "souple/contacts/anchor.h"
 #include "souple/contacts/contact_law.h"
 #include "souple/contacts/kernels/find_kernels.h"
@@ -9,6 +10,7 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace souple {
 namespace {
@@ -16,8 +18,15 @@ namespace {
 using kernels::Classification;
 
 // Pairs that start nearer than this have no side to keep, and continuous detection ignores them: otherwise
-// two sheets in one plane could never separate. [m]
+// two sheets in one plane could never separate. The order of their objects determines the side (describe_coincident). [m]
 constexpr float coincident_distance = 1e-8f;
+
+// A pair of two objects that find_near returned.
+bool is_coincident(const ElementPairs& candidates, std::uint32_t pair) {
+  const auto& i = candidates.pair(pair).particle;
+  return candidates.distance_bound(pair) < coincident_distance &&
+         candidates.surfaces().of(i[0]) != candidates.surfaces().of(i[3]);
+}
 
 const kernels::ElementPairKernels& simd_kernels() {
   return kernels::find_element_pair_kernels(instruction_set());
@@ -33,15 +42,37 @@ Anchor<4> anchor_of(const kernels::ContactColumns& contacts, std::size_t c) {
   return anchor;
 }
 
+// Twice the area times the unit normal of the pair's triangle.
+Vec3f triangle_normal(const NearPair& pair, const ParticleView& particles) {
+  const auto& i = pair.particle;
+  return cross(particles.difference(i[2], i[1]), particles.difference(i[3], i[1]));
+}
+
+bool has_triangle_normal(const NearPair& pair, const ParticleView& particles) {
+  const float squared = length_squared(triangle_normal(pair, particles));
+  return squared > 0 && std::isfinite(squared);
+}
+
+// Whether a contact between the vertex and the nearest point of the triangle moves anything.
+bool can_move(const NearPair& pair, const ParticleView& particles) {
+  const auto& i = pair.particle;
+  float weight[3];
+  nearest_on_triangle(Vec3f{}, particles.difference(i[1], i[0]), particles.difference(i[2], i[0]),
+                      particles.difference(i[3], i[0]), weight);
+  float inverse_mass = particles.inverse_mass(i[0]);
+  for (std::size_t k = 0; k < 3; ++k)
+    inverse_mass += particles.inverse_mass(i[k + 1]) * weight[k] * weight[k];
+  return inverse_mass > 0;
+}
+
 void find_chunk_violations(ElementPairs& candidates, std::size_t chunk, const ParticleView& particles,
                            bool all, std::vector<PairToi>& found) {
   constexpr float distance_part = 0.9f;  // of the distance: pairs with a smaller motion are skipped
-  if (!all && !candidates.any_moved_by(distance_part, candidates.chunk(chunk))) return;
   std::uint32_t near[ElementPairs::chunk_size];
-  const std::size_t count =
-      candidates.find_near(chunk, {distance_part, 0, 0}, candidates.particle_records(particles), near);
+  const kernels::ParticleRecords records = candidates.particle_records(particles);
+  const std::size_t count = all ? candidates.find_near(chunk, {distance_part, 0, 0}, records, near)
+                                : candidates.find_moved_by(distance_part, chunk, records, near);
   for (std::size_t k = 0; k < count; ++k) {
-    if (!all && !candidates.was_moved(near[k])) continue;
     if (candidates.distance_bound(near[k]) < coincident_distance || candidates.is_replaced(near[k])) continue;
     const float toi =
         safe_time(motion_of(candidates.pair(near[k]), particles), candidates.chunk(chunk).edges);
@@ -166,6 +197,8 @@ bool SurfaceNarrowPhase::is_contact(const ElementPairs& candidates, std::uint32_
                                     float& toi) const {
   const bool edges = candidates.are_edges(pair);
   const NearPair& particle = candidates.pair(pair);
+  if (is_coincident(candidates, pair))
+    return !edges && has_triangle_normal(particle, particles) && can_move(particle, particles);
   if ((classification & Classification::fast) != 0) {
     const Motion motion = motion_of(particle, particles);
     toi = safe_time(motion, edges);
@@ -202,6 +235,7 @@ void SurfaceNarrowPhase::describe(ElementPairs& candidates, bool edges, std::siz
       out.kinetic_friction[c] = kinetic_friction_at(surface, anchor_of(out, c).moved(particles),
                                                     limits_.restitution_threshold / limits_.inverse_h);
     out.restitution[c] = surface.restitution;
+    if (!edges && is_coincident(candidates, pairs[c])) describe_coincident(candidates, c, particles, out);
     if (step_.turn.empty()) continue;
     const std::uint32_t ball = pair.particle[0];
     out.share[c] = candidates.surfaces()[candidates.surfaces().of(ball)].rolls
@@ -210,6 +244,20 @@ void SurfaceNarrowPhase::describe(ElementPairs& candidates, bool edges, std::siz
     out.rolling_friction[c] = surface.rolling_friction;
     for (float* const sum : out.moment_sum) sum[c] = 0;
   }
+}
+
+// A vertex on a triangle of another object: the later object belongs on the side from which the triangle's corners are
+// counter-clockwise. So sheets at one place separate in one direction.
+void SurfaceNarrowPhase::describe_coincident(const ElementPairs& candidates, std::size_t contact,
+                                             const ParticleView& particles,
+                                             const kernels::ContactColumns& out) {
+  NearPair pair{};
+  for (std::size_t k = 0; k < 4; ++k) pair.particle[k] = out.particle[k][contact];
+  const bool outside =
+      candidates.surfaces().of(pair.particle[0]) > candidates.surfaces().of(pair.particle[3]);
+  const Vec3f normal = normalized(triangle_normal(pair, particles)) * (outside ? 1.0f : -1.0f);
+  for (int axis = 0; axis < 3; ++axis) out.normal[axis][contact] = normal[axis];
+  out.approach[contact] = -dot(normal, anchor_of(out, contact).moved(particles));
 }
 
 std::size_t SurfaceNarrowPhase::bytes() const {

@@ -42,6 +42,8 @@ class SurfaceNarrowPhase {
   std::size_t bytes() const;
 
  private:
+  static void describe_coincident(const ElementPairs& candidates, std::size_t contact,
+                                  const ParticleView& particles, const kernels::ContactColumns& out);
   /// Contacts or violations in a chunk of pairs.
   struct ChunkResult {
     std::vector<PairToi> pairs;
