@@ -16,6 +16,7 @@ struct ContactStep {
   float h = 0;            ///< length of a substep; 0: the step has only one [s]
   Detection detection = Detection::continuous;      ///< between surfaces
   SegmentTest segment_test = default_segment_test;  ///< of discrete detection
+  bool placed = false;  ///< objects were added, placed or restored since the last step
   /// Rotation of the particles of objects that roll (Particles::turn); empty: none rolls.
   std::span<Vec4f> turn{};
 

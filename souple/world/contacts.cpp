@@ -168,6 +168,7 @@ void find_candidates(WorldState& world, double dt) {
                          .h = static_cast<float>(dt / world.settings.substeps),
                          .detection = world.settings.detection,
                          .segment_test = world.settings.segment_test,
+                         .placed = world.contact->check_intersections,
                          .turn = world.particles.turn};
   ContactTables& tables = world.contact->tables;
   Particles& particles = world.particles;

@@ -21,13 +21,6 @@ using kernels::Classification;
 // two sheets in one plane could never separate. The order of their objects determines the side (describe_coincident). [m]
 constexpr float coincident_distance = 1e-8f;
 
-// A pair of two objects that find_near returned.
-bool is_coincident(const ElementPairs& candidates, std::uint32_t pair) {
-  const auto& i = candidates.pair(pair).particle;
-  return candidates.distance_bound(pair) < coincident_distance &&
-         candidates.surfaces().of(i[0]) != candidates.surfaces().of(i[3]);
-}
-
 const kernels::ElementPairKernels& simd_kernels() {
   return kernels::find_element_pair_kernels(instruction_set());
 }
@@ -192,12 +185,19 @@ void SurfaceNarrowPhase::describe_crossing(ElementPairs& candidates, std::uint32
   out.approach[contact] = -dot(crossing.normal, anchor_of(out, contact).moved(particles));
 }
 
+// A pair of two objects that find_near returned. What is squeezed until it coincides is no such pair.
+bool SurfaceNarrowPhase::is_placed_at_one_place(const ElementPairs& candidates, std::uint32_t pair) const {
+  const auto& i = candidates.pair(pair).particle;
+  return step_.placed && candidates.distance_bound(pair) < coincident_distance &&
+         candidates.surfaces().of(i[0]) != candidates.surfaces().of(i[3]);
+}
+
 bool SurfaceNarrowPhase::is_contact(const ElementPairs& candidates, std::uint32_t pair,
                                     unsigned classification, const ParticleView& particles,
                                     float& toi) const {
   const bool edges = candidates.are_edges(pair);
   const NearPair& particle = candidates.pair(pair);
-  if (is_coincident(candidates, pair))
+  if (is_placed_at_one_place(candidates, pair))
     return !edges && has_triangle_normal(particle, particles) && can_move(particle, particles);
   if ((classification & Classification::fast) != 0) {
     const Motion motion = motion_of(particle, particles);
@@ -235,7 +235,8 @@ void SurfaceNarrowPhase::describe(ElementPairs& candidates, bool edges, std::siz
       out.kinetic_friction[c] = kinetic_friction_at(surface, anchor_of(out, c).moved(particles),
                                                     limits_.restitution_threshold / limits_.inverse_h);
     out.restitution[c] = surface.restitution;
-    if (!edges && is_coincident(candidates, pairs[c])) describe_coincident(candidates, c, particles, out);
+    if (!edges && is_placed_at_one_place(candidates, pairs[c]))
+      describe_coincident(candidates, c, particles, out);
     if (step_.turn.empty()) continue;
     const std::uint32_t ball = pair.particle[0];
     out.share[c] = candidates.surfaces()[candidates.surfaces().of(ball)].rolls

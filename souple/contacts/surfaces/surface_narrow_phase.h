@@ -42,6 +42,7 @@ class SurfaceNarrowPhase {
   std::size_t bytes() const;
 
  private:
+  bool is_placed_at_one_place(const ElementPairs& candidates, std::uint32_t pair) const;
   static void describe_coincident(const ElementPairs& candidates, std::size_t contact,
                                   const ParticleView& particles, const kernels::ContactColumns& out);
   /// Contacts or violations in a chunk of pairs.
