@@ -107,8 +107,8 @@ std::span<const Vec3f> mirrored_angular_velocities(const QueryView& view, const 
 std::span<const Vec3f> mirrored_normals(const QueryView& view, const Object& object, Mirror& mirror) {
   mirrored_positions(view, object, mirror);
   if (mirror.normals_version == view.version) return mirror.normals;
-  mirror.normals_version = view.version;
   fill_normals(view.threads, object.mesh.triangles, mirror);
+  mirror.normals_version = view.version;
   return mirror.normals;
 }
 

@@ -66,6 +66,8 @@ bool CustomProjector::evaluate(Item& item, std::span<const std::uint32_t> group,
     for (const Vec3f& g : item.gradient) finite = finite && is_finite(g);
     if (finite) return true;
     reason = "C or its gradient is not finite";
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& e) {
     reason = e.what();
   } catch (...) {

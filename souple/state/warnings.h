@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <new>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,11 +52,14 @@ class Warnings {
   void warn(Flag flag, std::string_view words);
   /// Logs notes about an object, such as repairs of its mesh.
   void log_info(const std::string& name, const std::vector<std::string>& sentences) const;
-  /// Runs code that may throw, such as users' callbacks; an exception sets Flag::callback_failed.
+  /// Runs code that may throw, such as users' callbacks; an exception sets Flag::callback_failed. Only out of memory
+  /// passes.
   template <class Function>
   void guarded(std::string_view what, const Function& f) {
     try {
       f();
+    } catch (const std::bad_alloc&) {
+      throw;  // not the callback's fault: the step cannot go on
     } catch (const std::exception& error) {
       warn(Flag::callback_failed, std::string(what) + " threw: " + error.what());
     } catch (...) {

@@ -1,10 +1,12 @@
 #include "souple/threads/thread_pool.h"
 
 #include "souple/assert.h"
+#include "souple/threads/error_of.h"
 
 #include <algorithm>
 #include <new>
 #include <system_error>
+#include <utility>
 
 #if defined(__unix__) || defined(__APPLE__)
 #include <csignal>
@@ -146,15 +148,19 @@ void ThreadPool::for_each(std::size_t n, std::size_t grain, RangeFunction f) {
   job_.partition = partition;
   send(partition.parts());
   const std::uint64_t signal = job_.signal.load(std::memory_order_relaxed);
-  f(0, partition.begin(1));
+  std::exception_ptr error = error_of(f, 0, partition.begin(1));
   for (std::size_t t = 1; t < partition.parts(); ++t) {
     if (!claim(workers_[t - 1], signal)) continue;
-    f(partition.begin(t), partition.begin(t + 1));
+    workers_[t - 1].error = error_of(f, partition.begin(t), partition.begin(t + 1));
     workers_[t - 1].done.store(signal, std::memory_order_relaxed);
   }
   for (std::size_t t = 1; t < partition.parts(); ++t)
     spin_until(spin_limit_, [&] { return workers_[t - 1].done.load(std::memory_order_acquire) == signal; });
+  for (std::size_t t = 1; t < partition.parts(); ++t)
+    if (std::exception_ptr of_part = std::exchange(workers_[t - 1].error, {}); of_part && !error)
+      error = std::move(of_part);
   if (!awake_) send(command_sleep);
+  if (error) std::rethrow_exception(std::move(error));
 }
 
 void ThreadPool::rest() {
@@ -181,7 +187,7 @@ void ThreadPool::work(std::size_t t) noexcept {
     const std::uint64_t command = signal & command_mask;
     if (command == command_end) return;
     if (command == command_sleep || t >= command || !claim(workers_[t - 1], signal)) continue;
-    (*job_.function)(job_.partition.begin(t), job_.partition.begin(t + 1));
+    workers_[t - 1].error = error_of(*job_.function, job_.partition.begin(t), job_.partition.begin(t + 1));
     workers_[t - 1].done.store(signal, std::memory_order_release);
   }
 }

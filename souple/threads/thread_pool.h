@@ -6,6 +6,7 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <exception>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -47,6 +48,7 @@ class ThreadPool final : public Threads {
   struct alignas(128) Worker {
     std::atomic<std::uint64_t> claimed{0};  ///< signal of the last job whose part was claimed
     std::atomic<std::uint64_t> done{0};     ///< signal of the last job whose part is finished
+    std::exception_ptr error;               ///< exception of that part; null: none
     std::thread thread;
   };
 

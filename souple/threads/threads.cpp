@@ -1,6 +1,7 @@
 #include "souple/threads/threads.h"
 
 #include "souple/error.h"
+#include "souple/threads/error_of.h"
 #include "souple/threads/thread_pool.h"
 #include "souple/threads/work_partition.h"
 #ifdef SOUPLE_WITH_TBB
@@ -9,8 +10,11 @@
 
 #include <charconv>
 #include <cstdlib>
+#include <exception>
+#include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace souple {
 namespace {
@@ -33,10 +37,16 @@ class JobThreads final : public Threads {
     if (n == 0) return;
     const WorkPartition partition(n, grain, count_);
     if (partition.parts() < 2) return f(0, n);
+    std::mutex mutex;
+    std::exception_ptr error;
     const auto job = [&](std::size_t part, std::size_t) {
-      f(partition.begin(part), partition.begin(part + 1));
+      std::exception_ptr of_part = error_of(f, partition.begin(part), partition.begin(part + 1));
+      if (!of_part) return;
+      const std::lock_guard lock(mutex);
+      if (!error) error = std::move(of_part);
     };
     jobs_.run(partition.parts(), job);
+    if (error) std::rethrow_exception(std::move(error));
   }
 
  private:

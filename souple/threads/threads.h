@@ -33,7 +33,8 @@ class Threads {
   /// to start threads.
   virtual int count() const = 0;
   /// Divides [0, n) into at most count() parts of at least `grain`, calls f once per part, and waits for all
-  /// parts; see WorkPartition. `f` must not throw. Allocates nothing once the threads have started.
+  /// parts; see WorkPartition. If f throws, throws that exception after all parts that began have ended; of
+  /// several exceptions one. Allocates nothing once the threads have started.
   virtual void for_each(std::size_t n, std::size_t grain, RangeFunction f) = 0;
   /// `wake` and `rest` enclose many for_each calls in close succession: between these calls, workers may spin
   /// instead of sleeping. A for_each with a single part wakes no worker.
@@ -68,7 +69,8 @@ class JobSystem {
   /// Number of threads that work at once, with the calling one; constant.
   virtual int workers() const = 0;
   /// Calls job(i, i + 1) for every i in [0, count), in any order on any threads, the calling one included, and
-  /// returns when all have returned. Jobs do not throw, wait for nothing and start no jobs.
+  /// returns, or throws, when all that it called have returned. Jobs do not throw, wait for nothing and start no
+  /// jobs.
   virtual void run(std::size_t count, RangeFunction job) = 0;
 };
 /// Threads that are jobs of the host.

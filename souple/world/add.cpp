@@ -45,14 +45,10 @@ void set_motion(WorldState& world, const Object& object, const ObjectOptions& op
   }
 }
 
-/// Creates the object's particles and adds it to the world.
-ObjectId add(WorldState& world, NewObject made, const ObjectOptions& options) {
-  Object& object = *made.object;
-  world.warnings.log_info(object.name, made.sentences);
-  object.id = {world.registry->next_id++};
+/// Creates the object's particles.
+void add_particles(WorldState& world, const NewObject& made, const ObjectOptions& options) {
+  const Object& object = *made.object;
   Particles& particles = world.particles;
-  object.begin = static_cast<std::uint32_t>(particles.size());
-  object.end = object.begin + static_cast<std::uint32_t>(object.rest.size());
   particles.resize(object.reserved_end());
   if (object.traits().rolls && !particles.has_spin()) particles.add_spin();
   world.object_of.resize(object.reserved_end(), static_cast<std::uint32_t>(world.objects.size()));
@@ -63,13 +59,38 @@ ObjectId add(WorldState& world, NewObject made, const ObjectOptions& options) {
     world.teleport_particle(i, object.rest[i - object.begin]);
   }
   if (!object.traits().driven) set_motion(world, object, options);
+}
+
+/// Leaves nothing of an object that could not be added for lack of memory.
+void take_back(WorldState& world, const Object& object, bool had_spin) {
+  world.registry->names.remove(object.name);
+  world.registry->objects.remove(object.id.value);
+  world.particles.resize(object.begin);
+  if (!had_spin) world.particles.spin = {}, world.particles.turn = {};
+  world.object_of.resize(object.begin);
+}
+
+/// Adds an object to the world, or changes nothing.
+ObjectId add(WorldState& world, NewObject made, const ObjectOptions& options) {
+  Object& object = *made.object;
+  world.warnings.log_info(object.name, made.sentences);
+  object.id = {world.registry->next_id++};
+  object.begin = static_cast<std::uint32_t>(world.particles.size());
+  object.end = object.begin + static_cast<std::uint32_t>(object.rest.size());
   world.dirty.all();
   world.contact->invalidate();
   ++world.version;
-  SOUPLE_ASSERT(world.object_of.size() == particles.size(), "every particle belongs to an object");
-  world.registry->names.add(object.name, {NameRegistry::Owner::object, object.id.value});
-  world.registry->objects.add(made.object->id.value);
-  world.objects.push_back(std::move(made.object));
+  const bool had_spin = world.particles.has_spin();
+  try {
+    add_particles(world, made, options);
+    world.registry->names.add(object.name, {NameRegistry::Owner::object, object.id.value});
+    world.registry->objects.add(object.id.value);
+    world.objects.push_back(std::move(made.object));
+  } catch (...) {
+    take_back(world, object, had_spin);
+    throw;
+  }
+  SOUPLE_ASSERT(world.object_of.size() == world.particles.size(), "every particle belongs to an object");
   return world.objects.back()->id;
 }
 

@@ -20,7 +20,7 @@ void replace_material(WorldState& world, Object& object, const Material& materia
   const ConstraintChanges changes = changes_between(before, material);
   try {
     if (changes.kinds.any() || changes.groups) build_elements(object, changes.kinds);
-  } catch (const Error&) {
+  } catch (...) {
     object.material = before;
     throw;
   }

@@ -234,10 +234,10 @@ std::span<const ContactEvent> World::contacts() const {
   if (world.contact->events_valid) return world.contact->events;
   world.contact->events.clear();
   if (!world.contact->valid && !world.current.running) return world.contact->events;
-  world.contact->events_valid = !world.current.running;
   std::vector<ContactPush> pushes;
   world.contact->contacts.events(world.view(), pushes);
   for (const ContactPush& push : pushes) append_event(world, push, world.contact->events);
+  world.contact->events_valid = !world.current.running;
   return world.contact->events;
 }
 

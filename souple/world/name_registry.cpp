@@ -51,19 +51,17 @@ const NameRegistry::Entry* NameRegistry::find(std::string_view name) const {
 }
 
 void NameRegistry::add(std::string_view name, const Entry& entry) {
-  entries_.emplace(name, entry);
   const auto [base, number] = numbered(name);
-  if (number < 2) return;
-  std::uint64_t& first = first_free_.try_emplace(std::string(base), 2).first->second;
-  if (number == first) ++first;
+  std::uint64_t* const first =
+      number < 2 ? nullptr : &first_free_.try_emplace(std::string(base), 2).first->second;
+  entries_.emplace(name, entry);
+  if (first != nullptr && number == *first) ++*first;
 }
 
 void NameRegistry::remove(std::string_view name) {
   const auto [base, number] = numbered(name);
-  if (number >= 2) {
-    std::uint64_t& first = first_free_.try_emplace(std::string(base), 2).first->second;
-    first = std::min(first, number);
-  }
+  if (const auto first = first_free_.find(base); number >= 2 && first != first_free_.end())
+    first->second = std::min(first->second, number);
   if (const auto entry = entries_.find(name); entry != entries_.end()) entries_.erase(entry);
 }
 

@@ -79,7 +79,22 @@ void order_projectors(WorldState& world) {
 
 }  // namespace
 
-void bring_constraints_up_to_date(WorldState& world) {
+namespace {
+
+/// Calls build(). Its exceptions other than Error leave half of what it builds.
+template <class Function>
+void or_broken(WorldState& world, const Function& build) {
+  try {
+    build();
+  } catch (const Error&) {
+    throw;
+  } catch (...) {
+    world.broken = true;
+    throw;
+  }
+}
+
+void build_constraints_and_solver(WorldState& world) {
   if (world.dirty.objects) world.particles.shrink_to_fit(), world.object_of.shrink_to_fit();
   if (world.dirty.objects || world.dirty.radii) build_contact_radii(world);
   const bool changed = world.dirty.constraints || world.dirty.groups;
@@ -111,11 +126,18 @@ void bring_constraints_up_to_date(WorldState& world) {
   world.dirty.solver = world.dirty.masses = false;
 }
 
+}  // namespace
+
+void bring_constraints_up_to_date(WorldState& world) {
+  world.require_whole("preparing a step");
+  or_broken(world, [&] { build_constraints_and_solver(world); });
+}
+
 void bring_up_to_date(WorldState& world) {
   SOUPLE_ASSERT(ranges_are_contiguous(world), "objects divide the particles in order");
   bring_constraints_up_to_date(world);
   if (!world.dirty.tables) return;
-  build_contact_tables(world);
+  or_broken(world, [&] { build_contact_tables(world); });
   world.dirty.tables = false;
 }
 

@@ -8,6 +8,7 @@
 #include "souple/world/contact_state.h"
 #include "souple/world/flow.h"
 #include "souple/world/impl.h"
+#include "souple/world/recover.h"
 #include "souple/world/step_scratch.h"
 #include "souple/world/world.h"
 
@@ -181,6 +182,7 @@ void resume_objects(WorldState& world, std::span<const std::byte>& in) {
 
 Snapshot World::snapshot() const {
   const WorldState& world = impl_->state;
+  world.require_whole("snapshot");
   const Particles& particles = world.particles;
   const std::vector<std::byte> contacts = world.contact->contacts.save();
   const FluidFoam& foam = world.fluids->foam();
@@ -218,8 +220,10 @@ Snapshot World::snapshot() const {
 
 void World::restore(const Snapshot& snapshot) {
   WorldState& world = impl_->state;
-  world.require_between_steps("restore");
+  world.require_not_running("restore");
   const Header header = checked_header(world, snapshot.bytes);
+  if (world.broken) start_afresh(world);
+  Edit edit(world);
   std::span<const std::byte> in = std::span(snapshot.bytes).subspan(sizeof header);
   Particles& particles = world.particles;
   world.time = header.time;
@@ -239,6 +243,7 @@ void World::restore(const Snapshot& snapshot) {
   world.contact->invalidate();
   world.contact->check_intersections = true;
   ++world.version;
+  edit.done();
 }
 
 }  // namespace souple

@@ -74,8 +74,21 @@ std::string WorldState::unique_name(const std::string& wanted, std::string_view 
   return wanted;
 }
 
-void WorldState::require_between_steps(std::string_view what) const {
+void WorldState::require_not_running(std::string_view what) const {
   if (current.running) throw Error(std::string(what) + ": not while a step runs; call it between steps");
+}
+
+void WorldState::require_between_steps(std::string_view what) const {
+  require_not_running(what);
+  require_whole(what);
+}
+
+void WorldState::require_whole(std::string_view what) const {
+  if (broken)
+    throw Error(
+        std::string(what) +
+        ": an exception, such as out of memory, ended an earlier step or change of this world half way; "
+        "restore a snapshot, or build the world anew");
 }
 
 const Object& WorldState::object(ObjectId id) const {

@@ -5,6 +5,7 @@
 #include "souple/world/fluid_stage.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
+#include "souple/world/recover.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/stages.h"
 #include "souple/world/step_report.h"
@@ -52,33 +53,50 @@ void end_step(WorldState& world, double dt, bool valid) {
   end_report(world, valid);
 }
 
-}  // namespace
-
-const StepReport& World::step(double dt) {
-  WorldState& world = impl_->state;
-  if (!begin_step(world, dt)) return world.report;
+/// A step of World::step.
+void advance(World& self, WorldState& world, double dt) {
+  if (!begin_step(world, dt)) return;
   const Substep substep = substep_of(world.settings, dt);
   const double start = world.time;
   bool valid = true;
   world.current.running = true;
   const ActiveScope awake(*world.threads);
   save_last_valid(world);
-  run(*this, world, Stage::broad_phase, [&] { find_candidates(world, dt); });
+  run(self, world, Stage::broad_phase, [&] { find_candidates(world, dt); });
   for (int i = 1; valid && i <= substep.count; ++i) {
     world.current.last_substep = i == substep.count;
-    run(*this, world, Stage::integrate, [&] { integrate(world, substep); });
-    run(*this, world, Stage::fluids, [&] { solve_incompressibility(world, substep); });
-    run(*this, world, Stage::contacts, [&] { generate_contacts(world, substep); });
-    run(*this, world, Stage::solve, [&] { solve(world, substep); });
-    run(*this, world, Stage::finish, [&] { valid = finish(world, substep); });
-    run(*this, world, Stage::velocity, [&] { update_velocities(world, substep); });
+    run(self, world, Stage::integrate, [&] { integrate(world, substep); });
+    run(self, world, Stage::fluids, [&] { solve_incompressibility(world, substep); });
+    run(self, world, Stage::contacts, [&] { generate_contacts(world, substep); });
+    run(self, world, Stage::solve, [&] { solve(world, substep); });
+    run(self, world, Stage::finish, [&] { valid = finish(world, substep); });
+    run(self, world, Stage::velocity, [&] { update_velocities(world, substep); });
     world.contact->tracker.end_substep(world);
     world.time = start + dt * i / substep.count;
   }
-  if (valid) run(*this, world, Stage::foam, [&] { step_foam(world, start, dt); });
+  if (valid) run(self, world, Stage::foam, [&] { step_foam(world, start, dt); });
   world.current.running = false;
   if (!valid) world.time = start;
   end_step(world, dt, valid);
+}
+
+}  // namespace
+
+const StepReport& World::step(double dt) {
+  WorldState& world = impl_->state;
+  world.require_whole("step");
+  if (world.current.running) {
+    begin_report(world, dt);  // refuses
+    return world.report;
+  }
+  const double start = world.time;
+  world.current.saved = false;
+  try {
+    advance(*this, world, dt);
+  } catch (...) {
+    abandon_step(world, start);
+    throw;
+  }
   return world.report;
 }
 

@@ -154,6 +154,7 @@ void save_last_valid(WorldState& world) {
   keep(particles.offset, world.last_valid.offset);
   keep(particles.velocity, world.last_valid.velocity);
   keep(particles.spin, world.last_valid.spin);
+  world.current.saved = true;
   SOUPLE_ASSERT(world.last_valid.offset.size() == particles.size(), "arrays of particles have one length");
 }
 

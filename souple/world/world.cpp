@@ -17,6 +17,7 @@
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/impl.h"
+#include "souple/world/recover.h"
 #include "souple/world/registry.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/validate.h"
@@ -96,7 +97,9 @@ void World::remove(ObjectId id) {
   world.require_between_steps("remove");
   const Object& object = world.object(id);
   wake_all(world);
+  Edit edit(world);
   remove_object(world, object);
+  edit.done();
 }
 
 std::vector<ObjectId> World::objects() const {
@@ -265,6 +268,7 @@ double World::total_mass(ObjectId id) const {
 }
 
 std::vector<float> World::pressures(ObjectId id) const {
+  impl_->state.require_whole("pressures");
   material_of<FluidMaterial>(impl_->state, id);
   const Object& object = impl_->state.object(id);
   std::vector<float> result;
@@ -274,6 +278,7 @@ std::vector<float> World::pressures(ObjectId id) const {
 }
 
 FoamView World::foam() const {
+  impl_->state.require_whole("foam");
   const FluidFoam& foam = impl_->state.fluids->foam();
   return {foam.positions(), foam.velocities(), foam.kinds()};
 }
@@ -432,11 +437,18 @@ ColliderId World::add_collider(const Shape& shape, const ColliderOptions& option
   record.options.name = world.unique_name(options.name, "collider");
   validate(shape, record.options.name);
   validate(contact_material_of(options), record.options.name);
-  world.registry->names.add(record.options.name, {NameRegistry::Owner::collider, record.id.value});
-  world.registry->colliders.add(record.id.value);
-  world.colliders.push_back(std::move(record));
-  ++world.registry->next_id;
   world.dirty.tables = true;
+  ++world.registry->next_id;
+  world.colliders.push_back(std::move(record));
+  const ColliderRecord& added = world.colliders.back();
+  try {
+    world.registry->names.add(added.options.name, {NameRegistry::Owner::collider, added.id.value});
+    world.registry->colliders.add(added.id.value);
+  } catch (...) {
+    world.registry->names.remove(added.options.name);
+    world.colliders.pop_back();
+    throw;
+  }
   wake_all(world);
   world.contact->invalidate();
   return world.colliders.back().id;
@@ -463,8 +475,8 @@ void World::set_collider(ColliderId id, const Shape& shape, const ColliderOption
   const std::string name = record.options.name;
   if (!options.name.empty() && options.name != name) {
     world.registry->names.require_free(options.name);
-    world.registry->names.remove(name);
     world.registry->names.add(options.name, {NameRegistry::Owner::collider, id.value});
+    world.registry->names.remove(name);
   }
   record.shape = shape;
   record.options = options;
@@ -502,6 +514,7 @@ ColliderId World::find_collider(std::string_view name) const {
 
 Vec3d World::fluid_force(ColliderId id) const {
   const WorldState& world = impl_->state;
+  world.require_whole("fluid_force");
   for (std::size_t c = 0; c < world.colliders.size(); ++c)
     if (world.colliders[c].id == id) return world.fluids->force(c);
   throw Error(

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstdlib>
 #include <limits>
+#include <new>
 #include <numeric>
 #include <string>
 #include <thread>
@@ -116,6 +117,61 @@ TEST(Threads, WorkAtTheSameTime) {
     while (inside < 3) std::this_thread::yield();
   });
   EXPECT_EQ(inside, 3);
+}
+
+/// Jobs of a host: each on a thread of its own.
+class ThreadPerJob final : public JobSystem {
+ public:
+  int workers() const override { return 4; }
+  void run(std::size_t count, RangeFunction job) override {
+    std::vector<std::thread> threads;
+    threads.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) threads.emplace_back([&job, i] { job(i, i + 1); });
+    for (std::thread& thread : threads) thread.join();
+  }
+};
+
+/// The loop throws what the part with index `bad` throws, after all parts that began, and works afterwards.
+void expect_carried(Threads& threads, std::size_t bad) {
+  std::atomic<int> inside{0};
+  std::string caught;
+  try {
+    threads.for_each(400, 1, [&](std::size_t begin, std::size_t end) {
+      ++inside;
+      if (begin <= bad && bad < end) {
+        --inside;
+        throw Error("bad " + std::to_string(bad));
+      }
+      std::this_thread::yield();
+      --inside;
+    });
+  } catch (const Error& error) {
+    caught = error.what();
+  }
+  EXPECT_EQ(inside, 0) << "a part still runs";
+  EXPECT_EQ(caught, "bad " + std::to_string(bad));
+  EXPECT_EQ(visits(threads, 400, 1), std::vector<int>(400, 1)) << "after an exception";
+}
+
+void expect_all_carried(Threads& threads) {
+  for (int round = 0; round < 50; ++round)
+    for (const std::size_t bad : {0u, 150u, 250u, 399u}) expect_carried(threads, bad);
+  EXPECT_THROW(threads.for_each(400, 1, [](std::size_t, std::size_t) { throw std::bad_alloc(); }),
+               std::bad_alloc)
+      << "every part throws";
+  EXPECT_EQ(visits(threads, 400, 1), std::vector<int>(400, 1));
+}
+
+TEST(Threads, CarryAnExceptionOfAPartToTheCallerOfTheLoop) {
+  for (const Threading kind : kinds)
+    for (const int count : {1, 2, 4}) {
+      const auto threads = make_threads(kind, count);
+      expect_all_carried(*threads);
+      const ActiveScope awake(*threads);
+      expect_all_carried(*threads);
+    }
+  ThreadPerJob jobs;
+  expect_all_carried(*make_threads(jobs));
 }
 
 TEST(Threads, EndWhileTheySleepWhileTheySpinAndBeforeTheyStart) {

@@ -1,0 +1,79 @@
+#include "souple/world/recover.h"
+
+#include "souple/fluid/stage/fluids.h"
+#include "souple/objects/build_elements.h"
+#include "souple/objects/constraint_groups.h"
+#include "souple/objects/constraint_sets.h"
+#include "souple/objects/object.h"
+#include "souple/solver/solver.h"
+#include "souple/stages/sleeping.h"
+#include "souple/stages/user_constraint.h"
+#include "souple/world/contact_state.h"
+#include "souple/world/step_scratch.h"
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+namespace souple {
+namespace {
+
+void forget_projectors(WorldState& world) {
+  world.constraints.order.clear();
+  world.constraints.without_contacts = 0;
+}
+
+/// A merge that failed has lost constraints: all objects build theirs again.
+void rebuild_constraints(WorldState& world) {
+  for (const auto& object : world.objects) build_elements(*object, SetKinds::all());
+  auto of_elements = std::make_unique<ConstraintSets>();
+  auto of_groups = std::make_unique<ConstraintGroups>();
+  world.constraints.object_projectors.clear();
+  world.constraints.of_elements = std::move(of_elements);
+  world.constraints.of_groups = std::move(of_groups);
+}
+
+}  // namespace
+
+Edit::Edit(WorldState& world) : world_(world) {
+  world.broken = true;
+}
+
+void Edit::done() {
+  world_.broken = false;
+}
+
+void abandon_step(WorldState& world, double start) noexcept {
+  world.broken = true;
+  if (world.current.saved) {
+    const LastValid& valid = world.last_valid;
+    Particles& particles = world.particles;
+    std::copy(valid.position.begin(), valid.position.end(), particles.position.begin());
+    std::copy(valid.offset.begin(), valid.offset.end(), particles.offset.begin());
+    std::copy(valid.velocity.begin(), valid.velocity.end(), particles.velocity.begin());
+    std::copy(valid.spin.begin(), valid.spin.end(), particles.spin.begin());
+  }
+  world.time = start;
+  world.current.running = false;
+  ++world.version;
+  forget_projectors(world);
+  world.contact->invalidate();
+  world.callbacks.erase_removed();
+}
+
+void start_afresh(WorldState& world) {
+  forget_projectors(world);
+  if (world.dirty.constraints || world.dirty.groups || world.dirty.objects) rebuild_constraints(world);
+  auto contact = std::make_unique<ContactState>();
+  contact->pairs = world.contact->pairs;
+  contact->tracker = world.contact->tracker;
+  auto fluids = std::make_unique<Fluids>();
+  auto scratch = std::make_unique<StepScratch>();
+  world.contact = std::move(contact);
+  world.fluids = std::move(fluids);
+  world.scratch = std::move(scratch);
+  world.solving.solver.reset();
+  world.dirty = {};
+}
+
+}  // namespace souple

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "souple/world/state.h"
+
+#include <string_view>
+
+namespace souple {
+
+/// An edit that an exception may leave half done. Unless `done` is called, the world then refuses what needs it whole:
+/// WorldState::require_whole throws.
+class Edit {
+ public:
+  explicit Edit(WorldState& world);
+  void done();
+
+ private:
+  WorldState& world_;
+};
+
+/// After an exception in a step that began at `start` [s]: the particles return to where they were if the step had
+/// saved them, and the world refuses what needs it whole until World::restore. Allocates nothing.
+void abandon_step(WorldState& world, double start) noexcept;
+
+/// For World::restore: everything that is computed from objects and settings is built anew before the next step.
+void start_afresh(WorldState& world);
+
+}  // namespace souple
