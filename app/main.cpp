@@ -1,5 +1,6 @@
 #include "app/commands.h"
 #include "app/exit_codes.h"
+#include "app/out_of_memory.h"
 #include "app/view/keys.h"
 #include "souple/error.h"
 #include "souple/version.h"
@@ -38,7 +39,7 @@ constexpr const char* main_footer = R"(Examples:
   souple surface out/dam                       make a mesh of a fluid's particles, frame by frame
   souple bench cloth                           measure how fast this machine simulates
 
-Exit codes: 0 success, 1 writing failed, 2 bad input, 3 the simulation diverged, 130 interrupted.)";
+Exit codes: 0 success, 1 writing failed, 2 bad input or out of memory, 3 the simulation diverged, 130 interrupted.)";
 
 constexpr const char* run_footer = R"(Examples:
   souple run flag --set objects.flag.material.bending_stiffness=1e-5 --set substeps=20
@@ -369,7 +370,7 @@ int perform(const std::function<int()>& action) {
     std::fprintf(stderr, "souple: %s\n", error.what());
     return bad_input;
   } catch (const std::bad_alloc&) {
-    std::fputs("souple: out of memory: the scene is too large for this machine\n", stderr);
+    souple::app::say_out_of_memory();
     return bad_input;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "souple: %s\n", error.what());
@@ -412,6 +413,7 @@ std::string usage_error(CLI::App& app, const CLI::ParseError& error, int argc, c
 }  // namespace
 
 int main(int argc, char** argv) {
+  souple::app::end_when_out_of_memory();
   std::function<int()> action;
   CLI::App app(
       "Souple simulates cloth, soft bodies, ropes, grains and fluids from scene files, and writes caches "

@@ -19,6 +19,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <new>
 #include <utility>
 
 #include <fmt/core.h>
@@ -258,6 +259,15 @@ int simulate(const Job& job, World& world, const Output& output) {
   return success;
 }
 
+/// Completes the files. The world's last step, or the recorder's last frame, is left out.
+int end_out_of_memory(const Job& job, const Output& output) {
+  output.finish();
+  std::fprintf(stderr, "souple: out of memory in frame %llu of %u; the frames before it are in %s\n",
+               static_cast<unsigned long long>(output.recorder.frames() + 1), job.scene.frames,
+               job.out.string().c_str());
+  return bad_input;
+}
+
 RecorderOptions recorder_options(const Job& job) {
   RecorderOptions options;
   options.formats = job.record.formats;
@@ -301,14 +311,17 @@ int run(const RunOptions& options) {
     if (surfaces) surfaces->start();
   }
   Recorder recorder(world, job.out, recorder_options(job));
+  const Output output{recorder, surfaces.get(), picture.get(), options.quiet};
   try {
-    const int code = simulate(job, world, {recorder, surfaces.get(), picture.get(), options.quiet});
+    const int code = simulate(job, world, output);
     if (code == success && picture != nullptr && !options.quiet)
       std::printf("%s: picture of the last frame: %s\n", job.record.name.c_str(), options.picture.c_str());
     return code;
   } catch (const Error& error) {
     std::fprintf(stderr, "souple: %s\n", error.what());
     return failed;
+  } catch (const std::bad_alloc&) {
+    return end_out_of_memory(job, output);
   }
 }
 

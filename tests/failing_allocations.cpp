@@ -12,11 +12,18 @@ namespace {
 constexpr long never = std::numeric_limits<long>::max();
 std::atomic<long> allocations{0};
 std::atomic<long> first{never}, last{never};  // numbers of the allocations that fail
+std::atomic<bool> spare{false}, only_elsewhere{false};
+thread_local bool is_home = false;
+
+/// Whether the next allocation fails.
+bool fails() {
+  if (spare || (only_elsewhere && is_home)) return false;
+  const long number = ++allocations;
+  return number >= first && number <= last;
+}
 
 void* allocate(std::size_t size) {
-  const long number = ++allocations;
-  if (number >= first && number <= last) return nullptr;
-  return std::malloc(size == 0 ? 1 : size);
+  return fails() ? nullptr : std::malloc(size == 0 ? 1 : size);
 }
 
 }  // namespace
@@ -24,17 +31,28 @@ void* allocate(std::size_t size) {
 namespace souple::test {
 
 FailingAllocations::FailingAllocations(long n, Which which) {
+  is_home = true;
+  only_elsewhere = which == Which::one_elsewhere;
   allocations = 0;
-  last = which == Which::one ? n : never;
+  last = which == Which::all_later ? never : n;
   first = n;
 }
 
 FailingAllocations::~FailingAllocations() {
   first = last = never;
+  only_elsewhere = false;
 }
 
 long FailingAllocations::count() const {
   return allocations;
+}
+
+SpareMemory::SpareMemory() {
+  spare = true;
+}
+
+SpareMemory::~SpareMemory() {
+  spare = false;
 }
 
 }  // namespace souple::test
@@ -48,9 +66,8 @@ void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   return allocate(size);
 }
 void* operator new(std::size_t size, std::align_val_t alignment) {
-  const long number = ++allocations;
   const auto a = static_cast<std::size_t>(alignment);
-  if (number < first || number > last)
+  if (!fails())
     if (void* memory = std::aligned_alloc(a, (size + a - 1) / a * a)) return memory;
   throw std::bad_alloc();
 }

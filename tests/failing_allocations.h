@@ -2,18 +2,27 @@
 
 namespace souple::test {
 
-/// While it exists, allocations of this program fail: the n-th from now on (from 1), on whatever thread, or that and
-/// all later ones. operator new then throws std::bad_alloc.
+/// While it exists, allocations of this program fail: the n-th from now on (from 1), on whatever thread; that and all
+/// later ones; or the n-th on a thread that is not the one that made this. operator new then throws std::bad_alloc.
 class FailingAllocations {
  public:
-  enum class Which { one, all_later };
+  enum class Which { one, all_later, one_elsewhere };
   FailingAllocations(long n, Which which);
   ~FailingAllocations();
   FailingAllocations(const FailingAllocations&) = delete;
   FailingAllocations& operator=(const FailingAllocations&) = delete;
 
-  /// Number of allocations so far, with the failed ones.
+  /// Number of allocations so far, with the failed ones; with `one_elsewhere` of those on other threads.
   long count() const;
+};
+
+/// While it exists within the life of a FailingAllocations, none fails, and none counts.
+class SpareMemory {
+ public:
+  SpareMemory();
+  ~SpareMemory();
+  SpareMemory(const SpareMemory&) = delete;
+  SpareMemory& operator=(const SpareMemory&) = delete;
 };
 
 }  // namespace souple::test

@@ -78,6 +78,7 @@ void finish_object(NewObject& made, const ObjectOptions& options) {
       gather_map(options.stiffness_map, object, object.vertex_count(), "stiffness");
   object.per_particle.thickness =
       gather_map(options.thickness_map, object, object.vertex_count(), "thickness");
+  object.collision.itself = options.self_collision;
   const std::size_t skipped = build_elements(object, SetKinds::all());
   if (skipped > 0)
     made.sentences.push_back(
@@ -86,7 +87,6 @@ void finish_object(NewObject& made, const ObjectOptions& options) {
     throw Error(
         object.name +
         ": self_collision: particles is for cloth and for soft bodies made of tets; use surfaces or off");
-  object.collision.itself = options.self_collision;
   require_layer(object, options.layer);
   object.collision.layer = options.layer;
   object.collision.filter = {options.collision_groups, options.collision_mask};
