@@ -1,5 +1,6 @@
 #include "app/last_picture.h"
 
+#include "app/out_of_memory.h"
 #include "app/picture_sink.h"
 #include "app/pictures.h"
 #include "app/scene_colors.h"
@@ -26,6 +27,7 @@ struct LastPicture::Impl {
 
 LastPicture::LastPicture(const std::filesystem::path& file) {
   const SinkRequest request = sink_request(file);
+  expect_driver_crashes();
   impl_ = std::make_unique<Impl>();
   impl_->sink = open_sink(request);
 }

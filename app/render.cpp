@@ -2,6 +2,7 @@
 #include "app/exit_codes.h"
 #include "app/frame_source.h"
 #include "app/interrupt.h"
+#include "app/out_of_memory.h"
 #include "app/picture_sink.h"
 #include "app/pictures.h"
 #include "app/progress.h"
@@ -312,6 +313,7 @@ int render_frames(const RenderRequest& request) {
   SourceRequest wanted{request.source, request.settings, style.display.display == render::Display::speed};
   const std::unique_ptr<FrameSource> source = open_source(wanted);
   const RenderJob job = job_of(request, *source, style, camera, sheet);
+  expect_driver_crashes();
   PictureMaker maker;
   const std::unique_ptr<PictureSink> sink =
       open_sink({job.kind, job.out, source->name(), job.film_rate, job.sheet, job.colors});

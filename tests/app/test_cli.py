@@ -6,6 +6,7 @@ import json
 import os
 import pty
 import re
+import resource
 import shutil
 import signal
 import subprocess
@@ -546,6 +547,119 @@ class SurfaceOfARun(Case):
         self.souple("run", self.scene(bad), "--out", "out", "--surface", "anisotropic", code=3)
         self.souple("surface", "out", "--out", "afterwards")
         self.assert_same_contents("out_surface", "afterwards")
+
+
+# A wide tap: every frame needs more memory than the one before.
+FLOOD = {
+    "souple": 1,
+    "frames": 8,
+    "substeps": 1,
+    "objects": [
+        SMALL["objects"][0],
+        {"name": "tap", "kind": "fluid", "points": [], "max_particles": 40000,
+         "material": {"preset": "water", "spacing": 0.02},
+         "emitters": [{"position": [0, 2, 0], "direction": [0, -1, 0], "radius": 0.25, "speed": 8}]},
+    ],
+}
+
+
+class OutOfMemory(Case):
+    """Limits of the address space and of threads: one line and exit code 2, whatever runs out."""
+
+    def limited(self, megabytes, *arguments):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20, megabytes << 20))
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+        return subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, env=self.environment,
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120,
+                              preexec_fn=limit)
+
+    def least(self):
+        """The least limit in MB with which the program can start."""
+        if self.limited(4096, "--version").returncode != 0:
+            self.skipTest("a sanitizer's shadow memory exceeds any limit")
+        return next(m for m in range(20, 4096, 10) if self.limited(m, "--version").returncode == 0)
+
+    def assert_ends(self, done):
+        """Returns whether the command succeeded; otherwise the memory did not suffice, and one line says so."""
+        if done.returncode == 0:
+            return True
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assert_one_line(done.stderr)
+        self.assertRegex(done.stderr, "^souple: (out of memory|the system refuses to start a thread)")
+        return False
+
+    def assert_whole(self, frames):
+        """The caches in out/ hold exactly these frames."""
+        out = self.folder / "out"
+        self.assertEqual(list(out.glob("*.part")), [])
+        self.assertEqual(json.loads((out / "run.json").read_text())["frames"], frames)
+        points = len(list(out.glob("tap_*.ply")))
+        self.assertEqual(points, frames)
+        if frames > 0:
+            header = (out / "flag.pc2").read_bytes()[:32]
+            self.assertEqual(int.from_bytes(header[28:32], "little"), frames)
+
+    def test_a_run_ends_in_one_line_and_its_frames_are_whole(self):
+        scene = self.scene(FLOOD)
+        least = self.least()
+        codes, cut_short = set(), 0
+        for threads in (1, 2):
+            for more in range(10, 170, 20):
+                shutil.rmtree(self.folder / "out", ignore_errors=True)
+                done = self.limited(least + more, "run", scene, "--out", "out", "--threads", threads, "--quiet")
+                codes.add(done.returncode)
+                if self.assert_ends(done):
+                    self.assert_whole(FLOOD["frames"])
+                    continue
+                frame = re.search("in frame ([0-9]+) of 8; the frames before it are in out", done.stderr)
+                if frame:
+                    self.assert_whole(int(frame[1]) - 1)
+                    cut_short += int(frame[1]) > 1
+        self.assertEqual(codes, {0, 2})
+        self.assertGreater(cut_short, 0, "no run ended after its first frame: the test tests nothing")
+
+    def test_check_and_surface_end_in_one_line(self):
+        least = self.least()
+        self.souple("run", self.scene(FLOOD), "--out", "out", "--quiet")
+        fine = self.scene({"souple": 1, "frames": 1, "objects": [
+            {"name": "sheet", "kind": "cloth", "mesh": {"grid": {"columns": 300, "rows": 300, "size": 1}}}]},
+            "fine.json")
+        for threads in ("1", "2"):
+            self.environment["SOUPLE_THREADS"] = threads
+            for arguments in (("check", fine), ("surface", "out", "--out", "meshes", "--quiet")):
+                codes = [self.limited(least + more, *arguments) for more in (0, 10, 20, 40, 80, 400)]
+                self.assertEqual([self.assert_ends(done) for done in codes][-1], True, arguments)
+                self.assertEqual(codes[0].returncode, 2, arguments)
+
+    def test_fewer_threads_or_one_line_where_the_system_refuses_threads(self):
+        if os.getuid() != 0:
+            self.skipTest("a limit of threads that others do not count in needs another user")
+        self.folder.chmod(0o777)
+        self.scene(SMALL)
+        user = 61234  # has no processes
+        self.environment["HOME"] = str(self.folder)
+
+        def limited(threads):
+            def limit():
+                resource.setrlimit(resource.RLIMIT_NPROC, (threads, threads))
+                os.setgid(user)
+                os.setuid(user)
+
+            return subprocess.run([PROGRAM, "run", "small.json", "--frames", "2", "--threads", "8", "--quiet",
+                                   "--out", "out"], cwd=self.folder, env=self.environment,
+                                  stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120,
+                                  preexec_fn=limit)
+
+        if limited(100).returncode != 0:
+            self.skipTest("another user may not run the program where it lies")
+        codes = []
+        for threads in (1, 2, 3, 5, 8):
+            done = limited(threads)
+            codes.append(done.returncode)
+            self.assert_ends(done)
+        self.assertEqual(codes[-1], 0)
 
 
 class Stopping(Case):
