@@ -351,8 +351,8 @@ void Grab::release() noexcept {
   state_->holds = false;
   try {
     state_->world->remove(state_->id);
-  } catch (const Error&) {
-    // During a step: the projector stays in the world, inactive.
+  } catch (...) {
+    // During a step, after one that threw, or without memory: the projector stays in the world, inactive.
   }
 }
 

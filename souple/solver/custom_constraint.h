@@ -53,8 +53,8 @@ class CallbackConstraint final : public CustomConstraint {
   Function function_;
 };
 
-/// Custom constraints behind the Projector interface, by the formulas of projection.h. Errors of user code
-/// never leave a step: if an evaluation throws, or if C, its gradient or the correction is not finite,
+/// Custom constraints behind the Projector interface, by the formulas of projection.h. Errors of user code but
+/// out of memory never leave a step: if an evaluation throws, or if C, its gradient or the correction is not finite,
 /// nothing moves and a message is recorded. The next evaluation tries again.
 class CustomProjector final : public Projector {
  public:

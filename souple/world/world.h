@@ -68,8 +68,7 @@ struct Snapshot {
 
 /// Objects, colliders and the simulation loop. Meters, kilograms, seconds; Y up, right-handed.
 ///
-/// All functions but `step` throw Error on invalid arguments and then leave the world unchanged. `step` never
-/// throws. Between steps several threads may call const functions at the same time, except elastic_energy,
+/// All functions but `step` throw Error on invalid arguments and then leave the world unchanged. Between steps several threads may call const functions at the same time, except elastic_energy,
 /// unconverged_energy and debug_draw; all other calls need a thread that is alone with the world.
 class World {
  public:
@@ -79,7 +78,10 @@ class World {
   World& operator=(World&&) noexcept;
 
   // --- the loop ----------------------------------------------------------------------------------
-  /// Advances the world by dt seconds in `substeps` equal parts.
+  /// Advances the world by dt seconds in `substeps` equal parts. Throws std::bad_alloc, and what a Projector of the
+  /// user throws, on whatever thread. The particles are then where they were before the step, and all functions that
+  /// need more of the world than its objects (the next step, changes, snapshot, foam, ...) throw Error until `restore`.
+  /// What else goes wrong stands in the report.
   const StepReport& step(double dt);
   const StepReport& report() const;
   double time() const;  ///< s
@@ -339,7 +341,8 @@ class World {
   /// All state that a step changes. A world built the same way that restores it continues bitwise equal. Moves
   /// requested of pins and colliders for the next step are not part of it.
   Snapshot snapshot() const;
-  /// Throws if the snapshot belongs to a world with other objects or is damaged; the world is then unchanged.
+  /// Throws if the snapshot belongs to a world with other objects or is damaged; the world is then unchanged. Also
+  /// after a step that threw: everything but the objects is then built anew.
   void restore(const Snapshot& snapshot);
   /// FNV-1a 64 over the bytes of all objects in order of name: positions, then velocities, in user order.
   std::uint64_t hash() const;

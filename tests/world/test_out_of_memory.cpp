@@ -2,12 +2,16 @@
 #include "souple/souple.h"
 #include "souple/surface/fluid_surface.h"
 #include "souple/threads/threads.h"
+#include "tests/expect_error.h"
 #include "tests/failing_allocations.h"
 #include "tests/threads/busy_world.h"
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <limits>
+#include <memory>
+#include <new>
 #include <optional>
 #include <random>
 #include <string>
@@ -105,7 +109,7 @@ void fluid(World& world) {
   const ObjectId water =
       world.add_fluid(fill({-0.2, 0, -0.2}, {0.2, 0.2, 0.2}, 0.05), {.spacing = 0.05f, .foam = 1},
                       {.velocity = {0, -3, 0}, .max_particles = 600});
-  world.add_emitter(water, {.position = {0, 0.6, 0}, .radius = 0.1f, .speed = 4});
+  world.add_emitter(water, {.position = {0, 0.6f, 0}, .radius = 0.1f, .speed = 4});
   world.add_drain({.shape = Sphere{.radius = 0.06f}, .pose = {{0.1, 0.05, 0}, {}, 1}});
   world.add_soft_body(tet_bar(1, 1, 1, {0.1, 0.1, 0.1}), {}, {.transform = {{0, 0.3, 0}, {}, 1}});
   world.add_collider(Plane{});
@@ -293,6 +297,59 @@ TEST(OutOfMemoryOnAnotherThread, IsThrownByTheStepAndTheWorldCanBeRestored) {
     EXPECT_EQ(world.hash(), whole.hash()) << "allocation " << n << " of the other threads";
   }
   EXPECT_GT(thrown, 0u) << "no allocation of another thread failed";
+}
+
+// A constraint runs out of memory on any of the threads, in a step of a world with objects of several kinds.
+TEST(AWorldWhoseStepThrew, CanBeReadAndRestoredAndRefusesEverythingElse) {
+  for (const int threads : {1, 3}) {
+    World world = test::busy_world({.threads = threads});
+    bool scarce = false;
+    auto projector = std::make_unique<CustomProjector>();
+    for (std::uint32_t vertex = 0; vertex < 2000; ++vertex) {
+      auto constraint = std::make_shared<CallbackConstraint>(
+          std::vector<std::uint32_t>{vertex}, [&scarce, vertex](std::span<const Vec3f>, std::span<Vec3f>) {
+            if (scarce && vertex == 1900) throw std::bad_alloc();
+            return 1.0f;
+          });
+      constraint->sense = Sense::non_negative;
+      constraint->concurrent = true;
+      projector->add(std::move(constraint));
+    }
+    world.add_projector(std::move(projector));
+    world.step(dt);
+    const Snapshot snapshot = world.snapshot();
+    const std::uint64_t before = world.hash();
+    const double time = world.time();
+    world.step(dt);
+    const std::uint64_t after = world.hash();
+    world.restore(snapshot);
+
+    scarce = true;
+    EXPECT_THROW(world.step(dt), std::bad_alloc);
+    scarce = false;
+    EXPECT_EQ(world.hash(), before);
+    EXPECT_EQ(world.time(), time);
+    EXPECT_TRUE(world.contacts().empty());
+    const ObjectId cloth = world.objects()[0];
+    const std::vector<std::uint32_t> corner{0};
+    const std::vector<std::function<void()>> refused{
+        [&] { world.step(dt); },
+        [&] { world.snapshot(); },
+        [&] { world.foam(); },
+        [&] { world.memory(); },
+        [&] { world.elastic_energy(); },
+        [&] { world.time_solve(dt, 1); },
+        [&] { world.add_cloth(grid(3, 3, 1)); },
+        [&] { world.remove(cloth); },
+        [&] { world.set_settings({}); },
+        [&] { world.add_collider(Plane{}); },
+        [&] { world.attach(cloth, vertices(corner)); },
+    };
+    for (const auto& call : refused) expect_error(call, {"restore a snapshot", "build the world anew"});
+    world.restore(snapshot);
+    world.step(dt);
+    EXPECT_EQ(world.hash(), after);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, OutOfMemory, testing::Range(0, static_cast<int>(std::size(cases))),

@@ -1,5 +1,6 @@
 #include "souple/geometry/builders.h"
 #include "souple/world/world.h"
+#include "tests/expect_error.h"
 #include "tests/intersections/crossings.h"
 
 #include <algorithm>
@@ -253,6 +254,20 @@ TEST(SurfaceContacts, SheetsThatBeginInOnePlaneComeApart) {
     world.step(1.0 / 60);
     for (const Vec3f& v : world.velocities(loose)) EXPECT_LT(length(v), 15.0f) << frame;
   }
+}
+
+// Finer segments would be near thousands of others each.
+TEST(RopeOnItself, NeedsSegmentsOfAnEighthOfItsRadius) {
+  World world;
+  const std::vector<Vec3d> line{{0, 0, 0}, {1, 0, 0}};
+  const ObjectOptions on_itself{.self_collision = SelfCollision::surfaces};
+  expect_error([&] { world.add_rope(line, 100000, {.radius = 0.005f}, on_itself); },
+               {"rope", "radius 0.005 m", "at most 1600 segments"});
+  world.add_rope(line, 100000, {.radius = 0.005f});
+  const ObjectId rope = world.add_rope(line, 1599, {.radius = 0.005f}, on_itself);
+  expect_error([&] { world.set_material(rope, RopeMaterial{.radius = 0.01f}); },
+               {"rope", "radius 0.01 m", "at most 800 segments"});
+  EXPECT_EQ(world.rope_material(rope).radius, 0.005f);
 }
 
 }  // namespace
