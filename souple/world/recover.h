@@ -21,7 +21,7 @@ class Edit {
 /// saved them, and the world refuses what needs it whole until World::restore. Allocates nothing.
 void abandon_step(WorldState& world, double start) noexcept;
 
-/// For World::restore: everything that is computed from objects and settings is built anew before the next step.
+/// For World::restore: everything that is computed from objects and settings is rebuilt before the next step.
 void start_afresh(WorldState& world);
 
 }  // namespace souple

@@ -88,7 +88,7 @@ void WorldState::require_whole(std::string_view what) const {
     throw Error(
         std::string(what) +
         ": an exception, such as out of memory, ended an earlier step or change of this world half way; "
-        "restore a snapshot, or build the world anew");
+        "restore a snapshot, or build the world again");
 }
 
 const Object& WorldState::object(ObjectId id) const {

@@ -342,7 +342,7 @@ class World {
   /// requested of pins and colliders for the next step are not part of it.
   Snapshot snapshot() const;
   /// Throws if the snapshot belongs to a world with other objects or is damaged; the world is then unchanged. Also
-  /// after a step that threw: everything but the objects is then built anew.
+  /// after a step that threw: everything but the objects is then rebuilt.
   void restore(const Snapshot& snapshot);
   /// FNV-1a 64 over the bytes of all objects in order of name: positions, then velocities, in user order.
   std::uint64_t hash() const;

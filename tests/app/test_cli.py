@@ -72,6 +72,16 @@ class Case(unittest.TestCase):
         self.assertEqual(done.returncode, code, f"{arguments}\n{done.stdout}\n{done.stderr}")
         return done
 
+    def limited(self, megabytes, *arguments):
+        """Runs the program with a limit of its address space. Its return code is not checked."""
+        def limit():
+            resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20, megabytes << 20))
+            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+        return subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, env=self.environment,
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120,
+                              preexec_fn=limit)
+
     def assert_one_line(self, text):
         self.assertEqual(text.count("\n"), 1, text)
 
@@ -565,15 +575,6 @@ FLOOD = {
 
 class OutOfMemory(Case):
     """Limits of the address space and of threads: one line and exit code 2, whatever runs out."""
-
-    def limited(self, megabytes, *arguments):
-        def limit():
-            resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20, megabytes << 20))
-            resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-        return subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, env=self.environment,
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120,
-                              preexec_fn=limit)
 
     def least(self):
         """The least limit in MB with which the program can start."""

@@ -467,6 +467,19 @@ class Trouble(RenderCase):
         self.souple("run", scene, "--out", "run", "--picture", "b.png", code=3)
         self.assertTrue((self.folder / "b.png").is_file())
 
+    def test_limits_of_memory_end_in_one_line(self):
+        scene = self.scene(dict(SCENE, frames=1))
+        if self.limited(4096, "--version").returncode != 0:
+            self.skipTest("a sanitizer's shadow memory exceeds any limit")
+        # Where Mesa's driver finds no room, it crashes.
+        codes = [self.limited(m, "render", scene, "--out", "a.png", *QUICK) for m in (200, 340, 440, 700, 4096)]
+        for done in codes:
+            self.assertIn(done.returncode, (0, 2), done.stderr)
+            if done.returncode == 2:
+                self.assert_one_line(done.stderr)
+        self.assertEqual(codes[0].returncode, 2)
+        self.assertEqual(codes[-1].returncode, 0, codes[-1].stderr)
+
     def interrupted(self, *arguments, wait_for):
         run = subprocess.Popen([PROGRAM, "render", *map(str, arguments)], cwd=self.folder, env=self.environment,
                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)

@@ -208,7 +208,7 @@ void expect_usable(const Case& c, Attempt& attempt, std::uint64_t hash) {
   try {
     world.step(dt);
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("restore a snapshot, or build the world anew"),
+    EXPECT_NE(std::string(error.what()).find("restore a snapshot, or build the world again"),
               std::string::npos)
         << error.what();
   }
@@ -345,7 +345,7 @@ TEST(AWorldWhoseStepThrew, CanBeReadAndRestoredAndRefusesEverythingElse) {
         [&] { world.add_collider(Plane{}); },
         [&] { world.attach(cloth, vertices(corner)); },
     };
-    for (const auto& call : refused) expect_error(call, {"restore a snapshot", "build the world anew"});
+    for (const auto& call : refused) expect_error(call, {"restore a snapshot", "build the world again"});
     world.restore(snapshot);
     world.step(dt);
     EXPECT_EQ(world.hash(), after);

@@ -257,16 +257,16 @@ TEST(SurfaceContacts, SheetsThatBeginInOnePlaneComeApart) {
 }
 
 // Finer segments would be near thousands of others each.
-TEST(RopeOnItself, NeedsSegmentsOfAnEighthOfItsRadius) {
+TEST(RopeOnItself, NeedsSegmentsOfAFifthOfItsRadius) {
   World world;
   const std::vector<Vec3d> line{{0, 0, 0}, {1, 0, 0}};
   const ObjectOptions on_itself{.self_collision = SelfCollision::surfaces};
   expect_error([&] { world.add_rope(line, 100000, {.radius = 0.005f}, on_itself); },
-               {"rope", "radius 0.005 m", "at most 1600 segments"});
+               {"rope", "radius 0.005 m", "at most 1000 segments"});
   world.add_rope(line, 100000, {.radius = 0.005f});
-  const ObjectId rope = world.add_rope(line, 1599, {.radius = 0.005f}, on_itself);
+  const ObjectId rope = world.add_rope(line, 999, {.radius = 0.005f}, on_itself);
   expect_error([&] { world.set_material(rope, RopeMaterial{.radius = 0.01f}); },
-               {"rope", "radius 0.01 m", "at most 800 segments"});
+               {"rope", "radius 0.01 m", "at most 500 segments"});
   EXPECT_EQ(world.rope_material(rope).radius, 0.005f);
 }
 

@@ -38,7 +38,7 @@ void check_ranges(const RopeMaterial& m, std::string_view owner) {
 // Each segment of a rope that collides with itself is near 4 r / l others. Without a limit, memory and time would grow
 // with the square of the number of segments; pieces so short resolve nothing that a rope so thick can do.
 void require_long_segments(const RopeMaterial& m, const Object& object) {
-  constexpr double shortest = 1.0 / 8;  // radii
+  constexpr double shortest = 1.0 / 5;  // radii
   if (object.collision.itself == SelfCollision::off || object.rest.size() < 2) return;
   const auto radius = static_cast<double>(m.radius);
   const double l = length(object.rest[1] - object.rest[0]);
@@ -46,7 +46,7 @@ void require_long_segments(const RopeMaterial& m, const Object& object) {
   const double count = static_cast<double>(object.rest.size() - 1);
   throw Error(fmt::format(
       "segments of {:.3g} m are too short for a rope of radius {:.3g} m that collides with itself, "
-      "expected at least an eighth of the radius: use at most {:.0f} segments, a smaller radius, or "
+      "expected at least a fifth of the radius: use at most {:.0f} segments, a smaller radius, or "
       "no self_collision",
       l, radius, std::max(1.0, std::floor(count * l / (shortest * radius)))));
 }

@@ -138,7 +138,7 @@ std::shared_ptr<Table<RopeDescription>> rope_table() {
   auto keys = object_table<T>("rope", "A line: a rope, a cable, a wire.");
   keys->required<&T::points>("points", list(vector3<double>(meters), 2), "corners of the polyline [m]")
       .key<&T::segments>("segments", number<std::uint32_t>(within(1, 1e6)),
-                         "number of segments of equal length; with self_collision each at least an eighth of "
+                         "number of segments of equal length; with self_collision each at least a fifth of "
                          "the radius long")
       .key<&T::material>("material", rope_material_codec(), "material properties");
   add_object_keys(*keys);
