@@ -623,7 +623,7 @@ class OutOfMemory(Case):
 
     def test_check_and_surface_end_in_one_line(self):
         least = self.least()
-        self.souple("run", self.scene(FLOOD), "--out", "out", "--quiet")
+        self.souple("run", self.scene(dict(FLOOD, frames=3)), "--out", "out", "--quiet")
         fine = self.scene({"souple": 1, "frames": 1, "objects": [
             {"name": "sheet", "kind": "cloth", "mesh": {"grid": {"columns": 300, "rows": 300, "size": 1}}}]},
             "fine.json")
