@@ -248,7 +248,9 @@ void expect_all_survived(const Case& c, int threads, long samples) {
       long ignored = 0;
       ++tried;
       const Ended ended = run_failing(c, threads, n, which, attempt, ignored);
-      if (ended == Ended::completed) EXPECT_EQ(attempt.hash, whole.hash) << "a result without memory";
+      if (ended == Ended::completed) {
+        EXPECT_EQ(attempt.hash, whole.hash) << "a result without memory";
+      }
       if (ended == Ended::bad_alloc) ++ended_early;
       if (ended != Ended::completed && attempt.world) expect_usable(c, attempt, whole.hash);
       if (testing::Test::HasFailure()) return;
@@ -352,10 +354,11 @@ TEST(AWorldWhoseStepThrew, CanBeReadAndRestoredAndRefusesEverythingElse) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, OutOfMemory, testing::Range(0, static_cast<int>(std::size(cases))),
-                         [](const testing::TestParamInfo<int>& info) {
-                           return std::string(cases[static_cast<std::size_t>(info.param)].name);
-                         });
+std::string name_of(const testing::TestParamInfo<int>& info) {
+  return cases[static_cast<std::size_t>(info.param)].name;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, OutOfMemory, testing::Range(0, static_cast<int>(std::size(cases))), name_of);
 
 }  // namespace
 }  // namespace souple
