@@ -577,7 +577,7 @@ class OutOfMemory(Case):
     """Limits of the address space and of threads: one line and exit code 2, whatever runs out."""
 
     def least(self):
-        """The least limit in MB with which the program can start."""
+        """The least limit in MB with which the program can start. Skips a program with a sanitizer."""
         if self.limited(4096, "--version").returncode != 0:
             self.skipTest("a sanitizer's shadow memory exceeds any limit")
         return next(m for m in range(20, 4096, 10) if self.limited(m, "--version").returncode == 0)
@@ -637,6 +637,7 @@ class OutOfMemory(Case):
     def test_fewer_threads_or_one_line_where_the_system_refuses_threads(self):
         if os.getuid() != 0:
             self.skipTest("a limit of threads that others do not count in needs another user")
+        self.least()
         self.folder.chmod(0o777)
         self.scene(SMALL)
         user = 61234  # has no processes
