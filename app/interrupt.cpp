@@ -1,6 +1,7 @@
 #include "app/interrupt.h"
 
 #include <csignal>
+#include <initializer_list>
 
 namespace souple::app {
 
@@ -13,6 +14,14 @@ extern "C" void record_signal(int) {
   signal_received = 1;
 }
 
+/// Records a signal, unless the caller had it ignored: `nohup` ignores SIGHUP, a shell without job control
+/// SIGINT of what it starts in the background.
+void watch(int signal, const struct sigaction& action) {
+  struct sigaction inherited = {};
+  if (sigaction(signal, nullptr, &inherited) == 0 && inherited.sa_handler == SIG_IGN) return;
+  sigaction(signal, &action, nullptr);
+}
+
 }  // namespace
 
 void watch_interrupts() {
@@ -21,8 +30,9 @@ void watch_interrupts() {
   // A second signal finds the default action again. Interrupted writes to files continue after the first.
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : {SIGHUP, SIGINT, SIGTERM}) watch(signal, action);
+  // A write past the limit of file sizes then fails like one to a full disk, instead of ending the program.
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 bool interrupt_requested() {

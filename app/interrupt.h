@@ -2,7 +2,9 @@
 
 namespace souple::app {
 
-/// From now on the first SIGINT or SIGTERM is only recorded; a second one ends the program immediately.
+/// From now on the first SIGHUP, SIGINT or SIGTERM is only recorded; a second one of its kind ends the program
+/// immediately. Signals that were ignored when the program started stay ignored. SIGXFSZ is ignored: the write
+/// that passes the limit of file sizes fails.
 void watch_interrupts();
 /// Whether a signal was recorded.
 bool interrupt_requested();

@@ -698,7 +698,7 @@ class Stopping(Case):
     def test_interrupt_and_resume(self):
         scene = self.scene(dict(SMALL, frames=3000, substeps=20))
         self.souple("run", scene, "--out", "whole", "--write", "pc2,mdd")
-        for how in signal.SIGINT, signal.SIGTERM:
+        for how in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
             folder = f"stopped{int(how)}"
             code, out, error = self.stopped(scene, folder, how, "--write", "pc2,mdd")
             self.assertEqual(code, 130, out + error)
@@ -707,6 +707,24 @@ class Stopping(Case):
             self.assertFalse([n for n in self.names() if n.endswith(".part")])
             self.souple("run", "--resume", folder)
             self.assert_same_contents("whole", folder)
+
+    def test_signals_that_were_ignored_stay_ignored(self):
+        scene = self.scene(dict(SMALL, frames=600, substeps=20))
+        for how in signal.SIGINT, signal.SIGHUP:
+            before = signal.signal(how, signal.SIG_IGN)  # as nohup does, and shells in the background
+            try:
+                code, out, error = self.stopped(scene, f"kept{int(how)}", how)
+            finally:
+                signal.signal(how, before)
+            self.assertEqual(code, 0, out + error)
+
+    def test_limit_of_file_sizes_is_a_failed_write(self):
+        scene = self.scene(dict(SMALL, frames=600))
+        command = f'ulimit -f 8; exec "{PROGRAM}" run {scene} --out limited'
+        run = subprocess.run(["bash", "-c", command], cwd=self.folder, capture_output=True, text=True, timeout=60,
+                             env=self.environment)
+        self.assertEqual(run.returncode, 1, run.stdout + run.stderr)
+        self.assertIn("souple: ", run.stderr)
 
     def test_interrupted_twice(self):
         scene = self.scene(dict(SMALL, frames=4000, substeps=20))
