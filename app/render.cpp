@@ -9,6 +9,7 @@
 #include "render/contact_sheet.h"
 #include "render/film.h"
 #include "souple/error.h"
+#include "souple/files/output_lock.h"
 #include "souple/scene/nearest.h"
 
 #include <algorithm>
@@ -315,6 +316,8 @@ int render_frames(const RenderRequest& request) {
   const RenderJob job = job_of(request, *source, style, camera, sheet);
   expect_driver_crashes();
   PictureMaker maker;
+  const OutputLock lock =
+      job.kind == OutputKind::folder ? OutputLock::of_folder(job.out) : OutputLock::of_file(job.out);
   const std::unique_ptr<PictureSink> sink =
       open_sink({job.kind, job.out, source->name(), job.film_rate, job.sheet, job.colors});
   // From here on files are written; an interrupt ends the work with complete files.

@@ -7,6 +7,7 @@
 #include "app/percent.h"
 #include "app/progress.h"
 #include "app/run_surfaces.h"
+#include "souple/files/output_lock.h"
 #include "souple/io/checkpoint_file.h"
 #include "souple/io/recorder.h"
 #include "souple/scene/nearest.h"
@@ -20,6 +21,7 @@
 #include <cstdio>
 #include <memory>
 #include <new>
+#include <optional>
 #include <utility>
 
 #include <fmt/core.h>
@@ -284,7 +286,12 @@ int run(const RunOptions& options) {
   if (options.resume.empty() && options.scene.empty()) {
     throw Error("expected a scene: souple run SCENE (`souple list` lists the shipped scenes)");
   }
-  Job job = options.resume.empty() ? new_job(options) : stopped_job(options);
+  const bool resuming = !options.resume.empty();
+  std::optional<OutputLock> lock;
+  std::error_code missing;
+  if (resuming && fs::is_directory(options.resume, missing))
+    lock.emplace(OutputLock::of_folder(options.resume));
+  Job job = resuming ? stopped_job(options) : new_job(options);
   job.scene.settings.threads = options.threads.value_or(0);
   const bool resumes = !job.state.empty();
   World world = build_world(job.scene, [&](LogLevel level, std::string_view warning) {
@@ -303,15 +310,24 @@ int run(const RunOptions& options) {
   if (!job.record.surface.empty())
     surfaces = std::make_unique<RunSurfaces>(job.record.surface, job.scene, world, job.out, job.done);
   const auto picture = options.picture.empty() ? nullptr : std::make_unique<LastPicture>(options.picture);
+  if (std::error_code error; fs::exists(job.out, error) && !fs::is_directory(job.out, error))
+    throw Error(job.out.string() + ": is a file; expected a folder, or no such name: choose another --out");
+  if (!lock) lock.emplace(OutputLock::of_folder(job.out));
   // From here on files are written; an interrupt ends the run with complete files.
   watch_interrupts();
-  if (job.done == 0) {
-    std::error_code error;
-    fs::remove(job.out / checkpoint_name, error);  // of an earlier run
-    if (surfaces) surfaces->start();
+  std::unique_ptr<Recorder> recorder;
+  try {
+    if (job.done == 0) {
+      std::error_code error;
+      fs::remove(job.out / checkpoint_name, error);  // of an earlier run
+      if (surfaces) surfaces->start();
+    }
+    recorder = std::make_unique<Recorder>(world, job.out, recorder_options(job));
+  } catch (const Error& error) {
+    std::fprintf(stderr, "souple: %s\n", error.what());
+    return failed;
   }
-  Recorder recorder(world, job.out, recorder_options(job));
-  const Output output{recorder, surfaces.get(), picture.get(), options.quiet};
+  const Output output{*recorder, surfaces.get(), picture.get(), options.quiet};
   try {
     const int code = simulate(job, world, output);
     if (code == success && picture != nullptr && !options.quiet)

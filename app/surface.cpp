@@ -6,6 +6,7 @@
 #include "app/vdb.h"
 #include "souple/error.h"
 #include "souple/files/file.h"
+#include "souple/files/output_lock.h"
 #include "souple/io/earlier_run.h"
 #include "souple/io/playback.h"
 #include "souple/io/recorder_names.h"
@@ -174,6 +175,7 @@ int surface(const SurfaceRequest& request) {
       request.cache.filename() == "run.json" ? request.cache.parent_path() : request.cache;
   if (fs::equivalent(source.empty() ? "." : source, file_options.out, ignored))
     throw Error("--out " + file_options.out.string() + ": is the input folder; choose another");
+  const OutputLock lock = OutputLock::of_folder(file_options.out);
   create_folder(file_options.out);
   EarlierRun(file_options.out).remove();
   // From here on files are written; an interrupt ends the work with complete files.

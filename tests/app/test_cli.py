@@ -688,6 +688,20 @@ class Stopping(Case):
         """True once the run has written a few frames."""
         return self.written(folder) > 3000
 
+    def test_a_second_run_into_the_folder_is_refused(self):
+        first = self.start("flag", "--frames", 3000, "--write", "pc2", "--out", "busy")
+        self.wait_for(lambda: self.growing("busy"))
+        (self.folder / "alias").symlink_to("busy")
+        for arguments in (["run", "flag", "--out", "busy"], ["run", "drop", "--out", "alias"],
+                          ["run", "--resume", "busy"]):
+            second = self.souple(*arguments, code=2)
+            self.assertIn("another souple is writing there", second.stderr)
+        first.kill()
+        first.communicate()
+        # A killed run leaves no lock behind, and a finished one no file.
+        self.souple("run", "flag", "--frames", 2, "--out", "busy")
+        self.assertEqual([], list((self.folder / "busy").glob(".*")))
+
     def stopped(self, scene, folder, how, *arguments):
         run = self.start(scene, "--out", folder, *arguments)
         self.wait_for(lambda: self.growing(folder) or run.poll() is not None)
