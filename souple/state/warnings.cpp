@@ -39,11 +39,38 @@ void Warnings::begin_step() {
   now_.clear();
 }
 
-void Warnings::warn(Flag flag, std::string_view words) {
+void Warnings::report(Flag flag, std::string_view words) {
   flags_ |= static_cast<std::uint32_t>(flag);
-  if (message_.find(words) != std::string::npos) return;
   if (!message_.empty()) message_ += '\n';
   message_ += words;
+}
+
+void Warnings::log(LogLevel level, std::string_view words) {
+  if (!log_) return;
+  const auto note = [this](std::string_view why) {
+    if (log_failure_.empty()) log_failure_ = "the log function threw" + std::string(why);
+  };
+  try {
+    log_(level, words);
+  } catch (const std::exception& error) {
+    note(std::string(": ") + error.what());
+  } catch (...) {
+    note(" an exception that is not a std::exception");
+  }
+}
+
+void Warnings::report_log_failure() {
+  if (log_failure_.empty()) return;
+  report(Flag::callback_failed, log_failure_);
+  log_failure_.clear();
+}
+
+void Warnings::warn(Flag flag, std::string_view words) {
+  if (message_.find(words) != std::string::npos) {
+    flags_ |= static_cast<std::uint32_t>(flag);
+    return;
+  }
+  report(flag, words);
   if (!log_) return;
   std::string name(words);  // its numbers differ from step to step
   name.erase(std::remove_if(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; }),
@@ -53,12 +80,12 @@ void Warnings::warn(Flag flag, std::string_view words) {
   };
   const bool is_new = !holds(before_) && !holds(now_);
   now_.push_back(std::move(name));
-  if (is_new) log_(flag == Flag::non_finite ? LogLevel::error : LogLevel::warning, words);
+  if (is_new) log(flag == Flag::non_finite ? LogLevel::error : LogLevel::warning, words);
 }
 
-void Warnings::log_info(const std::string& name, const std::vector<std::string>& sentences) const {
+void Warnings::log_info(const std::string& name, const std::vector<std::string>& sentences) {
   if (!log_) return;
-  for (const std::string& sentence : sentences) log_(LogLevel::info, name + ": " + sentence);
+  for (const std::string& sentence : sentences) log(LogLevel::info, name + ": " + sentence);
 }
 
 }  // namespace souple

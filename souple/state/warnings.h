@@ -51,7 +51,10 @@ class Warnings {
   /// had it before, but for its numbers.
   void warn(Flag flag, std::string_view words);
   /// Logs notes about an object, such as repairs of its mesh.
-  void log_info(const std::string& name, const std::vector<std::string>& sentences) const;
+  void log_info(const std::string& name, const std::vector<std::string>& sentences);
+  /// At the end of a step: sets Flag::callback_failed if the log function has thrown since the last one. What it throws
+  /// goes no further.
+  void report_log_failure();
   /// Runs code that may throw, such as users' callbacks; an exception sets Flag::callback_failed. Only out of memory
   /// passes.
   template <class Function>
@@ -68,9 +71,13 @@ class Warnings {
   }
 
  private:
+  void log(LogLevel level, std::string_view words);
+  void report(Flag flag, std::string_view words);
+
   std::uint32_t& flags_;
   std::string& message_;
   std::function<void(LogLevel, std::string_view)> log_;
+  std::string log_failure_;                // the first since the last step
   std::vector<std::string> before_, now_;  // warnings of the last and of this step, without their numbers
 };
 

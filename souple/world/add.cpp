@@ -22,7 +22,6 @@ namespace {
 
 /// A free name for an object to be added.
 std::string new_name(const WorldState& world, ObjectKind kind, const ObjectOptions& options) {
-  world.require_between_steps("adding an object");
   return world.unique_name(options.name, kind_name(kind));
 }
 
@@ -152,14 +151,16 @@ void remove_object(WorldState& world, const Object& object) {
 
 ObjectId World::add_cloth(const TriangleMesh& mesh, const ClothMaterial& material,
                           const ObjectOptions& options) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "add_cloth");
   return add(world, import_cloth(new_name(world, ObjectKind::cloth, options), mesh, material, options),
              options);
 }
 
 ObjectId World::add_soft_body(const TetMesh& mesh, const SoftBodyMaterial& material,
                               const ObjectOptions& options) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "add_soft_body");
   return add(world,
              import_soft_body(new_name(world, ObjectKind::soft_body, options), mesh, material, options),
              options);
@@ -167,28 +168,32 @@ ObjectId World::add_soft_body(const TetMesh& mesh, const SoftBodyMaterial& mater
 
 ObjectId World::add_soft_body(const TriangleMesh& surface, const SoftBodyMaterial& material,
                               const LatticeOptions& lattice, const ObjectOptions& options) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "add_soft_body");
   std::string name = new_name(world, ObjectKind::soft_body, options);
   return add(world, import_soft_body(std::move(name), surface, material, lattice, options), options);
 }
 
 ObjectId World::add_rope(std::span<const Vec3d> points, std::uint32_t segments, const RopeMaterial& material,
                          const ObjectOptions& options) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "add_rope");
   std::string name = new_name(world, ObjectKind::rope, options);
   return add(world, import_rope(std::move(name), points, segments, material, options), options);
 }
 
 ObjectId World::add_grains(std::span<const Vec3d> centers, const GrainsMaterial& material,
                            const ObjectOptions& options) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "add_grains");
   return add(world, import_grains(new_name(world, ObjectKind::grains, options), centers, material, options),
              options);
 }
 
 ObjectId World::add_fluid(std::span<const Vec3d> centers, const FluidMaterial& material,
                           const ObjectOptions& options) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "add_fluid");
   NewObject fluid = import_fluid(new_name(world, ObjectKind::fluid, options), centers, material, options);
   require_same_spacing(world, fluid.object->name, material.spacing);
   return add(world, std::move(fluid), options);
@@ -196,7 +201,8 @@ ObjectId World::add_fluid(std::span<const Vec3d> centers, const FluidMaterial& m
 
 ObjectId World::add_fluid(const TriangleMesh& surface, const FluidMaterial& material,
                           const ObjectOptions& options) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "add_fluid");
   NewObject fluid = import_fluid(new_name(world, ObjectKind::fluid, options), surface, material, options);
   require_same_spacing(world, fluid.object->name, material.spacing);
   return add(world, std::move(fluid), options);
@@ -204,7 +210,8 @@ ObjectId World::add_fluid(const TriangleMesh& surface, const FluidMaterial& mate
 
 ObjectId World::add_obstacle(const TriangleMesh& mesh, const ObstacleMaterial& material,
                              ObstacleMotion motion, const ObjectOptions& options) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "add_obstacle");
   std::string name = new_name(world, ObjectKind::obstacle, options);
   NewObject obstacle = import_obstacle(std::move(name), mesh, material, std::move(motion), options);
   const std::vector<Vec3d> now = obstacle_positions(*obstacle.object, world.time);

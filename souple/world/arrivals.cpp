@@ -64,8 +64,8 @@ void place_collider(WorldState& world, ColliderRecord& record, const Transform& 
 }
 
 void World::move_collider(ColliderId id, const Transform& pose) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("move_collider");
+  WorldState& world = state();
+  const CallScope call(world.calls, "move_collider");
   ColliderRecord& record = world.collider(id);
   validate(pose, record.options.name);
   if (!record.arrival) arrive(world, record);
@@ -112,8 +112,8 @@ void for_each_pin(WorldState& world, Object& object, std::span<const std::uint32
 }  // namespace
 
 void World::move_pins(ObjectId id, const Selector& selector, const Transform& motion) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("move_pins");
+  WorldState& world = state();
+  const CallScope call(world.calls, "move_pins");
   Object& object = world.object(id);
   validate(motion, object.name);
   for_each_pin(world, object, select(id, selector), [&](std::size_t, PinnedParticle& pin) {
@@ -124,8 +124,8 @@ void World::move_pins(ObjectId id, const Selector& selector, const Transform& mo
 
 void World::move_pins(ObjectId id, std::span<const std::uint32_t> vertices,
                       std::span<const Vec3f> positions) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("move_pins");
+  WorldState& world = state();
+  const CallScope call(world.calls, "move_pins");
   Object& object = world.object(id);
   if (vertices.size() != positions.size())
     throw Error(fmt::format("move_pins: {} vertices of {} and {} positions; expected as many",

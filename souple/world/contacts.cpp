@@ -229,7 +229,8 @@ void report_contacts(WorldState& world) {
 }
 
 std::span<const ContactEvent> World::contacts() const {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  require_readable(world.calls, "contacts");
   const std::lock_guard<std::mutex> lock(world.caches->lock);
   if (world.contact->events_valid) return world.contact->events;
   world.contact->events.clear();

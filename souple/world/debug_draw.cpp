@@ -43,10 +43,12 @@ void draw_tet_edges(const WorldState& world, const std::function<void(const Vec3
 }  // namespace
 
 void World::debug_draw(const DebugDraw& draw) const {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  std::vector<ContactEvent> events;
+  if (draw.contact) events.assign(contacts().begin(), contacts().end());
+  const CallScope call(world.calls, "debug_draw", From::stages);
   if (draw.constraint) draw_constraints(world, draw.constraint);
-  if (draw.contact)
-    for (const ContactEvent& event : contacts()) draw.contact({event.point, event.normal, event.impulse});
+  for (const ContactEvent& event : events) draw.contact({event.point, event.normal, event.impulse});
   if (draw.particle) {
     if (!world.current.running) bring_constraints_up_to_date(world);  // and the radii
     draw_particles(world, draw.particle);

@@ -66,8 +66,8 @@ Record& find(std::vector<Record>& records, std::uint32_t id, const char* kind) {
 }  // namespace
 
 EmitterId World::add_emitter(ObjectId fluid, const Emitter& emitter) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("add_emitter");
+  WorldState& world = state();
+  const CallScope call(world.calls, "add_emitter");
   const Object& object = world.object(fluid);
   const std::string owner = "an emitter of " + object.name;
   if (!object.traits().flows)
@@ -84,8 +84,8 @@ EmitterId World::add_emitter(ObjectId fluid, const Emitter& emitter) {
 }
 
 void World::set_emitter(EmitterId id, const Emitter& emitter) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("set_emitter");
+  WorldState& world = state();
+  const CallScope call(world.calls, "set_emitter");
   EmitterRecord& record = find(world.flow.emitters, id.value, "emitter");
   const Object& object = world.object({record.fluid});
   const std::string owner = "an emitter of " + object.name;
@@ -97,15 +97,15 @@ void World::set_emitter(EmitterId id, const Emitter& emitter) {
 }
 
 void World::remove(EmitterId id) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("remove");
+  WorldState& world = state();
+  const CallScope call(world.calls, "remove(EmitterId)");
   world.flow.emitters.erase(world.flow.emitters.begin() +
                             (&find(world.flow.emitters, id.value, "emitter") - world.flow.emitters.data()));
 }
 
 DrainId World::add_drain(const Drain& drain) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("add_drain");
+  WorldState& world = state();
+  const CallScope call(world.calls, "add_drain");
   require_valid(drain, "a drain");
   wake_all(world);
   world.flow.drains.push_back({{world.registry->next_id++}, drain, 0});
@@ -113,8 +113,8 @@ DrainId World::add_drain(const Drain& drain) {
 }
 
 void World::remove(DrainId id) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("remove");
+  WorldState& world = state();
+  const CallScope call(world.calls, "remove(DrainId)");
   world.flow.drains.erase(world.flow.drains.begin() +
                           (&find(world.flow.drains, id.value, "drain") - world.flow.drains.data()));
 }

@@ -16,13 +16,15 @@ std::span<Projector* const> constraints_of(WorldState& world) {
 }  // namespace
 
 double World::elastic_energy() const {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "elastic_energy", From::stages);
   const std::span<Projector* const> constraints = constraints_of(world);
   return souple::elastic_energy(constraints, world.view());
 }
 
 double World::unconverged_energy(double dt) const {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "unconverged_energy", From::stages);
   const std::span<Projector* const> constraints = constraints_of(world);
   return souple::unconverged_energy(constraints, world.view(), substep_of(world.settings, dt),
                                     *world.solving.solver);

@@ -91,7 +91,8 @@ void add_objects(const WorldState& world, MemoryReport& report) {
 }  // namespace
 
 MemoryReport World::memory() {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "memory", From::stages);
   if (!world.current.running) bring_up_to_date(world);
   const Particles& p = world.particles;
   MemoryReport report;

@@ -69,11 +69,12 @@ std::vector<std::uint32_t> particles_of(const Object& object, const std::vector<
 }
 
 std::vector<std::uint32_t> World::select(ObjectId id, const Selector& selector) const {
-  return select_vertices(impl_->state.object(id), positions(id), selector);
+  return select_vertices(state().object(id), positions(id), selector);
 }
 
 void World::pin(ObjectId id, const Selector& selector, Target target) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "pin", From::stages);
   Object& object = world.object(id);
   require_movable(object, "pin");
   require_permanent_particles(object, "pin");
@@ -97,7 +98,8 @@ void World::pin(ObjectId id, const Selector& selector, Target target) {
 }
 
 void World::unpin(ObjectId id, const Selector& selector) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "unpin", From::stages);
   Object& object = world.object(id);
   require_movable(object, "unpin");
   const std::vector<std::uint32_t> freed = particles_of(object, select(id, selector));
@@ -112,15 +114,15 @@ void World::unpin(ObjectId id, const Selector& selector) {
 
 std::vector<std::uint32_t> World::pinned(ObjectId id) const {
   std::vector<std::uint32_t> result;
-  for (const PinnedParticle& pin : impl_->state.object(id).pins) result.push_back(pin.vertex);
+  for (const PinnedParticle& pin : state().object(id).pins) result.push_back(pin.vertex);
   std::sort(result.begin(), result.end());
   result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;
 }
 
 ProjectorId World::attach(ObjectId id, const Selector& selector, Target target, float compliance) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("attach");
+  WorldState& world = state();
+  const CallScope call(world.calls, "attach");
   require_compliance(compliance, "attach");
   const Object& object = world.object(id);
   require_movable(object, "attach");
@@ -142,8 +144,8 @@ ProjectorId World::attach(ObjectId id, const Selector& selector, Target target, 
 
 ProjectorId World::connect(std::span<const std::pair<VertexRef, VertexRef>> pairs, float rest_length,
                            float compliance, std::optional<double> until) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("connect");
+  WorldState& world = state();
+  const CallScope call(world.calls, "connect");
   require_compliance(compliance, "connect");
   if (until && !(std::isfinite(*until) && *until >= 0))
     throw Error(fmt::format("connect: until is {} s, expected a finite time >= 0", *until));
@@ -212,8 +214,8 @@ EdgeDistances edge_distances_from(const Object& object, const std::vector<Pinned
 }  // namespace
 
 ProjectorId World::add_tethers(ObjectId id, float slack) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("add_tethers");
+  WorldState& world = state();
+  const CallScope call(world.calls, "add_tethers");
   const Object& object = world.object(id);
   require_movable(object, "add_tethers");
   if (object.pins.empty())
@@ -232,8 +234,8 @@ ProjectorId World::add_tethers(ObjectId id, float slack) {
 }
 
 ProjectorId World::add_projector(std::unique_ptr<Projector> projector) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("add_projector");
+  WorldState& world = state();
+  const CallScope call(world.calls, "add_projector");
   if (!projector) throw Error("add_projector: the projector is null");
   projector->prepare(world.particles.size());
   UserConstraint user_constraint;
@@ -264,8 +266,8 @@ std::size_t find_user_constraint(const WorldState& world, ProjectorId id) {
 }  // namespace
 
 void World::remove(ProjectorId id) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("remove");
+  WorldState& world = state();
+  const CallScope call(world.calls, "remove(ProjectorId)");
   const std::size_t found = find_user_constraint(world, id);
   world.dirty.tables = world.dirty.tables || world.constraints.users[found].distance_joint;
   world.dirty.solver = true;
@@ -274,7 +276,8 @@ void World::remove(ProjectorId id) {
 }
 
 Projector& World::projector(ProjectorId id) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "projector");
   Projector& found = *world.constraints.users[find_user_constraint(world, id)].projector;
   world.dirty.solver = true;  // the caller may change it
   wake_particles_of(world, found);
@@ -284,7 +287,7 @@ Projector& World::projector(ProjectorId id) {
 namespace {
 
 Object& closed_cloth(WorldState& world, ObjectId id, const char* what) {
-  world.require_between_steps(what);
+  const CallScope call(world.calls, what);
   Object& object = world.object(id);
   if (object.kind != ObjectKind::cloth)
     throw Error(std::string(what) + ": " + object.name + " is a " + std::string(kind_name(object.kind)) +
@@ -300,10 +303,10 @@ Object& closed_cloth(WorldState& world, ObjectId id, const char* what) {
 
 void World::set_pressure(ObjectId id, float pascals) {
   if (!std::isfinite(pascals)) throw Error("set_pressure: the pressure is not finite");
-  Object& object = closed_cloth(impl_->state, id, "set_pressure");
-  wake_island(impl_->state, object);
+  Object& object = closed_cloth(state(), id, "set_pressure");
+  wake_island(state(), object);
   object.gas.pressure = pascals;
-  impl_->state.dirty.groups = true;
+  state().dirty.groups = true;
 }
 
 void World::set_enclosed_volume(ObjectId id, float factor, float compliance) {
@@ -311,10 +314,10 @@ void World::set_enclosed_volume(ObjectId id, float factor, float compliance) {
     throw Error(
         fmt::format("set_enclosed_volume: the factor is {}, expected a finite number above 0", factor));
   require_compliance(compliance, "set_enclosed_volume");
-  Object& object = closed_cloth(impl_->state, id, "set_enclosed_volume");
-  wake_island(impl_->state, object);
+  Object& object = closed_cloth(state(), id, "set_enclosed_volume");
+  wake_island(state(), object);
   object.gas.volume = {factor, compliance};
-  impl_->state.dirty.groups = true;
+  state().dirty.groups = true;
 }
 
 }  // namespace souple

@@ -89,7 +89,7 @@ void or_broken(WorldState& world, const Function& build) {
   } catch (const Error&) {
     throw;
   } catch (...) {
-    world.broken = true;
+    world.calls.broken = true;
     throw;
   }
 }
@@ -129,7 +129,7 @@ void build_constraints_and_solver(WorldState& world) {
 }  // namespace
 
 void bring_constraints_up_to_date(WorldState& world) {
-  world.require_whole("preparing a step");
+  require_whole(world.calls, "preparing a step");
   or_broken(world, [&] { build_constraints_and_solver(world); });
 }
 

@@ -23,8 +23,7 @@ double seconds_since(Clock::time_point start) {
 /// (multipliers, contacts) is initialized again by the next.
 class MeasurementScope {
  public:
-  explicit MeasurementScope(WorldState& world) : world_(world) {
-    world.require_between_steps("measuring");
+  MeasurementScope(WorldState& world, const char* what) : world_(world), step_(callable(world, what)) {
     bring_up_to_date(world);
     position_ = world.particles.position;
     offset_ = world.particles.offset;
@@ -40,7 +39,13 @@ class MeasurementScope {
   }
 
  private:
+  static Calls& callable(WorldState& world, const char* what) {
+    require_callable(world.calls, what, From::nowhere);
+    return world.calls;
+  }
+
   WorldState& world_;
+  StepScope step_;
   std::vector<Vec4f> position_, offset_;
 };
 
@@ -66,8 +71,8 @@ void add_strains(const Projector& projector, const ParticleView& view, SolveTime
 }  // namespace
 
 std::vector<KindTime> World::time_projections(double dt, int sweeps) {
-  WorldState& world = impl_->state;
-  const MeasurementScope scope(world);
+  WorldState& world = state();
+  const MeasurementScope scope(world, "time_projections");
   const Substep substep = substep_of(world.settings, dt);
   const ParticleView view = world.view();
   std::vector<KindTime> result;
@@ -85,8 +90,8 @@ std::vector<KindTime> World::time_projections(double dt, int sweeps) {
 }
 
 SolveTime World::time_solve(double dt, int iterations) {
-  WorldState& world = impl_->state;
-  const MeasurementScope scope(world);
+  WorldState& world = state();
+  const MeasurementScope scope(world, "time_solve");
   Substep substep = substep_of(world.settings, dt);
   substep.iterations = iterations;
   const ParticleView view = world.view();

@@ -23,21 +23,21 @@ namespace souple {
 // --- users' view of an object, in user order: computed at the first request after a change
 
 std::span<const Vec3f> World::positions(ObjectId id) const {
-  const WorldState& world = impl_->state;
+  const WorldState& world = state();
   const Object& object = world.object(id);
   const std::lock_guard<std::mutex> lock(world.caches->lock);
   return mirrored_positions(world.query_view(), object, world.caches->mirrors[id.value]);
 }
 
 std::span<const Vec3f> World::velocities(ObjectId id) const {
-  const WorldState& world = impl_->state;
+  const WorldState& world = state();
   const Object& object = world.object(id);
   const std::lock_guard<std::mutex> lock(world.caches->lock);
   return mirrored_velocities(world.query_view(), object, world.caches->mirrors[id.value]);
 }
 
 std::span<const Vec3f> World::angular_velocities(ObjectId id) const {
-  const WorldState& world = impl_->state;
+  const WorldState& world = state();
   const Object& object = world.object(id);
   if (!object.traits().rolls) return {};
   const std::lock_guard<std::mutex> lock(world.caches->lock);
@@ -45,7 +45,7 @@ std::span<const Vec3f> World::angular_velocities(ObjectId id) const {
 }
 
 std::span<const Vec3f> World::normals(ObjectId id) const {
-  const WorldState& world = impl_->state;
+  const WorldState& world = state();
   const Object& object = world.object(id);
   if (object.mesh.triangles.empty()) return {};
   const std::lock_guard<std::mutex> lock(world.caches->lock);
@@ -54,8 +54,8 @@ std::span<const Vec3f> World::normals(ObjectId id) const {
 
 std::uint64_t World::hash() const {
   std::vector<const Object*> sorted;
-  sorted.reserve(impl_->state.objects.size());
-  for (const auto& object : impl_->state.objects) sorted.push_back(object.get());
+  sorted.reserve(state().objects.size());
+  for (const auto& object : state().objects) sorted.push_back(object.get());
   std::sort(sorted.begin(), sorted.end(), [](const Object* a, const Object* b) { return a->name < b->name; });
   std::uint64_t hash = fnv1a64_start;
   for (const Object* object : sorted) {
@@ -67,28 +67,32 @@ std::uint64_t World::hash() const {
 }
 
 std::uint64_t World::version() const {
-  return impl_->state.version;
+  return state().version;
 }
 
 // --- rays and shapes
 
 Hit World::ray_cast(const Vec3f& origin, const Vec3f& direction, double max_distance,
                     const QueryFilter& filter) const {
-  return souple::ray_cast(impl_->state.query_view(), origin, direction, max_distance, filter);
+  const QueryScope query(state().calls, "ray_cast");
+  return souple::ray_cast(state().query_view(), origin, direction, max_distance, filter);
 }
 
 std::vector<Hit> World::ray_cast_all(const Vec3f& origin, const Vec3f& direction, double max_distance,
                                      const QueryFilter& filter) const {
-  return souple::ray_cast_all(impl_->state.query_view(), origin, direction, max_distance, filter);
+  const QueryScope query(state().calls, "ray_cast_all");
+  return souple::ray_cast_all(state().query_view(), origin, direction, max_distance, filter);
 }
 
 Hit World::sphere_cast(const Vec3f& origin, float radius, const Vec3f& direction, double max_distance,
                        const QueryFilter& filter) const {
-  return souple::sphere_cast(impl_->state.query_view(), origin, radius, direction, max_distance, filter);
+  const QueryScope query(state().calls, "sphere_cast");
+  return souple::sphere_cast(state().query_view(), origin, radius, direction, max_distance, filter);
 }
 
 Hit World::closest_point(const Vec3f& point, const QueryFilter& filter) const {
-  return souple::closest_point(impl_->state.query_view(), point, filter);
+  const QueryScope query(state().calls, "closest_point");
+  return souple::closest_point(state().query_view(), point, filter);
 }
 
 std::vector<Overlap> World::overlap(const Shape& shape, const Transform& pose,
@@ -96,33 +100,34 @@ std::vector<Overlap> World::overlap(const Shape& shape, const Transform& pose,
   validate(shape, "overlap");
   validate(pose, "overlap");
   if (pose.scale != 1) throw Error(fmt::format("overlap: the scale is {}, expected 1", pose.scale));
-  return find_overlaps(impl_->state.query_view(), shape, pose, filter);
+  const QueryScope query(state().calls, "overlap");
+  return find_overlaps(state().query_view(), shape, pose, filter);
 }
 
 std::size_t World::count_crossings(ObjectId id) const {
-  const WorldState& world = impl_->state;
+  const WorldState& world = state();
   return souple::count_crossings(world.query_view(), world.object(id));
 }
 
 // --- sums over an object
 
 double World::kinetic_energy(ObjectId id) const {
-  const WorldState& world = impl_->state;
+  const WorldState& world = state();
   return souple::kinetic_energy(world.query_view(), world.object(id));
 }
 
 double World::potential_energy(ObjectId id) const {
-  const WorldState& world = impl_->state;
+  const WorldState& world = state();
   return souple::potential_energy(world.query_view(), world.object(id), world.settings.gravity);
 }
 
 Vec3d World::momentum(ObjectId id) const {
-  const WorldState& world = impl_->state;
+  const WorldState& world = state();
   return souple::momentum(world.query_view(), world.object(id));
 }
 
 Vec3d World::center_of_mass(ObjectId id) const {
-  const WorldState& world = impl_->state;
+  const WorldState& world = state();
   return souple::center_of_mass(world.query_view(), world.object(id));
 }
 

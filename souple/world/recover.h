@@ -7,7 +7,7 @@
 namespace souple {
 
 /// An edit that an exception may leave half done. Unless `done` is called, the world then refuses what needs it whole:
-/// WorldState::require_whole throws.
+/// require_whole throws.
 class Edit {
  public:
   explicit Edit(WorldState& world);

@@ -45,11 +45,13 @@ void update_sleeping_masses(WorldState& world) {
 }
 
 bool World::is_asleep(ObjectId id) const {
-  return impl_->state.object(id).sleep.island != 0;
+  return state().object(id).sleep.island != 0;
 }
 
 void World::wake(ObjectId id) {
-  wake_island(impl_->state, impl_->state.object(id));
+  WorldState& world = state();
+  const CallScope call(world.calls, "wake", From::stages);
+  wake_island(world, world.object(id));
 }
 
 }  // namespace souple

@@ -181,8 +181,9 @@ void resume_objects(WorldState& world, std::span<const std::byte>& in) {
 }  // namespace
 
 Snapshot World::snapshot() const {
-  const WorldState& world = impl_->state;
-  world.require_whole("snapshot");
+  const WorldState& world = state();
+  require_readable(world.calls, "snapshot");
+  require_whole(world.calls, "snapshot");
   const Particles& particles = world.particles;
   const std::vector<std::byte> contacts = world.contact->contacts.save();
   const FluidFoam& foam = world.fluids->foam();
@@ -219,10 +220,11 @@ Snapshot World::snapshot() const {
 }
 
 void World::restore(const Snapshot& snapshot) {
-  WorldState& world = impl_->state;
-  world.require_not_running("restore");
+  WorldState& world = state();
+  require_callable(world.calls, "restore", From::nowhere);
+  const CallScope call(world.calls, Calls::Doing::computing);
   const Header header = checked_header(world, snapshot.bytes);
-  if (world.broken) start_afresh(world);
+  if (world.calls.broken) start_afresh(world);
   Edit edit(world);
   std::span<const std::byte> in = std::span(snapshot.bytes).subspan(sizeof header);
   Particles& particles = world.particles;

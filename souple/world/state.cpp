@@ -74,23 +74,6 @@ std::string WorldState::unique_name(const std::string& wanted, std::string_view 
   return wanted;
 }
 
-void WorldState::require_not_running(std::string_view what) const {
-  if (current.running) throw Error(std::string(what) + ": not while a step runs; call it between steps");
-}
-
-void WorldState::require_between_steps(std::string_view what) const {
-  require_not_running(what);
-  require_whole(what);
-}
-
-void WorldState::require_whole(std::string_view what) const {
-  if (broken)
-    throw Error(
-        std::string(what) +
-        ": an exception, such as out of memory, ended an earlier step or change of this world half way; "
-        "restore a snapshot, or build the world again");
-}
-
 const Object& WorldState::object(ObjectId id) const {
   return const_cast<WorldState*>(this)->object(id);
 }
@@ -100,7 +83,9 @@ StageView WorldState::stage_view() {
 }
 
 QueryView WorldState::query_view() const {
-  return {particles, objects, colliders, time, version, settings.segment_test, threads.get(), *caches};
+  // A function that a thread of the step calls must not wait for these threads.
+  Threads* const free_threads = calls.threads_are_busy() ? nullptr : threads.get();
+  return {particles, objects, colliders, time, version, settings.segment_test, free_threads, *caches};
 }
 
 ParticleView WorldState::view() {

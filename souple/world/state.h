@@ -11,6 +11,7 @@
 #include "souple/stages/settings.h"
 #include "souple/state/particles.h"
 #include "souple/state/warnings.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/report.h"
 
 #include <array>
@@ -94,10 +95,10 @@ struct CurrentSolver {
 
 /// The step that runs now.
 struct CurrentStep {
-  bool running = false;          ///< callbacks may read and apply forces, but not add or remove objects
-  bool last_substep = false;     ///< of the step
-  bool saved = false;            ///< LastValid holds the particles before this step
-  double start = 0, length = 1;  ///< s
+  bool running = false;                         ///< its stages, from the first to the last
+  bool last_substep = false;                    ///< of the step
+  bool saved = false;                           ///< LastValid holds the particles before this step
+  double start = 0, length = 1;                 ///< s
   std::optional<std::size_t> first_non_finite;  ///< the lowest particle with a non-finite value
 };
 
@@ -134,8 +135,8 @@ struct WorldState {
   StepReport report;
   Warnings warnings{report.flags, report.message};
   CurrentStep current;
+  Calls calls;
   LastValid last_valid;
-  bool broken = false;  ///< an exception left a step or an edit half done; see recover.h
   std::unique_ptr<Caches> caches;
 
   /// Null if the handle is stale.
@@ -163,12 +164,6 @@ struct WorldState {
 
   /// `wanted` if it is free, else throws; empty: the first free name of `base`, base2, base3, ...
   std::string unique_name(const std::string& wanted, std::string_view base) const;
-  /// Throws if a step runs.
-  void require_not_running(std::string_view what) const;
-  /// Throws if a step runs, or an exception left the world half done.
-  void require_between_steps(std::string_view what) const;
-  /// Throws if an exception left the world half done.
-  void require_whole(std::string_view what) const;
 
   ProjectorId add_user_constraint(UserConstraint user_constraint, std::unique_ptr<Projector> projector);
 };

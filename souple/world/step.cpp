@@ -28,6 +28,17 @@ void run(World& self, WorldState& world, Stage stage, const Function& function) 
   world.report.milliseconds[index] += spent.count();
 }
 
+/// Of a world that was moved from.
+const StepReport& report_of_no_world() {
+  static const StepReport report = [] {
+    StepReport none;
+    none.flags = static_cast<std::uint32_t>(Flag::callback_failed);
+    none.message = "step: the world was moved from; nothing was done";
+    return none;
+  }();
+  return report;
+}
+
 /// The prologue. Returns false, with a message in the report, if there can be no step.
 bool begin_step(WorldState& world, double dt) {
   if (!begin_report(world, dt) || !prepare_step(world)) return false;
@@ -83,12 +94,11 @@ void advance(World& self, WorldState& world, double dt) {
 }  // namespace
 
 const StepReport& World::step(double dt) {
+  if (!impl_) return report_of_no_world();
   WorldState& world = impl_->state;
-  world.require_whole("step");
-  if (world.current.running) {
-    begin_report(world, dt);  // refuses
-    return world.report;
-  }
+  if (refuse_nested_step(world)) return world.report;
+  require_whole(world.calls, "step");
+  const StepScope scope(world.calls);
   const double start = world.time;
   world.current.saved = false;
   try {

@@ -110,13 +110,15 @@ void restore_last_valid(WorldState& world) {
                                                     advice(Flag::non_finite)));
 }
 
+bool refuse_nested_step(WorldState& world) {
+  Calls& calls = world.calls;
+  if (calls.doing == Calls::Doing::nothing && calls.queries == 0) return false;
+  calls.nested_step = true;  // perhaps on a thread of the step: its end reports it
+  return true;
+}
+
 bool begin_report(WorldState& world, double dt) {
   StepReport& report = world.report;
-  if (world.current.running) {
-    world.warnings.warn(Flag::callback_failed,
-                        "step: a callback called step during a step; nothing was done");
-    return false;
-  }
   world.warnings.begin_step();
   std::vector<KindReport> kinds = std::move(report.kinds);
   std::vector<ObjectReport> objects = std::move(report.objects);
@@ -171,6 +173,10 @@ void report_balance(WorldState& world) {
 
 void end_report(WorldState& world, bool valid) {
   world.report.time = world.time;
+  if (world.calls.nested_step.exchange(false))
+    world.warnings.warn(Flag::callback_failed,
+                        "step: a function that the world was calling called step; nothing was done");
+  world.warnings.report_log_failure();
   report_fluids(world);
   report_custom_errors(world);
   measure(world);
@@ -180,6 +186,7 @@ void end_report(WorldState& world, bool valid) {
 void run_callbacks(World& self, WorldState& world,
                    const CallbackList<std::function<void(World&)>>& callbacks) {
   callbacks.for_each([&](const std::function<void(World&)>& callback) {
+    const CallScope call(world.calls, Calls::Doing::callback);
     world.warnings.guarded("a stage's callback", [&] { callback(self); });
   });
 }

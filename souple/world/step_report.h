@@ -6,7 +6,10 @@
 
 namespace souple {
 
-/// Clears the report. Returns false, with a message in it, if dt is not positive and finite or if a callback called step.
+/// True if a function that the world is calling has called step. The report of the step that runs, or of the next one,
+/// says so.
+bool refuse_nested_step(WorldState& world);
+/// Clears the report. Returns false, with a message in it, if dt is not positive and finite.
 bool begin_report(WorldState& world, double dt);
 /// Counts the step that begins, and what takes part in it.
 void count_step(WorldState& world);

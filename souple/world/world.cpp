@@ -36,22 +36,27 @@ World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
+WorldState& World::state() const {
+  if (!impl_) throw Error("the world was moved from: it can only be assigned to or destroyed");
+  return impl_->state;
+}
+
 const StepReport& World::report() const {
-  return impl_->state.report;
+  return state().report;
 }
 double World::time() const {
-  return impl_->state.time;
+  return state().time;
 }
 const Settings& World::settings() const {
-  return impl_->state.settings;
+  return state().settings;
 }
 
 void World::set_settings(const Settings& settings) {
   validate(settings);
   thread_count(settings.threads);  // throws here, not in a step, if SOUPLE_THREADS is no number
   instruction_set();               // or if SOUPLE_SIMD is no instruction set
-  WorldState& world = impl_->state;
-  world.require_between_steps("set_settings");
+  WorldState& world = state();
+  const CallScope call(world.calls, "set_settings");
   if (settings.form == Form::plain)
     for (Vec4f& offset : world.particles.offset) offset = {};
   if (settings.threads != world.settings.threads || settings.threading != world.settings.threading)
@@ -66,21 +71,24 @@ void World::set_settings(const Settings& settings) {
 }
 
 CallbackId World::before(Stage stage, std::function<void(World&)> callback) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "before", From::stages);
   if (!callback) throw Error("before: the function is empty");
   world.callbacks.before[static_cast<std::size_t>(stage)].add(world.callbacks.next_id, std::move(callback));
   return {world.callbacks.next_id++};
 }
 
 CallbackId World::after(Stage stage, std::function<void(World&)> callback) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "after", From::stages);
   if (!callback) throw Error("after: the function is empty");
   world.callbacks.after[static_cast<std::size_t>(stage)].add(world.callbacks.next_id, std::move(callback));
   return {world.callbacks.next_id++};
 }
 
 void World::remove(CallbackId id) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "remove(CallbackId)", From::stages);
   bool found = false;
   for (auto* lists : {&world.callbacks.before, &world.callbacks.after})
     for (auto& callbacks : *lists) found = found || callbacks.remove(id.value);
@@ -93,8 +101,8 @@ void World::remove(CallbackId id) {
 // --- objects -------------------------------------------------------------------------------------
 
 void World::remove(ObjectId id) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("remove");
+  WorldState& world = state();
+  const CallScope call(world.calls, "remove(ObjectId)");
   const Object& object = world.object(id);
   wake_all(world);
   Edit edit(world);
@@ -104,27 +112,27 @@ void World::remove(ObjectId id) {
 
 std::vector<ObjectId> World::objects() const {
   std::vector<ObjectId> ids;
-  for (const auto& object : impl_->state.objects) ids.push_back(object->id);
+  for (const auto& object : state().objects) ids.push_back(object->id);
   return ids;
 }
 
 bool World::contains(ObjectId id) const {
-  return impl_->state.find_object(id) != nullptr;
+  return state().find_object(id) != nullptr;
 }
 
 ObjectId World::find_object(std::string_view name) const {
-  const NameRegistry::Entry* const entry = impl_->state.registry->names.find(name);
+  const NameRegistry::Entry* const entry = state().registry->names.find(name);
   if (entry != nullptr && entry->owner == NameRegistry::Owner::object) return {entry->id};
   std::vector<std::string_view> names;
-  for (const auto& object : impl_->state.objects) names.push_back(object->name);
+  for (const auto& object : state().objects) names.push_back(object->name);
   throw Error("no object is named '" + std::string(name) + "'" + nearest_name(name, names));
 }
 
 const std::string& World::name(ObjectId id) const {
-  return impl_->state.object(id).name;
+  return state().object(id).name;
 }
 ObjectKind World::kind(ObjectId id) const {
-  return impl_->state.object(id).kind;
+  return state().object(id).kind;
 }
 
 namespace {
@@ -150,8 +158,8 @@ const M& material_of(const WorldState& world, ObjectId id) {
 }  // namespace
 
 void World::set_material(ObjectId id, const Material& material) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("set_material");
+  WorldState& world = state();
+  const CallScope call(world.calls, "set_material");
   Object& object = world.object(id);
   if (kind_of(material) != object.kind) refuse_kind(object);
   const KindFunctions& kind = functions_of(object.kind);
@@ -161,48 +169,48 @@ void World::set_material(ObjectId id, const Material& material) {
   ++world.version;  // the radius of balls, for queries
 }
 const Material& World::material(ObjectId id) const {
-  return impl_->state.object(id).material;
+  return state().object(id).material;
 }
 const ClothMaterial& World::cloth_material(ObjectId id) const {
-  return material_of<ClothMaterial>(impl_->state, id);
+  return material_of<ClothMaterial>(state(), id);
 }
 const SoftBodyMaterial& World::soft_body_material(ObjectId id) const {
-  return material_of<SoftBodyMaterial>(impl_->state, id);
+  return material_of<SoftBodyMaterial>(state(), id);
 }
 const RopeMaterial& World::rope_material(ObjectId id) const {
-  return material_of<RopeMaterial>(impl_->state, id);
+  return material_of<RopeMaterial>(state(), id);
 }
 const GrainsMaterial& World::grains_material(ObjectId id) const {
-  return material_of<GrainsMaterial>(impl_->state, id);
+  return material_of<GrainsMaterial>(state(), id);
 }
 const FluidMaterial& World::fluid_material(ObjectId id) const {
-  return material_of<FluidMaterial>(impl_->state, id);
+  return material_of<FluidMaterial>(state(), id);
 }
 const ObstacleMaterial& World::obstacle_material(ObjectId id) const {
-  return material_of<ObstacleMaterial>(impl_->state, id);
+  return material_of<ObstacleMaterial>(state(), id);
 }
 
 void World::set_collision_groups(ObjectId id, std::uint32_t groups, std::uint32_t mask) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("set_collision_groups");
+  WorldState& world = state();
+  const CallScope call(world.calls, "set_collision_groups");
   world.object(id).collision.filter = {groups, mask};
   world.dirty.tables = true;
   wake_all(world);
 }
 std::uint32_t World::collision_groups(ObjectId id) const {
-  return impl_->state.object(id).collision.filter.groups;
+  return state().object(id).collision.filter.groups;
 }
 std::uint32_t World::collision_mask(ObjectId id) const {
-  return impl_->state.object(id).collision.filter.mask;
+  return state().object(id).collision.filter.mask;
 }
 
 SelfCollision World::self_collision(ObjectId id) const {
-  return impl_->state.object(id).collision.itself;
+  return state().object(id).collision.itself;
 }
 
 void World::set_layer(ObjectId id, int layer) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("set_layer");
+  WorldState& world = state();
+  const CallScope call(world.calls, "set_layer");
   Object& object = world.object(id);
   require_layer(object, layer);
   object.collision.layer = layer;
@@ -210,12 +218,12 @@ void World::set_layer(ObjectId id, int layer) {
   wake_all(world);
 }
 int World::layer(ObjectId id) const {
-  return impl_->state.object(id).collision.layer;
+  return state().object(id).collision.layer;
 }
 
 void World::set_motion(ObjectId id, ObstacleMotion motion) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("set_motion");
+  WorldState& world = state();
+  const CallScope call(world.calls, "set_motion");
   Object& object = world.object(id);
   require_obstacle(object, "set_motion");
   validate(motion, object.vertex_count(), object.name);
@@ -237,17 +245,17 @@ void World::set_motion(ObjectId id, ObstacleMotion motion) {
 }
 
 const ObstacleMotion& World::motion(ObjectId id) const {
-  const Object& object = impl_->state.object(id);
+  const Object& object = state().object(id);
   require_obstacle(object, "motion");
   return object.motion;
 }
 
 std::span<const Triangle> World::triangles(ObjectId id) const {
-  return impl_->state.object(id).mesh.triangles;
+  return state().object(id).mesh.triangles;
 }
 
 World::TetStatistics World::tet_statistics(ObjectId id) const {
-  const Object& object = impl_->state.object(id);
+  const Object& object = state().object(id);
   TetStatistics statistics{object.tets.tets.size(), object.tets.positions.size(), 0};
   // A cube of the lattice has the volume of twelve of its tets.
   if (object.embedding && !object.tets.tets.empty())
@@ -256,35 +264,37 @@ World::TetStatistics World::tet_statistics(ObjectId id) const {
 }
 
 const TriangleMesh& World::mesh(ObjectId id) const {
-  return impl_->state.object(id).mesh;
+  return state().object(id).mesh;
 }
 
 double World::total_mass(ObjectId id) const {
-  const Object& object = impl_->state.object(id);
+  const Object& object = state().object(id);
   double sum = 0;
   for (std::uint32_t i = object.begin; i < object.end; ++i)
-    sum += static_cast<double>(impl_->state.particles.mass[i]);
+    sum += static_cast<double>(state().particles.mass[i]);
   return sum;
 }
 
 std::vector<float> World::pressures(ObjectId id) const {
-  impl_->state.require_whole("pressures");
-  material_of<FluidMaterial>(impl_->state, id);
-  const Object& object = impl_->state.object(id);
+  require_readable(state().calls, "pressures");
+  require_whole(state().calls, "pressures");
+  material_of<FluidMaterial>(state(), id);
+  const Object& object = state().object(id);
   std::vector<float> result;
   for (const std::uint32_t particle : object.particle_of)
-    result.push_back(impl_->state.fluids->pressure(object.begin + particle));
+    result.push_back(state().fluids->pressure(object.begin + particle));
   return result;
 }
 
 FoamView World::foam() const {
-  impl_->state.require_whole("foam");
-  const FluidFoam& foam = impl_->state.fluids->foam();
+  require_readable(state().calls, "foam");
+  require_whole(state().calls, "foam");
+  const FluidFoam& foam = state().fluids->foam();
   return {foam.positions(), foam.velocities(), foam.kinds()};
 }
 
 float World::particle_radius(ObjectId id) const {
-  return souple::particle_radius(impl_->state.object(id).material);
+  return souple::particle_radius(state().object(id).material);
 }
 
 namespace {
@@ -318,7 +328,8 @@ void require_settable(const Object& object, std::span<const Vec3f> values, const
 }  // namespace
 
 void World::set_positions(ObjectId id, std::span<const Vec3f> positions) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "set_positions", From::stages);
   const Object& object = world.object(id);
   require_settable(object, positions, "set_positions");
   wake_island(world, object);
@@ -331,7 +342,8 @@ void World::set_positions(ObjectId id, std::span<const Vec3f> positions) {
 }
 
 void World::set_velocities(ObjectId id, std::span<const Vec3f> velocities) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "set_velocities", From::stages);
   const Object& object = world.object(id);
   require_settable(object, velocities, "set_velocities");
   wake_island(world, object);
@@ -341,7 +353,8 @@ void World::set_velocities(ObjectId id, std::span<const Vec3f> velocities) {
 }
 
 void World::set_angular_velocities(ObjectId id, std::span<const Vec3f> angular_velocities) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "set_angular_velocities", From::stages);
   const Object& object = world.object(id);
   if (!object.traits().rolls)
     throw Error(
@@ -356,7 +369,8 @@ void World::set_angular_velocities(ObjectId id, std::span<const Vec3f> angular_v
 }
 
 void World::teleport(ObjectId id, const Transform& transform) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "teleport", From::stages);
   const Object& object = world.object(id);
   require_movable(object, "teleport");
   validate(transform, "teleport");
@@ -377,7 +391,8 @@ void World::teleport(ObjectId id, const Transform& transform) {
 }
 
 void World::apply_impulse(ObjectId id, const Selector& selector, const Vec3f& impulse) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "apply_impulse", From::stages);
   const Object& object = world.object(id);
   require_movable(object, "apply_impulse");
   if (!is_finite(impulse)) throw Error("apply_impulse: the impulse on " + object.name + " is not finite");
@@ -407,19 +422,18 @@ void require_vertex(const Object& object, std::uint32_t vertex, const char* what
 }  // namespace
 
 std::uint32_t World::particle(ObjectId id, std::uint32_t vertex) const {
-  const Object& object = impl_->state.object(id);
+  const Object& object = state().object(id);
   require_particle_vertices(object, "particle");
   require_vertex(object, vertex, "particle");
   return object.begin + object.particle_of[vertex];
 }
 
 std::vector<Carrier> World::carriers(ObjectId id, std::uint32_t vertex) const {
-  const Object& object = impl_->state.object(id);
+  const Object& object = state().object(id);
   require_vertex(object, vertex, "carriers");
   const auto carrier = [&](std::uint32_t local, double weight) -> Carrier {
     const std::uint32_t i = object.begin + local;
-    return {i, weight, inverse_mass_awake(impl_->state.particles, object, local),
-            impl_->state.exact_position(i)};
+    return {i, weight, inverse_mass_awake(state().particles, object, local), state().exact_position(i)};
   };
   if (!object.embedding) return {carrier(object.particle_of[vertex], 1)};
   std::vector<Carrier> result;
@@ -431,8 +445,8 @@ std::vector<Carrier> World::carriers(ObjectId id, std::uint32_t vertex) const {
 // --- colliders, forces, events -------------------------------------------------------------------
 
 ColliderId World::add_collider(const Shape& shape, const ColliderOptions& options) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("add_collider");
+  WorldState& world = state();
+  const CallScope call(world.calls, "add_collider");
   ColliderRecord record{{world.registry->next_id}, options, shape};
   record.options.name = world.unique_name(options.name, "collider");
   validate(shape, record.options.name);
@@ -455,8 +469,8 @@ ColliderId World::add_collider(const Shape& shape, const ColliderOptions& option
 }
 
 void World::remove(ColliderId id) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("remove");
+  WorldState& world = state();
+  const CallScope call(world.calls, "remove(ColliderId)");
   const ColliderRecord& record = world.collider(id);
   world.registry->names.remove(record.options.name);
   world.registry->colliders.remove(record.id.value);
@@ -467,8 +481,8 @@ void World::remove(ColliderId id) {
 }
 
 void World::set_collider(ColliderId id, const Shape& shape, const ColliderOptions& options) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("set_collider");
+  WorldState& world = state();
+  const CallScope call(world.calls, "set_collider");
   ColliderRecord& record = world.collider(id);
   validate(shape, record.options.name);
   validate(contact_material_of(options), record.options.name);
@@ -489,23 +503,25 @@ void World::set_collider(ColliderId id, const Shape& shape, const ColliderOption
 
 std::vector<ColliderId> World::colliders() const {
   std::vector<ColliderId> ids;
-  for (const ColliderRecord& record : impl_->state.colliders) ids.push_back(record.id);
+  for (const ColliderRecord& record : state().colliders) ids.push_back(record.id);
   return ids;
 }
 
 const Shape& World::shape(ColliderId id) const {
-  return impl_->state.collider(id).shape;
+  return state().collider(id).shape;
 }
 const ColliderOptions& World::collider_options(ColliderId id) const {
-  return impl_->state.collider(id).options;
+  return state().collider(id).options;
 }
 Transform World::collider_pose(ColliderId id) const {
-  return impl_->state.collider(id).options.motion.at(time());
+  WorldState& world = state();
+  const QueryScope query(world.calls, "collider_pose");
+  return world.collider(id).options.motion.at(world.time);
 }
 
 ColliderId World::find_collider(std::string_view name) const {
   std::vector<std::string_view> names;
-  for (const ColliderRecord& record : impl_->state.colliders) {
+  for (const ColliderRecord& record : state().colliders) {
     if (record.options.name == name) return record.id;
     names.push_back(record.options.name);
   }
@@ -513,8 +529,9 @@ ColliderId World::find_collider(std::string_view name) const {
 }
 
 Vec3d World::fluid_force(ColliderId id) const {
-  const WorldState& world = impl_->state;
-  world.require_whole("fluid_force");
+  const WorldState& world = state();
+  require_readable(world.calls, "fluid_force");
+  require_whole(world.calls, "fluid_force");
   for (std::size_t c = 0; c < world.colliders.size(); ++c)
     if (world.colliders[c].id == id) return world.fluids->force(c);
   throw Error(
@@ -523,16 +540,16 @@ Vec3d World::fluid_force(ColliderId id) const {
 
 void World::set_pair(std::string_view a, std::string_view b, float friction, float restitution,
                      std::optional<float> kinetic_friction) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("set_pair");
+  WorldState& world = state();
+  const CallScope call(world.calls, "set_pair");
   world.contact->pairs.set(a, b, {friction, kinetic_friction.value_or(friction), restitution});
   world.dirty.tables = true;
   wake_all(world);
 }
 
 void World::set_collide(std::string_view a, std::string_view b, bool collide) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("set_collide");
+  WorldState& world = state();
+  const CallScope call(world.calls, "set_collide");
   world.contact->pairs.set_collide(a, b, collide);
   world.dirty.tables = true;
   wake_all(world);
@@ -547,14 +564,16 @@ ForceFieldId World::add_force_field(ForceField field) {
 
 ForceFieldId World::add_force_field(VertexForceField field) {
   if (!field) throw Error("add_force_field: the function is empty");
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "add_force_field", From::stages);
   world.callbacks.force_fields.add(world.callbacks.next_id, std::move(field));
   wake_all(world);
   return {world.callbacks.next_id++};
 }
 
 void World::remove(ForceFieldId id) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "remove(ForceFieldId)", From::stages);
   if (!world.callbacks.force_fields.remove(id.value))
     throw Error(fmt::format("no force field has the handle {}: it was removed, or belongs to another world",
                             id.value));
@@ -563,32 +582,36 @@ void World::remove(ForceFieldId id) {
 }
 
 void World::clear_force_fields() {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "clear_force_fields", From::stages);
   world.callbacks.force_fields.clear();
   if (!world.current.running) world.callbacks.erase_removed();
   wake_all(world);
 }
 
 void World::track_contacts(bool on) {
-  impl_->state.require_between_steps("track_contacts");
-  impl_->state.contact->tracker.track(on);
+  WorldState& world = state();
+  const CallScope call(world.calls, "track_contacts");
+  world.contact->tracker.track(on);
 }
 
 std::span<const ContactPair> World::contact_pairs() const {
-  return impl_->state.contact->tracker.pairs();
+  return state().contact->tracker.pairs();
 }
 
 void World::set_user_data(ObjectId id, std::uint64_t data) {
-  impl_->state.object(id).user_data = data;
+  const CallScope call(state().calls, "set_user_data", From::stages);
+  state().object(id).user_data = data;
 }
 void World::set_user_data(ColliderId id, std::uint64_t data) {
-  impl_->state.collider(id).user_data = data;
+  const CallScope call(state().calls, "set_user_data", From::stages);
+  state().collider(id).user_data = data;
 }
 std::uint64_t World::user_data(ObjectId id) const {
-  return impl_->state.object(id).user_data;
+  return state().object(id).user_data;
 }
 std::uint64_t World::user_data(ColliderId id) const {
-  return impl_->state.collider(id).user_data;
+  return state().collider(id).user_data;
 }
 
 void World::set_wind(const Wind& wind) {
@@ -598,7 +621,8 @@ void World::set_wind(const Wind& wind) {
 }
 
 void World::set_wind_exposure(ObjectId id, float exposure) {
-  WorldState& world = impl_->state;
+  WorldState& world = state();
+  const CallScope call(world.calls, "set_wind_exposure", From::stages);
   Object& object = world.object(id);
   if (!(exposure >= 0) || !std::isfinite(exposure))
     throw Error(fmt::format("set_wind_exposure: the exposure of {} is {}, expected a finite number >= 0",
@@ -608,12 +632,12 @@ void World::set_wind_exposure(ObjectId id, float exposure) {
 }
 
 float World::wind_exposure(ObjectId id) const {
-  return impl_->state.object(id).wind_exposure;
+  return state().object(id).wind_exposure;
 }
 
 void World::set_job_system(JobSystem* jobs) {
-  WorldState& world = impl_->state;
-  world.require_between_steps("set_job_system");
+  WorldState& world = state();
+  const CallScope call(world.calls, "set_job_system");
   if (jobs && jobs->workers() < 1)
     throw Error(fmt::format("set_job_system: {} workers, expected at least one", jobs->workers()));
   world.jobs = jobs;
@@ -621,7 +645,9 @@ void World::set_job_system(JobSystem* jobs) {
 }
 
 void World::set_log(std::function<void(LogLevel, std::string_view)> log) {
-  impl_->state.warnings.set_log(std::move(log));
+  WorldState& world = state();
+  const CallScope call(world.calls, "set_log", From::stages);
+  world.warnings.set_log(std::move(log));
 }
 
 }  // namespace souple

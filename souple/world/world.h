@@ -38,6 +38,7 @@ struct KindTime;
 struct MemoryReport;
 class Projector;
 struct SolveTime;
+struct WorldState;
 
 /// One vertex of one object.
 struct VertexRef {
@@ -70,6 +71,30 @@ struct Snapshot {
 ///
 /// All functions but `step` throw Error on invalid arguments and then leave the world unchanged. Between steps several threads may call const functions at the same time, except elastic_energy,
 /// unconverged_energy and debug_draw; all other calls need a thread that is alone with the world.
+///
+/// What a function that the world calls may call in turn. A stage's callback is one of `before` and `after`. The other
+/// functions are force fields, targets of pins and attachments, motions of colliders, obstacles and emitters, the log
+/// function, CustomConstraint, Projector, JobSystem and the functions of DebugDraw:
+///
+/// | function of World                                                                    | stage | others |
+/// |--------------------------------------------------------------------------------------|-------|--------|
+/// | const functions, but for the next two lines                                          | yes   | yes    |
+/// | ray_cast, ray_cast_all, sphere_cast, closest_point, overlap, collider_pose           | yes   | yes, but a motion that one of these asks for a pose may call none of them |
+/// | contacts, pressures, foam, fluid_force, snapshot, memory, debug_draw, elastic_energy, unconverged_energy | yes | Error |
+/// | before, after, add_force_field, clear_force_fields, remove of these; set_log         | yes   | Error  |
+/// | set_positions, set_velocities, set_angular_velocities, teleport, apply_impulse, wake | yes   | Error  |
+/// | pin, unpin, set_wind_exposure, set_user_data                                         | yes   | Error  |
+/// | all others: what adds, removes or changes objects, colliders, constraints, flows, pairs, settings; move_pins, move_collider, projector, restore, time_projections, time_solve | Error | Error |
+/// | step                                                                                 | does nothing; the report of the step says so | as before |
+/// | moving, assigning to or destroying the world                                         | never | never  |
+///
+/// What a function throws: callbacks of stages, force fields, targets, motions and CustomConstraint::evaluate lose their
+/// effect, and Flag::callback_failed and the message of the report say so; of the log function only the report hears, of
+/// this step or the next. Projector, JobSystem and allocators must not throw. What is called outside a step (motions by
+/// queries and set_motion, DebugDraw) passes its exceptions on to the caller.
+///
+/// A world that was moved from can be assigned to and destroyed. Its other functions throw Error, and `step` returns a
+/// report that says so.
 class World {
  public:
   explicit World(const Settings& settings = {});
@@ -94,7 +119,7 @@ class World {
   /// and reports its exceptions.
   CallbackId before(Stage stage, std::function<void(World&)> callback);
   CallbackId after(Stage stage, std::function<void(World&)> callback);
-  /// Also during a step, by the callback itself too: it does not run again.
+  /// Also in a callback of a stage, by itself too: it does not run again.
   void remove(CallbackId callback);
 
   // --- objects -----------------------------------------------------------------------------------
@@ -363,6 +388,8 @@ class World {
 
  private:
   struct Impl;
+  /// Throws Error if the world was moved from.
+  WorldState& state() const;
   std::unique_ptr<Impl> impl_;
 };
 
