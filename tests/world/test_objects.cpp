@@ -1,6 +1,7 @@
 #include "souple/souple.h"
 #include "tests/expect_error.h"
 
+#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -228,6 +229,23 @@ TEST(Objects, AFastBodyHitsWhatWasFarAway) {
   for (int i = 0; i < 30; ++i) contacts += world.step(1.0 / 60).contacts;
   EXPECT_GT(contacts, 0u);
   EXPECT_LT(world.momentum(cloth).y, -0.1);
+}
+
+// Names of unnamed objects, handles and tables of materials do not grow with the square of the number of objects.
+TEST(Objects, AHundredThousandOfOneParticleLoadAndStep) {
+  const auto seconds_for = [](int count) {
+    World world({.substeps = 1});
+    const auto start = std::chrono::steady_clock::now();
+    for (int i = 0; i < count; ++i)
+      world.add_grains(std::vector<Vec3d>{{0.1 * (i % 300), 0.1 * (i / 300), 0}}, {.radius = 0.02f});
+    EXPECT_TRUE(world.step(0.01).ok());
+    EXPECT_EQ(world.name(world.objects().back()), "grains" + std::to_string(count));
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  seconds_for(1000);
+  const double tenth = seconds_for(10000), all = seconds_for(100000);
+  EXPECT_LT(all, 40 * tenth + 1);  // 10 times if linear, 100 if quadratic
+  RecordProperty("seconds", std::to_string(all));
 }
 
 // Stretched to 5.12 times its width and held there: membranes and soft bodies report it, and who is meant to
