@@ -1,5 +1,6 @@
 #include "souple/broad_phase/ball_grid.h"
 
+#include "souple/math/limits.h"
 #include "souple/state/bytes.h"
 
 #include <cmath>
@@ -8,7 +9,7 @@ namespace souple {
 namespace {
 
 std::int32_t cell_index(float x, float cell_size) {
-  return static_cast<std::int32_t>(std::floor(min(double(x) / double(cell_size), 1e9)));
+  return cell_of(double(x) / double(cell_size));
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "souple/collision/collider_motion.h"
 
 #include "souple/error.h"
+#include "souple/math/limits.h"
 
 #include <string>
 #include <utility>
@@ -54,6 +55,10 @@ ColliderMotion ColliderMotion::keyframes(std::vector<PoseKey> keys, bool loop, s
     if (!std::isfinite(keys[k].time) || !souple::is_finite(keys[k].translation) ||
         !is_finite(keys[k].rotation))
       throw Error(key + " has a number that is not finite; expected finite numbers");
+    if (!(std::abs(keys[k].time) <= range::time) || !is_within(keys[k].translation, range::coordinate))
+      throw Error(fmt::format("{} is at {:g} s and ({:g}, {:g}, {:g}); expected at most {:g} s and {:g} m",
+                              key, keys[k].time, keys[k].translation.x, keys[k].translation.y,
+                              keys[k].translation.z, range::time, range::coordinate));
     if (k > 0 && !(keys[k].time > keys[k - 1].time))
       throw Error(key + " is not later than the one before it; expected times that increase");
     keys[k].rotation = normalized(keys[k].rotation);
@@ -85,8 +90,11 @@ bool ColliderMotion::jumps(double from, double to) const {
 Transform ColliderMotion::at(double time) const {
   if (callback_) {
     const Transform pose = callback_(time);
-    if (!souple::is_finite(pose.translation) || !is_finite(pose.rotation))
-      throw Error(fmt::format("collider motion: the callback's pose at {:g} s is not finite", time));
+    if (!is_within(pose.translation, range::coordinate) || !is_finite(pose.rotation))
+      throw Error(
+          fmt::format("collider motion: the callback's pose at {:g} s is not finite, or more than {:g} m "
+                      "from the origin",
+                      time, range::coordinate));
     return {pose.translation, normalized(pose.rotation), 1};
   }
   if (keys_.empty()) return {};

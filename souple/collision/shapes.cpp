@@ -1,6 +1,7 @@
 #include "souple/collision/shapes.h"
 
 #include "souple/error.h"
+#include "souple/math/limits.h"
 
 #include <limits>
 #include <string>
@@ -83,9 +84,9 @@ struct Validator {
                             zero_allowed ? "of at least 0" : "above 0"));
   }
   void point(const char* what, const Vec3f& value) const {
-    if (is_finite(value)) return;
-    throw Error(fmt::format("{}: {} is ({:g}, {:g}, {:g}); expected finite numbers", where, what, value.x,
-                            value.y, value.z));
+    if (is_within(value, range::coordinate)) return;
+    throw Error(fmt::format("{}: {} is ({:g}, {:g}, {:g}); expected finite numbers of at most {:g}", where,
+                            what, value.x, value.y, value.z, range::coordinate));
   }
 
   void operator()(const Plane& plane) const {

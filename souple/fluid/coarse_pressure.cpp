@@ -105,9 +105,12 @@ void CoarsePressure::find_nodes() {
   const std::size_t count = order_.cell_count();
   // Node keys are rounded world coordinates, so that the next step's grid, with another corner, finds the
   // same nodes.
+  constexpr double farthest = 1e15;  // cells
   std::int64_t first[3];
   for (int axis = 0; axis < 3; ++axis)
-    first[axis] = std::llround(order_.corner(axis) / static_cast<double>(size_)) + (std::int64_t{1} << 19);
+    first[axis] =
+        std::llround(std::clamp(order_.corner(axis) / static_cast<double>(size_), -farthest, farthest)) +
+        (std::int64_t{1} << 19);
   keys_.clear();
   origin_.clear();
   for (std::size_t row = 0; row < order_.row_count(); ++row) {

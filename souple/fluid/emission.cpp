@@ -111,7 +111,9 @@ std::vector<std::uint8_t> blocked_drops(std::span<const Drop> drops, const Objec
 
 std::uint64_t layers_before(const Emitter& emitter, double spacing, double now) {
   const double past = now - emitter.start;
-  return past > 0 ? static_cast<std::uint64_t>(std::ceil(past * static_cast<double>(emitter.speed) / spacing))
+  constexpr double most = 1e18;  // of a long time at a high speed
+  return past > 0 ? static_cast<std::uint64_t>(
+                        std::min(std::ceil(past * static_cast<double>(emitter.speed) / spacing), most))
                   : 0;
 }
 

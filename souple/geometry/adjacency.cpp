@@ -3,6 +3,7 @@
 #include "souple/error.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <string>
 
@@ -271,12 +272,32 @@ std::vector<Triangle> surface_triangles(std::span<const Tet> tets) {
   return triangles;
 }
 
+namespace {
+
+void check_groups(const std::map<std::string, std::vector<std::uint32_t>>& groups, std::size_t count,
+                  const char* name) {
+  for (const auto& [group, vertices] : groups)
+    for (const std::uint32_t vertex : vertices)
+      if (vertex >= count)
+        throw Error(fmt::format("{}: the group '{}' names vertex {}, but there are {} vertices", name, group,
+                                vertex, count));
+}
+
+}  // namespace
+
 void check_indices(const TriangleMesh& mesh, const char* name) {
   check_range(std::span<const Triangle>(mesh.triangles), mesh.positions.size(), name, "triangle");
+  check_groups(mesh.groups, mesh.positions.size(), name);
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+    for (const std::uint32_t vertex : mesh.faces[f])
+      if (vertex >= mesh.positions.size())
+        throw Error(fmt::format("{}: face {} names vertex {}, but there are {} vertices", name, f, vertex,
+                                mesh.positions.size()));
 }
 
 void check_indices(const TetMesh& mesh, const char* name) {
   check_range(std::span<const Tet>(mesh.tets), mesh.positions.size(), name, "tet");
+  check_groups(mesh.groups, mesh.positions.size(), name);
 }
 
 }  // namespace souple

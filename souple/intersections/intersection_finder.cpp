@@ -281,7 +281,7 @@ SurfaceHit IntersectionFinder::cast_ray(const ParticleView& particles, std::uint
     range += abs(direction[k]) * max(0.0f, direction[k] > 0 ? bounds.hi[k] - x[k] : x[k] - bounds.lo[k]);
   if (!(range > 0) || !(range < infinity)) return hit;
   range *= 1.01f;
-  const int pieces = std::min(max_pieces, static_cast<int>(range / (2 * cell_size_)) + 1);
+  const int pieces = static_cast<int>(std::min(range / (2 * cell_size_), float(max_pieces - 1))) + 1;
   const Vec3d whole = Vec3d(direction) * static_cast<double>(range);
   std::vector<std::uint32_t> near;
   double first = std::numeric_limits<double>::infinity();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/limits.h"
 #include "souple/math/transform.h"
 
 #include <initializer_list>
@@ -26,6 +27,8 @@ inline constexpr double infinite = std::numeric_limits<double>::infinity();
 
 void check_all(std::string_view owner, std::initializer_list<Check> checks);
 void require_finite(std::string_view owner, const char* field, const Vec3f& v);
+/// Throws unless each component is a number of at most `limit`, e.g. range::coordinate.
+void require_within(std::string_view owner, const char* field, const Vec3d& v, double limit);
 void validate(const Transform& transform, std::string_view owner);
 
 }  // namespace souple

@@ -5,6 +5,7 @@
 #include "souple/geometry/mesh_report.h"
 #include "souple/geometry/reorder.h"
 #include "souple/geometry/weld.h"
+#include "souple/math/limits.h"
 #include "souple/objects/object.h"
 
 #include <numeric>
@@ -34,9 +35,9 @@ void import_particles(Object& object, std::vector<Vec3d> rest, const std::vector
 void transform_points(std::vector<Vec3d>& points, const Transform& transform, const std::string& name) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     points[i] = transform.point(points[i]);
-    // A float holds up to 3e38, but squared lengths must fit as well.
-    if (!is_finite(points[i]) || length(points[i]) > 1e15)
-      throw Error(fmt::format("{}: vertex {} is not finite, or more than 1e15 m from the origin", name, i));
+    if (!is_within(points[i], range::coordinate))
+      throw Error(fmt::format("{}: vertex {} is not finite, or more than {:g} m from the origin", name, i,
+                              range::coordinate));
   }
 }
 

@@ -65,8 +65,8 @@ NewObject start_object(std::string name, const Material& material, const ObjectO
   object.material = material;
   validate(material, object.name);
   validate(options.transform, object.name);
-  if (!is_finite(options.velocity) || !is_finite(options.angular_velocity))
-    throw Error(object.name + ": the velocity is not finite");
+  require_within(object.name, "the velocity", Vec3d(options.velocity), range::speed);
+  require_within(object.name, "the angular velocity", Vec3d(options.angular_velocity), range::speed);
   return made;
 }
 
@@ -87,6 +87,8 @@ void finish_object(NewObject& made, const ObjectOptions& options) {
     throw Error(
         object.name +
         ": self_collision: particles is for cloth and for soft bodies made of tets; use surfaces or off");
+  check_all(object.name,
+            {{"self_collision", double(options.self_collision), 0, double(SelfCollision::surfaces)}});
   require_layer(object, options.layer);
   object.collision.layer = options.layer;
   object.collision.filter = {options.collision_groups, options.collision_mask};

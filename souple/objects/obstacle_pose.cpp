@@ -1,6 +1,7 @@
 #include "souple/objects/obstacle_pose.h"
 
 #include "souple/error.h"
+#include "souple/math/limits.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +32,9 @@ void validate_times(const MeshSequence& sequence, const std::string& where) {
   if (!(sequence.frame_rate > 0) || !std::isfinite(sequence.frame_rate))
     throw Error(
         fmt::format("{}: the frame rate is {}, expected a finite number > 0", where, sequence.frame_rate));
-  if (!std::isfinite(sequence.start_time)) throw Error(where + ": the start time is not finite");
+  if (!(std::abs(sequence.start_time) <= range::time))
+    throw Error(fmt::format("{}: the start time is {:g} s, expected a number from {:g} to {:g}", where,
+                            sequence.start_time, -range::time, range::time));
   if (sequence.times.empty()) return;
   if (sequence.times.size() != sequence.frames.size())
     throw Error(fmt::format("{}: there are {} times for {} frames", where, sequence.times.size(),
@@ -89,9 +92,10 @@ void validate(const ObstacleMotion& motion, std::size_t vertices, std::string_vi
       throw Error(fmt::format("{} has {} vertices in frame {}, but the mesh has {}", where, frame.size(), k,
                               vertices));
     for (std::size_t i = 0; i < frame.size(); ++i)
-      if (!is_finite(frame[i]) || length(Vec3d(frame[i])) > 1e15)
-        throw Error(fmt::format(
-            "{} has a position that is not finite or beyond 1e15 m in frame {} at vertex {}", where, k, i));
+      if (!is_within(frame[i], range::coordinate))
+        throw Error(
+            fmt::format("{} has a position that is not finite or beyond {:g} m in frame {} at vertex {}",
+                        where, range::coordinate, k, i));
   }
 }
 

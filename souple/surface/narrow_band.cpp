@@ -3,6 +3,7 @@
 #include "souple/collision/mesh_tree.h"
 #include "souple/error.h"
 #include "souple/geometry/closest_point.h"
+#include "souple/math/limits.h"
 #include "souple/surface/bricks.h"
 
 #include <algorithm>
@@ -204,8 +205,8 @@ std::vector<Ball> balls_of(std::span<const Vec3d> positions, std::span<const Tri
       ball.radius = std::max(ball.radius, length(corner - ball.center));
     for (int axis = 0; axis < 3; ++axis) {
       const auto [least, most] = std::minmax({a[axis], b[axis], c[axis]});
-      ball.first[std::size_t(axis)] = static_cast<std::int32_t>(std::ceil(least - width));
-      ball.last[std::size_t(axis)] = static_cast<std::int32_t>(std::floor(most + width));
+      ball.first[std::size_t(axis)] = -cell_of(width - least);
+      ball.last[std::size_t(axis)] = cell_of(most + width);
     }
   }
   return balls;

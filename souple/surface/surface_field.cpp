@@ -1,5 +1,6 @@
 #include "souple/surface/surface_field.h"
 
+#include "souple/math/limits.h"
 #include "souple/surface/kernels/find_kernels.h"
 
 #include <algorithm>
@@ -106,8 +107,8 @@ SurfaceField::BrickRange SurfaceField::range_of(const KernelBox& box) const {
   // last cells end at these nodes.
   BrickRange range;
   for (std::size_t a = 0; a < 3; ++a) {
-    range.first[a] = static_cast<std::int32_t>(std::floor(static_cast<double>(box.lo[a]) * inverse));
-    range.last[a] = static_cast<std::int32_t>(std::floor(static_cast<double>(box.hi[a]) * inverse));
+    range.first[a] = cell_of(static_cast<double>(box.lo[a]) * inverse);
+    range.last[a] = cell_of(static_cast<double>(box.hi[a]) * inverse);
   }
   return range;
 }
@@ -186,9 +187,7 @@ void SurfaceField::gather(const CellOrder& order, const ParticleKernels& particl
     box.lo[a] = from[k];
     box.hi[a] = from[k] + static_cast<float>(brick_side) * cell_;
     const double margin = furthest_[k] + 0.01 * cell_size_;
-    const auto cell_at = [&](double x) {
-      return static_cast<std::int32_t>(std::floor((x - order.corner(a)) / cell_size_));
-    };
+    const auto cell_at = [&](double x) { return cell_of((x - order.corner(a)) / cell_size_); };
     first[a] = cell_at(static_cast<double>(box.lo[a]) - margin);
     last[a] = cell_at(static_cast<double>(box.hi[a]) + margin);
   }

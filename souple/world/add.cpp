@@ -7,6 +7,7 @@
 #include "souple/objects/obstacle_pose.h"
 #include "souple/queries/caches.h"
 #include "souple/stages/user_constraint.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
 #include "souple/world/registry.h"
@@ -152,7 +153,7 @@ void remove_object(WorldState& world, const Object& object) {
 ObjectId World::add_cloth(const TriangleMesh& mesh, const ClothMaterial& material,
                           const ObjectOptions& options) {
   WorldState& world = state();
-  const CallScope call(world.calls, "add_cloth");
+  const CallScope call(*world.calls, "add_cloth");
   return add(world, import_cloth(new_name(world, ObjectKind::cloth, options), mesh, material, options),
              options);
 }
@@ -160,7 +161,7 @@ ObjectId World::add_cloth(const TriangleMesh& mesh, const ClothMaterial& materia
 ObjectId World::add_soft_body(const TetMesh& mesh, const SoftBodyMaterial& material,
                               const ObjectOptions& options) {
   WorldState& world = state();
-  const CallScope call(world.calls, "add_soft_body");
+  const CallScope call(*world.calls, "add_soft_body");
   return add(world,
              import_soft_body(new_name(world, ObjectKind::soft_body, options), mesh, material, options),
              options);
@@ -169,7 +170,7 @@ ObjectId World::add_soft_body(const TetMesh& mesh, const SoftBodyMaterial& mater
 ObjectId World::add_soft_body(const TriangleMesh& surface, const SoftBodyMaterial& material,
                               const LatticeOptions& lattice, const ObjectOptions& options) {
   WorldState& world = state();
-  const CallScope call(world.calls, "add_soft_body");
+  const CallScope call(*world.calls, "add_soft_body");
   std::string name = new_name(world, ObjectKind::soft_body, options);
   return add(world, import_soft_body(std::move(name), surface, material, lattice, options), options);
 }
@@ -177,7 +178,7 @@ ObjectId World::add_soft_body(const TriangleMesh& surface, const SoftBodyMateria
 ObjectId World::add_rope(std::span<const Vec3d> points, std::uint32_t segments, const RopeMaterial& material,
                          const ObjectOptions& options) {
   WorldState& world = state();
-  const CallScope call(world.calls, "add_rope");
+  const CallScope call(*world.calls, "add_rope");
   std::string name = new_name(world, ObjectKind::rope, options);
   return add(world, import_rope(std::move(name), points, segments, material, options), options);
 }
@@ -185,7 +186,7 @@ ObjectId World::add_rope(std::span<const Vec3d> points, std::uint32_t segments, 
 ObjectId World::add_grains(std::span<const Vec3d> centers, const GrainsMaterial& material,
                            const ObjectOptions& options) {
   WorldState& world = state();
-  const CallScope call(world.calls, "add_grains");
+  const CallScope call(*world.calls, "add_grains");
   return add(world, import_grains(new_name(world, ObjectKind::grains, options), centers, material, options),
              options);
 }
@@ -193,7 +194,7 @@ ObjectId World::add_grains(std::span<const Vec3d> centers, const GrainsMaterial&
 ObjectId World::add_fluid(std::span<const Vec3d> centers, const FluidMaterial& material,
                           const ObjectOptions& options) {
   WorldState& world = state();
-  const CallScope call(world.calls, "add_fluid");
+  const CallScope call(*world.calls, "add_fluid");
   NewObject fluid = import_fluid(new_name(world, ObjectKind::fluid, options), centers, material, options);
   require_same_spacing(world, fluid.object->name, material.spacing);
   return add(world, std::move(fluid), options);
@@ -202,7 +203,7 @@ ObjectId World::add_fluid(std::span<const Vec3d> centers, const FluidMaterial& m
 ObjectId World::add_fluid(const TriangleMesh& surface, const FluidMaterial& material,
                           const ObjectOptions& options) {
   WorldState& world = state();
-  const CallScope call(world.calls, "add_fluid");
+  const CallScope call(*world.calls, "add_fluid");
   NewObject fluid = import_fluid(new_name(world, ObjectKind::fluid, options), surface, material, options);
   require_same_spacing(world, fluid.object->name, material.spacing);
   return add(world, std::move(fluid), options);
@@ -211,7 +212,7 @@ ObjectId World::add_fluid(const TriangleMesh& surface, const FluidMaterial& mate
 ObjectId World::add_obstacle(const TriangleMesh& mesh, const ObstacleMaterial& material,
                              ObstacleMotion motion, const ObjectOptions& options) {
   WorldState& world = state();
-  const CallScope call(world.calls, "add_obstacle");
+  const CallScope call(*world.calls, "add_obstacle");
   std::string name = new_name(world, ObjectKind::obstacle, options);
   NewObject obstacle = import_obstacle(std::move(name), mesh, material, std::move(motion), options);
   const std::vector<Vec3d> now = obstacle_positions(*obstacle.object, world.time);

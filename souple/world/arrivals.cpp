@@ -3,6 +3,7 @@
 #include "souple/objects/checks.h"
 #include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
 #include "souple/world/sleeping.h"
@@ -65,7 +66,7 @@ void place_collider(WorldState& world, ColliderRecord& record, const Transform& 
 
 void World::move_collider(ColliderId id, const Transform& pose) {
   WorldState& world = state();
-  const CallScope call(world.calls, "move_collider");
+  const CallScope call(*world.calls, "move_collider");
   ColliderRecord& record = world.collider(id);
   validate(pose, record.options.name);
   if (!record.arrival) arrive(world, record);
@@ -113,7 +114,7 @@ void for_each_pin(WorldState& world, Object& object, std::span<const std::uint32
 
 void World::move_pins(ObjectId id, const Selector& selector, const Transform& motion) {
   WorldState& world = state();
-  const CallScope call(world.calls, "move_pins");
+  const CallScope call(*world.calls, "move_pins");
   Object& object = world.object(id);
   validate(motion, object.name);
   for_each_pin(world, object, select(id, selector), [&](std::size_t, PinnedParticle& pin) {
@@ -125,13 +126,12 @@ void World::move_pins(ObjectId id, const Selector& selector, const Transform& mo
 void World::move_pins(ObjectId id, std::span<const std::uint32_t> vertices,
                       std::span<const Vec3f> positions) {
   WorldState& world = state();
-  const CallScope call(world.calls, "move_pins");
+  const CallScope call(*world.calls, "move_pins");
   Object& object = world.object(id);
   if (vertices.size() != positions.size())
     throw Error(fmt::format("move_pins: {} vertices of {} and {} positions; expected as many",
                             vertices.size(), object.name, positions.size()));
-  for (const Vec3f& x : positions)
-    if (!is_finite(x)) throw Error("move_pins: a position for " + object.name + " is not finite");
+  for (const Vec3f& x : positions) require_within("move_pins", "a position", Vec3d(x), range::coordinate);
   for_each_pin(world, object, vertices, [&](std::size_t k, PinnedParticle& pin) {
     pin.arrival = Vec3d(positions[k]) + pin.offset;
     pin.target.reset();

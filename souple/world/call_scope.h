@@ -8,7 +8,7 @@ namespace souple {
 
 /// Which functions of the user a function of World may be called from; the table in world.h has them all.
 enum class From : std::uint8_t {
-  nowhere,  ///< only while the world calls nobody
+  nowhere,  ///< only while the world calls no function of the user
   stages,   ///< also from callbacks before and after a stage
 };
 

@@ -12,6 +12,7 @@
 #include "souple/stages/obstacles.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/user_constraint.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/fluid_stage.h"
 #include "souple/world/impl.h"
@@ -230,7 +231,7 @@ void report_contacts(WorldState& world) {
 
 std::span<const ContactEvent> World::contacts() const {
   WorldState& world = state();
-  require_readable(world.calls, "contacts");
+  require_readable(*world.calls, "contacts");
   const std::lock_guard<std::mutex> lock(world.caches->lock);
   if (world.contact->events_valid) return world.contact->events;
   world.contact->events.clear();

@@ -2,6 +2,7 @@
 
 #include "souple/geometry/adjacency.h"
 #include "souple/objects/object.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
@@ -46,7 +47,7 @@ void World::debug_draw(const DebugDraw& draw) const {
   WorldState& world = state();
   std::vector<ContactEvent> events;
   if (draw.contact) events.assign(contacts().begin(), contacts().end());
-  const CallScope call(world.calls, "debug_draw", From::stages);
+  const CallScope call(*world.calls, "debug_draw", From::stages);
   if (draw.constraint) draw_constraints(world, draw.constraint);
   for (const ContactEvent& event : events) draw.contact({event.point, event.normal, event.impulse});
   if (draw.particle) {

@@ -1,6 +1,7 @@
 #include "souple/fluid/emission.h"
 #include "souple/objects/checks.h"
 #include "souple/objects/object.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/flow.h"
 #include "souple/world/impl.h"
 #include "souple/world/registry.h"
@@ -22,20 +23,19 @@ namespace {
 constexpr double max_layer_particles = 1e5;
 
 void require_times(double start, double end, std::string_view owner) {
-  if (!std::isfinite(start) || !(end >= start))
-    throw Error(
-        fmt::format("{}: it is active from {:g} to {:g} s, expected a finite start and an end not before it",
-                    owner, start, end));
+  if (!(std::abs(start) <= range::time) || !(end >= start))
+    throw Error(fmt::format(
+        "{}: it is active from {:g} to {:g} s, expected a start from {:g} to {:g} s and an end not before it",
+        owner, start, end, -range::time, range::time));
 }
 
 void require_valid(const Emitter& emitter, std::string_view owner) {
-  if (!is_finite(emitter.position) || !is_finite(emitter.direction) ||
-      !(length_squared(Vec3d(emitter.direction)) > 1e-12))
-    throw Error(fmt::format("{}: its position or direction is not finite, or the direction is zero", owner));
+  require_within(owner, "position", Vec3d(emitter.position), range::coordinate);
+  if (!is_finite(emitter.direction) || !(length_squared(Vec3d(emitter.direction)) > 1e-12))
+    throw Error(fmt::format("{}: its direction is not finite, or zero", owner));
   if (!(emitter.radius >= 0) || !std::isfinite(emitter.radius))
     throw Error(fmt::format("{}: radius is {:g} m, expected a finite number >= 0", owner, emitter.radius));
-  if (!(emitter.speed > 0) || !std::isfinite(emitter.speed))
-    throw Error(fmt::format("{}: speed is {:g} m/s, expected a finite number > 0", owner, emitter.speed));
+  check_all(owner, {{"speed", double(emitter.speed), range::positive, range::speed}});
   require_times(emitter.start, emitter.end, owner);
 }
 
@@ -67,7 +67,7 @@ Record& find(std::vector<Record>& records, std::uint32_t id, const char* kind) {
 
 EmitterId World::add_emitter(ObjectId fluid, const Emitter& emitter) {
   WorldState& world = state();
-  const CallScope call(world.calls, "add_emitter");
+  const CallScope call(*world.calls, "add_emitter");
   const Object& object = world.object(fluid);
   const std::string owner = "an emitter of " + object.name;
   if (!object.traits().flows)
@@ -85,7 +85,7 @@ EmitterId World::add_emitter(ObjectId fluid, const Emitter& emitter) {
 
 void World::set_emitter(EmitterId id, const Emitter& emitter) {
   WorldState& world = state();
-  const CallScope call(world.calls, "set_emitter");
+  const CallScope call(*world.calls, "set_emitter");
   EmitterRecord& record = find(world.flow.emitters, id.value, "emitter");
   const Object& object = world.object({record.fluid});
   const std::string owner = "an emitter of " + object.name;
@@ -98,14 +98,14 @@ void World::set_emitter(EmitterId id, const Emitter& emitter) {
 
 void World::remove(EmitterId id) {
   WorldState& world = state();
-  const CallScope call(world.calls, "remove(EmitterId)");
+  const CallScope call(*world.calls, "remove(EmitterId)");
   world.flow.emitters.erase(world.flow.emitters.begin() +
                             (&find(world.flow.emitters, id.value, "emitter") - world.flow.emitters.data()));
 }
 
 DrainId World::add_drain(const Drain& drain) {
   WorldState& world = state();
-  const CallScope call(world.calls, "add_drain");
+  const CallScope call(*world.calls, "add_drain");
   require_valid(drain, "a drain");
   wake_all(world);
   world.flow.drains.push_back({{world.registry->next_id++}, drain, 0});
@@ -114,7 +114,7 @@ DrainId World::add_drain(const Drain& drain) {
 
 void World::remove(DrainId id) {
   WorldState& world = state();
-  const CallScope call(world.calls, "remove(DrainId)");
+  const CallScope call(*world.calls, "remove(DrainId)");
   world.flow.drains.erase(world.flow.drains.begin() +
                           (&find(world.flow.drains, id.value, "drain") - world.flow.drains.data()));
 }

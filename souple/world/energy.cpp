@@ -1,6 +1,7 @@
 #include "souple/stages/energy.h"
 
 #include "souple/solver/solver.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
 #include "souple/world/world.h"
@@ -17,14 +18,14 @@ std::span<Projector* const> constraints_of(WorldState& world) {
 
 double World::elastic_energy() const {
   WorldState& world = state();
-  const CallScope call(world.calls, "elastic_energy", From::stages);
+  const CallScope call(*world.calls, "elastic_energy", From::stages);
   const std::span<Projector* const> constraints = constraints_of(world);
   return souple::elastic_energy(constraints, world.view());
 }
 
 double World::unconverged_energy(double dt) const {
   WorldState& world = state();
-  const CallScope call(world.calls, "unconverged_energy", From::stages);
+  const CallScope call(*world.calls, "unconverged_energy", From::stages);
   const std::span<Projector* const> constraints = constraints_of(world);
   return souple::unconverged_energy(constraints, world.view(), substep_of(world.settings, dt),
                                     *world.solving.solver);

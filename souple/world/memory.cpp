@@ -8,6 +8,7 @@
 #include "souple/stages/sleeping.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/state/bytes.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
@@ -92,7 +93,7 @@ void add_objects(const WorldState& world, MemoryReport& report) {
 
 MemoryReport World::memory() {
   WorldState& world = state();
-  const CallScope call(world.calls, "memory", From::stages);
+  const CallScope call(*world.calls, "memory", From::stages);
   if (!world.current.running) bring_up_to_date(world);
   const Particles& p = world.particles;
   MemoryReport report;

@@ -9,6 +9,7 @@
 #include "souple/solver/set_projector.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/add.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/impl.h"
 #include "souple/world/registry.h"
 #include "souple/world/sleeping.h"
@@ -74,7 +75,7 @@ std::vector<std::uint32_t> World::select(ObjectId id, const Selector& selector) 
 
 void World::pin(ObjectId id, const Selector& selector, Target target) {
   WorldState& world = state();
-  const CallScope call(world.calls, "pin", From::stages);
+  const CallScope call(*world.calls, "pin", From::stages);
   Object& object = world.object(id);
   require_movable(object, "pin");
   require_permanent_particles(object, "pin");
@@ -99,7 +100,7 @@ void World::pin(ObjectId id, const Selector& selector, Target target) {
 
 void World::unpin(ObjectId id, const Selector& selector) {
   WorldState& world = state();
-  const CallScope call(world.calls, "unpin", From::stages);
+  const CallScope call(*world.calls, "unpin", From::stages);
   Object& object = world.object(id);
   require_movable(object, "unpin");
   const std::vector<std::uint32_t> freed = particles_of(object, select(id, selector));
@@ -122,7 +123,7 @@ std::vector<std::uint32_t> World::pinned(ObjectId id) const {
 
 ProjectorId World::attach(ObjectId id, const Selector& selector, Target target, float compliance) {
   WorldState& world = state();
-  const CallScope call(world.calls, "attach");
+  const CallScope call(*world.calls, "attach");
   require_compliance(compliance, "attach");
   const Object& object = world.object(id);
   require_movable(object, "attach");
@@ -145,7 +146,7 @@ ProjectorId World::attach(ObjectId id, const Selector& selector, Target target, 
 ProjectorId World::connect(std::span<const std::pair<VertexRef, VertexRef>> pairs, float rest_length,
                            float compliance, std::optional<double> until) {
   WorldState& world = state();
-  const CallScope call(world.calls, "connect");
+  const CallScope call(*world.calls, "connect");
   require_compliance(compliance, "connect");
   if (until && !(std::isfinite(*until) && *until >= 0))
     throw Error(fmt::format("connect: until is {} s, expected a finite time >= 0", *until));
@@ -215,7 +216,7 @@ EdgeDistances edge_distances_from(const Object& object, const std::vector<Pinned
 
 ProjectorId World::add_tethers(ObjectId id, float slack) {
   WorldState& world = state();
-  const CallScope call(world.calls, "add_tethers");
+  const CallScope call(*world.calls, "add_tethers");
   const Object& object = world.object(id);
   require_movable(object, "add_tethers");
   if (object.pins.empty())
@@ -235,7 +236,7 @@ ProjectorId World::add_tethers(ObjectId id, float slack) {
 
 ProjectorId World::add_projector(std::unique_ptr<Projector> projector) {
   WorldState& world = state();
-  const CallScope call(world.calls, "add_projector");
+  const CallScope call(*world.calls, "add_projector");
   if (!projector) throw Error("add_projector: the projector is null");
   projector->prepare(world.particles.size());
   UserConstraint user_constraint;
@@ -267,7 +268,7 @@ std::size_t find_user_constraint(const WorldState& world, ProjectorId id) {
 
 void World::remove(ProjectorId id) {
   WorldState& world = state();
-  const CallScope call(world.calls, "remove(ProjectorId)");
+  const CallScope call(*world.calls, "remove(ProjectorId)");
   const std::size_t found = find_user_constraint(world, id);
   world.dirty.tables = world.dirty.tables || world.constraints.users[found].distance_joint;
   world.dirty.solver = true;
@@ -277,7 +278,7 @@ void World::remove(ProjectorId id) {
 
 Projector& World::projector(ProjectorId id) {
   WorldState& world = state();
-  const CallScope call(world.calls, "projector");
+  const CallScope call(*world.calls, "projector");
   Projector& found = *world.constraints.users[find_user_constraint(world, id)].projector;
   world.dirty.solver = true;  // the caller may change it
   wake_particles_of(world, found);
@@ -287,7 +288,7 @@ Projector& World::projector(ProjectorId id) {
 namespace {
 
 Object& closed_cloth(WorldState& world, ObjectId id, const char* what) {
-  const CallScope call(world.calls, what);
+  const CallScope call(*world.calls, what);
   Object& object = world.object(id);
   if (object.kind != ObjectKind::cloth)
     throw Error(std::string(what) + ": " + object.name + " is a " + std::string(kind_name(object.kind)) +

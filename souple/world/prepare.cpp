@@ -7,6 +7,7 @@
 #include "souple/stages/sleeping.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/build.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/sleeping.h"
@@ -89,7 +90,7 @@ void or_broken(WorldState& world, const Function& build) {
   } catch (const Error&) {
     throw;
   } catch (...) {
-    world.calls.broken = true;
+    world.calls->broken = true;
     throw;
   }
 }
@@ -129,7 +130,7 @@ void build_constraints_and_solver(WorldState& world) {
 }  // namespace
 
 void bring_constraints_up_to_date(WorldState& world) {
-  require_whole(world.calls, "preparing a step");
+  require_whole(*world.calls, "preparing a step");
   or_broken(world, [&] { build_constraints_and_solver(world); });
 }
 

@@ -2,6 +2,7 @@
 
 #include "souple/constraints/distance.h"
 #include "souple/solver/solver.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
 #include "souple/world/world.h"
@@ -40,8 +41,8 @@ class MeasurementScope {
 
  private:
   static Calls& callable(WorldState& world, const char* what) {
-    require_callable(world.calls, what, From::nowhere);
-    return world.calls;
+    require_callable(*world.calls, what, From::nowhere);
+    return *world.calls;
   }
 
   WorldState& world_;

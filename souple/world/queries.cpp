@@ -9,6 +9,7 @@
 #include "souple/queries/overlap.h"
 #include "souple/queries/search.h"
 #include "souple/solver/solver.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/impl.h"
 #include "souple/world/world.h"
 
@@ -74,24 +75,24 @@ std::uint64_t World::version() const {
 
 Hit World::ray_cast(const Vec3f& origin, const Vec3f& direction, double max_distance,
                     const QueryFilter& filter) const {
-  const QueryScope query(state().calls, "ray_cast");
+  const QueryScope query(*state().calls, "ray_cast");
   return souple::ray_cast(state().query_view(), origin, direction, max_distance, filter);
 }
 
 std::vector<Hit> World::ray_cast_all(const Vec3f& origin, const Vec3f& direction, double max_distance,
                                      const QueryFilter& filter) const {
-  const QueryScope query(state().calls, "ray_cast_all");
+  const QueryScope query(*state().calls, "ray_cast_all");
   return souple::ray_cast_all(state().query_view(), origin, direction, max_distance, filter);
 }
 
 Hit World::sphere_cast(const Vec3f& origin, float radius, const Vec3f& direction, double max_distance,
                        const QueryFilter& filter) const {
-  const QueryScope query(state().calls, "sphere_cast");
+  const QueryScope query(*state().calls, "sphere_cast");
   return souple::sphere_cast(state().query_view(), origin, radius, direction, max_distance, filter);
 }
 
 Hit World::closest_point(const Vec3f& point, const QueryFilter& filter) const {
-  const QueryScope query(state().calls, "closest_point");
+  const QueryScope query(*state().calls, "closest_point");
   return souple::closest_point(state().query_view(), point, filter);
 }
 
@@ -100,7 +101,7 @@ std::vector<Overlap> World::overlap(const Shape& shape, const Transform& pose,
   validate(shape, "overlap");
   validate(pose, "overlap");
   if (pose.scale != 1) throw Error(fmt::format("overlap: the scale is {}, expected 1", pose.scale));
-  const QueryScope query(state().calls, "overlap");
+  const QueryScope query(*state().calls, "overlap");
   return find_overlaps(state().query_view(), shape, pose, filter);
 }
 

@@ -36,15 +36,15 @@ void rebuild_constraints(WorldState& world) {
 }  // namespace
 
 Edit::Edit(WorldState& world) : world_(world) {
-  world.calls.broken = true;
+  world.calls->broken = true;
 }
 
 void Edit::done() {
-  world_.calls.broken = false;
+  world_.calls->broken = false;
 }
 
 void abandon_step(WorldState& world, double start) noexcept {
-  world.calls.broken = true;
+  world.calls->broken = true;
   if (world.current.saved) {
     const LastValid& valid = world.last_valid;
     Particles& particles = world.particles;

@@ -4,6 +4,7 @@
 #include "souple/objects/object.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/user_constraint.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
 #include "souple/world/step_scratch.h"
@@ -50,7 +51,7 @@ bool World::is_asleep(ObjectId id) const {
 
 void World::wake(ObjectId id) {
   WorldState& world = state();
-  const CallScope call(world.calls, "wake", From::stages);
+  const CallScope call(*world.calls, "wake", From::stages);
   wake_island(world, world.object(id));
 }
 

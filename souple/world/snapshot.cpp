@@ -5,6 +5,7 @@
 #include "souple/objects/object.h"
 #include "souple/stages/sleeping.h"
 #include "souple/world/arrivals.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/flow.h"
 #include "souple/world/impl.h"
@@ -182,8 +183,8 @@ void resume_objects(WorldState& world, std::span<const std::byte>& in) {
 
 Snapshot World::snapshot() const {
   const WorldState& world = state();
-  require_readable(world.calls, "snapshot");
-  require_whole(world.calls, "snapshot");
+  require_readable(*world.calls, "snapshot");
+  require_whole(*world.calls, "snapshot");
   const Particles& particles = world.particles;
   const std::vector<std::byte> contacts = world.contact->contacts.save();
   const FluidFoam& foam = world.fluids->foam();
@@ -221,10 +222,10 @@ Snapshot World::snapshot() const {
 
 void World::restore(const Snapshot& snapshot) {
   WorldState& world = state();
-  require_callable(world.calls, "restore", From::nowhere);
-  const CallScope call(world.calls, Calls::Doing::computing);
+  require_callable(*world.calls, "restore", From::nowhere);
+  const CallScope call(*world.calls, Calls::Doing::computing);
   const Header header = checked_header(world, snapshot.bytes);
-  if (world.calls.broken) start_afresh(world);
+  if (world.calls->broken) start_afresh(world);
   Edit edit(world);
   std::span<const std::byte> in = std::span(snapshot.bytes).subspan(sizeof header);
   Particles& particles = world.particles;

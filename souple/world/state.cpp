@@ -11,6 +11,7 @@
 #include "souple/stages/sleeping.h"
 #include "souple/stages/stage_view.h"
 #include "souple/stages/user_constraint.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/registry.h"
 #include "souple/world/step_scratch.h"
@@ -30,6 +31,7 @@ WorldState::WorldState()
       contact(std::make_unique<ContactState>()),
       fluids(std::make_unique<Fluids>()),
       scratch(std::make_unique<StepScratch>()),
+      calls(std::make_unique<Calls>()),
       caches(std::make_unique<Caches>()) {}
 WorldState::~WorldState() = default;
 
@@ -84,7 +86,7 @@ StageView WorldState::stage_view() {
 
 QueryView WorldState::query_view() const {
   // A function that a thread of the step calls must not wait for these threads.
-  Threads* const free_threads = calls.threads_are_busy() ? nullptr : threads.get();
+  Threads* const free_threads = calls->threads_are_busy() ? nullptr : threads.get();
   return {particles, objects, colliders, time, version, settings.segment_test, free_threads, *caches};
 }
 

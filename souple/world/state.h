@@ -11,7 +11,6 @@
 #include "souple/stages/settings.h"
 #include "souple/state/particles.h"
 #include "souple/state/warnings.h"
-#include "souple/world/call_scope.h"
 #include "souple/world/report.h"
 
 #include <array>
@@ -28,6 +27,7 @@
 namespace souple {
 
 struct Caches;
+struct Calls;
 struct ColliderRecord;
 struct ConstraintGroups;
 struct ConstraintSets;
@@ -135,7 +135,7 @@ struct WorldState {
   StepReport report;
   Warnings warnings{report.flags, report.message};
   CurrentStep current;
-  Calls calls;
+  std::unique_ptr<Calls> calls;
   LastValid last_valid;
   std::unique_ptr<Caches> caches;
 

@@ -1,4 +1,5 @@
 #include "souple/world/arrivals.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/flow.h"
@@ -97,8 +98,8 @@ const StepReport& World::step(double dt) {
   if (!impl_) return report_of_no_world();
   WorldState& world = impl_->state;
   if (refuse_nested_step(world)) return world.report;
-  require_whole(world.calls, "step");
-  const StepScope scope(world.calls);
+  require_whole(*world.calls, "step");
+  const StepScope scope(*world.calls);
   const double start = world.time;
   world.current.saved = false;
   try {

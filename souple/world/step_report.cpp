@@ -3,9 +3,11 @@
 #include "souple/assert.h"
 #include "souple/constraints/neo_hookean.h"
 #include "souple/fluid/stage/fluids.h"
+#include "souple/math/limits.h"
 #include "souple/objects/object.h"
 #include "souple/solver/custom_constraint.h"
 #include "souple/stages/user_constraint.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/step_scratch.h"
 
@@ -111,7 +113,7 @@ void restore_last_valid(WorldState& world) {
 }
 
 bool refuse_nested_step(WorldState& world) {
-  Calls& calls = world.calls;
+  Calls& calls = *world.calls;
   if (calls.doing == Calls::Doing::nothing && calls.queries == 0) return false;
   calls.nested_step = true;  // perhaps on a thread of the step: its end reports it
   return true;
@@ -128,8 +130,9 @@ bool begin_report(WorldState& world, double dt) {
   report.objects = std::move(objects);
   report.step = world.steps;
   report.time = world.time;
-  if (!(dt > 0) || !std::isfinite(dt) || !(static_cast<float>(dt / world.settings.substeps) > 0)) {
-    report.message = fmt::format("step: dt is {} s, expected a positive finite time; nothing was done", dt);
+  if (!(dt > 0) || !(dt <= range::time) || !(static_cast<float>(dt / world.settings.substeps) > 0)) {
+    report.message = fmt::format(
+        "step: dt is {} s, expected a positive time of at most {:g} s; nothing was done", dt, range::time);
     return false;
   }
   return true;
@@ -173,7 +176,7 @@ void report_balance(WorldState& world) {
 
 void end_report(WorldState& world, bool valid) {
   world.report.time = world.time;
-  if (world.calls.nested_step.exchange(false))
+  if (world.calls->nested_step.exchange(false))
     world.warnings.warn(Flag::callback_failed,
                         "step: a function that the world was calling called step; nothing was done");
   world.warnings.report_log_failure();
@@ -186,7 +189,7 @@ void end_report(WorldState& world, bool valid) {
 void run_callbacks(World& self, WorldState& world,
                    const CallbackList<std::function<void(World&)>>& callbacks) {
   callbacks.for_each([&](const std::function<void(World&)>& callback) {
-    const CallScope call(world.calls, Calls::Doing::callback);
+    const CallScope call(*world.calls, Calls::Doing::callback);
     world.warnings.guarded("a stage's callback", [&] { callback(self); });
   });
 }

@@ -38,7 +38,16 @@ void validate(const FoamParameters& f) {
 
 void validate(const Settings& s) {
   validate(s.fluid.foam);
-  check_all("settings", {{"substeps", double(s.substeps), 1, 100000},
+  check_all("settings", {{"mode", double(s.mode), 0, double(Mode::pbd)},
+                         {"form", double(s.form), 0, double(Form::plain)},
+                         {"integrator", double(s.integrator), 0, double(Integrator::implicit_euler)},
+                         {"solver.kind", double(s.solver.kind), 0, double(SolverKind::hierarchical)},
+                         {"solver.sweep", double(s.solver.sweep), 0, double(Sweep::symmetric)},
+                         {"fluid.kernel", double(s.fluid.kernel), 0, double(SmoothingShape::wide_wendland)},
+                         {"detection", double(s.detection), 0, double(Detection::discrete)},
+                         {"segment_test", double(s.segment_test), 0, double(SegmentTest::watertight)},
+                         {"threading", double(s.threading), 0, double(Threading::tbb)},
+                         {"substeps", double(s.substeps), 1, 100000},
                          {"iterations", double(s.iterations), 1, 100000},
                          {"threads", double(s.threads), 0, 1024},
                          {"solver.relaxation", double(s.solver.relaxation), range::positive, 2, true},

@@ -14,6 +14,7 @@
 #include "souple/world/add.h"
 #include "souple/world/arrivals.h"
 #include "souple/world/build.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/impl.h"
@@ -56,7 +57,7 @@ void World::set_settings(const Settings& settings) {
   thread_count(settings.threads);  // throws here, not in a step, if SOUPLE_THREADS is no number
   instruction_set();               // or if SOUPLE_SIMD is no instruction set
   WorldState& world = state();
-  const CallScope call(world.calls, "set_settings");
+  const CallScope call(*world.calls, "set_settings");
   if (settings.form == Form::plain)
     for (Vec4f& offset : world.particles.offset) offset = {};
   if (settings.threads != world.settings.threads || settings.threading != world.settings.threading)
@@ -70,9 +71,18 @@ void World::set_settings(const Settings& settings) {
   world.settings = settings;
 }
 
+namespace {
+
+void require_stage(Stage stage, const char* what) {
+  check_all(what, {{"stage", double(stage), 0, double(stage_count - 1)}});
+}
+
+}  // namespace
+
 CallbackId World::before(Stage stage, std::function<void(World&)> callback) {
   WorldState& world = state();
-  const CallScope call(world.calls, "before", From::stages);
+  const CallScope call(*world.calls, "before", From::stages);
+  require_stage(stage, "before");
   if (!callback) throw Error("before: the function is empty");
   world.callbacks.before[static_cast<std::size_t>(stage)].add(world.callbacks.next_id, std::move(callback));
   return {world.callbacks.next_id++};
@@ -80,7 +90,8 @@ CallbackId World::before(Stage stage, std::function<void(World&)> callback) {
 
 CallbackId World::after(Stage stage, std::function<void(World&)> callback) {
   WorldState& world = state();
-  const CallScope call(world.calls, "after", From::stages);
+  const CallScope call(*world.calls, "after", From::stages);
+  require_stage(stage, "after");
   if (!callback) throw Error("after: the function is empty");
   world.callbacks.after[static_cast<std::size_t>(stage)].add(world.callbacks.next_id, std::move(callback));
   return {world.callbacks.next_id++};
@@ -88,7 +99,7 @@ CallbackId World::after(Stage stage, std::function<void(World&)> callback) {
 
 void World::remove(CallbackId id) {
   WorldState& world = state();
-  const CallScope call(world.calls, "remove(CallbackId)", From::stages);
+  const CallScope call(*world.calls, "remove(CallbackId)", From::stages);
   bool found = false;
   for (auto* lists : {&world.callbacks.before, &world.callbacks.after})
     for (auto& callbacks : *lists) found = found || callbacks.remove(id.value);
@@ -102,7 +113,7 @@ void World::remove(CallbackId id) {
 
 void World::remove(ObjectId id) {
   WorldState& world = state();
-  const CallScope call(world.calls, "remove(ObjectId)");
+  const CallScope call(*world.calls, "remove(ObjectId)");
   const Object& object = world.object(id);
   wake_all(world);
   Edit edit(world);
@@ -159,7 +170,7 @@ const M& material_of(const WorldState& world, ObjectId id) {
 
 void World::set_material(ObjectId id, const Material& material) {
   WorldState& world = state();
-  const CallScope call(world.calls, "set_material");
+  const CallScope call(*world.calls, "set_material");
   Object& object = world.object(id);
   if (kind_of(material) != object.kind) refuse_kind(object);
   const KindFunctions& kind = functions_of(object.kind);
@@ -192,7 +203,7 @@ const ObstacleMaterial& World::obstacle_material(ObjectId id) const {
 
 void World::set_collision_groups(ObjectId id, std::uint32_t groups, std::uint32_t mask) {
   WorldState& world = state();
-  const CallScope call(world.calls, "set_collision_groups");
+  const CallScope call(*world.calls, "set_collision_groups");
   world.object(id).collision.filter = {groups, mask};
   world.dirty.tables = true;
   wake_all(world);
@@ -210,7 +221,7 @@ SelfCollision World::self_collision(ObjectId id) const {
 
 void World::set_layer(ObjectId id, int layer) {
   WorldState& world = state();
-  const CallScope call(world.calls, "set_layer");
+  const CallScope call(*world.calls, "set_layer");
   Object& object = world.object(id);
   require_layer(object, layer);
   object.collision.layer = layer;
@@ -223,7 +234,7 @@ int World::layer(ObjectId id) const {
 
 void World::set_motion(ObjectId id, ObstacleMotion motion) {
   WorldState& world = state();
-  const CallScope call(world.calls, "set_motion");
+  const CallScope call(*world.calls, "set_motion");
   Object& object = world.object(id);
   require_obstacle(object, "set_motion");
   validate(motion, object.vertex_count(), object.name);
@@ -276,8 +287,8 @@ double World::total_mass(ObjectId id) const {
 }
 
 std::vector<float> World::pressures(ObjectId id) const {
-  require_readable(state().calls, "pressures");
-  require_whole(state().calls, "pressures");
+  require_readable(*state().calls, "pressures");
+  require_whole(*state().calls, "pressures");
   material_of<FluidMaterial>(state(), id);
   const Object& object = state().object(id);
   std::vector<float> result;
@@ -287,8 +298,8 @@ std::vector<float> World::pressures(ObjectId id) const {
 }
 
 FoamView World::foam() const {
-  require_readable(state().calls, "foam");
-  require_whole(state().calls, "foam");
+  require_readable(*state().calls, "foam");
+  require_whole(*state().calls, "foam");
   const FluidFoam& foam = state().fluids->foam();
   return {foam.positions(), foam.velocities(), foam.kinds()};
 }
@@ -311,27 +322,27 @@ void require_count(const Object& object, std::size_t count, const char* what) {
                             count));
 }
 
-void require_all_finite(const Object& object, std::span<const Vec3f> values, const char* what) {
+void require_all_within(const Object& object, std::span<const Vec3f> values, double limit, const char* what) {
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (!is_finite(values[i]))
-      throw Error(fmt::format("{}: {}, value {} is not finite", what, object.name, i));
+    if (!is_within(values[i], limit))
+      throw Error(fmt::format("{}: {}, value {} is not finite or beyond {:g}", what, object.name, i, limit));
 }
 
 /// Throws unless each of the object's vertices can be set to one of these values.
-void require_settable(const Object& object, std::span<const Vec3f> values, const char* what) {
+void require_settable(const Object& object, std::span<const Vec3f> values, double limit, const char* what) {
   require_movable(object, what);
   require_particle_vertices(object, what);
   require_count(object, values.size(), what);
-  require_all_finite(object, values, what);
+  require_all_within(object, values, limit, what);
 }
 
 }  // namespace
 
 void World::set_positions(ObjectId id, std::span<const Vec3f> positions) {
   WorldState& world = state();
-  const CallScope call(world.calls, "set_positions", From::stages);
+  const CallScope call(*world.calls, "set_positions", From::stages);
   const Object& object = world.object(id);
-  require_settable(object, positions, "set_positions");
+  require_settable(object, positions, range::coordinate, "set_positions");
   wake_island(world, object);
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     world.particles.position[i].set_xyz(positions[object.vertex_of[i - object.begin]]);
@@ -343,9 +354,9 @@ void World::set_positions(ObjectId id, std::span<const Vec3f> positions) {
 
 void World::set_velocities(ObjectId id, std::span<const Vec3f> velocities) {
   WorldState& world = state();
-  const CallScope call(world.calls, "set_velocities", From::stages);
+  const CallScope call(*world.calls, "set_velocities", From::stages);
   const Object& object = world.object(id);
-  require_settable(object, velocities, "set_velocities");
+  require_settable(object, velocities, range::speed, "set_velocities");
   wake_island(world, object);
   for (std::uint32_t i = object.begin; i < object.end; ++i)
     world.particles.velocity[i].set_xyz(velocities[object.vertex_of[i - object.begin]]);
@@ -354,13 +365,13 @@ void World::set_velocities(ObjectId id, std::span<const Vec3f> velocities) {
 
 void World::set_angular_velocities(ObjectId id, std::span<const Vec3f> angular_velocities) {
   WorldState& world = state();
-  const CallScope call(world.calls, "set_angular_velocities", From::stages);
+  const CallScope call(*world.calls, "set_angular_velocities", From::stages);
   const Object& object = world.object(id);
   if (!object.traits().rolls)
     throw Error(
         fmt::format("set_angular_velocities: {} is not made of grains, which alone have angular velocities",
                     object.name));
-  require_settable(object, angular_velocities, "set_angular_velocities");
+  require_settable(object, angular_velocities, range::speed, "set_angular_velocities");
   wake_island(world, object);
   for (std::uint32_t i = object.begin; i < object.end; ++i)
     if (world.particles.position[i].w > 0)
@@ -370,12 +381,16 @@ void World::set_angular_velocities(ObjectId id, std::span<const Vec3f> angular_v
 
 void World::teleport(ObjectId id, const Transform& transform) {
   WorldState& world = state();
-  const CallScope call(world.calls, "teleport", From::stages);
+  const CallScope call(*world.calls, "teleport", From::stages);
   const Object& object = world.object(id);
   require_movable(object, "teleport");
   validate(transform, "teleport");
   if (transform.scale != 1)
     throw Error(fmt::format("teleport: the scale is {}, expected 1", transform.scale));
+  for (std::uint32_t i = object.begin; i < object.end; ++i)
+    if (!is_within(transform.point(world.exact_position(i)), range::coordinate))
+      throw Error(fmt::format("teleport: {} would be more than {:g} m from the origin", object.name,
+                              range::coordinate));
   wake_island(world, object);
   const bool rolls = object.traits().rolls;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
@@ -392,7 +407,7 @@ void World::teleport(ObjectId id, const Transform& transform) {
 
 void World::apply_impulse(ObjectId id, const Selector& selector, const Vec3f& impulse) {
   WorldState& world = state();
-  const CallScope call(world.calls, "apply_impulse", From::stages);
+  const CallScope call(*world.calls, "apply_impulse", From::stages);
   const Object& object = world.object(id);
   require_movable(object, "apply_impulse");
   if (!is_finite(impulse)) throw Error("apply_impulse: the impulse on " + object.name + " is not finite");
@@ -446,7 +461,7 @@ std::vector<Carrier> World::carriers(ObjectId id, std::uint32_t vertex) const {
 
 ColliderId World::add_collider(const Shape& shape, const ColliderOptions& options) {
   WorldState& world = state();
-  const CallScope call(world.calls, "add_collider");
+  const CallScope call(*world.calls, "add_collider");
   ColliderRecord record{{world.registry->next_id}, options, shape};
   record.options.name = world.unique_name(options.name, "collider");
   validate(shape, record.options.name);
@@ -470,7 +485,7 @@ ColliderId World::add_collider(const Shape& shape, const ColliderOptions& option
 
 void World::remove(ColliderId id) {
   WorldState& world = state();
-  const CallScope call(world.calls, "remove(ColliderId)");
+  const CallScope call(*world.calls, "remove(ColliderId)");
   const ColliderRecord& record = world.collider(id);
   world.registry->names.remove(record.options.name);
   world.registry->colliders.remove(record.id.value);
@@ -482,7 +497,7 @@ void World::remove(ColliderId id) {
 
 void World::set_collider(ColliderId id, const Shape& shape, const ColliderOptions& options) {
   WorldState& world = state();
-  const CallScope call(world.calls, "set_collider");
+  const CallScope call(*world.calls, "set_collider");
   ColliderRecord& record = world.collider(id);
   validate(shape, record.options.name);
   validate(contact_material_of(options), record.options.name);
@@ -515,7 +530,7 @@ const ColliderOptions& World::collider_options(ColliderId id) const {
 }
 Transform World::collider_pose(ColliderId id) const {
   WorldState& world = state();
-  const QueryScope query(world.calls, "collider_pose");
+  const QueryScope query(*world.calls, "collider_pose");
   return world.collider(id).options.motion.at(world.time);
 }
 
@@ -530,8 +545,8 @@ ColliderId World::find_collider(std::string_view name) const {
 
 Vec3d World::fluid_force(ColliderId id) const {
   const WorldState& world = state();
-  require_readable(world.calls, "fluid_force");
-  require_whole(world.calls, "fluid_force");
+  require_readable(*world.calls, "fluid_force");
+  require_whole(*world.calls, "fluid_force");
   for (std::size_t c = 0; c < world.colliders.size(); ++c)
     if (world.colliders[c].id == id) return world.fluids->force(c);
   throw Error(
@@ -541,7 +556,7 @@ Vec3d World::fluid_force(ColliderId id) const {
 void World::set_pair(std::string_view a, std::string_view b, float friction, float restitution,
                      std::optional<float> kinetic_friction) {
   WorldState& world = state();
-  const CallScope call(world.calls, "set_pair");
+  const CallScope call(*world.calls, "set_pair");
   world.contact->pairs.set(a, b, {friction, kinetic_friction.value_or(friction), restitution});
   world.dirty.tables = true;
   wake_all(world);
@@ -549,7 +564,7 @@ void World::set_pair(std::string_view a, std::string_view b, float friction, flo
 
 void World::set_collide(std::string_view a, std::string_view b, bool collide) {
   WorldState& world = state();
-  const CallScope call(world.calls, "set_collide");
+  const CallScope call(*world.calls, "set_collide");
   world.contact->pairs.set_collide(a, b, collide);
   world.dirty.tables = true;
   wake_all(world);
@@ -565,7 +580,7 @@ ForceFieldId World::add_force_field(ForceField field) {
 ForceFieldId World::add_force_field(VertexForceField field) {
   if (!field) throw Error("add_force_field: the function is empty");
   WorldState& world = state();
-  const CallScope call(world.calls, "add_force_field", From::stages);
+  const CallScope call(*world.calls, "add_force_field", From::stages);
   world.callbacks.force_fields.add(world.callbacks.next_id, std::move(field));
   wake_all(world);
   return {world.callbacks.next_id++};
@@ -573,7 +588,7 @@ ForceFieldId World::add_force_field(VertexForceField field) {
 
 void World::remove(ForceFieldId id) {
   WorldState& world = state();
-  const CallScope call(world.calls, "remove(ForceFieldId)", From::stages);
+  const CallScope call(*world.calls, "remove(ForceFieldId)", From::stages);
   if (!world.callbacks.force_fields.remove(id.value))
     throw Error(fmt::format("no force field has the handle {}: it was removed, or belongs to another world",
                             id.value));
@@ -583,7 +598,7 @@ void World::remove(ForceFieldId id) {
 
 void World::clear_force_fields() {
   WorldState& world = state();
-  const CallScope call(world.calls, "clear_force_fields", From::stages);
+  const CallScope call(*world.calls, "clear_force_fields", From::stages);
   world.callbacks.force_fields.clear();
   if (!world.current.running) world.callbacks.erase_removed();
   wake_all(world);
@@ -591,7 +606,7 @@ void World::clear_force_fields() {
 
 void World::track_contacts(bool on) {
   WorldState& world = state();
-  const CallScope call(world.calls, "track_contacts");
+  const CallScope call(*world.calls, "track_contacts");
   world.contact->tracker.track(on);
 }
 
@@ -600,11 +615,11 @@ std::span<const ContactPair> World::contact_pairs() const {
 }
 
 void World::set_user_data(ObjectId id, std::uint64_t data) {
-  const CallScope call(state().calls, "set_user_data", From::stages);
+  const CallScope call(*state().calls, "set_user_data", From::stages);
   state().object(id).user_data = data;
 }
 void World::set_user_data(ColliderId id, std::uint64_t data) {
-  const CallScope call(state().calls, "set_user_data", From::stages);
+  const CallScope call(*state().calls, "set_user_data", From::stages);
   state().collider(id).user_data = data;
 }
 std::uint64_t World::user_data(ObjectId id) const {
@@ -622,7 +637,7 @@ void World::set_wind(const Wind& wind) {
 
 void World::set_wind_exposure(ObjectId id, float exposure) {
   WorldState& world = state();
-  const CallScope call(world.calls, "set_wind_exposure", From::stages);
+  const CallScope call(*world.calls, "set_wind_exposure", From::stages);
   Object& object = world.object(id);
   if (!(exposure >= 0) || !std::isfinite(exposure))
     throw Error(fmt::format("set_wind_exposure: the exposure of {} is {}, expected a finite number >= 0",
@@ -637,7 +652,7 @@ float World::wind_exposure(ObjectId id) const {
 
 void World::set_job_system(JobSystem* jobs) {
   WorldState& world = state();
-  const CallScope call(world.calls, "set_job_system");
+  const CallScope call(*world.calls, "set_job_system");
   if (jobs && jobs->workers() < 1)
     throw Error(fmt::format("set_job_system: {} workers, expected at least one", jobs->workers()));
   world.jobs = jobs;
@@ -646,7 +661,7 @@ void World::set_job_system(JobSystem* jobs) {
 
 void World::set_log(std::function<void(LogLevel, std::string_view)> log) {
   WorldState& world = state();
-  const CallScope call(world.calls, "set_log", From::stages);
+  const CallScope call(*world.calls, "set_log", From::stages);
   world.warnings.set_log(std::move(log));
 }
 

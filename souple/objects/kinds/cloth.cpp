@@ -20,7 +20,9 @@ namespace souple {
 namespace {
 
 void check_ranges(const ClothMaterial& m, std::string_view owner) {
-  check_all(owner, {{"areal_density", double(m.areal_density), range::positive, range::finite},
+  check_all(owner, {{"stretch", double(m.stretch), 0, double(StretchModel::membrane)},
+                    {"bending", double(m.bending), 0, double(BendingModel::none)},
+                    {"areal_density", double(m.areal_density), range::positive, range::finite},
                     {"membrane_stiffness", double(m.membrane_stiffness), 0,
                      m.stretch == StretchModel::springs ? range::infinite : range::finite},
                     {"weft_stiffness", double(m.weft_stiffness), 0, range::finite},

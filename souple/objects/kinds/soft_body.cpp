@@ -26,7 +26,8 @@ namespace souple {
 namespace {
 
 void check_ranges(const SoftBodyMaterial& m, std::string_view owner) {
-  check_all(owner, {{"young_modulus", double(m.young_modulus), range::positive, range::finite},
+  check_all(owner, {{"model", double(m.model), 0, double(SoftBodyModel::shape_matching)},
+                    {"young_modulus", double(m.young_modulus), range::positive, range::finite},
                     {"poisson_ratio", double(m.poisson_ratio), 0, 0.5, true},
                     {"density", double(m.density), range::positive, range::finite},
                     {"thickness", double(m.thickness), 0, range::finite},

@@ -1,0 +1,168 @@
+#include "souple/souple.h"
+#include "tests/expect_error.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+// Indices and numbers beyond what a world can hold are refused where a user sets them, and harmless where a simulation
+// reaches them.
+
+namespace souple {
+namespace {
+
+Transform moved_to(double x) {
+  return {{x, 0, 0}, {}, 1};
+}
+
+TEST(Limits, AGroupNamesVerticesOfItsMesh) {
+  TriangleMesh mesh = grid(3, 3, 1);
+  mesh.groups["hem"] = {0, 9};
+  World world;
+  expect_error([&] { world.add_cloth(mesh, {}, {.name = "flag"}); },
+               {"flag", "hem", "vertex 9", "9 vertices"});
+  expect_error([&] { world.add_obstacle(mesh); }, {"hem", "vertex 9"});
+  TetMesh bar = tet_bar(1, 1, 1, {1, 1, 1});
+  bar.groups["end"] = {400};
+  expect_error([&] { world.add_soft_body(bar); }, {"end", "vertex 400"});
+  mesh.groups["hem"] = {0, 8};
+  world.pin(world.add_cloth(mesh), group("hem"));
+  mesh.faces = {{0, 1, 50}};
+  expect_error([&] { world.add_cloth(mesh); }, {"face 0", "vertex 50"});
+  EXPECT_EQ(world.objects().size(), 1u);
+}
+
+TEST(Limits, ValuesThatNoEnumerationHasAreRefused) {
+  World world;
+  expect_error([&] { world.before(Stage(99), [](World&) {}); }, {"before", "stage is 99"});
+  expect_error([&] { world.after(Stage(-1), [](World&) {}); }, {"after", "stage is -1"});
+  const auto refused = [&](const char* field, const auto& set) {
+    Settings settings;
+    set(settings);
+    expect_error([&] { world.set_settings(settings); }, {field, "77"});
+  };
+  refused("mode", [](Settings& s) { s.mode = Mode(77); });
+  refused("form", [](Settings& s) { s.form = Form(77); });
+  refused("integrator", [](Settings& s) { s.integrator = Integrator(77); });
+  refused("solver.kind", [](Settings& s) { s.solver.kind = SolverKind(77); });
+  refused("solver.sweep", [](Settings& s) { s.solver.sweep = Sweep(77); });
+  refused("fluid.kernel", [](Settings& s) { s.fluid.kernel = SmoothingShape(77); });
+  refused("detection", [](Settings& s) { s.detection = Detection(77); });
+  refused("segment_test", [](Settings& s) { s.segment_test = SegmentTest(77); });
+  refused("threading", [](Settings& s) { s.threading = Threading(77); });
+  expect_error([&] { world.add_cloth(grid(2, 2, 1), {}, {.self_collision = SelfCollision(77)}); },
+               {"self_collision", "77"});
+  expect_error([&] { world.add_cloth(grid(2, 2, 1), {.stretch = StretchModel(77)}); }, {"stretch", "77"});
+  expect_error([&] { world.add_cloth(grid(2, 2, 1), {.bending = BendingModel(77)}); }, {"bending", "77"});
+  expect_error(
+      [&] {
+        world.add_soft_body(tet_bar(1, 1, 1, {1, 1, 1}), {.model = SoftBodyModel(77)});
+      },
+      {"model", "77"});
+  EXPECT_TRUE(world.objects().empty());
+}
+
+TEST(Limits, PositionsAndVelocitiesBeyondABillionAreRefused) {
+  World world;
+  const ObjectId cloth = world.add_cloth(grid(2, 2, 1), {}, {.name = "flag"});
+  const ObjectId fluid = world.add_fluid(std::vector<Vec3d>{{0, 3, 0}}, {}, {.max_particles = 10});
+  const ColliderId ball = world.add_collider(Sphere{});
+  const std::uint64_t before = world.hash();
+  const std::vector<Vec3f> far(4, {0, 2e9f, 0});
+  expect_error([&] { world.set_positions(cloth, far); }, {"set_positions", "flag", "1e+09"});
+  expect_error([&] { world.set_velocities(cloth, far); }, {"set_velocities", "flag", "1e+09"});
+  expect_error([&] { world.teleport(cloth, moved_to(1e300)); }, {"teleport", "translation", "1e+09"});
+  expect_error([&] { world.add_cloth(grid(2, 2, 1), {}, {.transform = moved_to(2e9)}); }, {"1e+09"});
+  expect_error([&] { world.add_grains(std::vector<Vec3d>{{0, -1e300, 0}}); }, {"1e+09"});
+  expect_error([&] { world.add_cloth(grid(2, 2, 1), {}, {.velocity = {0, 1e30f, 0}}); }, {"velocity"});
+  expect_error([&] { world.add_collider(Sphere{.center = {1e30f, 0, 0}}); }, {"center", "1e+09"});
+  expect_error([&] { world.move_collider(ball, moved_to(-2e9)); }, {"translation"});
+  expect_error(
+      [&] {
+        ColliderMotion::keyframes({{0, {}, {}}, {1, {0, 5e9, 0}, {}}});
+      },
+      {"keyframe 1", "1e+09"});
+  expect_error(
+      [&] {
+        ColliderMotion::keyframes({{0, {}, {}}, {1e300, {}, {}}});
+      },
+      {"keyframe 1", "1e+300 s"});
+  expect_error([&] { world.add_emitter(fluid, {.position = {0, 2e9f, 0}}); }, {"position"});
+  expect_error([&] { world.add_emitter(fluid, {.speed = 1e30f}); }, {"speed"});
+  world.pin(cloth, vertices({0}));
+  expect_error(
+      [&] {
+        world.move_pins(cloth, std::vector<std::uint32_t>{0}, std::vector<Vec3f>{{0, 0, 2e9f}});
+      },
+      {"move_pins", "1e+09"});
+  world.teleport(cloth, moved_to(0.9e9));
+  expect_error([&] { world.teleport(cloth, moved_to(0.9e9)); }, {"teleport", "flag"});
+  world.teleport(cloth, moved_to(-0.9e9));
+  EXPECT_EQ(world.objects().size(), 2u);
+  EXPECT_NE(before, 0u);
+}
+
+TEST(Limits, TimesBeyondABillionSecondsAreRefused) {
+  World world;
+  const ObjectId fluid = world.add_fluid(std::vector<Vec3d>{{0, 3, 0}}, {}, {.max_particles = 10});
+  for (const double start : {-1e300, 1e300, 2e9, std::nan("")})
+    expect_error([&] { world.add_emitter(fluid, {.start = start}); }, {"an emitter of fluid", "start"});
+  expect_error([&] { world.add_drain({.start = -1e300}); }, {"a drain", "start"});
+  ObstacleMotion motion;
+  motion.sequence = {.frames = {std::vector<Vec3f>(4), std::vector<Vec3f>(4)}, .start_time = -1e300};
+  expect_error([&] { world.add_obstacle(grid(2, 2, 1), {}, motion); }, {"start time", "-1e+300"});
+  for (const double dt : {1e300, 2e9, -1.0, std::nan("")})
+    EXPECT_NE(world.step(dt).message.find("nothing was done"), std::string::npos) << dt;
+  EXPECT_EQ(world.time(), 0);
+  // Allowed, and long ago: the layers since then are not counted one by one.
+  world.add_emitter(fluid, {.speed = 1e9f, .start = -1e9});
+  EXPECT_TRUE(world.step(0.01).ok());
+}
+
+// The motion of a collider is checked where it is used; a step says so.
+TEST(Limits, AMotionBeyondTheLimitIsReported) {
+  World world;
+  world.add_cloth(grid(3, 3, 1));
+  double x = 0;
+  world.add_collider(Sphere{}, {.motion = ColliderMotion::callback([&](double) { return moved_to(x); })});
+  EXPECT_TRUE(world.step(0.01).ok());
+  x = 1e300;
+  EXPECT_NE(world.step(0.01).message.find("a collider's motion threw"), std::string::npos);
+}
+
+// A force field throws everything as far as floats reach, in both directions: no conversion to a cell overflows (the
+// sanitizers check), and what is no number any more is flagged.
+TEST(Limits, SimulationsMayLeaveThem) {
+  for (const float way : {1.0f, -1.0f})
+    for (const float push : {1e9f, 1e15f, 1e22f, 1e32f, 1e38f}) {
+      World world({.substeps = 2});
+      world.add_cloth(grid(4, 4, 1), {},
+                      {.transform = moved_to(2), .self_collision = SelfCollision::surfaces});
+      world.add_cloth(grid(4, 4, 1), {},
+                      {.transform = moved_to(8), .self_collision = SelfCollision::particles});
+      world.add_grains(std::vector<Vec3d>{{-3, 0, 0}, {-3, 0.02, 0}, {-3, 5, 0}});
+      std::vector<Vec3d> centers;
+      for (int i = 0; i < 64; ++i) centers.push_back({5 + 0.1 * (i % 4), 0.1 * (i / 4 % 4), 0.1 * (i / 16)});
+      world.add_fluid(centers, {.spacing = 0.1f, .foam = 1});
+      world.add_rope(std::vector<Vec3d>{{0, 3, 0}, {1, 3, 0}}, 5, {},
+                     {.self_collision = SelfCollision::surfaces});
+      world.add_collider(Sphere{});
+      world.add_collider(Plane{});
+      // Some of the particles only, so that near and far ones are in one search.
+      world.add_force_field([&](const ForcePoint& point) {
+        return point.vertex % 3 == 0 ? Vec3f{1, 1, 1} * (way * push * point.mass) : Vec3f{};
+      });
+      for (int i = 0; i < 4; ++i) world.step(0.1);
+      for (const ObjectId id : world.objects())
+        for (const Vec3f& x : world.positions(id)) EXPECT_TRUE(is_finite(x)) << push;
+      (void)world.ray_cast({0, 9, 0}, {0, -1, 0});
+    }
+}
+
+}  // namespace
+}  // namespace souple
