@@ -8,6 +8,7 @@
 #include "souple/solver/solver.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/user_constraint.h"
+#include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/step_scratch.h"
 
