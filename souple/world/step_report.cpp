@@ -189,8 +189,10 @@ void end_report(WorldState& world, bool valid) {
 void run_callbacks(World& self, WorldState& world,
                    const CallbackList<std::function<void(World&)>>& callbacks) {
   callbacks.for_each([&](const std::function<void(World&)>& callback) {
-    const CallScope call(*world.calls, Calls::Doing::callback);
-    world.warnings.guarded("a stage's callback", [&] { callback(self); });
+    world.warnings.guarded("a stage's callback", [&] {
+      const CallScope call(*world.calls, Calls::Doing::callback);  // over when the log hears of an exception
+      callback(self);
+    });
   });
 }
 

@@ -123,6 +123,29 @@ TEST(Callbacks, AreRemovedOneByOne) {
   expect_error([&] { world.remove(first); }, {"no force field has the handle"});
 }
 
+// The callback of a stage may replace the log function; the log function that hears of its exception may not.
+TEST(Callbacks, TheLogThatHearsOfAStagesCallbackMayOnlyRead) {
+  World world({.substeps = 1});
+  const ObjectId cloth = world.add_cloth(grid(3, 3, 1));
+  std::string refused;
+  world.set_log([&](LogLevel, std::string_view) {
+    const auto attempt = [&](const auto& change) {
+      try {
+        change();
+      } catch (const Error& error) {
+        refused += error.what();
+      }
+    };
+    (void)world.positions(cloth);
+    attempt([&] { world.set_log({}); });
+    attempt([&] { world.teleport(cloth, {}); });
+  });
+  world.before(Stage::solve, [](World&) { throw std::runtime_error("stage trouble"); });
+  world.step(0.01);
+  EXPECT_NE(refused.find("set_log: not while"), std::string::npos) << refused;
+  EXPECT_NE(refused.find("teleport: not while"), std::string::npos) << refused;
+}
+
 TEST(Callbacks, TheLogHearsWhatWasMended) {
   World world;
   std::string heard;
