@@ -3,6 +3,7 @@
 #include "souple/scene/keys/parts.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include <fmt/core.h>
@@ -34,10 +35,12 @@ void complete_names(Items& items, const char* list_key, const JsonPath& path, Na
     const JsonPath item = list_path.item(i);
     item.key("name").fail("the name \"" + given + "\" is used twice; names must be unique");
   }
+  std::map<std::string, int> next;  // number of a base: lower ones are taken
   for (auto& item : items) {
     if (!name_of(item).empty()) continue;
     std::string name = base(item);
-    for (int number = 2; !used.insert(name).second; ++number) name = fmt::format("{}{}", base(item), number);
+    int& number = next.try_emplace(name, 2).first->second;
+    while (!used.insert(name).second) name = fmt::format("{}{}", base(item), number++);
     name_of(item) = name;
   }
 }

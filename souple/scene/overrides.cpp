@@ -4,6 +4,7 @@
 #include "souple/scene/nearest.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include <fmt/core.h>
@@ -31,6 +32,7 @@ std::vector<std::string> split_path(std::string_view path) {
 /// names.
 std::vector<std::string> names_of(const Json& list, const std::string& key) {
   std::set<std::string> used;
+  std::map<std::string, int> next;  // number of a base: lower ones are taken
   std::vector<std::string> names(list.items.size());
   for (std::size_t i = 0; i < names.size(); ++i) {
     const Json* name = list.items[i].find("name");
@@ -41,8 +43,8 @@ std::vector<std::string> names_of(const Json& list, const std::string& key) {
     const std::string base = key == "colliders" ? "collider" : (kind != nullptr ? kind->text : "");
     if (!names[i].empty() || base.empty()) continue;
     names[i] = base;
-    for (int number = 2; !used.insert(names[i]).second; ++number)
-      names[i] = fmt::format("{}{}", base, number);
+    int& number = next.try_emplace(base, 2).first->second;
+    while (!used.insert(names[i]).second) names[i] = fmt::format("{}{}", base, number++);
   }
   return names;
 }

@@ -1,6 +1,8 @@
 // --set path=value: with the checks and messages of a file.
 #include "scene_test.h"
 
+#include <chrono>
+
 namespace souple::scene_test {
 namespace {
 
@@ -57,6 +59,28 @@ TEST(Override, FailsAsAFileWould) {
   EXPECT_NE(said("frames.x=3").find("\"frames\" is 10"), std::string::npos);
   EXPECT_NE(said("a.b.c.d.e.f.g.h.i.j.k.l.m.n.o.p.q.r=1").find("too many parts"), std::string::npos);
   EXPECT_NE(said("frame_rate=nan").find("frame_rate: expected a number"), std::string::npos);
+}
+
+// Their names, and a path that gives one of them, take time in proportion to their number.
+TEST(Override, TenThousandUnnamedObjectsAreNamedInLinearTime) {
+  const auto seconds_for = [](int count) {
+    std::string objects;
+    for (int i = 0; i < count; ++i)
+      objects += std::string(i > 0 ? "," : "") + R"({"kind": "grains", "points": [[0, 0, 0]]})";
+    const std::string last = "grains" + std::to_string(count);
+    const std::vector<std::string> settings{"objects." + last + ".velocity=[0, 1, 0]"};
+    const auto start = std::chrono::steady_clock::now();
+    const SceneDescription scene =
+        parse_scene(R"({"souple": 1, "objects": [)" + objects + "]}", ".", "test.json", settings);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    EXPECT_EQ(std::get<GrainsDescription>(scene.objects.back()).name, last);
+    EXPECT_EQ(std::get<GrainsDescription>(scene.objects.back()).velocity.y, 1);
+    return seconds;
+  };
+  seconds_for(100);
+  const double tenth = seconds_for(1000), all = seconds_for(10000);
+  EXPECT_LT(all, 30 * tenth + 0.2);  // 10 times if linear, 100 if quadratic
+  RecordProperty("seconds", std::to_string(all));
 }
 
 }  // namespace
