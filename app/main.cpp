@@ -5,10 +5,13 @@
 #include "souple/error.h"
 #include "souple/version.h"
 
+#include <cerrno>
 #include <cstdio>
 #include <exception>
 #include <functional>
+#include <iostream>
 #include <new>
+#include <system_error>
 
 // The only file that includes CLI11, which costs seconds of compile time.
 #include <CLI/CLI.hpp>
@@ -378,6 +381,15 @@ int perform(const std::function<int()>& action) {
   }
 }
 
+/// The exit code, after the output is written: a full disk behind a redirection is a failed write.
+int finish_output(int code) {
+  std::cout.flush();
+  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good()) return code;
+  std::fprintf(stderr, "souple: the standard output cannot be written: %s\n",
+               std::generic_category().message(errno).c_str());
+  return code == success ? failed : code;
+}
+
 /// "run, list, check or info"
 std::string command_names(const CLI::App& app) {
   std::string names;
@@ -433,10 +445,11 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error) == 0 ? success : bad_input;  // --help, --version
+    if (error.get_exit_code() == 0)  // --help, --version
+      return finish_output(app.exit(error) == 0 ? success : bad_input);
     std::fprintf(stderr, "souple: %s; see `souple --help` and `souple run --help`\n",
                  usage_error(app, error, argc, argv).c_str());
     return bad_input;
   }
-  return perform(action);
+  return finish_output(perform(action));
 }

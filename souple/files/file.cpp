@@ -151,7 +151,9 @@ std::string read_whole_file(const std::filesystem::path& path) {
 void create_folder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder))
+  // A loop of symbolic links or a name that is too long is an error here, not only a missing folder.
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(folder, ignored))
     throw Error(folder.string() + ": cannot be an output folder: " +
                 (error ? error.message() : "there is a file of that name") + "; choose another");
 }

@@ -117,9 +117,14 @@ RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, Ob
     : RecordedObject(plan, world.name(object), object, std::move(file_name),
                      std::make_shared<RecordedShape>(shape_of(world, object, plan.folder))) {
   has_rest_mesh_ = wants(CacheFormat::pc2) || wants(CacheFormat::mdd);
-  if (has_rest_mesh_) write_rest_mesh(world);
-  if (wants(CacheFormat::pc2)) pc2_.emplace(path("pc2"), shape_->points);
-  if (wants(CacheFormat::mdd)) mdd_.emplace(path("mdd"), shape_->points, plan_.frames);
+  try {
+    if (has_rest_mesh_) write_rest_mesh(world);
+    if (wants(CacheFormat::pc2)) pc2_.emplace(path("pc2"), shape_->points);
+    if (wants(CacheFormat::mdd)) mdd_.emplace(path("mdd"), shape_->points, plan_.frames);
+  } catch (...) {
+    discard();
+    throw;
+  }
   if (wants(CacheFormat::obj)) add_sequence("obj", 0);
   if (wants(CacheFormat::ply)) add_sequence("ply", 0);
 }
@@ -129,7 +134,6 @@ RecordedObject::RecordedObject(const RecordingPlan& plan, const World& world, Ob
     : RecordedObject(plan, world.name(object), object, std::move(file_name),
                      std::make_shared<RecordedShape>(shape_of(world, object, plan.folder))) {
   first_shape_.points = resume.points;
-  // The rest mesh exists already; for a rope or grains that have moved it could not be rewritten.
   has_rest_mesh_ = wants(CacheFormat::pc2) || wants(CacheFormat::mdd);
   if (wants(CacheFormat::pc2)) pc2_.emplace(Pc2Writer::resume(path("pc2"), shape_->points, resume.frames));
   if (wants(CacheFormat::mdd))
@@ -243,6 +247,20 @@ void RecordedObject::close_caches() {
   if (pc2_) pc2_->frames() > 0 ? pc2_->finish() : pc2_->discard();
   if (mdd_) mdd_->frames() > 0 ? mdd_->finish() : mdd_->discard();
   caches_open_ = false;
+}
+
+void RecordedObject::discard() {
+  if (pc2_) pc2_->discard();
+  if (mdd_) mdd_->discard();
+  std::error_code ignored;
+  if (has_rest_mesh_) std::filesystem::remove(path("obj"), ignored);
+}
+
+bool RecordedObject::restore_rest_mesh(const World& world) const {
+  std::error_code ignored;
+  if (!has_rest_mesh_ || std::filesystem::exists(path("obj"), ignored)) return false;
+  write_rest_mesh(world);
+  return true;
 }
 
 void RecordedObject::leave() {

@@ -77,9 +77,14 @@ class RecordedObject {
   void drop_after(std::uint64_t frames);
   /// The object was removed: completes its caches.
   void leave();
+  /// Removes what the start of a run wrote, when another of its files could not be.
+  void discard();
   /// Renames .part files; removes files without frames.
   void finish();
 
+  /// Writes the rest mesh again if a resumed run lacks it, and returns true. Ropes and grains have moved since: their
+  /// mesh shows the world as it is.
+  bool restore_rest_mesh(const World& world) const;
   /// Number of vertices in the files that belong to no face, of an object that has faces.
   std::size_t loose_vertices() const;
   /// Name of the next file of its sequences.

@@ -42,20 +42,16 @@ struct Recorder::Impl {
       : world(recorded), plan(checked_plan(std::move(folder), options)), scene(options.scene) {
     if (options.resume_from > 0) {
       resume(options.resume_from);
+      save_manifest();
     } else {
       create_folder(plan.folder);
       EarlierRun earlier_run(plan.folder);
       earlier_run.remove();
-      for (const ObjectId object : world.objects())
-        objects.push_back(
-            std::make_unique<RecordedObject>(plan, world, object, names.add(world.name(object))));
-      earlier_run.remove_caches();
-      note_loose_vertices();
-      look_for_foam();
+      start(earlier_run);
     }
-    save_manifest();
   }
 
+  void start(EarlierRun& earlier_run);
   void resume(std::uint64_t from);
   RecordedObject* find(const std::string& name);
   void note_loose_vertices();
@@ -80,6 +76,21 @@ struct Recorder::Impl {
   bool finished = false;
   bool broken = false;  ///< files could not be restored after a failure
 };
+
+/// Leaves no file behind if one of them cannot be written.
+void Recorder::Impl::start(EarlierRun& earlier_run) {
+  try {
+    for (const ObjectId object : world.objects())
+      objects.push_back(std::make_unique<RecordedObject>(plan, world, object, names.add(world.name(object))));
+    earlier_run.remove_caches();
+    note_loose_vertices();
+    look_for_foam();
+    save_manifest();
+  } catch (...) {
+    for (const auto& object : objects) object->discard();
+    throw;
+  }
+}
 
 void Recorder::Impl::resume(std::uint64_t from) {
   RunManifest before = read_manifest(plan.folder / "run.json");
@@ -115,6 +126,11 @@ void Recorder::Impl::resume(std::uint64_t from) {
     if (report.frame <= from) reports.push_back(std::move(report));
   }
   notes = std::move(before.notes);
+  for (const auto& object : objects) {
+    if (!object->restore_rest_mesh(world)) continue;
+    notes.push_back(fmt::format("{}: its rest mesh was missing and was written again after frame {}",
+                                object->name(), from));
+  }
   frames = from;
   next_save = frames + frames / 2 + 16;
 }

@@ -664,6 +664,40 @@ class OutOfMemory(Case):
         self.assertEqual(codes[-1], 0)
 
 
+class WritingErrors(Case):
+    """Output that cannot be written: exit code 1 and one line."""
+
+    def refused(self, command):
+        done = subprocess.run(["bash", "-c", command, PROGRAM], cwd=self.folder, env=self.environment,
+                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+        self.assertEqual(done.returncode, 1, f"{command}\n{done.stdout}\n{done.stderr}")
+        self.assert_one_line(done.stderr)
+        return done.stderr
+
+    def test_standard_output_on_a_full_disk(self):
+        scene = self.scene(SMALL)
+        for arguments in ("list", "list --json", f"check {scene}", "info", "info --schema", "--help", "--version",
+                          f"run {scene} --out out"):
+            self.assertIn("standard output cannot be written: No space left",
+                          self.refused(f'"$0" {arguments} > /dev/full'))
+
+    def test_folders_that_cannot_be(self):
+        scene = self.scene(SMALL)
+        (self.folder / "loop").symlink_to("loop")
+        for name, reason in (("loop", ""), ("n" * 256, "File name too long")):
+            for out in (name, f"{name}/inner"):
+                said = self.refused(f'"$0" run {scene} --out {out}')
+                self.assertIn(f"{out}: cannot be an output folder: ", said)
+                self.assertIn(reason, said)
+                self.assertNotIn("filesystem error", said)
+
+    def test_too_few_open_files_leave_no_file(self):
+        many = dict(SMALL, objects=[dict(SMALL["objects"][0], name=f"flag{i}") for i in range(40)])
+        said = self.refused(f'ulimit -n 32; exec "$0" run {self.scene(many)} --out out --threads 1 --write pc2,mdd')
+        self.assertIn("Too many open files", said)
+        self.assertEqual([n for n in self.names() if n.startswith("out/") and not n.endswith(".lock")], [])
+
+
 class Stopping(Case):
     def start(self, scene, *arguments):
         return subprocess.Popen([PROGRAM, "run", scene, *map(str, arguments)], cwd=self.folder,
@@ -739,6 +773,19 @@ class Stopping(Case):
                              env=self.environment)
         self.assertEqual(run.returncode, 1, run.stdout + run.stderr)
         self.assertIn("souple: ", run.stderr)
+
+    def test_resume_writes_a_missing_rest_mesh_again(self):
+        scene = self.scene(dict(SMALL, frames=3000, substeps=20))
+        code, out, error = self.stopped(scene, "out", signal.SIGINT)
+        self.assertEqual(code, 130, out + error)
+        mesh = (self.folder / "out/flag.obj").read_bytes()
+        for name in "flag", "sand":
+            (self.folder / f"out/{name}.obj").unlink()
+        said = self.souple("run", "--resume", "out").stderr
+        for name in "flag", "sand":
+            self.assertIn(f"{name}: its rest mesh was missing", said)
+        self.assertEqual((self.folder / "out/flag.obj").read_bytes(), mesh)
+        self.assertTrue((self.folder / "out/sand.obj").exists())
 
     def test_interrupted_twice(self):
         scene = self.scene(dict(SMALL, frames=4000, substeps=20))
