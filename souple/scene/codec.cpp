@@ -74,10 +74,15 @@ Json Range::schema(const char* type) const {
 
 namespace {
 
-Json string_schema(std::int64_t max_length) {
+/// Characters (Unicode code points) of valid UTF-8, as JSON Schema's maxLength counts them.
+std::size_t count_characters(std::string_view text) {
+  return std::size_t(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+Json string_schema(std::size_t max_length) {
   Json schema = Json::object();
   schema.set("type", Json::of("string"));
-  schema.set("maxLength", Json::whole(max_length));
+  schema.set("maxLength", Json::whole(std::int64_t(max_length)));
   return schema;
 }
 
@@ -99,14 +104,16 @@ class Text : public Codec<std::string> {
  public:
   void read(const Json& json, const JsonPath& path, std::string& value) const override {
     if (!json.is(Json::Kind::text)) path.unexpected("text in quotes", json);
-    if (json.text.size() > max_length) path.fail("expected at most 1000 bytes of text, found " + brief(json));
+    if (count_characters(json.text) > max_length) {
+      path.fail("expected at most 1000 characters of text, found " + brief(json));
+    }
     value = json.text;
   }
   Json write(const std::string& value) const override { return Json::of(value); }
   TypeInfo describe(Format&) const override { return {"text", string_schema(max_length)}; }
 
  private:
-  static constexpr int max_length = 1000;
+  static constexpr std::size_t max_length = 1000;
 };
 
 class HexColor : public Codec<std::uint32_t> {
@@ -146,9 +153,9 @@ class Name : public Codec<std::string> {
   }
 
  private:
-  static constexpr const char* expected = "a name of letters, digits, _ and -, 1 to 64 bytes";
+  static constexpr const char* expected = "a name of letters, digits, _ and -, 1 to 64 characters";
   static bool valid(const std::string& name) {
-    return !name.empty() && name.size() <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
+    return !name.empty() && count_characters(name) <= 64 && std::all_of(name.begin(), name.end(), [](char c) {
       const bool letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
       return letter || (c >= '0' && c <= '9') || c == '_' || c == '-' ||
              static_cast<unsigned char>(c) >= 0x80;
@@ -160,7 +167,8 @@ class File : public Codec<std::string> {
  public:
   explicit File(bool or_folder) : or_folder_(or_folder) {}
   void read(const Json& json, const JsonPath& path, std::string& value) const override {
-    const bool usable = json.is(Json::Kind::text) && !json.text.empty() && json.text.size() <= max_length &&
+    const bool usable = json.is(Json::Kind::text) && !json.text.empty() &&
+                        count_characters(json.text) <= max_length &&
                         json.text.find('\0') == std::string::npos;
     if (!usable) path.unexpected("a file's name", json);
     if (path.reading().files_exist) require_file(path, json);
@@ -183,7 +191,7 @@ class File : public Codec<std::string> {
       path.fail("file " + brief(json) + " not found; looked for " + file.string());
     }
   }
-  static constexpr int max_length = 1000;
+  static constexpr std::size_t max_length = 1000;
   bool or_folder_;
 };
 

@@ -223,11 +223,11 @@ extern template CodecPtr<Vec3f> vector3(const Range& range);
 // --- text ------------------------------------------------------------------------------------------------
 
 CodecPtr<bool> boolean();
-/// Any text, at most 1000 bytes.
+/// Any text, at most 1000 characters.
 CodecPtr<std::string> text();
 /// "#rrggbb", sRGB as in HTML, to 0xRRGGBB.
 CodecPtr<std::uint32_t> color();
-/// The name of an object or collider, also used in file names: letters, digits, _ and -, at most 64 bytes.
+/// The name of an object or collider, also used in file names: letters, digits, _ and -, at most 64 characters.
 CodecPtr<std::string> name();
 /// An existing file, relative to the scene.
 CodecPtr<std::string> file();

@@ -193,6 +193,25 @@ TEST(Message, KeysWithLineFeedsStayOnOneLine) {
   EXPECT_EQ(said.find('\n'), std::string::npos) << said;
 }
 
+// JSON Schema's maxLength counts characters, so a name of 64 characters of two bytes is as good as one of 64 letters.
+TEST(Message, LengthsCountCharactersAsTheSchemaDoes) {
+  const auto repeated = [](int count) {
+    std::string text;
+    for (int i = 0; i < count; ++i) text += "\u00e9";
+    return text;
+  };
+  const auto named = [&](int count) {
+    return R"({"souple": 1, "colliders": [{"name": ")" + repeated(count) + R"(", "shape": {"plane": {}}}]})";
+  };
+  EXPECT_EQ(error_message(named(64)), "");
+  EXPECT_NE(error_message(named(65)).find("1 to 64 characters"), std::string::npos);
+  const auto described = [&](int count) {
+    return R"({"souple": 1, "description": ")" + repeated(count) + "\"}";
+  };
+  EXPECT_EQ(error_message(described(1000)), "");
+  EXPECT_NE(error_message(described(1001)).find("1000 characters"), std::string::npos);
+}
+
 TEST(Message, ManyKeysDoNotTakeForever) {
   std::string text = R"({"souple": 1)";
   for (int i = 0; i < 200000; ++i) text += ", \"k" + std::to_string(i) + "\": 0";
