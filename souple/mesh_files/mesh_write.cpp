@@ -80,8 +80,23 @@ struct VertexGroups {
   std::vector<std::size_t> begins;
   std::vector<std::uint32_t> groups;
 
+  /// Limit of the groups of a corner that groups_of_face compares: without one, n faces of the same vertices in
+  /// n groups take n^2 steps.
+  static constexpr std::size_t most_compared = 64;
+
   std::span<const std::uint32_t> of(std::uint32_t vertex) const {
     return std::span(groups).subspan(begins[vertex], begins[vertex + 1] - begins[vertex]);
+  }
+  std::span<const std::uint32_t> compared(std::uint32_t vertex) const {
+    const auto all = of(vertex);
+    return all.first(std::min(all.size(), most_compared));
+  }
+  /// The place of a vertex's group in `groups`, or groups.size() if the vertex is not in it.
+  std::size_t place(std::uint32_t vertex, std::uint32_t group) const {
+    const auto all = of(vertex);
+    const auto found = std::lower_bound(all.begin(), all.end(), group);
+    if (found == all.end() || *found != group) return groups.size();
+    return begins[vertex] + std::size_t(found - all.begin());
   }
 };
 
@@ -104,14 +119,15 @@ VertexGroups groups_by_vertex(const TriangleMesh& mesh) {
   return result;
 }
 
-/// The groups that hold every corner of a face, up to the limit of a `g` line; write_loose writes the others.
+/// The groups that hold every corner of a face, up to the limits of a `g` line and of `most_compared`;
+/// write_loose writes the others.
 std::vector<std::uint32_t> groups_of_face(const VertexGroups& groups,
                                           std::span<const std::uint32_t> corners) {
-  const auto first = groups.of(corners[0]);
+  const auto first = groups.compared(corners[0]);
   std::vector<std::uint32_t> common(first.begin(), first.end()), next;
   for (std::uint32_t corner : corners.subspan(1)) {
     if (common.empty()) break;
-    const auto other = groups.of(corner);
+    const auto other = groups.compared(corner);
     next.clear();
     std::set_intersection(common.begin(), common.end(), other.begin(), other.end(), std::back_inserter(next));
     common.swap(next);
@@ -198,8 +214,9 @@ class TopologyWriter {
   }
 
   void mark_written(std::uint32_t vertex) {
-    for (std::size_t i = groups_.begins[vertex]; i < groups_.begins[vertex + 1]; ++i) {
-      if (std::binary_search(current_.begin(), current_.end(), groups_.groups[i])) written_[i] = true;
+    for (std::uint32_t group : current_) {
+      const std::size_t place = groups_.place(vertex, group);
+      if (place < written_.size()) written_[place] = true;
     }
   }
 
@@ -207,9 +224,7 @@ class TopologyWriter {
   void write_loose() {
     for (std::uint32_t group = 0; group < groups_.names.size(); ++group) {
       for (std::uint32_t vertex : *groups_.members[group]) {
-        const auto of_vertex = groups_.of(vertex);
-        const auto place = std::lower_bound(of_vertex.begin(), of_vertex.end(), group) - of_vertex.begin();
-        if (written_[groups_.begins[vertex] + std::size_t(place)]) continue;
+        if (written_[groups_.place(vertex, group)]) continue;
         write_groups({group});
         out_ += "p ";
         append_number(out_, std::uint64_t(vertex) + 1);

@@ -204,6 +204,18 @@ TEST(ObjWriter, KeepsEveryGroupOfAFaceInMany) {
   EXPECT_EQ(parse(obj_text(mesh, positions_of(mesh))).groups, mesh.groups);
 }
 
+// Quadratic in the groups, this took more than 20 s.
+TEST(ObjWriter, TimeIsLinearInTheGroupsOfOneTriangle) {
+  TriangleMesh mesh = parse("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  constexpr int count = 60000;
+  mesh.triangles.assign(count, mesh.triangles.front());
+  for (int i = 0; i < count; ++i) mesh.groups["g" + std::to_string(i)] = {0, 1, 2};
+  const auto start = std::chrono::steady_clock::now();
+  const std::string text = obj_text(mesh, positions_of(mesh));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+  EXPECT_EQ(parse(text).groups, mesh.groups);
+}
+
 TEST(ObjWriter, KeepsAGroupCalledDefault) {
   const TriangleMesh mesh = parse(square + "o default\nf 1 2 3\n");
   EXPECT_EQ(parse(obj_text(mesh, positions_of(mesh))).groups.count("default_"), 1u);
