@@ -32,8 +32,6 @@ OutputLock OutputLock::of_folder(const fs::path& folder) {
 }
 
 OutputLock OutputLock::of_file(const fs::path& file) {
-  std::error_code error;
-  if (file.has_parent_path()) fs::create_directories(file.parent_path(), error);
   return {file, file.parent_path() / ("." + file.filename().string() + ".lock")};
 }
 

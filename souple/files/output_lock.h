@@ -12,6 +12,7 @@ class OutputLock {
  public:
   /// Creates a missing folder. Throws Error if another process holds the lock.
   static OutputLock of_folder(const std::filesystem::path& folder);
+  /// No lock while the file's folder is missing.
   static OutputLock of_file(const std::filesystem::path& file);
 
   OutputLock(OutputLock&& other) noexcept;

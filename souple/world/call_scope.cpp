@@ -38,9 +38,10 @@ void require_readable(const Calls& calls, std::string_view what) {
 
 void require_whole(const Calls& calls, std::string_view what) {
   if (calls.broken)
-    throw Error(std::string(what) +
-                ": an exception, such as out of memory, ended an earlier step or change of this world half way; "
-                "restore a snapshot, or build the world again");
+    throw Error(
+        std::string(what) +
+        ": an exception, such as out of memory, ended an earlier step or change of this world half way; "
+        "restore a snapshot, or build the world again");
 }
 
 QueryScope::QueryScope(Calls& calls, std::string_view what) : calls_(calls), outer_(innermost) {
