@@ -4,6 +4,7 @@
 #include "tests/physics/validation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -147,9 +148,9 @@ TEST(Overlaps, SheetsAtOnePlaceSeparateInTheOrderOfTheirAddition) {
   World world;
   const Transform pose{.translation = {0.1, 1.3, 0.2},
                        .rotation = Quatd::from_axis_angle({0.6, 0.8, 0}, 0.7)};
-  std::vector<ObjectId> sheets;
-  for (int n = 0; n < 3; ++n)
-    sheets.push_back(world.add_cloth(grid(20, 20, 1), material::cotton, {.transform = pose}));
+  std::array<ObjectId, 3> sheets;
+  for (ObjectId& sheet : sheets)
+    sheet = world.add_cloth(grid(20, 20, 1), material::cotton, {.transform = pose});
   const Vec3f normal(pose.direction({0, 1, 0}));
   for (int frame = 1; frame <= 10; ++frame) {
     const StepReport& report = world.step(1.0 / 60);
