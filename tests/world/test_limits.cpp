@@ -147,7 +147,10 @@ TEST(Limits, SimulationsMayLeaveThem) {
                       {.transform = moved_to(8), .self_collision = SelfCollision::particles});
       world.add_grains(std::vector<Vec3d>{{-3, 0, 0}, {-3, 0.02, 0}, {-3, 5, 0}});
       std::vector<Vec3d> centers;
-      for (int i = 0; i < 64; ++i) centers.push_back({5 + 0.1 * (i % 4), 0.1 * (i / 4 % 4), 0.1 * (i / 16)});
+      centers.reserve(64);
+      for (int z = 0; z < 4; ++z)
+        for (int y = 0; y < 4; ++y)
+          for (int x = 0; x < 4; ++x) centers.push_back({5 + 0.1 * x, 0.1 * y, 0.1 * z});
       world.add_fluid(centers, {.spacing = 0.1f, .foam = 1});
       world.add_rope(std::vector<Vec3d>{{0, 3, 0}, {1, 3, 0}}, 5, {},
                      {.self_collision = SelfCollision::surfaces});

@@ -236,8 +236,10 @@ TEST(Objects, AHundredThousandOfOneParticleLoadAndStep) {
   const auto seconds_for = [](int count) {
     World world({.substeps = 1});
     const auto start = std::chrono::steady_clock::now();
-    for (int i = 0; i < count; ++i)
-      world.add_grains(std::vector<Vec3d>{{0.1 * (i % 300), 0.1 * (i / 300), 0}}, {.radius = 0.02f});
+    for (int i = 0; i < count; ++i) {
+      const int column = i % 300, row = i / 300;
+      world.add_grains(std::vector<Vec3d>{{0.1 * column, 0.1 * row, 0}}, {.radius = 0.02f});
+    }
     EXPECT_TRUE(world.step(0.01).ok());
     EXPECT_EQ(world.name(world.objects().back()), "grains" + std::to_string(count));
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -101,7 +101,11 @@ void grains(World& world) {
   settings.sleeping.enabled = true;
   world.set_settings(settings);
   std::vector<Vec3d> centers;
-  for (int i = 0; i < 30; ++i) centers.push_back({0.021 * (i % 3), 0.011 + 0.021 * (i / 6), 0.021 * (i % 2)});
+  centers.reserve(30);
+  for (int i = 0; i < 30; ++i) {
+    const int layer = i / 6;
+    centers.push_back({0.021 * (i % 3), 0.011 + 0.021 * layer, 0.021 * (i % 2)});
+  }
   world.add_grains(centers, {.radius = 0.011f}, {.angular_velocity = {1, 0, 0}});
   world.add_collider(Plane{});
 }
