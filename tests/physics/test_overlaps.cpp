@@ -163,7 +163,9 @@ TEST(Overlaps, SheetsAtOnePlaceSeparateInTheOrderOfTheirAddition) {
     double height = 0;
     for (const Vec3f& x : world.positions(sheet)) height += static_cast<double>(dot(normal, x));
     height /= static_cast<double>(world.positions(sheet).size());
-    if (last > -1) EXPECT_GT(height, last + 0.5e-3);
+    if (last > -1) {
+      EXPECT_GT(height, last + 0.5e-3);
+    }
     last = height;
   }
 }
