@@ -25,6 +25,9 @@ endif()
 if(TARGET souple_app)
   install(TARGETS souple_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
+if(TARGET souple_mesh_reader)
+  install(TARGETS souple_mesh_reader RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/souple)
+endif()
 if(SOUPLE_MAN_PAGE)
   install(FILES ${SOUPLE_MAN_PAGE} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 endif()
@@ -33,9 +36,10 @@ install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(EXPORT souple-targets NAMESPACE souple:: DESTINATION ${SOUPLE_PACKAGE_DIR})
 get_target_property(library_type souple TYPE)
 get_property(dependencies GLOBAL PROPERTY SOUPLE_DEPENDENCIES)
+set(SOUPLE_INSTALLED_LIBEXEC ${CMAKE_INSTALL_LIBEXECDIR}/souple)
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/souple-config.cmake.in
                               ${PROJECT_BINARY_DIR}/souple-config.cmake
-                              INSTALL_DESTINATION ${SOUPLE_PACKAGE_DIR})
+                              INSTALL_DESTINATION ${SOUPLE_PACKAGE_DIR} PATH_VARS SOUPLE_INSTALLED_LIBEXEC)
 # Before 1.0 a minor version may break what a user wrote.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/souple-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/souple-config.cmake ${PROJECT_BINARY_DIR}/souple-config-version.cmake

@@ -1,8 +1,13 @@
 #include "mesh_expect.h"
+#include "souple/error.h"
 #include "souple/mesh_files/mesh_file.h"
+#include "souple/mesh_files/mesh_message.h"
 
+#include <cstdlib>
 #include <fstream>
 #include <string>
+#include <string_view>
+#include <sys/stat.h>
 #include <utility>
 #include <vector>
 
@@ -108,6 +113,146 @@ TEST(AssimpReader, TurnsFailuresIntoErrors) {
   expect_error([] { read_triangle_mesh(write("souple_bad.gltf", "{\"asset\":")); },
                {"souple_bad.gltf", "assimp"});
   expect_error([] { read_triangle_mesh("souple_none.glb"); }, {"souple_none.glb", "no such file"});
+}
+
+// Files as they come from strangers: an Error in a sentence, never the end of this process.
+
+std::string nodes_of(std::string_view nodes) {
+  return "<?xml version=\"1.0\"?><COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
+         "version=\"1.4.1\">"
+         "<library_visual_scenes><visual_scene id=\"s\">" +
+         std::string(nodes) +
+         "</visual_scene></library_visual_scenes><scene><instance_visual_scene "
+         "url=\"#s\"/></scene></COLLADA>";
+}
+
+std::string repeated(std::string_view text, std::size_t count) {
+  std::string all;
+  for (std::size_t i = 0; i < count; ++i) all += text;
+  return all;
+}
+
+TEST(AssimpReader, SurvivesHostileFiles) {
+  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+  const std::size_t deep = 20000;
+  const std::pair<const char*, std::string> hostile[] = {
+      {"self.dae", nodes_of("<node id=\"n\"><instance_node url=\"#n\"/></node>")},
+      {"mutual.dae", nodes_of("<node id=\"a\"><instance_node url=\"#b\"/></node>"
+                              "<node id=\"b\"><instance_node url=\"#a\"/></node>")},
+      {"deep.dae", nodes_of(repeated("<node>", deep) + repeated("</node>", deep))},
+      {"deep.x3d",
+       "<X3D><Scene>" + repeated("<Group>", deep) + repeated("</Group>", deep) + "</Scene></X3D>"},
+      {"use.x3d", "<X3D><Scene><Group DEF=\"a\"><Group USE=\"a\"/></Group></Scene></X3D>"},
+      {"inline.x3d", "<X3D><Scene><Inline url=\"souple_inline.x3d\"/></Scene></X3D>"},
+      {"deep.gltf", std::string(200000, '[')},
+      {"deep.fbx", "; FBX 7.3.0 project file\n" + repeated("A: {\n", 50000)},
+      {"zero.fbx", std::string(20000, '\0')},
+      {"zero.blend", std::string(20000, '\0')},
+      {"zero.3ds", std::string(20000, '\0')},
+      {"zero.glb", std::string(20000, '\0')},
+  };
+  for (const auto& [name, text] : hostile) {
+    SCOPED_TRACE(name);
+    expect_error([&] { read_triangle_mesh(write("souple_" + std::string(name), text)); }, {name, "assimp"});
+  }
+}
+
+// assimp reads forty formats more, by readers of which a file of zeros makes several crash.
+TEST(AssimpReader, ReadsListedFormatsOnly) {
+  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+  for (const char* const name : {"zero.lws", "zero.mot", "zero.ms3d", "zero.ifc"})
+    expect_error([&] { read_triangle_mesh(write(name, std::string(20000, '\0'))); },
+                 {name, "unknown extension", ".gltf"});
+  // Nor by their content: this scene of LightWave would be read in spite of its name.
+  expect_error([] { read_triangle_mesh(write("souple_named.gltf", "LWSC\n3\n" + std::string(100, ' '))); },
+               {"souple_named.gltf", "assimp"});
+}
+
+std::string with_buffer(const std::string& uri) {
+  std::string text = square_gltf;
+  const std::size_t begin = text.find("data:"), end = text.find('"', begin);
+  return text.replace(begin, end - begin, uri);
+}
+
+TEST(AssimpReader, OpensRegularFilesBelowTheMeshOnly) {
+  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+  namespace fs = std::filesystem;
+  const fs::path top = fs::path(testing::TempDir()) / "souple_buffers", folder = top / "mesh";
+  fs::remove_all(top);
+  fs::create_directories(folder / "below");
+  std::string floats;
+  for (const float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.f})
+    floats.append(reinterpret_cast<const char*>(&x), sizeof(x));
+  for (const unsigned short i : {0, 1, 2, 0, 2, 3})
+    floats.append(reinterpret_cast<const char*>(&i), sizeof(i));
+  for (const fs::path& file : {folder / "below" / "in.bin", top / "out.bin"})
+    std::ofstream(file, std::ios::binary) << floats;
+  fs::create_symlink(top / "out.bin", folder / "link.bin");
+  fs::create_symlink("below/in.bin", folder / "inner.bin");
+  ASSERT_EQ(mkfifo((folder / "pipe.bin").c_str(), 0600), 0);
+  const auto read = [&](const std::string& uri) {
+    return read_triangle_mesh(write("souple_buffers/mesh/mesh.gltf", with_buffer(uri)));
+  };
+  EXPECT_EQ(read("below/in.bin").positions.size(), 4u);
+  EXPECT_EQ(read("inner.bin").positions.size(), 4u);
+  for (const std::string& uri :
+       {std::string("../out.bin"), (top / "out.bin").string(), std::string("link.bin"),
+        std::string("pipe.bin"), std::string("/dev/zero"), std::string("below/../../out.bin")}) {
+    SCOPED_TRACE(uri);
+    expect_error([&] { read(uri); }, {"mesh.gltf", "assimp"});
+  }
+}
+
+TEST(AssimpReader, SaysWhereItsProgramIsMissing) {
+  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+  const auto path = write("souple_square.off", square_off);
+  ASSERT_EQ(setenv("SOUPLE_MESH_READER", "/no/such/reader", 1), 0);
+  expect_error([&] { read_triangle_mesh(path); },
+               {"souple_square.off", "SOUPLE_MESH_READER", "/no/such/reader"});
+  // A program that says nothing, and one that says nonsense.
+  ASSERT_EQ(setenv("SOUPLE_MESH_READER", "/bin/true", 1), 0);
+  expect_error([&] { read_triangle_mesh(path); }, {"souple_square.off", "breaks off"});
+  ASSERT_EQ(setenv("SOUPLE_MESH_READER", "/bin/false", 1), 0);
+  expect_error([&] { read_triangle_mesh(path); }, {"souple_square.off", "exit code 1"});
+  ASSERT_EQ(unsetenv("SOUPLE_MESH_READER"), 0);
+  EXPECT_EQ(read_triangle_mesh(path).positions.size(), 4u);
+}
+
+// What a damaged answer of the reader costs: an Error. Each byte of a small one in turn.
+TEST(MeshMessage, IsCheckedByteByByte) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.faces = {{0, 1, 2, 3}};
+  mesh.uvs = {{0, 0}, {1, 1}};
+  mesh.face_uvs = {{0, 1, 0, 1}};
+  mesh.colors.assign(4, Vec3f{1, 0, 0});
+  mesh.groups["left"] = {0, 3};
+  mesh.appearance.materials = {"red"};
+  mesh.appearance.face_materials = {0};
+  mesh.appearance.normals = {{0, 0, 1}};
+  mesh.appearance.face_normals = {{0, 0, 0, 0}};
+  const std::string message = mesh_detail::message_of_mesh(mesh);
+  const TriangleMesh same = mesh_detail::mesh_of_message(message, "message");
+  EXPECT_EQ(same.positions, mesh.positions);
+  EXPECT_EQ(same.groups, mesh.groups);
+  EXPECT_EQ(same.face_uvs, mesh.face_uvs);
+  EXPECT_TRUE(same.appearance == mesh.appearance);
+  for (std::size_t i = 0; i < message.size(); ++i) {
+    for (const char byte : {'\0', '\xff', '\x7f', '\x04'}) {
+      std::string damaged = message;
+      damaged[i] = byte;
+      try {
+        const TriangleMesh taken = mesh_detail::mesh_of_message(damaged, "message");
+        for (const auto& [name, group] : taken.groups)
+          for (const std::uint32_t vertex : group) ASSERT_LT(vertex, taken.positions.size()) << i;
+        for (const Triangle& triangle : taken.triangles)
+          for (const std::uint32_t vertex : triangle) ASSERT_LT(vertex, taken.positions.size()) << i;
+      } catch (const Error&) {
+      }
+    }
+    EXPECT_THROW(mesh_detail::mesh_of_message(message.substr(0, i), "message"), Error);
+  }
 }
 
 }  // namespace

@@ -59,6 +59,21 @@ foreach(file run.json cloth.obj cloth.pc2)
   endif()
 endforeach()
 
+# The program that reads meshes through assimp is found in the moved prefix, by the installed program and by the package.
+file(GLOB reader ${WORK}/prefix/libexec/souple/souple-mesh-reader)
+if(reader AND EXISTS ${WORK}/prefix/bin/souple)
+  file(WRITE ${WORK}/run/square.off "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n")
+  file(WRITE ${WORK}/run/square.json
+       "{\"souple\": 1, \"objects\": [{\"name\": \"a\", \"kind\": \"cloth\", \"mesh\": {\"file\": \"square.off\"}}]}")
+  run(${WORK}/prefix/bin/souple check ${WORK}/run/square.json)
+  file(WRITE ${WORK}/find/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(find LANGUAGES CXX)\n"
+       "find_package(souple REQUIRED)\nif(NOT EXISTS \"\${SOUPLE_MESH_READER}\")\n  message(FATAL_ERROR missing)\nendif()\n")
+  run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${WORK}/find -B ${WORK}/build_find -D CMAKE_CXX_COMPILER=${COMPILER}
+      -D CMAKE_PREFIX_PATH=${WORK}/prefix)
+elseif(EXISTS ${BUILD}/libexec/souple/souple-mesh-reader)
+  message(FATAL_ERROR "souple-mesh-reader is built and not installed")
+endif()
+
 # Compiled as C++17, against the headers of souple/host alone.
 run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE}/examples/embed -B ${WORK}/build_embed
     -D CMAKE_CXX_COMPILER=${COMPILER} -D CMAKE_BUILD_TYPE=Release -D CMAKE_PREFIX_PATH=${WORK}/prefix

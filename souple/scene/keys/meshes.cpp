@@ -158,9 +158,11 @@ CodecPtr<MeshDescription> mesh_codec(MeshUse use) {
     sources.push_back(alternative<V>("tet_bar", tet_bar_codec(), "a box of tets"));
     sources.push_back(alternative<V>("tet_ball", tet_ball_codec(), "a ball of tets"));
   }
-  const char* formats = use == MeshUse::solid ? "OBJ, PLY or STL (or any format that assimp reads) for a "
-                                                "surface; .msh, .node/.ele or .vtk for tets"
-                                              : "OBJ, PLY or STL (or any format that assimp reads)";
+  const char* formats =
+      use == MeshUse::solid
+          ? "OBJ, PLY or STL, or with assimp glTF, FBX, COLLADA, 3DS, Blender, OFF or X3D for a "
+            "surface; .msh, .node/.ele or .vtk for tets"
+          : "OBJ, PLY or STL, or with assimp glTF, FBX, COLLADA, 3DS, Blender, OFF or X3D";
   sources.push_back(alternative<V>("file", wrapped<FileMesh>(&FileMesh::file, file()), formats));
   auto keys = table<M>(heading, doc);
   keys->choice<&M::source>(std::move(sources))

@@ -1,0 +1,72 @@
+// souple-mesh-reader FILE: reads a mesh with assimp and writes it to the standard output, for the library, which checks it.
+// A program of its own, so that what a file does to assimp does not happen to the library's process.
+
+#include "souple/mesh_files/assimp_formats.h"
+#include "souple/mesh_files/mesh_message.h"
+#include "souple/mesh_files/reader/assimp_scene.h"
+
+#include <cstdint>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <string>
+#include <sys/resource.h>
+#include <system_error>
+
+#include <fmt/core.h>
+
+namespace {
+
+using namespace souple::mesh_detail;
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define SOUPLE_SHADOW_MEMORY
+#endif
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SOUPLE_SHADOW_MEMORY
+#endif
+
+/// A lower limit of the caller stays.
+template <class Resource>
+void limit(Resource resource, std::uint64_t soft, std::uint64_t hard) {
+  const rlimit limits{rlim_t(soft), rlim_t(hard)};
+  setrlimit(resource, &limits);
+}
+
+void limit_resources(const std::filesystem::path& mesh) {
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(mesh, error);
+  const std::uint64_t seconds = reader_seconds(error ? 0 : size);
+  limit(RLIMIT_CPU, seconds, seconds + 1);
+  limit(RLIMIT_CORE, 0, 0);
+  limit(RLIMIT_FSIZE, 0, 0);  // of files; the answer goes to a pipe
+#ifndef SOUPLE_SHADOW_MEMORY  // which reserves terabytes of addresses
+  limit(RLIMIT_AS, reader_memory, reader_memory);
+#endif
+}
+
+std::string answer(const std::string& mesh) {
+  try {
+    return message_of_mesh(read_assimp_scene(mesh));
+  } catch (const std::bad_alloc&) {
+    return message_of_failure(fmt::format("{}: needs more than {} GiB of memory to be read with assimp", mesh,
+                                          reader_memory >> 30));
+  } catch (const std::exception& error) {
+    return message_of_failure(error.what());
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fputs("usage: souple-mesh-reader FILE; Souple runs it for meshes that assimp reads\n", stderr);
+    return 2;
+  }
+  limit_resources(argv[1]);
+  const std::string bytes = answer(argv[1]);
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size();
+  return written && std::fflush(stdout) == 0 ? 0 : 1;
+}
