@@ -1,6 +1,9 @@
 // Every kind of mistake has a one-line message: file, path inside it, the value, the expected value.
 #include "scene_test.h"
 
+#include <chrono>
+#include <string>
+
 namespace souple::scene_test {
 namespace {
 
@@ -226,6 +229,17 @@ TEST(Message, SceneFileThatIsNotThere) {
     EXPECT_EQ(std::string(error.what()).find("no/such/scene.json: "), 0u) << error.what();
   }
   EXPECT_THROW(load_scene(scenes_folder()), Error);
+}
+
+TEST(Messages, RefuseAMegabyteOfNestingAtOnce) {
+  const auto start = std::chrono::steady_clock::now();
+  for (const std::string text :
+       {nested(500000), std::string(1000000, '['), R"({"souple": 1, "objects": )" + nested(500000) + "}"})
+    EXPECT_NE(error_message(text).find("nested deeper than 64"), std::string::npos);
+  std::string objects;
+  for (int i = 0; i < 200000; ++i) objects += "{\"a\":";
+  EXPECT_NE(error_message(objects).find("nested deeper than 64"), std::string::npos);
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 4.0);
 }
 
 }  // namespace
