@@ -219,7 +219,7 @@ std::string run_mesh_reader(const fs::path& mesh) {
   const std::uintmax_t size = fs::file_size(mesh, error);
   const std::uint64_t seconds = reader_seconds(error ? 0 : size);
   // A machine that is busy gives the reader a part of its time only.
-  constexpr std::uint64_t patience = 6;
+  constexpr std::uint64_t wall_clock_factor = 6;
 
   Pipe pipe;
   const auto fail_start = [&](int reason) {
@@ -231,8 +231,8 @@ std::string run_mesh_reader(const fs::path& mesh) {
   if (process.failure() != 0) fail_start(process.failure());
   pipe.close_writer();
   std::string message;
-  const Heard heard = hear(pipe.reader(), patience * seconds, message);
-  if (heard == Heard::too_late) fail_late(mesh, patience * seconds);
+  const Heard heard = hear(pipe.reader(), wall_clock_factor * seconds, message);
+  if (heard == Heard::too_late) fail_late(mesh, wall_clock_factor * seconds);
   if (heard == Heard::too_much) throw Error(mesh.string() + ": is too large to be read with assimp");
   check_end(mesh, process.wait(), seconds);
   return message;

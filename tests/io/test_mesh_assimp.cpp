@@ -183,7 +183,7 @@ TEST(AssimpReader, OpensRegularFilesBelowTheMeshOnly) {
   std::string floats;
   for (const float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.f})
     floats.append(reinterpret_cast<const char*>(&x), sizeof(x));
-  for (const unsigned short i : {0, 1, 2, 0, 2, 3})
+  for (const std::uint16_t i : std::initializer_list<std::uint16_t>{0, 1, 2, 0, 2, 3})
     floats.append(reinterpret_cast<const char*>(&i), sizeof(i));
   for (const fs::path& file : {folder / "below" / "in.bin", top / "out.bin"})
     std::ofstream(file, std::ios::binary) << floats;

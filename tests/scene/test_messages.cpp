@@ -233,7 +233,7 @@ TEST(Message, SceneFileThatIsNotThere) {
 
 TEST(Messages, RefuseAMegabyteOfNestingAtOnce) {
   const auto start = std::chrono::steady_clock::now();
-  for (const std::string text :
+  for (const std::string& text :
        {nested(500000), std::string(1000000, '['), R"({"souple": 1, "objects": )" + nested(500000) + "}"})
     EXPECT_NE(error_message(text).find("nested deeper than 64"), std::string::npos);
   std::string objects;
