@@ -22,7 +22,7 @@
 
 #include <fmt/core.h>
 
-extern char** environ;
+extern char** environ;  // NOLINT(readability-redundant-declaration): POSIX leaves it to the program
 
 namespace souple::mesh_detail {
 

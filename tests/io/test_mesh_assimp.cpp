@@ -151,7 +151,9 @@ TEST(AssimpReader, SurvivesHostileFiles) {
       {"zero.3ds", std::string(20000, '\0')},
       {"zero.glb", std::string(20000, '\0')},
   };
-  for (const auto& [name, text] : hostile) {
+  for (const auto& file : hostile) {
+    const auto& name = file.first;
+    const auto& text = file.second;
     SCOPED_TRACE(name);
     expect_error([&] { read_triangle_mesh(write("souple_" + std::string(name), text)); }, {name, "assimp"});
   }

@@ -66,7 +66,7 @@ class FolderFiles : public Assimp::IOSystem {
     const fs::path named(name);
     // Importers name files relative to the mesh's folder, or with its path before them.
     for (const fs::path& candidate : {fs::absolute(named), folder_ / named}) {
-      const fs::path real = fs::canonical(candidate, error);
+      fs::path real = fs::canonical(candidate, error);
       if (!error && (named == mesh_ || is_below(real, folder_))) return real;
     }
     return {};

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-namespace Assimp {
+namespace Assimp {  // NOLINT(readability-identifier-naming): of assimp
 class IOSystem;
 }
 

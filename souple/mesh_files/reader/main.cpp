@@ -18,7 +18,11 @@
 
 namespace {
 
-using namespace souple::mesh_detail;
+using souple::mesh_detail::message_of_failure;
+using souple::mesh_detail::message_of_mesh;
+using souple::mesh_detail::read_assimp_scene;
+using souple::mesh_detail::reader_memory;
+using souple::mesh_detail::reader_seconds;
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
