@@ -104,8 +104,7 @@ TEST(FastSheets, ObjectsThatFlyTogetherKeepTheirSpeed) {
 
 TEST(FastSheets, ADrivenObstacleLagsAndCatchesUp) {
   World world;
-  const ObjectId sheet =
-      world.add_cloth(grid(14, 14, 1), material::cotton, {.self_collision = SelfCollision::surfaces});
+  world.add_cloth(grid(14, 14, 1), material::cotton, {.self_collision = SelfCollision::surfaces});
   // 6 m/s, then 3.6 m within one frame.
   const ObjectId ball = world.add_obstacle(
       sphere(2, 0.2), {},
@@ -125,7 +124,6 @@ TEST(FastSheets, ADrivenObstacleLagsAndCatchesUp) {
   for (const Vec3f& x : world.positions(ball))
     center += Vec3d(x) / static_cast<double>(world.positions(ball).size());
   EXPECT_NEAR(center.y, -3.2 - 0.4 * (18.0 / 58), 0.01);
-  EXPECT_GT(world.positions(sheet).size(), 0u);
 }
 
 // A ball of 16 kg at 50 m/s stretches the cloth to several times its size, but does not pass.

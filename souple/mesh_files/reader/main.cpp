@@ -24,14 +24,6 @@ using souple::mesh_detail::read_assimp_scene;
 using souple::mesh_detail::reader_memory;
 using souple::mesh_detail::reader_seconds;
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define SOUPLE_SHADOW_MEMORY
-#endif
-#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define SOUPLE_SHADOW_MEMORY
-#endif
-
 /// A lower limit of the caller stays.
 template <class Resource>
 void limit(Resource resource, std::uint64_t soft, std::uint64_t hard) {
@@ -46,7 +38,7 @@ void limit_resources(const std::filesystem::path& mesh) {
   limit(RLIMIT_CPU, seconds, seconds + 1);
   limit(RLIMIT_CORE, 0, 0);
   limit(RLIMIT_FSIZE, 0, 0);  // of files; the answer goes to a pipe
-#ifndef SOUPLE_SHADOW_MEMORY  // which reserves terabytes of addresses
+#ifndef SOUPLE_SANITIZED      // shadow memory of sanitizers reserves terabytes of addresses
   limit(RLIMIT_AS, reader_memory, reader_memory);
 #endif
 }
