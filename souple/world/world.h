@@ -69,8 +69,9 @@ struct Snapshot {
 
 /// Objects, colliders and the simulation loop. Meters, kilograms, seconds; Y up, right-handed.
 ///
-/// All functions but `step` throw Error on invalid arguments and then leave the world unchanged. Between steps several threads may call const functions at the same time, except elastic_energy,
-/// unconverged_energy and debug_draw; all other calls need a thread that is alone with the world.
+/// All functions but `step` throw Error on invalid arguments and then leave the world unchanged. Between steps several
+/// threads may call const functions at the same time, except elastic_energy, unconverged_energy and debug_draw; all other
+/// calls need a thread that is alone with the world.
 ///
 /// What a function that the world calls may call in turn. A stage's callback is one of `before` and `after`. The other
 /// functions are force fields, targets of pins and attachments, motions of colliders, obstacles and emitters, the log
@@ -90,7 +91,8 @@ struct Snapshot {
 ///
 /// What a function throws: callbacks of stages, force fields, targets, motions and CustomConstraint::evaluate lose their
 /// effect, and Flag::callback_failed and the message of the report say so; of the log function only the report hears, of
-/// this step or the next. Projector, JobSystem and allocators must not throw. What is called outside a step (motions by
+/// this step or the next. What a Projector throws, and std::bad_alloc from any of them, passes through `step`, see there; a
+/// JobSystem must not throw. What is called outside a step (motions by
 /// queries and set_motion, DebugDraw) passes its exceptions on to the caller.
 ///
 /// A world that was moved from can be assigned to and destroyed. Its other functions throw Error, and `step` returns a
