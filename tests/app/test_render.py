@@ -469,8 +469,7 @@ class Trouble(RenderCase):
 
     def test_limits_of_memory_end_in_one_line(self):
         scene = self.scene(dict(SCENE, frames=1))
-        if self.limited(4096, "--version").returncode != 0:
-            self.skipTest("a sanitizer's shadow memory exceeds any limit")
+        self.skip_sanitizers("its shadow memory exceeds any limit")
         # Where Mesa's driver finds no room, it crashes.
         codes = [self.limited(m, "render", scene, "--out", "a.png", *QUICK) for m in (200, 340, 440, 700, 4096)]
         for done in codes:
