@@ -17,6 +17,7 @@ FLOORS = {
     "souple/constraints": 2, "souple/state": 2, "souple/geometry": 2,
     "souple/solver": 3, "souple/linear_solvers": 3.2, "souple/multilevel": 3.4,
     "souple/collision": 4, "souple/broad_phase": 4.2, "souple/intersections": 4.4, "souple/contacts": 4.6,
+    "souple/rigid": 4.7,
     "souple/objects": 4.8,
     "souple/fluid": 5,
     "souple/stages": 5.4, "souple/queries": 5.6,
