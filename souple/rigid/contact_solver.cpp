@@ -1,0 +1,316 @@
+#include "souple/rigid/contact_solver.h"
+
+#include "souple/contacts/contact_law.h"
+#include "souple/rigid/body_block.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+
+namespace souple {
+namespace {
+
+Vec3d world_point(std::span<const BodyPose> poses, std::uint32_t body, const Vec3d& local) {
+  return body == no_body ? local : poses[body].point(local);
+}
+Vec3d world_direction(std::span<const BodyPose> poses, std::uint32_t body, const Vec3d& local) {
+  return body == no_body ? local : poses[body].direction(local);
+}
+Vec3d local_point(std::span<const BodyPose> poses, std::uint32_t body, const Vec3d& world) {
+  return body == no_body ? world : poses[body].local_point(world);
+}
+Vec3d center(std::span<const BodyPose> poses, std::uint32_t body) {
+  return body == no_body ? Vec3d{} : poses[body].position;
+}
+
+/// A contact at given poses.
+struct Placed {
+  Vec3d n{};           // from b to a
+  Vec3d x_a{}, x_b{};  // points of the two surfaces [m]
+  double C = 0;        // [m]
+};
+
+Placed place(const RigidContact& contact, const RigidContactPoint& point, std::span<const BodyPose> poses) {
+  const Vec3d core_a = world_point(poses, contact.a, point.core_a);
+  const Vec3d core_b = world_point(poses, contact.b, point.core_b);
+  Vec3d n = world_direction(poses, contact.normal_of_b ? contact.b : contact.a, contact.normal);
+  if (contact.normal_between_points) {
+    const Vec3d between = normalized(core_a - core_b);
+    if (length_squared(between) > 0) n = between;
+  }
+  const Vec3d x_a = core_a - n * contact.radius_a, x_b = core_b + n * contact.radius_b;
+  return {n, x_a, x_b, dot(n, x_a - x_b)};
+}
+
+double reciprocal(double x) {
+  return x > 0 ? 1 / x : 0;
+}
+
+Vec3d tangential(const Vec3d& v, const Vec3d& n) {
+  return v - n * dot(n, v);
+}
+
+/// A point of a contact before the substep's motion.
+struct Impact {
+  Vec3d n{}, r_a{}, r_b{};
+  double approach = 0;                       // [m/s]
+  double normal_mass = 0, tangent_mass = 0;  // the latter is the least of all tangential directions [kg]
+  bool closes = false;                       // within the substep
+  bool bounces = false;                      // and fast enough
+  double normal = 0;                         // impulse [N s]
+  Vec3d tangent{};
+};
+
+Impact impact_at(const RigidContact& contact, const RigidContactPoint& point, const RigidBodies& bodies,
+                 const RigidSubstep& substep) {
+  const Placed at = place(contact, point, bodies.pose);
+  const Vec3d middle = (at.x_a + at.x_b) * 0.5;
+  Impact impact{.n = at.n,
+                .r_a = middle - center(bodies.pose, contact.a),
+                .r_b = middle - center(bodies.pose, contact.b)};
+  const Vec3d u = velocity_at(bodies, contact.a, impact.r_a) - velocity_at(bodies, contact.b, impact.r_b);
+  impact.approach = -dot(at.n, u);
+  const double gravity_margin = substep.bounce_speed * substep.h;
+  impact.closes = at.C <= max(impact.approach, 0.0) * substep.h + gravity_margin;
+  impact.bounces =
+      impact.closes && impact.approach > substep.bounce_speed && at.C <= impact.approach * substep.h;
+  const Mat3d K =
+      inverse_mass_at(bodies, contact.a, impact.r_a) + inverse_mass_at(bodies, contact.b, impact.r_b);
+  const double normal = dot(at.n, K * at.n);
+  impact.normal_mass = reciprocal(normal), impact.tangent_mass = reciprocal(trace(K) - normal);
+  return impact;
+}
+
+bool moves(const RigidBodies& bodies, std::uint32_t body) {
+  return body != no_body && bodies.mass[body].inverse > 0;
+}
+
+double lighter_mass(const RigidContact& contact, const RigidBodies& bodies) {
+  double largest = 0;
+  for (const std::uint32_t body : {contact.a, contact.b})
+    if (moves(bodies, body)) largest = max(largest, bodies.mass[body].inverse);
+  return reciprocal(largest);
+}
+
+// Stiffness of the augmented Lagrangian, in units of the lighter body's m / h^2: so stiff that one sweep leaves little,
+// and well above the stiffness of inertia that a stack of bodies has to pass on.
+constexpr double stiffness_ratio = 80;
+// Part of an older overlap, or of the slip of a contact that sticks, that a substep removes.
+constexpr double recovery = 0.01;
+// Part of a substep's forces that the next one begins with: below 1, else an error would travel through a stack.
+constexpr double decay = 0.99;
+
+}  // namespace
+
+void ContactSolver::prepare(std::span<const RigidContact> contacts, const RigidBodies& bodies) {
+  side_begin_.assign(bodies.size() + 1, 0);
+  const auto for_each_side = [&](const auto& f) {
+    for (std::uint32_t c = 0; c < contacts.size(); ++c)
+      for (const bool is_a : {true, false}) {
+        const std::uint32_t body = is_a ? contacts[c].a : contacts[c].b;
+        if (moves(bodies, body)) f(body, Side{c, is_a});
+      }
+  };
+  for_each_side([&](std::uint32_t body, Side) { ++side_begin_[body + 1]; });
+  for (std::size_t i = 0; i < bodies.size(); ++i) side_begin_[i + 1] += side_begin_[i];
+  sides_.resize(side_begin_.back());
+  color_.assign(side_begin_.begin(), side_begin_.end());  // where the next side goes
+  for_each_side([&](std::uint32_t body, Side side) { sides_[color_[body]++] = side; });
+  color_bodies(contacts, bodies);
+}
+
+// Bodies of one color share no contact. In the order of bodies, each takes the first color that no earlier neighbor has.
+void ContactSolver::color_bodies(std::span<const RigidContact> contacts, const RigidBodies& bodies) {
+  constexpr std::uint32_t none = ~std::uint32_t{0};
+  constexpr std::uint32_t most = 63;  // the last color may hold neighbors: it is solved by one thread
+  color_.assign(bodies.size(), none);
+  color_begin_.assign(most + 2, 0);
+  for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+    if (side_begin_[i] == side_begin_[i + 1]) continue;
+    std::uint64_t taken = 0;
+    for (std::uint32_t k = side_begin_[i]; k < side_begin_[i + 1]; ++k) {
+      const RigidContact& contact = contacts[sides_[k].contact];
+      const std::uint32_t other = sides_[k].is_a ? contact.b : contact.a;
+      if (other != no_body && color_[other] != none) taken |= std::uint64_t{1} << color_[other];
+    }
+    color_[i] = std::min(static_cast<std::uint32_t>(std::countr_one(taken)), most);
+    ++color_begin_[color_[i] + 1];
+  }
+  for (std::uint32_t c = 0; c <= most; ++c) color_begin_[c + 1] += color_begin_[c];
+  order_.resize(color_begin_.back());
+  std::array<std::uint32_t, most + 1> next;
+  std::copy_n(color_begin_.begin(), next.size(), next.begin());
+  for (std::uint32_t i = 0; i < bodies.size(); ++i)
+    if (color_[i] != none) order_[next[color_[i]]++] = i;
+}
+
+void ContactSolver::linearize(RigidContact& contact, std::span<Row> rows, const RigidBodies& bodies,
+                              const RigidSubstep& substep) const {
+  const double inverse_h2 = 1 / (substep.h * substep.h);
+  const double stiffness = stiffness_ratio * lighter_mass(contact, bodies) * inverse_h2;
+  for (std::uint32_t k = 0; k < contact.count; ++k) {
+    RigidContactPoint& point = contact.points[k];
+    const Placed before = place(contact, point, bodies.start), now = place(contact, point, bodies.pose);
+    if (!point.anchored || point.slid || contact.radius_a + contact.radius_b > 0) {
+      const Vec3d middle = (before.x_a + before.x_b) * 0.5;
+      point.anchor_a = local_point(bodies.start, contact.a, middle);
+      point.anchor_b = local_point(bodies.start, contact.b, middle);
+      point.anchored = true, point.slid = false;
+    }
+    const auto slip = [&](std::span<const BodyPose> poses) {
+      return world_point(poses, contact.a, point.anchor_a) - world_point(poses, contact.b, point.anchor_b);
+    };
+    Row& row = rows[k];
+    const Vec3d middle = (now.x_a + now.x_b) * 0.5;
+    row.n = now.n;
+    row.r_a = middle - center(bodies.pose, contact.a), row.r_b = middle - center(bodies.pose, contact.b);
+    const double overlap = max(-before.C, 0.0);
+    const double removed = min(overlap * recovery, substep.depenetration_speed * substep.h);
+    row.C = now.C + (overlap - removed);
+    row.slip = tangential(slip(bodies.pose) - slip(bodies.start) * (1 - recovery), row.n);
+    row.stiffness = stiffness;
+    row.normal = point.normal_impulse * (decay * inverse_h2);
+    row.tangent = tangential(point.tangent_impulse, row.n) * (decay * inverse_h2);
+    row.static_friction = contact.material.static_friction;
+    row.kinetic_friction = contact.material.kinetic_friction;
+  }
+}
+
+/// dx_a + dtheta_a x r_a - dx_b - dtheta_b x r_b.
+Vec3d ContactSolver::correction_at(const RigidContact& contact, const Row& row) const {
+  const auto at = [this](std::uint32_t body, const Vec3d& r) {
+    if (body == no_body) return Vec3d{};
+    return corrections_[body].dx + cross(corrections_[body].dtheta, r);
+  };
+  return at(contact.a, row.r_a) - at(contact.b, row.r_b);
+}
+
+ContactSolver::Push ContactSolver::push_of(const RigidContact& contact, const Row& row) const {
+  const Vec3d correction = correction_at(contact, row);
+  Push push;
+  push.normal = max(row.normal - row.stiffness * (row.C + dot(row.n, correction)), 0.0);
+  if (!(push.normal > 0)) return push;
+  const Vec3d sticking = row.tangent - (row.slip + tangential(correction, row.n)) * row.stiffness;
+  push.tangent = within_friction(sticking, static_cast<double>(row.static_friction),
+                                 static_cast<double>(row.kinetic_friction), push.normal);
+  push.slides = length_squared(push.tangent) < length_squared(sticking);
+  return push;
+}
+
+void ContactSolver::solve_body(std::uint32_t body, std::span<const RigidContact> contacts,
+                               const RigidBodies& bodies, double h) {
+  Correction& correction = corrections_[body];
+  BodyBlock block(1 / bodies.mass[body].inverse, inertia_[body], 1 / (h * h), correction.dx,
+                  correction.dtheta);
+  bool any = false;
+  for (std::uint32_t s = side_begin_[body]; s < side_begin_[body + 1]; ++s) {
+    const Side side = sides_[s];
+    const RigidContact& contact = contacts[side.contact];
+    for (std::uint32_t k = 0; k < contact.count; ++k) {
+      const Row& row = rows_[side.contact * 4 + k];
+      const Push push = push_of(contact, row);
+      // A contact that has just ceased to push still counts as stiff: of many sweeps, one would undo the other.
+      if (!(push.normal > 0 || row.normal > 0)) continue;
+      any = true;
+      const double sign = side.is_a ? 1 : -1;
+      block.add(side.is_a ? row.r_a : row.r_b, (row.n * push.normal + push.tangent) * sign, row.stiffness);
+    }
+  }
+  if (!any && length_squared(correction.dx) + length_squared(correction.dtheta) == 0) return;
+  const BodyBlock::Step step = block.step();
+  correction.dx += step.dx, correction.dtheta += step.dtheta;
+}
+
+void ContactSolver::keep(RigidContact& contact, std::span<Row> rows, double h) const {
+  for (std::uint32_t k = 0; k < contact.count; ++k) {
+    Row& row = rows[k];
+    const Push push = push_of(contact, row);
+    row.normal = push.normal, row.tangent = push.tangent;
+    RigidContactPoint& point = contact.points[k];
+    point.normal_impulse = push.normal * h * h;
+    point.tangent_impulse = push.tangent * (h * h);
+    point.slid = !(push.normal > 0) || push.slides;
+  }
+}
+
+void ContactSolver::solve(std::span<RigidContact> contacts, RigidBodies& bodies, const RigidSubstep& substep,
+                          Threads& threads) {
+  rows_.resize(contacts.size() * 4);
+  corrections_.assign(bodies.size(), {});
+  inertia_.resize(bodies.size());
+  const auto rows_of = [this](std::size_t c) { return std::span(rows_).subspan(c * 4, 4); };
+  threads.for_each(order_.size(), 64, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k)
+      inertia_[order_[k]] = inverse(bodies.inverse_inertia[order_[k]]);
+  });
+  threads.for_each(contacts.size(), 16, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) linearize(contacts[c], rows_of(c), bodies, substep);
+  });
+  for (int i = 0; i < substep.iterations; ++i) {
+    for (std::size_t c = 0; c + 1 < color_begin_.size(); ++c) {
+      const std::size_t first = color_begin_[c], count = color_begin_[c + 1] - first;
+      const std::size_t grain = c + 2 == color_begin_.size() ? count : 8;
+      threads.for_each(count, std::max<std::size_t>(grain, 1), [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) solve_body(order_[first + k], contacts, bodies, substep.h);
+      });
+    }
+    threads.for_each(contacts.size(), 16, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t c = begin; c < end; ++c) keep(contacts[c], rows_of(c), substep.h);
+    });
+  }
+  for (const std::uint32_t i : order_) {
+    bodies.pose[i].position += corrections_[i].dx;
+    bodies.pose[i].rotation = turned(bodies.pose[i].rotation, corrections_[i].dtheta);
+  }
+  deepest_ = 0;
+  for (const RigidContact& contact : contacts)
+    for (std::uint32_t k = 0; k < contact.count; ++k)
+      deepest_ = max(deepest_, -place(contact, contact.points[k], bodies.pose).C);
+}
+
+bool ContactSolver::bounce(const RigidContact& contact, RigidBodies& bodies, const RigidSubstep& substep) {
+  std::array<Impact, 4> impacts;
+  bool closing = false;
+  for (std::uint32_t k = 0; k < contact.count; ++k) {
+    impacts[k] = impact_at(contact, contact.points[k], bodies, substep);
+    closing = closing || impacts[k].bounces;
+  }
+  if (!closing) return false;
+  const auto e = static_cast<double>(contact.material.restitution);
+  constexpr int rounds = 20;  // of at most four points
+  for (int round = 0; round < rounds; ++round)
+    for (std::uint32_t k = 0; k < contact.count; ++k) {
+      Impact& impact = impacts[k];
+      if (!impact.closes) continue;
+      const Vec3d u = velocity_at(bodies, contact.a, impact.r_a) - velocity_at(bodies, contact.b, impact.r_b);
+      const double target = impact.bounces ? e * impact.approach : 0.0;
+      const double normal = max(impact.normal + (target - dot(impact.n, u)) * impact.normal_mass, 0.0);
+      const Vec3d slip = tangential(u, impact.n);
+      const Vec3d tangent = within_friction(tangential(impact.tangent, impact.n) - slip * impact.tangent_mass,
+                                            static_cast<double>(contact.material.static_friction),
+                                            static_cast<double>(contact.material.kinetic_friction), normal);
+      const Vec3d impulse = impact.n * (normal - impact.normal) + (tangent - impact.tangent);
+      push_velocity(bodies, contact.a, impact.r_a, impulse);
+      push_velocity(bodies, contact.b, impact.r_b, -impulse);
+      impact.normal = normal, impact.tangent = tangent;
+    }
+  return true;
+}
+
+void ContactSolver::bounce(std::span<const RigidContact> contacts, RigidBodies& bodies,
+                           const RigidSubstep& substep) {
+  constexpr int most_sweeps = 64;
+  bool any = true;
+  for (int sweep = 0; any && sweep < most_sweeps; ++sweep) {
+    any = false;
+    for (const RigidContact& contact : contacts)
+      if (contact.material.restitution > 0) any = bounce(contact, bodies, substep) || any;
+  }
+}
+
+std::size_t ContactSolver::bytes() const {
+  return bytes_of(rows_, corrections_, inertia_, side_begin_, sides_, color_, order_, color_begin_);
+}
+
+}  // namespace souple
