@@ -1,0 +1,211 @@
+#include "souple/rigid/contact_finder.h"
+
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+
+namespace souple {
+namespace {
+
+// A pair is fast if its sides may move against each other in a step by more than this part of the smaller side's inner
+// radius.
+constexpr double fast_ratio = 0.5;
+// Contacts begin at this distance even if nothing moves, as a part of the smaller side's inner radius.
+constexpr double margin_ratio = 0.02;
+
+bool moves(const RigidBodies& bodies, std::uint32_t body) {
+  return bodies.mass[body].inverse > 0;
+}
+
+/// An upper bound of the path of a body's points in `dt` seconds [m].
+double motion_of(const RigidBodies& bodies, std::uint32_t body, const RigidShape& shape, double dt,
+                 double gravity) {
+  const BodyVelocity& v = bodies.velocity[body];
+  const double fall = moves(bodies, body) ? gravity * dt * dt : 0;
+  const double turn = length(v.angular);
+  return length(v.linear) * dt + fall + (turn > 0 ? turn * dt * shape.radius() : 0);
+}
+
+Bounds box_of(const BodyPose& pose, const RigidShape& shape, double margin) {
+  const auto infinity = std::numeric_limits<float>::infinity();
+  const double r = shape.radius();
+  if (!(r < static_cast<double>(infinity))) return {{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+  Vec3d lo = pose.position, hi = pose.position;
+  if (shape.parts.empty()) {
+    lo -= Vec3d{r, r, r}, hi += Vec3d{r, r, r};
+  } else {
+    const Mat3d R = rotation_matrix(pose.rotation);
+    for (const ConvexShape& part : shape.parts) {
+      const Vec3d middle = pose.point((part.bounds.lo + part.bounds.hi) * 0.5);
+      const Vec3d half = (part.bounds.hi - part.bounds.lo) * 0.5;
+      Vec3d extent;
+      for (int row = 0; row < 3; ++row)
+        extent[row] = std::abs(R(row, 0)) * half.x + std::abs(R(row, 1)) * half.y + std::abs(R(row, 2)) * half.z;
+      for (int k = 0; k < 3; ++k)
+        lo[k] = min(lo[k], middle[k] - extent[k]), hi[k] = max(hi[k], middle[k] + extent[k]);
+    }
+  }
+  const Vec3d grown{margin, margin, margin};
+  return {Vec3f(lo - grown), Vec3f(hi + grown)};
+}
+
+RigidContact contact_of(const Manifold& manifold, const ConvexShape& a, const BodyPose& pose_a, double radius_b,
+                        const BodyPose& pose_b) {
+  RigidContact contact;
+  contact.radius_a = a.radius, contact.radius_b = radius_b;
+  contact.normal_of_b = manifold.owner == NormalOwner::face_of_b;
+  contact.normal_between_points = manifold.owner == NormalOwner::edges && a.radius + radius_b > 0;
+  const Vec3d n_a = pose_a.local_direction(manifold.normal), n_b = pose_b.local_direction(manifold.normal);
+  contact.normal = contact.normal_of_b ? n_b : n_a;
+  contact.count = static_cast<std::uint8_t>(manifold.count);
+  for (int k = 0; k < manifold.count; ++k) {
+    const ManifoldPoint& found = manifold.points[static_cast<std::size_t>(k)];
+    RigidContactPoint& point = contact.points[static_cast<std::size_t>(k)];
+    point.core_a = found.on_a + n_a * contact.radius_a, point.core_b = found.on_b - n_b * contact.radius_b;
+    point.feature = found.feature;
+  }
+  return contact;
+}
+
+/// Points of one feature are the same contact.
+void keep_impulses(RigidContact& contact, const RigidContact& last) {
+  for (std::uint32_t k = 0; k < contact.count; ++k)
+    for (std::uint32_t l = 0; l < last.count; ++l) {
+      RigidContactPoint& point = contact.points[k];
+      const RigidContactPoint& before = last.points[l];
+      if (point.feature != before.feature) continue;
+      point.anchor_a = before.anchor_a, point.anchor_b = before.anchor_b;
+      point.anchored = before.anchored, point.slid = before.slid;
+      point.normal_impulse = before.normal_impulse, point.tangent_impulse = before.tangent_impulse;
+      break;
+    }
+}
+
+}  // namespace
+
+double RigidShape::radius() const {
+  if (collider) return bounding_ball(*collider).radius + length(bounding_ball(*collider).center);
+  double result = 0;
+  for (const ConvexShape& part : parts) result = max(result, part.bounding_radius);
+  return result;
+}
+
+double RigidShape::inner_radius() const {
+  if (collider || parts.empty()) return std::numeric_limits<double>::infinity();
+  return parts.front().inner_radius + parts.front().radius;
+}
+
+void ContactFinder::append_pairs(std::uint32_t a, std::uint32_t b, std::span<const RigidShape> shapes) {
+  if (shapes[a].collider) std::swap(a, b);
+  if (shapes[a].collider) return;
+  Pair pair;
+  pair.a = a, pair.b = b;
+  pair.fast = motion_[a] + motion_[b] > fast_ratio * min(shapes[a].inner_radius(), shapes[b].inner_radius());
+  const Shape* collider = shapes[b].collider;
+  const bool several = collider && !std::holds_alternative<Plane>(*collider);
+  for (pair.part_a = 0; pair.part_a < shapes[a].parts.size(); ++pair.part_a)
+    for (pair.part_b = 0; pair.part_b < (collider ? 1 : shapes[b].parts.size()); ++pair.part_b)
+      for (pair.manifold = 0; pair.manifold < (several ? most_manifolds : 1); ++pair.manifold)
+        pairs_.push_back(pair);
+}
+
+void ContactFinder::find_pairs(const RigidBodies& bodies, std::span<const RigidShape> shapes,
+                               const RigidMaterials& materials, double dt, double gravity) {
+  motion_.resize(bodies.size()), boxes_.resize(bodies.size());
+  for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+    motion_[i] = motion_of(bodies, i, shapes[i], dt, gravity);
+    const double rest = shapes[i].collider ? 0 : margin_ratio * shapes[i].inner_radius();
+    boxes_[i] = box_of(bodies.pose[i], shapes[i], motion_[i] + rest);
+  }
+  std::swap(pairs_, last_pairs_);
+  pairs_.clear();
+  for (const auto& [a, b] : sweep_.find(boxes_))
+    if ((moves(bodies, a) || moves(bodies, b)) && materials.collide(a, b)) append_pairs(a, b, shapes);
+  std::sort(pairs_.begin(), pairs_.end(), [](const Pair& x, const Pair& y) { return x.key() < y.key(); });
+}
+
+void ContactFinder::take_over(std::size_t p) {
+  Pair& pair = pairs_[p];
+  const auto last = std::lower_bound(last_pairs_.begin(), last_pairs_.end(), pair,
+                                     [](const Pair& x, const Pair& y) { return x.key() < y.key(); });
+  if (last == last_pairs_.end() || last->key() != pair.key()) return;
+  pair.axis = last->axis;
+  contacts_[p] = last_contacts_[static_cast<std::size_t>(last - last_pairs_.begin())];
+}
+
+void ContactFinder::find_contact(std::size_t p, const RigidBodies& bodies, std::span<const RigidShape> shapes,
+                                 double margin) {
+  Pair& pair = pairs_[p];
+  if (pair.manifold > 0) return;  // the first one finds all
+  const ConvexShape& a = shapes[pair.a].parts[pair.part_a];
+  const BodyPose &pose_a = bodies.pose[pair.a], &pose_b = bodies.pose[pair.b];
+  const auto set = [&](std::size_t at, const Manifold& manifold, double radius_b) {
+    RigidContact contact = contact_of(manifold, a, pose_a, radius_b, pose_b);
+    contact.a = pair.a, contact.b = pair.b, contact.material = contacts_[at].material;
+    keep_impulses(contact, contacts_[at]);
+    contacts_[at] = contact;
+  };
+  if (const Shape* const collider = shapes[pair.b].collider) {
+    if (const Plane* const plane = std::get_if<Plane>(collider)) {
+      set(p, find_manifold(a, pose_a, *plane, pose_b, margin), 0);
+    } else {
+      std::array<Manifold, most_manifolds> found{};
+      const int count = find_manifolds(a, pose_a, *collider, pose_b, margin, found);
+      for (std::size_t m = 0; m < most_manifolds; ++m)
+        set(p + m, m < static_cast<std::size_t>(count) ? found[m] : Manifold{}, 0);
+    }
+  } else {
+    const ConvexShape& b = shapes[pair.b].parts[pair.part_b];
+    set(p, find_manifold(a, pose_a, b, pose_b, margin, pair.axis), b.radius);
+  }
+}
+
+void ContactFinder::begin_step(const RigidBodies& bodies, std::span<const RigidShape> shapes,
+                               const RigidMaterials& materials, double dt, double gravity, Threads& threads) {
+  find_pairs(bodies, shapes, materials, dt, gravity);
+  std::swap(contacts_, last_contacts_);
+  contacts_.assign(pairs_.size(), {});
+  threads.for_each(pairs_.size(), 8, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) take_over(p);
+  });
+  threads.for_each(pairs_.size(), 8, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      const Pair& pair = pairs_[p];
+      contacts_[p].a = pair.a, contacts_[p].b = pair.b;
+      contacts_[p].material = materials.at(pair.a, pair.b);
+    }
+  });
+  threads.for_each(pairs_.size(), 8, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      const Pair& pair = pairs_[p];
+      const double inner = min(shapes[pair.a].inner_radius(), shapes[pair.b].inner_radius());
+      find_contact(p, bodies, shapes, motion_[pair.a] + motion_[pair.b] + margin_ratio * inner);
+    }
+  });
+}
+
+void ContactFinder::refresh(const RigidBodies& bodies, std::span<const RigidShape> shapes, double part,
+                            Threads& threads) {
+  threads.for_each(pairs_.size(), 8, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      const Pair& pair = pairs_[p];
+      if (!pair.fast) continue;
+      const double inner = min(shapes[pair.a].inner_radius(), shapes[pair.b].inner_radius());
+      find_contact(p, bodies, shapes, (motion_[pair.a] + motion_[pair.b]) * 2 * part + margin_ratio * inner);
+    }
+  });
+}
+
+void ContactFinder::clear() {
+  pairs_.clear(), last_pairs_.clear();
+  contacts_.clear(), last_contacts_.clear();
+}
+
+std::size_t ContactFinder::bytes() const {
+  return sweep_.bytes() + bytes_of(boxes_, motion_, pairs_, last_pairs_, contacts_, last_contacts_);
+}
+
+}  // namespace souple

@@ -1,0 +1,77 @@
+#pragma once
+
+#include "souple/broad_phase/object_pairs.h"
+#include "souple/rigid/manifold.h"
+#include "souple/rigid/rigid_contact.h"
+#include "souple/threads/threads.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <tuple>
+#include <vector>
+
+namespace souple {
+
+/// What a body collides with others as: convex parts in its local frame; or, of a body without mass, a collider's shape.
+struct RigidShape {
+  std::vector<ConvexShape> parts;
+  const Shape* collider = nullptr;  ///< a plane or a signed distance field; null: `parts`
+
+  /// Of a ball around the body's center [m]; infinite for planes.
+  double radius() const;
+  /// The largest ball inside the first part [m]; infinite for colliders.
+  double inner_radius() const;
+};
+
+/// Which bodies collide, and how.
+class RigidMaterials {
+ public:
+  virtual ~RigidMaterials() = default;
+  virtual bool collide(std::uint32_t a, std::uint32_t b) const = 0;
+  virtual ContactMaterialPair at(std::uint32_t a, std::uint32_t b) const = 0;
+};
+
+/// Finds the contacts of rigid bodies once a step, and those of fast bodies in each substep. A contact that was there in
+/// the last step keeps its impulses and the anchors of its friction.
+class ContactFinder {
+ public:
+  /// `shapes`: per body. `dt`: length of the step; `gravity`: m/s^2.
+  void begin_step(const RigidBodies& bodies, std::span<const RigidShape> shapes, const RigidMaterials& materials,
+                  double dt, double gravity, Threads& threads);
+  /// At the start of a substep, which is `part` of the step: finds the contacts of pairs that move far in it again.
+  void refresh(const RigidBodies& bodies, std::span<const RigidShape> shapes, double part, Threads& threads);
+  /// In an order that depends on the bodies alone.
+  std::span<RigidContact> contacts() { return contacts_; }
+  std::span<const RigidContact> contacts() const { return contacts_; }
+  /// Forgets all contacts.
+  void clear();
+  std::size_t bytes() const;
+
+ private:
+  /// Two parts whose boxes overlap.
+  struct Pair {
+    std::uint32_t a = 0, part_a = 0, b = 0, part_b = 0;
+    std::uint32_t manifold = 0;  ///< of several with a signed distance field
+    bool fast = false;  ///< moves far in a step
+    AxisCache axis{};
+    auto key() const { return std::tuple(a, b, part_a, part_b, manifold); }
+  };
+  // A part has one manifold with another, and up to this number with a signed distance field.
+  static constexpr std::size_t most_manifolds = 4;
+
+  void find_pairs(const RigidBodies& bodies, std::span<const RigidShape> shapes, const RigidMaterials& materials,
+                  double dt, double gravity);
+  void append_pairs(std::uint32_t a, std::uint32_t b, std::span<const RigidShape> shapes);
+  void take_over(std::size_t pair);
+  void find_contact(std::size_t pair, const RigidBodies& bodies, std::span<const RigidShape> shapes,
+                    double margin);
+
+  BoxSweep sweep_;
+  std::vector<Bounds> boxes_;       // per body, of its motion in the step
+  std::vector<double> motion_;      // per body: largest path of its points in the step [m]
+  std::vector<Pair> pairs_, last_pairs_;
+  std::vector<RigidContact> contacts_, last_contacts_;  // one per pair
+};
+
+}  // namespace souple
