@@ -1,0 +1,90 @@
+#pragma once
+
+#include "souple/collision/shapes.h"
+#include "souple/rigid/convex_shape.h"
+#include "souple/state/rigid_bodies.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+namespace souple {
+
+/// One point of a contact of two bodies.
+struct ManifoldPoint {
+  /// The points of the two surfaces that face each other, in the local frames of a and b [m].
+  Vec3d on_a{}, on_b{};
+  double separation = 0;      ///< along the normal when found; negative: depth [m]
+  std::uint32_t feature = 0;  ///< of the two shapes; equal in consecutive steps: the same contact
+};
+
+/// What the normal of a manifold moves with.
+enum class NormalOwner : std::uint8_t {
+  face_of_a,
+  face_of_b,
+  edges,  ///< two edges or vertices; treat it as fixed to a
+};
+
+/// Contact points of two shapes, at most four.
+struct Manifold {
+  Vec3d normal{};  ///< in the world, unit, from b to a: a is pushed along it
+  NormalOwner owner = NormalOwner::edges;
+  int count = 0;
+  std::array<ManifoldPoint, 4> points;
+};
+
+/// The axis that separated a pair best when it was last tested. Results depend on it, within the tolerance by which a
+/// pair keeps its axis, so it is a part of the state. Start with an empty one.
+struct AxisCache {
+  enum class Kind : std::uint8_t { none, face_of_a, face_of_b, edges, closest_points };
+  Kind kind = Kind::none;
+  std::uint32_t a = 0, b = 0;  ///< faces or edges
+  Vec3d axis{};                ///< for other kinds than faces: from a to b, unit, in a's frame
+};
+
+/// Contact points of two shapes where they are nearer than `margin` [m] >= 0. Shapes that are apart give the direction of
+/// their closest points, or the normal of a face if that differs by less than the tolerance.
+///
+/// Polyhedra: the axis of least penetration by face normals and pairs of edges (Gregorius, "The Separating Axis Test
+/// between Convex Polyhedra", GDC 2013), then clipping of one face against the other. Two tolerances keep contacts from
+/// alternating: faces are preferred over edges, and the last axis over others, if that adds at most
+/// `axis_tolerance` to the depth.
+Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const ConvexShape& b,
+                       const BodyPose& pose_b, double margin, AxisCache& cache);
+
+/// The depth [m] by which the chosen axis of a pair may exceed the least penetration: 5e-4 of the smaller outer
+/// radius, at most 5 % of the smaller radius of a ball inside the shape.
+double axis_tolerance(const ConvexShape& a, const ConvexShape& b);
+
+/// The contact points of a convex shape with a half-space whose local frame has the pose `pose_b`.
+Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Plane& b, const BodyPose& pose_b,
+                       double margin);
+
+/// A triangle of a mesh, counterclockwise as seen from the side to which it pushes.
+struct ContactTriangle {
+  std::array<Vec3d, 3> corners{};  ///< in the mesh's frame [m]
+  /// Largest lean of a contact normal over the edge from corner k to the next: the largest product of the normal with the
+  /// unit vector in the triangle's plane that points out over the edge. 0 where the neighbor continues the plane or rises
+  /// (a body slides over such an edge), the sine of the angle to the neighbor's normal where the neighbor falls away, 1
+  /// where that angle exceeds 90 degrees or there is no neighbor.
+  std::array<double, 3> lean{1, 1, 1};
+  bool double_sided = false;  ///< pushes to the side of the shape's center
+};
+
+/// The contact points of a convex shape with a triangle. A single-sided triangle has none with a shape whose center is
+/// behind its plane. A triangle without area has none.
+Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const ContactTriangle& b,
+                       const BodyPose& pose_b, double margin, AxisCache& cache);
+
+/// `ContactTriangle::lean` of each triangle of a mesh.
+std::vector<std::array<double, 3>> edge_leans(std::span<const Vec3d> positions,
+                                              std::span<const Triangle> triangles);
+
+/// The contact points of the vertices of a convex shape with a collider's shape, such as a signed distance field, whose
+/// local frame has the pose `pose_b`. A manifold gathers the vertices whose normals differ by less than 20 degrees from
+/// that of its deepest vertex. Returns the number of manifolds, deepest first, at most out.size(). A collider that is
+/// smaller than the shape's faces may touch none of the vertices: for convex colliders use convex_shape_of.
+int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, const Shape& b, const BodyPose& pose_b,
+                   double margin, std::span<Manifold> out);
+
+}  // namespace souple

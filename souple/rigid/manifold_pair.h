@@ -1,0 +1,38 @@
+#pragma once
+
+#include "souple/rigid/manifold.h"
+#include "souple/rigid/manifold_axes.h"
+#include "souple/rigid/manifold_points.h"
+#include "souple/rigid/manifold_view.h"
+
+namespace souple::manifold {
+
+/// Two shapes that may touch, and what decides about their contact points.
+struct ShapePair {
+  ConvexView a, b;
+  FrameChange b_to_a, a_to_b;
+  double margin = 0;          ///< m
+  double axis_tolerance = 0;  ///< m; see souple::axis_tolerance
+  double slack = 0;           ///< by which a contact point may lie beside a face [m]
+  /// The normals that b permits, if it is a triangle; then both frames are the region's.
+  const NormalRegion* region = nullptr;
+
+  double rounding() const { return a.radius + b.radius; }
+  /// Cores that are nearer than this give contact points [m].
+  double limit() const { return margin + rounding(); }
+};
+
+/// A pair of shapes in the frame of a.
+ShapePair make_pair(const ConvexView& a, const ConvexView& b, const FrameChange& b_to_a, double margin);
+
+/// Contact points whose normal is in a's frame.
+void find_points(const ShapePair& pair, AxisCache& cache, Manifold& manifold);
+
+/// Contact points of two segments or points.
+void find_segment_points(const ShapePair& pair, Manifold& manifold);
+
+/// Adds one point. `core_a`, `core_b`: points of the two cores, `axis`: unit, from a to b, all in a's frame.
+void add_point(const ShapePair& pair, const Vec3d& core_a, const Vec3d& core_b, const Vec3d& axis,
+               std::uint32_t feature, Manifold& manifold);
+
+}  // namespace souple::manifold

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "souple/rigid/manifold_view.h"
+
+namespace souple::manifold {
+
+/// A possible contact point: a point of one core, and its height above a face or plane of the other.
+struct ContactPoint {
+  Vec3d point{};
+  double height = 0;  ///< m
+  std::uint32_t feature = 0;
+};
+using ContactPoints = StackList<ContactPoint, 2 * static_cast<int>(max_face_corners)>;
+
+/// Reduces the points to four that support a body alike: the deepest, the farthest from it, and the two that add the
+/// largest areas as seen along the unit vector `normal`. Heights that differ by less than `tolerance` [m] are equal:
+/// then the first point counts, so that noise does not change the choice. Keeps the order.
+void reduce_to_four(ContactPoints& points, const Vec3d& normal, double tolerance);
+
+}  // namespace souple::manifold

@@ -1,0 +1,122 @@
+#include "souple/geometry/adjacency.h"
+#include "souple/rigid/manifold.h"
+#include "souple/rigid/manifold_pair.h"
+
+#include <algorithm>
+
+namespace souple {
+namespace {
+
+using manifold::ConvexView;
+using manifold::NormalRegion;
+
+/// A triangle as a polyhedron of two faces, in the frame of a shape.
+struct FlatPolyhedron {
+  std::array<Vec3d, 3> vertices;
+  std::array<ConvexFace, 2> faces;
+  std::array<ConvexCorner, 6> corners;
+  std::array<ConvexEdge, 3> edges;
+  ConvexView view;
+  NormalRegion region;
+};
+
+/// The plane through the triangle's edge from corner k, perpendicular to the triangle.
+ConvexCorner corner_of(const std::array<Vec3d, 3>& x, std::uint32_t from, std::uint32_t to,
+                       std::uint32_t edge, const Vec3d& normal) {
+  const Vec3d side = normalized(cross(x[to] - x[from], normal));
+  return {from, edge, side, dot(side, x[from])};
+}
+
+/// False if the triangle has no area. `lean` belongs to the edge after each of the vertices.
+bool fill(FlatPolyhedron& flat, const std::array<double, 3>& lean) {
+  const std::array<Vec3d, 3>& x = flat.vertices;
+  const Vec3d area = cross(x[1] - x[0], x[2] - x[0]);
+  const double longest =
+      std::max({length_squared(x[1] - x[0]), length_squared(x[2] - x[1]), length_squared(x[0] - x[2])});
+  if (!(length_squared(area) > 1e-24 * longest * longest)) return false;
+  const Vec3d n = normalized(area);
+  flat.faces[0] = {n, dot(n, x[0]), 0, 3};
+  flat.faces[1] = {-n, -dot(n, x[0]), 3, 6};
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    const std::uint32_t next = (k + 1) % 3, back = 2 - k;
+    flat.corners[k] = corner_of(x, k, next, k, n);
+    flat.corners[3 + back] = corner_of(x, next, k, k, -n);
+    flat.edges[k] = {k, next, 0, 1, -1, flat.corners[k].side_normal};
+    flat.region.outward[k] = flat.corners[k].side_normal;
+    flat.region.lean[k] = lean[k];
+  }
+  flat.region.normal = n;
+  flat.view = {.vertices = flat.vertices, .faces = flat.faces, .corners = flat.corners, .edges = flat.edges};
+  flat.view.center = (x[0] + x[1] + x[2]) / 3.0;
+  for (const Vec3d& v : x)
+    flat.view.outer_radius = std::max(flat.view.outer_radius, length(v - flat.view.center));
+  return true;
+}
+
+}  // namespace
+
+Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const ContactTriangle& b,
+                       const BodyPose& pose_b, double margin, AxisCache& cache) {
+  Manifold found;
+  const manifold::FrameChange to_a = manifold::frame_change(pose_b, pose_a);
+  FlatPolyhedron flat;
+  for (std::size_t k = 0; k < 3; ++k) flat.vertices[k] = to_a.point(b.corners[k]);
+  std::array<double, 3> lean = b.lean;
+  if (!fill(flat, lean)) return found;
+  const double height = dot(flat.region.normal, a.center - flat.vertices[0]);
+  if (height >= a.outer_radius + margin || (height < 0 && !b.double_sided)) return found;
+  if (height < 0) {
+    std::swap(flat.vertices[1], flat.vertices[2]);
+    std::swap(lean[0], lean[2]);
+    if (height <= -a.outer_radius - margin || !fill(flat, lean)) return found;
+  }
+  manifold::ShapePair pair = manifold::make_pair(manifold::view_of(a), flat.view, {}, margin);
+  pair.region = &flat.region;
+  const double outer = std::min(a.outer_radius, flat.view.outer_radius);
+  pair.axis_tolerance = std::min(5e-4 * outer, 0.05 * (a.inner_radius + a.radius));
+  manifold::find_points(pair, cache, found);
+  found.normal = pose_a.direction(found.normal);
+  for (int i = 0; i < found.count; ++i) {
+    Vec3d& on_b = found.points[static_cast<std::size_t>(i)].on_b;
+    on_b = to_a.back(on_b - to_a.translation);
+  }
+  return found;
+}
+
+std::vector<std::array<double, 3>> edge_leans(std::span<const Vec3d> positions,
+                                              std::span<const Triangle> triangles) {
+  const TriangleEdges edges = triangle_edges(triangles);
+  const auto normal_of = [&](std::size_t t) {
+    const Vec3d a = positions[triangles[t][0]];
+    return normalized(cross(positions[triangles[t][1]] - a, positions[triangles[t][2]] - a));
+  };
+  // The first two triangles of each edge; an edge with more is like a border.
+  struct Neighbors {
+    std::size_t triangle[2] = {0, 0};
+    int count = 0;
+  };
+  std::vector<Neighbors> neighbors(edges.edges.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    for (const std::uint32_t e : edges.of_triangle[t]) {
+      if (e == TriangleEdges::no_edge) continue;
+      if (neighbors[e].count < 2) neighbors[e].triangle[neighbors[e].count] = t;
+      ++neighbors[e].count;
+    }
+  }
+  std::vector<std::array<double, 3>> leans(triangles.size(), {1, 1, 1});
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    const Vec3d n = normal_of(t);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t e = edges.of_triangle[t][k];
+      if (e == TriangleEdges::no_edge || neighbors[e].count != 2) continue;
+      const Vec3d other = normal_of(neighbors[e].triangle[neighbors[e].triangle[0] == t ? 1 : 0]);
+      const Vec3d along = positions[triangles[t][(k + 1) % 3]] - positions[triangles[t][k]];
+      const double lean = dot(other, normalized(cross(along, n)));
+      const bool beyond = dot(other, n) < 0 && lean > 0;
+      leans[t][k] = beyond ? 1 : std::max(0.0, lean);
+    }
+  }
+  return leans;
+}
+
+}  // namespace souple
