@@ -32,6 +32,15 @@ struct BodyBlock {
     const double r2 = dot(r, r) * stiffness;
     angular = angular + (Mat3d::diagonal({r2, r2, r2}) - outer(r * stiffness, r));
   }
+  /// A force at center + r, with a stiffness along the unit vector n alone.
+  void add(const Vec3d& r, const Vec3d& f, const Vec3d& n, double stiffness) {
+    force += f, torque += cross(r, f);
+    const Vec3d rn = cross(r, n);
+    linear = linear + outer(n * stiffness, n);
+    coupling = coupling + outer(rn * stiffness, n);
+    angular = angular + outer(rn * stiffness, rn);
+  }
+
   struct Step {
     Vec3d dx{}, dtheta{};
   };

@@ -12,7 +12,7 @@ namespace {
 
 // A pair is fast if its sides may move against each other in a step by more than this part of the smaller side's inner
 // radius.
-constexpr double fast_ratio = 0.5;
+double fast_ratio = getenv("FAST") ? atof(getenv("FAST")) : 0.5;
 // Contacts begin at this distance even if nothing moves, as a part of the smaller side's inner radius.
 constexpr double margin_ratio = 0.02;
 
@@ -32,7 +32,8 @@ double motion_of(const RigidBodies& bodies, std::uint32_t body, const RigidShape
 Bounds box_of(const BodyPose& pose, const RigidShape& shape, double margin) {
   const auto infinity = std::numeric_limits<float>::infinity();
   const double r = shape.radius();
-  if (!(r < static_cast<double>(infinity))) return {{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+  if (!(r < static_cast<double>(infinity)))
+    return {{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
   Vec3d lo = pose.position, hi = pose.position;
   if (shape.parts.empty()) {
     lo -= Vec3d{r, r, r}, hi += Vec3d{r, r, r};
@@ -43,7 +44,8 @@ Bounds box_of(const BodyPose& pose, const RigidShape& shape, double margin) {
       const Vec3d half = (part.bounds.hi - part.bounds.lo) * 0.5;
       Vec3d extent;
       for (int row = 0; row < 3; ++row)
-        extent[row] = std::abs(R(row, 0)) * half.x + std::abs(R(row, 1)) * half.y + std::abs(R(row, 2)) * half.z;
+        extent[row] =
+            std::abs(R(row, 0)) * half.x + std::abs(R(row, 1)) * half.y + std::abs(R(row, 2)) * half.z;
       for (int k = 0; k < 3; ++k)
         lo[k] = min(lo[k], middle[k] - extent[k]), hi[k] = max(hi[k], middle[k] + extent[k]);
     }
@@ -52,14 +54,14 @@ Bounds box_of(const BodyPose& pose, const RigidShape& shape, double margin) {
   return {Vec3f(lo - grown), Vec3f(hi + grown)};
 }
 
-RigidContact contact_of(const Manifold& manifold, const ConvexShape& a, const BodyPose& pose_a, double radius_b,
-                        const BodyPose& pose_b) {
+RigidContact contact_of(const Manifold& manifold, const ConvexShape& a, const BodyPose& pose_a,
+                        double radius_b, const BodyPose& pose_b) {
   RigidContact contact;
   contact.radius_a = a.radius, contact.radius_b = radius_b;
-  contact.normal_of_b = manifold.owner == NormalOwner::face_of_b;
+  contact.owner = manifold.owner;
   contact.normal_between_points = manifold.owner == NormalOwner::edges && a.radius + radius_b > 0;
   const Vec3d n_a = pose_a.local_direction(manifold.normal), n_b = pose_b.local_direction(manifold.normal);
-  contact.normal = contact.normal_of_b ? n_b : n_a;
+  contact.normal = manifold.owner == NormalOwner::face_of_b ? n_b : n_a;
   contact.count = static_cast<std::uint8_t>(manifold.count);
   for (int k = 0; k < manifold.count; ++k) {
     const ManifoldPoint& found = manifold.points[static_cast<std::size_t>(k)];

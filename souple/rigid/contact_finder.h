@@ -37,8 +37,8 @@ class RigidMaterials {
 class ContactFinder {
  public:
   /// `shapes`: per body. `dt`: length of the step; `gravity`: m/s^2.
-  void begin_step(const RigidBodies& bodies, std::span<const RigidShape> shapes, const RigidMaterials& materials,
-                  double dt, double gravity, Threads& threads);
+  void begin_step(const RigidBodies& bodies, std::span<const RigidShape> shapes,
+                  const RigidMaterials& materials, double dt, double gravity, Threads& threads);
   /// At the start of a substep, which is `part` of the step: finds the contacts of pairs that move far in it again.
   void refresh(const RigidBodies& bodies, std::span<const RigidShape> shapes, double part, Threads& threads);
   /// In an order that depends on the bodies alone.
@@ -53,23 +53,23 @@ class ContactFinder {
   struct Pair {
     std::uint32_t a = 0, part_a = 0, b = 0, part_b = 0;
     std::uint32_t manifold = 0;  ///< of several with a signed distance field
-    bool fast = false;  ///< moves far in a step
+    bool fast = false;           ///< moves far in a step
     AxisCache axis{};
     auto key() const { return std::tuple(a, b, part_a, part_b, manifold); }
   };
   // A part has one manifold with another, and up to this number with a signed distance field.
   static constexpr std::size_t most_manifolds = 4;
 
-  void find_pairs(const RigidBodies& bodies, std::span<const RigidShape> shapes, const RigidMaterials& materials,
-                  double dt, double gravity);
+  void find_pairs(const RigidBodies& bodies, std::span<const RigidShape> shapes,
+                  const RigidMaterials& materials, double dt, double gravity);
   void append_pairs(std::uint32_t a, std::uint32_t b, std::span<const RigidShape> shapes);
   void take_over(std::size_t pair);
   void find_contact(std::size_t pair, const RigidBodies& bodies, std::span<const RigidShape> shapes,
                     double margin);
 
   BoxSweep sweep_;
-  std::vector<Bounds> boxes_;       // per body, of its motion in the step
-  std::vector<double> motion_;      // per body: largest path of its points in the step [m]
+  std::vector<Bounds> boxes_;   // per body, of its motion in the step
+  std::vector<double> motion_;  // per body: largest path of its points in the step [m]
   std::vector<Pair> pairs_, last_pairs_;
   std::vector<RigidContact> contacts_, last_contacts_;  // one per pair
 };

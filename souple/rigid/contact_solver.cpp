@@ -26,21 +26,33 @@ Vec3d center(std::span<const BodyPose> poses, std::uint32_t body) {
 
 /// A contact at given poses.
 struct Placed {
-  Vec3d n{};           // from b to a
-  Vec3d x_a{}, x_b{};  // points of the two surfaces [m]
-  double C = 0;        // [m]
+  Vec3d n{};     // from b to a
+  Vec3d x{};     // where the sides touch [m]
+  double C = 0;  // [m]
 };
 
 Placed place(const RigidContact& contact, const RigidContactPoint& point, std::span<const BodyPose> poses) {
   const Vec3d core_a = world_point(poses, contact.a, point.core_a);
   const Vec3d core_b = world_point(poses, contact.b, point.core_b);
-  Vec3d n = world_direction(poses, contact.normal_of_b ? contact.b : contact.a, contact.normal);
+  Vec3d n =
+      world_direction(poses, contact.owner == NormalOwner::face_of_b ? contact.b : contact.a, contact.normal);
   if (contact.normal_between_points) {
     const Vec3d between = normalized(core_a - core_b);
     if (length_squared(between) > 0) n = between;
   }
   const Vec3d x_a = core_a - n * contact.radius_a, x_b = core_b + n * contact.radius_b;
-  return {n, x_a, x_b, dot(n, x_a - x_b)};
+  const double C = dot(n, x_a - x_b);
+  // Sides that slide leave the point of a face behind: a corner of the other side says where they touch.
+  const Vec3d from_a = x_a - n * (C / 2), from_b = x_b + n * (C / 2);
+  switch (contact.owner) {
+    case NormalOwner::face_of_a:
+      return {n, from_b, C};
+    case NormalOwner::face_of_b:
+      return {n, from_a, C};
+    case NormalOwner::edges:
+      break;
+  }
+  return {n, (from_a + from_b) * 0.5, C};
 }
 
 double reciprocal(double x) {
@@ -62,24 +74,24 @@ struct Impact {
   Vec3d tangent{};
 };
 
+/// Whether the point is nearer than its sides approach each other within the substep.
 Impact impact_at(const RigidContact& contact, const RigidContactPoint& point, const RigidBodies& bodies,
                  const RigidSubstep& substep) {
   const Placed at = place(contact, point, bodies.pose);
-  const Vec3d middle = (at.x_a + at.x_b) * 0.5;
-  Impact impact{.n = at.n,
-                .r_a = middle - center(bodies.pose, contact.a),
-                .r_b = middle - center(bodies.pose, contact.b)};
+  Impact impact{
+      .n = at.n, .r_a = at.x - center(bodies.pose, contact.a), .r_b = at.x - center(bodies.pose, contact.b)};
   const Vec3d u = velocity_at(bodies, contact.a, impact.r_a) - velocity_at(bodies, contact.b, impact.r_b);
   impact.approach = -dot(at.n, u);
-  const double gravity_margin = substep.bounce_speed * substep.h;
-  impact.closes = at.C <= max(impact.approach, 0.0) * substep.h + gravity_margin;
-  impact.bounces =
-      impact.closes && impact.approach > substep.bounce_speed && at.C <= impact.approach * substep.h;
+  impact.bounces = impact.approach > substep.bounce_speed && at.C <= impact.approach * substep.h;
+  impact.closes = at.C <= max(impact.approach, substep.bounce_speed) * substep.h;
+  return impact;
+}
+
+void find_masses(Impact& impact, const RigidContact& contact, const RigidBodies& bodies) {
   const Mat3d K =
       inverse_mass_at(bodies, contact.a, impact.r_a) + inverse_mass_at(bodies, contact.b, impact.r_b);
-  const double normal = dot(at.n, K * at.n);
+  const double normal = dot(impact.n, K * impact.n);
   impact.normal_mass = reciprocal(normal), impact.tangent_mass = reciprocal(trace(K) - normal);
-  return impact;
 }
 
 bool moves(const RigidBodies& bodies, std::uint32_t body) {
@@ -152,19 +164,17 @@ void ContactSolver::linearize(RigidContact& contact, std::span<Row> rows, const 
   for (std::uint32_t k = 0; k < contact.count; ++k) {
     RigidContactPoint& point = contact.points[k];
     const Placed before = place(contact, point, bodies.start), now = place(contact, point, bodies.pose);
+    Row& row = rows[k];
     if (!point.anchored || point.slid || contact.radius_a + contact.radius_b > 0) {
-      const Vec3d middle = (before.x_a + before.x_b) * 0.5;
-      point.anchor_a = local_point(bodies.start, contact.a, middle);
-      point.anchor_b = local_point(bodies.start, contact.b, middle);
+      point.anchor_a = local_point(bodies.start, contact.a, before.x);
+      point.anchor_b = local_point(bodies.start, contact.b, before.x);
       point.anchored = true, point.slid = false;
     }
     const auto slip = [&](std::span<const BodyPose> poses) {
       return world_point(poses, contact.a, point.anchor_a) - world_point(poses, contact.b, point.anchor_b);
     };
-    Row& row = rows[k];
-    const Vec3d middle = (now.x_a + now.x_b) * 0.5;
     row.n = now.n;
-    row.r_a = middle - center(bodies.pose, contact.a), row.r_b = middle - center(bodies.pose, contact.b);
+    row.r_a = now.x - center(bodies.pose, contact.a), row.r_b = now.x - center(bodies.pose, contact.b);
     const double overlap = max(-before.C, 0.0);
     const double removed = min(overlap * recovery, substep.depenetration_speed * substep.h);
     row.C = now.C + (overlap - removed);
@@ -190,11 +200,10 @@ ContactSolver::Push ContactSolver::push_of(const RigidContact& contact, const Ro
   const Vec3d correction = correction_at(contact, row);
   Push push;
   push.normal = max(row.normal - row.stiffness * (row.C + dot(row.n, correction)), 0.0);
-  if (!(push.normal > 0)) return push;
-  const Vec3d sticking = row.tangent - (row.slip + tangential(correction, row.n)) * row.stiffness;
-  push.tangent = within_friction(sticking, static_cast<double>(row.static_friction),
+  push.sticking = row.tangent - (row.slip + tangential(correction, row.n)) * row.stiffness;
+  push.tangent = within_friction(push.sticking, static_cast<double>(row.static_friction),
                                  static_cast<double>(row.kinetic_friction), push.normal);
-  push.slides = length_squared(push.tangent) < length_squared(sticking);
+  push.slides = length_squared(push.tangent) < length_squared(push.sticking);
   return push;
 }
 
@@ -226,10 +235,10 @@ void ContactSolver::keep(RigidContact& contact, std::span<Row> rows, double h) c
   for (std::uint32_t k = 0; k < contact.count; ++k) {
     Row& row = rows[k];
     const Push push = push_of(contact, row);
-    row.normal = push.normal, row.tangent = push.tangent;
+    row.normal = push.normal, row.tangent = push.normal > 0 ? push.tangent : Vec3d{};
     RigidContactPoint& point = contact.points[k];
     point.normal_impulse = push.normal * h * h;
-    point.tangent_impulse = push.tangent * (h * h);
+    point.tangent_impulse = row.tangent * (h * h);
     point.slid = !(push.normal > 0) || push.slides;
   }
 }
@@ -263,13 +272,17 @@ void ContactSolver::solve(std::span<RigidContact> contacts, RigidBodies& bodies,
     bodies.pose[i].position += corrections_[i].dx;
     bodies.pose[i].rotation = turned(bodies.pose[i].rotation, corrections_[i].dtheta);
   }
-  deepest_ = 0;
-  for (const RigidContact& contact : contacts)
-    for (std::uint32_t k = 0; k < contact.count; ++k)
-      deepest_ = max(deepest_, -place(contact, contact.points[k], bodies.pose).C);
 }
 
-bool ContactSolver::bounce(const RigidContact& contact, RigidBodies& bodies, const RigidSubstep& substep) {
+double ContactSolver::deepest(std::span<const RigidContact> contacts, const RigidBodies& bodies) {
+  double result = 0;
+  for (const RigidContact& contact : contacts)
+    for (std::uint32_t k = 0; k < contact.count; ++k)
+      result = max(result, -place(contact, contact.points[k], bodies.pose).C);
+  return result;
+}
+
+bool ContactSolver::collide(const RigidContact& contact, RigidBodies& bodies, const RigidSubstep& substep) {
   std::array<Impact, 4> impacts;
   bool closing = false;
   for (std::uint32_t k = 0; k < contact.count; ++k) {
@@ -277,6 +290,7 @@ bool ContactSolver::bounce(const RigidContact& contact, RigidBodies& bodies, con
     closing = closing || impacts[k].bounces;
   }
   if (!closing) return false;
+  for (std::uint32_t k = 0; k < contact.count; ++k) find_masses(impacts[k], contact, bodies);
   const auto e = static_cast<double>(contact.material.restitution);
   constexpr int rounds = 20;  // of at most four points
   for (int round = 0; round < rounds; ++round)
@@ -300,17 +314,27 @@ bool ContactSolver::bounce(const RigidContact& contact, RigidBodies& bodies, con
 
 void ContactSolver::bounce(std::span<const RigidContact> contacts, RigidBodies& bodies,
                            const RigidSubstep& substep) {
-  constexpr int most_sweeps = 64;
-  bool any = true;
-  for (int sweep = 0; any && sweep < most_sweeps; ++sweep) {
-    any = false;
-    for (const RigidContact& contact : contacts)
-      if (contact.material.restitution > 0) any = bounce(contact, bodies, substep) || any;
+  constexpr int most_sweeps = 32;
+  impacts_.resize(contacts.size());
+  for (std::uint32_t c = 0; c < contacts.size(); ++c) impacts_[c] = c;
+  for (int sweep = 0; !impacts_.empty() && sweep < most_sweeps; ++sweep) {
+    next_impacts_.clear();
+    for (const std::uint32_t c : impacts_) {
+      if (!collide(contacts[c], bodies, substep)) continue;
+      for (const std::uint32_t body : {contacts[c].a, contacts[c].b})
+        if (moves(bodies, body))
+          for (std::uint32_t s = side_begin_[body]; s < side_begin_[body + 1]; ++s)
+            next_impacts_.push_back(sides_[s].contact);
+    }
+    std::sort(next_impacts_.begin(), next_impacts_.end());
+    next_impacts_.erase(std::unique(next_impacts_.begin(), next_impacts_.end()), next_impacts_.end());
+    std::swap(impacts_, next_impacts_);
   }
 }
 
 std::size_t ContactSolver::bytes() const {
-  return bytes_of(rows_, corrections_, inertia_, side_begin_, sides_, color_, order_, color_begin_);
+  return bytes_of(rows_, corrections_, inertia_, side_begin_, sides_, color_, order_, color_begin_, impacts_,
+                  next_impacts_);
 }
 
 }  // namespace souple

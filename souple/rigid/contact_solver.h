@@ -41,8 +41,8 @@ class ContactSolver {
   void solve(std::span<RigidContact> contacts, RigidBodies& bodies, const RigidSubstep& substep,
              Threads& threads);
 
-  /// Largest depth after `solve` [m].
-  double deepest() const { return deepest_; }
+  /// The largest depth [m].
+  static double deepest(std::span<const RigidContact> contacts, const RigidBodies& bodies);
   std::size_t bytes() const;
 
  private:
@@ -60,7 +60,8 @@ class ContactSolver {
   /// What a row does at the current poses.
   struct Push {
     double normal = 0;    ///< [N], not negative
-    Vec3d tangent{};      ///< [N]
+    Vec3d sticking{};     ///< tangential force that would stop the slip [N]
+    Vec3d tangent{};      ///< within friction [N]
     bool slides = false;  ///< the tangential force is at its limit
   };
   /// Correction of a body's predicted pose.
@@ -73,8 +74,8 @@ class ContactSolver {
     bool is_a = false;
   };
 
-  /// Whether a contact bounced.
-  static bool bounce(const RigidContact& contact, RigidBodies& bodies, const RigidSubstep& substep);
+  /// Whether a contact's sides hit each other.
+  static bool collide(const RigidContact& contact, RigidBodies& bodies, const RigidSubstep& substep);
   void color_bodies(std::span<const RigidContact> contacts, const RigidBodies& bodies);
   void linearize(RigidContact& contact, std::span<Row> rows, const RigidBodies& bodies,
                  const RigidSubstep& substep) const;
@@ -89,10 +90,10 @@ class ContactSolver {
   std::vector<Mat3d> inertia_;             // per body with contacts, in world axes [kg m^2]
   std::vector<std::uint32_t> side_begin_;  // per body: into sides_
   std::vector<Side> sides_;
-  std::vector<std::uint32_t> color_;        // per body
-  std::vector<std::uint32_t> order_;        // bodies with contacts, by color
-  std::vector<std::uint32_t> color_begin_;  // into order_
-  double deepest_ = 0;
+  std::vector<std::uint32_t> color_;                   // per body
+  std::vector<std::uint32_t> order_;                   // bodies with contacts, by color
+  std::vector<std::uint32_t> color_begin_;             // into order_
+  std::vector<std::uint32_t> impacts_, next_impacts_;  // contacts to look at
 };
 
 }  // namespace souple

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/contacts/contact_material.h"
-#include "souple/math/vec3.h"
+#include "souple/rigid/manifold.h"
 
 #include <array>
 #include <cstdint>
@@ -29,7 +29,7 @@ struct RigidContact {
   double radius_a = 0, radius_b = 0;  ///< of rounded bodies [m]
   /// Unit vector from b to a: local to body a, to body b if b's face gives it.
   Vec3d normal{};
-  bool normal_of_b = false;
+  NormalOwner owner = NormalOwner::edges;
   /// Two rounded points face each other: the normal is along the line between them.
   bool normal_between_points = false;
   std::uint8_t count = 0;  ///< of points
