@@ -2,7 +2,6 @@
 #include "tests/rigid/convex_pairs.h"
 
 #include <fmt/core.h>
-
 #include <gtest/gtest.h>
 
 namespace souple {
@@ -67,7 +66,8 @@ TEST(RandomManifolds, ADepthIsTheLeastByWhichSomeAxisSeparates) {
       // Some axis separates cores by the margin: of the sampled ones, or the one between the closest points.
       ASSERT_GT(largest, 0) << "pair " << i;
     } else {
-      ASSERT_NEAR(test::least_separation(m), std::max(largest, test::least_separation(m)), pair.tolerance) << "pair " << i;
+      ASSERT_NEAR(test::least_separation(m), std::max(largest, test::least_separation(m)), pair.tolerance)
+          << "pair " << i;
     }
   }
 }
@@ -158,8 +158,8 @@ TEST(RandomManifolds, AllocateNothing) {
       points += find_manifold(pair.a, pair.pose_a, pair.b, pair.pose_b, margin, cache).count;
     }
     points += find_manifold(pair.a, pair.pose_a, Plane{}, pair.pose_b, margin).count;
-    points += find_manifold(pair.a, pair.pose_a, ContactTriangle{{{{-1, 0, -1}, {0, 0, 1}, {1, 0, -1}}}}, pair.pose_b, margin,
-                            cache)
+    points += find_manifold(pair.a, pair.pose_a, ContactTriangle{{{{-1, 0, -1}, {0, 0, 1}, {1, 0, -1}}}},
+                            pair.pose_b, margin, cache)
                   .count;
   }
   EXPECT_EQ(test::allocations() - before, 0);
