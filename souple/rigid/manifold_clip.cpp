@@ -48,16 +48,18 @@ struct SidePlane {
   Vec3d normal;
   double offset, slack;
   std::uint32_t side;
-
-  double beyond(const ClipVertex& v) const { return dot(normal, v.point) - offset; }
 };
+using Distances = StackList<double, ContactPoints::capacity>;
 
-/// Whether a side plane cuts the polygon; if not, there is nothing to copy.
-bool cuts(const Polygon& polygon, const SidePlane& plane_of_side) {
+/// Fills in the distances beyond a side plane. Whether it cuts the polygon; if not, there is nothing to copy.
+bool cuts(const Polygon& polygon, const SidePlane& p, Distances& beyond) {
+  bool any = false;
+  beyond.clear();
   for (int i = 0; i < polygon.size(); ++i) {
-    if (plane_of_side.beyond(polygon[i]) > plane_of_side.slack) return true;
+    beyond.push_back(dot(p.normal, polygon[i].point) - p.offset);
+    any = any || beyond[i] > p.slack;
   }
-  return false;
+  return any;
 }
 
 Vec3d crossing(const ClipVertex& v, double beyond_v, const ClipVertex& w, double beyond_w) {
@@ -66,30 +68,25 @@ Vec3d crossing(const ClipVertex& v, double beyond_v, const ClipVertex& w, double
 
 /// A vertex within the slack remains, at its place, where another polygon would have the point at which its edge crosses
 /// the plane.
-void clip(const Polygon& polygon, const SidePlane& p, Polygon& out) {
+void clip(const Polygon& polygon, const SidePlane& p, const Distances& beyond, Polygon& out) {
   out.clear();
   const int count = polygon.size();
-  const ClipVertex* previous = &polygon[count - 1];
-  double behind = p.beyond(*previous), here = p.beyond(polygon[0]);
   for (int i = 0; i < count; ++i) {
-    const ClipVertex& next = polygon[i + 1 < count ? i + 1 : 0];
-    const double ahead = p.beyond(next);
+    const double here = beyond[i];
+    if (here > p.slack) continue;
+    const int before = i > 0 ? i - 1 : count - 1, after = i + 1 < count ? i + 1 : 0;
+    const bool enters = beyond[before] > p.slack, leaves = beyond[after] > p.slack;
     ClipVertex v = polygon[i];
-    if (here <= p.slack) {
-      const bool enters = behind > p.slack, leaves = ahead > p.slack;
-      if (enters && here <= 0) {
-        out.push_back({crossing(v, here, *previous, behind), p.side, previous->out, no_vertex});
-      }
-      if (leaves && here <= 0) {
-        out.push_back(v);
-        out.push_back({crossing(v, here, next, ahead), v.out, p.side, no_vertex});
-      } else {
-        if (enters && here > 0) v.in = p.side;
-        if (leaves && here > 0) v.out = p.side;
-        out.push_back(v);
-      }
+    if (enters && here <= 0) {
+      const ClipVertex& w = polygon[before];
+      out.push_back({crossing(v, here, w, beyond[before]), p.side, w.out, no_vertex});
     }
-    previous = &polygon[i], behind = here, here = ahead;
+    if (enters && here > 0) v.in = p.side;
+    if (leaves && here > 0) v.out = p.side;
+    out.push_back(v);
+    if (leaves && here <= 0) {
+      out.push_back({crossing(v, here, polygon[after], beyond[after]), v.out, p.side, no_vertex});
+    }
   }
 }
 
@@ -126,13 +123,14 @@ void clip_polygon(const ReferenceFace& reference, const ConvexView& incident,
                   ContactPoints& points) {
   const ConvexFace& face = reference.shape->faces[reference.face];
   Polygon first, second;
+  Distances beyond;
   Polygon *polygon = &first, *other = &second;
   start_polygon(incident, incident_to_reference, face.normal, *polygon);
   for (std::uint32_t c = face.begin; c < face.end; ++c) {
     const ConvexCorner& corner = reference.shape->corners[c];
     const SidePlane side{corner.side_normal, corner.side_offset, slack, c | plane};
-    if (!cuts(*polygon, side)) continue;
-    clip(*polygon, side, *other);
+    if (!cuts(*polygon, side, beyond)) continue;
+    clip(*polygon, side, beyond, *other);
     std::swap(polygon, other);
     if (polygon->size() == 0) return;
   }

@@ -55,8 +55,28 @@ Axis best_face(const ShapePair& pair, const Axis& known) {
   return best;
 }
 
-Axis best_edges(const ShapePair& pair, double floor) {
-  const EdgeAxis edges = best_edge_axis(pair.a, pair.b, pair.b_to_a, floor, pair.region);
+/// The lowest vertex of the one shape along the normal of a face of the other, and the point of the face below it, if that
+/// is within the face's sides.
+DeepPoints deep_points(const ShapePair& pair, const Axis& axis) {
+  if (axis.kind == Kind::none) return {};
+  const bool of_a = axis.kind == Kind::face_of_a;
+  const ConvexView &reference = of_a ? pair.a : pair.b, &incident = of_a ? pair.b : pair.a;
+  const FrameChange& change = of_a ? pair.b_to_a : pair.a_to_b;
+  const ConvexFace& face = reference.faces[of_a ? axis.a : axis.b];
+  const Vec3d low =
+      change.point(incident.vertices[lowest_vertex(incident.vertices, change.back(face.normal)).vertex]);
+  const Vec3d on_face = low - face.normal * axis.separation;
+  bool within = true;
+  for (const ConvexCorner& corner : reference.corners_of(face)) {
+    within = within && dot(corner.side_normal, on_face) <= corner.side_offset;
+  }
+  if (of_a) return {.of_a = on_face, .of_b = low, .has_a = within, .has_b = true};
+  return {.of_a = pair.b_to_a.point(low), .of_b = pair.b_to_a.point(on_face), .has_a = true, .has_b = within};
+}
+
+Axis best_edges(const ShapePair& pair, const Axis& face, double floor) {
+  const DeepPoints deep = deep_points(pair, face);
+  const EdgeAxis edges = best_edge_axis(pair.a, pair.b, pair.b_to_a, floor, deep, pair.region);
   if (edges.a == no_face) return {};
   return {Kind::edges, edges.a, edges.b, edges.separation, edges.axis};
 }
@@ -73,7 +93,7 @@ Axis choose_axis(const ShapePair& pair, const AxisCache& cache, const Axis& cach
   const Axis face = best_face(pair, cached);
   if (face.separation >= pair.limit()) return face;
   const double advantage = cache.kind == Kind::edges ? 0 : pair.axis_tolerance;
-  const Axis edges = best_edges(pair, face.separation + advantage);
+  const Axis edges = best_edges(pair, face, face.separation + advantage);
   if (edges.kind != Kind::none) return edges;
   const bool keep = cached.kind != Kind::none && cached.separation >= face.separation - pair.axis_tolerance;
   return keep ? cached : face;
