@@ -1,5 +1,6 @@
 #include "souple/rigid/manifold_axes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -13,10 +14,9 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 double largest_between(double left, double right, double cosine) {
   const double sine_squared = 1 - cosine * cosine;
   if (sine_squared > 1e-9 && left >= cosine * right && right >= cosine * left) {
-    return std::sqrt(
-        std::fmax(0.0, (left * left + right * right - 2 * cosine * left * right) / sine_squared));
+    return std::sqrt(std::max(0.0, (left * left + right * right - 2 * cosine * left * right) / sine_squared));
   }
-  return std::fmax(left, right);
+  return std::max(left, right);
 }
 
 /// The largest product of a unit axis through an edge, outward, with the vector from the edge to a point.

@@ -75,6 +75,7 @@ DeepPoints deep_points(const ShapePair& pair, const Axis& axis) {
 }
 
 Axis best_edges(const ShapePair& pair, const Axis& face, double floor) {
+  if (pair.a.edges.empty() || pair.b.edges.empty()) return {};
   const DeepPoints deep = deep_points(pair, face);
   const EdgeAxis edges = best_edge_axis(pair.a, pair.b, pair.b_to_a, floor, deep, pair.region);
   if (edges.a == no_face) return {};

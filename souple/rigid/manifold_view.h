@@ -78,6 +78,8 @@ class StackList {
   int size() const { return size_; }
   bool full() const { return size_ == N; }
   void clear() { size_ = 0; }
+  /// Keeps the first `size` elements.
+  void shrink(int size) { size_ = size; }
   /// Ignores an element too many.
   void push_back(const T& item) {
     if (size_ < N) ::new (static_cast<void*>(bytes_ + sizeof(T) * static_cast<std::size_t>(size_++))) T(item);
