@@ -182,12 +182,41 @@ Vec3d direction_of(const ShapePair& pair, const Axis& axis) {
   return axis.direction;
 }
 
-/// The contact point of two shapes that are apart.
+/// The longest edge of a shape that is nearly perpendicular to an axis and touches the shape's supporting plane: its index,
+/// or no_face.
+std::uint32_t supporting_edge(const ConvexView& shape, const Vec3d& axis) {
+  constexpr double most_sine = 0.01;
+  const double lowest = lowest_vertex(shape.vertices, axis).height;
+  std::uint32_t best = no_face;
+  double longest = 0;
+  for (std::uint32_t e = 0; e < shape.edges.size(); ++e) {
+    const Vec3d from = shape.vertices[shape.edges[e].from], to = shape.vertices[shape.edges[e].to];
+    const double l = length(to - from), allowed = lowest + most_sine * l;
+    if (l > longest && dot(from, axis) <= allowed && dot(to, axis) <= allowed) best = e, longest = l;
+  }
+  return best;
+}
+
+/// Two points, where the closest points lie on parallel edges.
+bool find_parallel_edges(const ShapePair& pair, const Vec3d& axis, Manifold& manifold) {
+  const std::uint32_t a = supporting_edge(pair.a, -axis);
+  if (a == no_face) return false;
+  const std::uint32_t b = supporting_edge(pair.b, pair.b_to_a.back(axis));
+  if (b == no_face) return false;
+  const ConvexEdge &edge_a = pair.a.edges[a], &edge_b = pair.b.edges[b];
+  const Segment on_a{pair.a.vertices[edge_a.from], pair.a.vertices[edge_a.to]};
+  const Segment on_b{pair.b_to_a.point(pair.b.vertices[edge_b.from]),
+                     pair.b_to_a.point(pair.b.vertices[edge_b.to])};
+  return add_parallel_segments(pair, on_a, on_b, axis, feature_id(FeatureKind::other, a, 2 * b), manifold);
+}
+
+/// The contact points of two shapes that are apart.
 void find_closest_point(const ShapePair& pair, const Axis& axis, AxisCache& cache, Manifold& manifold) {
   const ClosestPoints closest = closest_points(pair.a, pair.b, pair.b_to_a, direction_of(pair, axis));
   cache = {Kind::closest_points, 0, 0, closest.axis};
   if (closest.distance >= pair.limit()) return;
   if (pair.region != nullptr && !pair.region->admits(-closest.axis)) return;
+  if (find_parallel_edges(pair, closest.axis, manifold)) return;
   add_point(pair, closest.on_a, closest.on_b, closest.axis, closest.feature, manifold);
 }
 

@@ -61,8 +61,9 @@ std::array<int, 4> choose_four(const ContactPoints& points, const Vec3d& normal,
   Point2 c = flat[chosen[2]];
   if (area(a, b, c) < 0) std::swap(b, c);
   // What a point adds to the triangle is outside one of its sides.
-  chosen[3] =
-      largest(flat, [&](const Point2& p) { return -std::min({area(a, b, p), area(b, c, p), area(c, a, p)}); });
+  chosen[3] = largest(flat, [&](const Point2& p) {
+    return -std::min({area(a, b, p), area(b, c, p), area(c, a, p)});
+  });
   return chosen;
 }
 

@@ -264,6 +264,19 @@ TEST(RoundManifold, ACapsuleOnTheEdgeOfABox) {
   expect_vector(m.points[0].on_b, {0.5, 0.5, 0.1});
 }
 
+TEST(RoundManifold, ACapsuleAlongTheEdgeOfABoxHasTwoPoints) {
+  const ConvexShape capsule = convex_capsule(0.2, 0.6), box = convex_box({0.5, 0.5, 0.5});
+  const Vec3d n = normalized(Vec3d{1, 0, 1});
+  for (const double tilt : {0.0, 1e-4}) {
+    const BodyPose pose = turned(Vec3d{0.5, 0.3, 0.5} + n * 0.19, cross(Vec3d{0, 1, 0}, n), tilt);
+    const Manifold m = test::find_fresh(capsule, pose, box, at(0, 0, 0), margin);
+    ASSERT_EQ(m.count, 2);
+    expect_vector(m.normal, n, 1e-3);
+    EXPECT_NEAR(std::abs(m.points[0].on_b.y - m.points[1].on_b.y), 0.8, 1e-3);
+    for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(m.points[k].separation, -0.01, 1e-4);
+  }
+}
+
 TEST(RoundManifold, CapsulesThatCrossTouchInOnePointAndParallelOnesInTwo) {
   const ConvexShape capsule = convex_capsule(0.2, 0.6);
   for (const double height : {0.39, 0.0}) {
