@@ -141,9 +141,15 @@ void measure(ConvexShape& shape) {
   shape.outer_radius += shape.radius;
 }
 
-void expect_convex(const ConvexShape& shape) {
+void expect_convex(const ConvexShape& shape, std::span<const FaceLoop> faces) {
   const double allowed = 1e-4 * length(shape.bounds.hi - shape.bounds.lo);
   for (std::size_t f = 0; f < shape.faces.size(); ++f) {
+    for (const std::uint32_t v : faces[f]) {
+      if (shape.faces[f].offset - dot(shape.faces[f].normal, shape.vertices[v]) > allowed) {
+        throw Error(
+            fmt::format("face {} of a convex polyhedron is not flat at its vertex {}: split it", f, v));
+      }
+    }
     for (const Vec3d& v : shape.vertices) {
       if (dot(shape.faces[f].normal, v) - shape.faces[f].offset > allowed) {
         throw Error(fmt::format(
@@ -234,7 +240,7 @@ ConvexShape convex_polyhedron(std::span<const Vec3d> vertices, std::span<const F
   const std::vector<FaceLoop> edge_of = connect(shape, faces);
   for (std::size_t f = 0; f < faces.size(); ++f) add_corners(shape, shape.faces[f], faces[f], edge_of[f]);
   measure(shape);
-  expect_convex(shape);
+  expect_convex(shape, faces);
   return shape;
 }
 

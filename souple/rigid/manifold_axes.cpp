@@ -1,5 +1,6 @@
 #include "souple/rigid/manifold_axes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -11,25 +12,34 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// The largest product of d with a unit vector between the normals of an edge's two faces, whose own products with d are
 /// `left` and `right`: the length of d's projection onto their plane where that lies between them.
 double largest_between(double left, double right, double cosine) {
-  if (cosine < -0.99) return infinity;  // a triangle's edge: any direction
   const double sine_squared = 1 - cosine * cosine;
   if (sine_squared > 1e-9 && left >= cosine * right && right >= cosine * left) {
-    return std::sqrt(
-        std::fmax(0.0, (left * left + right * right - 2 * cosine * left * right) / sine_squared));
+    return std::sqrt(std::max(0.0, (left * left + right * right - 2 * cosine * left * right) / sine_squared));
   }
-  return std::fmax(left, right);
+  return std::max(left, right);
 }
 
-/// Whether some axis through an edge may separate its shape from the other by more than `floor`. `center` is of a ball
-/// inside the other shape: along an outward axis n from the edge's point p, the separation is at most n . (center - p)
-/// minus the ball's radius.
-bool may_exceed(const ConvexView& shape, const ConvexEdge& edge, const Vec3d& center, double inner_radius,
-                double floor) {
+/// The largest product of a unit axis through an edge, outward, with the vector from the edge to a point.
+double largest_reach(const ConvexView& shape, const ConvexEdge& edge, const Vec3d& point) {
+  const ConvexFace &left = shape.edge_faces[edge.left], &right = shape.edge_faces[edge.right];
+  return largest_between(dot(left.normal, point) - left.offset, dot(right.normal, point) - right.offset,
+                         edge.cosine);
+}
+
+/// Points of one shape in the frame of the other: a ball inside it, and a point of it.
+struct InnerPoints {
+  Vec3d center;
+  double radius;
+  Vec3d point;
+  bool has_point;
+};
+
+/// Whether some axis through an edge may separate its shape from the other by more than `floor`. An axis n through the
+/// edge's point p separates by at most n . (x - p) for any point x of the other shape.
+bool may_exceed(const ConvexView& shape, const ConvexEdge& edge, const InnerPoints& other, double floor) {
   if (edge.left == no_face) return true;
-  const ConvexFace &left = shape.faces[edge.left], &right = shape.faces[edge.right];
-  const double to_left = dot(left.normal, center) - left.offset,
-               to_right = dot(right.normal, center) - right.offset;
-  return largest_between(to_left, to_right, edge.cosine) - inner_radius > floor;
+  if (largest_reach(shape, edge, other.center) - other.radius <= floor) return false;
+  return !other.has_point || largest_reach(shape, edge, other.point) > floor;
 }
 
 /// An edge of b in a's frame, with its directions negated: those of b's Gauss map that face a's.
@@ -49,8 +59,8 @@ OpposedEdge opposed(const ConvexView& b, std::uint32_t index, const FrameChange&
                   .index = index,
                   .has_faces = edge.left != no_face};
   if (out.has_faces) {
-    out.left = -b_to_a.direction(b.faces[edge.left].normal);
-    out.right = -b_to_a.direction(b.faces[edge.right].normal);
+    out.left = -b_to_a.direction(b.edge_faces[edge.left].normal);
+    out.right = -b_to_a.direction(b.edge_faces[edge.right].normal);
     out.outward = -b_to_a.direction(edge.outward);
   }
   return out;
@@ -65,7 +75,7 @@ struct OwnEdge {
 OwnEdge own(const ConvexView& a, const ConvexEdge& edge) {
   OwnEdge out{a.vertices[edge.from], a.vertices[edge.to] - a.vertices[edge.from], {}, {}, edge.outward,
               edge.left != no_face};
-  if (out.has_faces) out.left = a.faces[edge.left].normal, out.right = a.faces[edge.right].normal;
+  if (out.has_faces) out.left = a.edge_faces[edge.left].normal, out.right = a.edge_faces[edge.right].normal;
   return out;
 }
 
@@ -134,18 +144,20 @@ FaceAxis best_face_axis(const ConvexView& reference, const ConvexView& other,
 }
 
 EdgeAxis best_edge_axis(const ConvexView& a, const ConvexView& b, const FrameChange& b_to_a, double floor,
-                        const NormalRegion* region) {
+                        const DeepPoints& deep, const NormalRegion* region) {
   EdgeAxis best{.separation = floor};
-  const Vec3d center_b = b_to_a.point(b.center), center_a = b_to_a.back(a.center - b_to_a.translation);
+  const InnerPoints of_b{b_to_a.point(b.center), b.inner_radius, deep.of_b, deep.has_b};
+  const InnerPoints of_a{b_to_a.back(a.center - b_to_a.translation), a.inner_radius,
+                         b_to_a.back(deep.of_a - b_to_a.translation), deep.has_a};
   OpposedEdges opposed_edges;
   for (std::uint32_t j = 0; j < b.edges.size(); ++j) {
-    if (may_exceed(b, b.edges[j], center_a, a.inner_radius, best.separation)) {
+    if (may_exceed(b, b.edges[j], of_a, best.separation)) {
       opposed_edges.push_back(opposed(b, j, b_to_a));
     }
     if (!opposed_edges.full() && j + 1 < b.edges.size()) continue;
     if (opposed_edges.size() == 0) continue;
     for (std::uint32_t i = 0; i < a.edges.size(); ++i) {
-      if (!may_exceed(a, a.edges[i], center_b, b.inner_radius, best.separation)) continue;
+      if (!may_exceed(a, a.edges[i], of_b, best.separation)) continue;
       compare(best, own(a, a.edges[i]), i, opposed_edges, region);
     }
     opposed_edges.clear();

@@ -40,9 +40,16 @@ struct EdgeAxis {
   Vec3d axis{};                            ///< unit, from a to b, in a's frame
 };
 
+/// A point of each core, in a's frame, that lies deep in the other or near to it: they bound the separation along other
+/// axes.
+struct DeepPoints {
+  Vec3d of_a{}, of_b{};
+  bool has_a = false, has_b = false;
+};
+
 /// The pair of edges with the largest separation, of those that exceed `floor`.
 EdgeAxis best_edge_axis(const ConvexView& a, const ConvexView& b, const FrameChange& b_to_a, double floor,
-                        const NormalRegion* region = nullptr);
+                        const DeepPoints& deep, const NormalRegion* region = nullptr);
 
 /// Separation along any unit axis from a to b, in a's frame. At most the distance of the two cores.
 double separation_along(const ConvexView& a, const ConvexView& b, const FrameChange& b_to_a,

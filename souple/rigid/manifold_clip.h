@@ -11,11 +11,11 @@ struct ReferenceFace {
   bool is_of_a;
 };
 
-/// The part of the incident shape's opposing face (segment, point) above or below the reference face, within `tolerance`
-/// [m] of its sides, in the reference shape's frame; only points with a height below `limit` [m]. Sutherland and
-/// Hodgman, "Reentrant Polygon Clipping", 1974. A vertex nearer than the tolerance to a side remains a vertex.
+/// The part of the incident shape's opposing face (segment, point) above or below the reference face, within its sides, in the reference shape's frame; only points with a height below `limit` [m]. Sutherland and
+/// Hodgman, "Reentrant Polygon Clipping", 1974. A vertex that lies outside a side by less than `slack` [m] remains:
+/// so the features of equal boxes on each other do not depend on noise.
 void clip_against(const ReferenceFace& reference, const ConvexView& incident,
-                  const FrameChange& incident_to_reference, double tolerance, double limit,
+                  const FrameChange& incident_to_reference, double slack, double limit,
                   ContactPoints& points);
 
 }  // namespace souple::manifold

@@ -55,8 +55,29 @@ Axis best_face(const ShapePair& pair, const Axis& known) {
   return best;
 }
 
-Axis best_edges(const ShapePair& pair, double floor) {
-  const EdgeAxis edges = best_edge_axis(pair.a, pair.b, pair.b_to_a, floor, pair.region);
+/// The lowest vertex of the one shape along the normal of a face of the other, and the point of the face below it, if that
+/// is within the face's sides.
+DeepPoints deep_points(const ShapePair& pair, const Axis& axis) {
+  if (axis.kind == Kind::none) return {};
+  const bool of_a = axis.kind == Kind::face_of_a;
+  const ConvexView &reference = of_a ? pair.a : pair.b, &incident = of_a ? pair.b : pair.a;
+  const FrameChange& change = of_a ? pair.b_to_a : pair.a_to_b;
+  const ConvexFace& face = reference.faces[of_a ? axis.a : axis.b];
+  const Vec3d low =
+      change.point(incident.vertices[lowest_vertex(incident.vertices, change.back(face.normal)).vertex]);
+  const Vec3d on_face = low - face.normal * axis.separation;
+  bool within = true;
+  for (const ConvexCorner& corner : reference.corners_of(face)) {
+    within = within && dot(corner.side_normal, on_face) <= corner.side_offset;
+  }
+  if (of_a) return {.of_a = on_face, .of_b = low, .has_a = within, .has_b = true};
+  return {.of_a = pair.b_to_a.point(low), .of_b = pair.b_to_a.point(on_face), .has_a = true, .has_b = within};
+}
+
+Axis best_edges(const ShapePair& pair, const Axis& face, double floor) {
+  if (pair.a.edges.empty() || pair.b.edges.empty()) return {};
+  const DeepPoints deep = deep_points(pair, face);
+  const EdgeAxis edges = best_edge_axis(pair.a, pair.b, pair.b_to_a, floor, deep, pair.region);
   if (edges.a == no_face) return {};
   return {Kind::edges, edges.a, edges.b, edges.separation, edges.axis};
 }
@@ -73,7 +94,7 @@ Axis choose_axis(const ShapePair& pair, const AxisCache& cache, const Axis& cach
   const Axis face = best_face(pair, cached);
   if (face.separation >= pair.limit()) return face;
   const double advantage = cache.kind == Kind::edges ? 0 : pair.axis_tolerance;
-  const Axis edges = best_edges(pair, face.separation + advantage);
+  const Axis edges = best_edges(pair, face, face.separation + advantage);
   if (edges.kind != Kind::none) return edges;
   const bool keep = cached.kind != Kind::none && cached.separation >= face.separation - pair.axis_tolerance;
   return keep ? cached : face;
@@ -161,12 +182,41 @@ Vec3d direction_of(const ShapePair& pair, const Axis& axis) {
   return axis.direction;
 }
 
-/// The contact point of two shapes that are apart.
+/// The longest edge of a shape that is nearly perpendicular to an axis and touches the shape's supporting plane: its index,
+/// or no_face.
+std::uint32_t supporting_edge(const ConvexView& shape, const Vec3d& axis) {
+  constexpr double most_sine = 0.01;
+  const double lowest = lowest_vertex(shape.vertices, axis).height;
+  std::uint32_t best = no_face;
+  double longest = 0;
+  for (std::uint32_t e = 0; e < shape.edges.size(); ++e) {
+    const Vec3d from = shape.vertices[shape.edges[e].from], to = shape.vertices[shape.edges[e].to];
+    const double l = length(to - from), allowed = lowest + most_sine * l;
+    if (l > longest && dot(from, axis) <= allowed && dot(to, axis) <= allowed) best = e, longest = l;
+  }
+  return best;
+}
+
+/// Two points, where the closest points lie on parallel edges.
+bool find_parallel_edges(const ShapePair& pair, const Vec3d& axis, Manifold& manifold) {
+  const std::uint32_t a = supporting_edge(pair.a, -axis);
+  if (a == no_face) return false;
+  const std::uint32_t b = supporting_edge(pair.b, pair.b_to_a.back(axis));
+  if (b == no_face) return false;
+  const ConvexEdge &edge_a = pair.a.edges[a], &edge_b = pair.b.edges[b];
+  const Segment on_a{pair.a.vertices[edge_a.from], pair.a.vertices[edge_a.to]};
+  const Segment on_b{pair.b_to_a.point(pair.b.vertices[edge_b.from]),
+                     pair.b_to_a.point(pair.b.vertices[edge_b.to])};
+  return add_parallel_segments(pair, on_a, on_b, axis, feature_id(FeatureKind::other, a, 2 * b), manifold);
+}
+
+/// The contact points of two shapes that are apart.
 void find_closest_point(const ShapePair& pair, const Axis& axis, AxisCache& cache, Manifold& manifold) {
   const ClosestPoints closest = closest_points(pair.a, pair.b, pair.b_to_a, direction_of(pair, axis));
   cache = {Kind::closest_points, 0, 0, closest.axis};
   if (closest.distance >= pair.limit()) return;
   if (pair.region != nullptr && !pair.region->admits(-closest.axis)) return;
+  if (find_parallel_edges(pair, closest.axis, manifold)) return;
   add_point(pair, closest.on_a, closest.on_b, closest.axis, closest.feature, manifold);
 }
 

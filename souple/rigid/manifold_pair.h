@@ -31,6 +31,18 @@ void find_points(const ShapePair& pair, AxisCache& cache, Manifold& manifold);
 /// Contact points of two segments or points.
 void find_segment_points(const ShapePair& pair, Manifold& manifold);
 
+/// The segment of a core, or an edge, in a's frame.
+struct Segment {
+  Vec3d from, to;
+  Vec3d along() const { return to - from; }
+  Vec3d at(double s) const { return from + (to - from) * s; }
+};
+
+/// Adds two points if the segments lie beside each other and are parallel within 0.01 rad; false if they are not.
+/// `axis`: unit, from a to b.
+bool add_parallel_segments(const ShapePair& pair, const Segment& a, const Segment& b, const Vec3d& axis,
+                           std::uint32_t feature, Manifold& manifold);
+
 /// Adds one point. `core_a`, `core_b`: points of the two cores, `axis`: unit, from a to b, all in a's frame.
 void add_point(const ShapePair& pair, const Vec3d& core_a, const Vec3d& core_b, const Vec3d& axis,
                std::uint32_t feature, Manifold& manifold);

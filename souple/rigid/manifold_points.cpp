@@ -2,19 +2,41 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace souple::manifold {
 namespace {
 
-/// The index with the largest measure; a later one must exceed the first by a part of itself.
+/// A point as seen along the normal.
+struct Point2 {
+  double x, y;
+};
+using Points2 = StackList<Point2, ContactPoints::capacity>;
+
+Points2 project(const ContactPoints& points, const Vec3d& normal) {
+  const Vec3d other = std::abs(normal.x) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  const Vec3d u = normalized(cross(other, normal)), v = cross(normal, u);
+  Points2 out;
+  for (int i = 0; i < points.size(); ++i) {
+    out.push_back({dot(points[i].point, u), dot(points[i].point, v)});
+  }
+  return out;
+}
+
+/// Twice the area of a triangle, positive if it is counterclockwise.
+double area(const Point2& a, const Point2& b, const Point2& c) {
+  return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+}
+
+/// The index with the largest measure >= 0; a later one must exceed the first by a part of itself.
 template <class Measure>
-int largest(const ContactPoints& points, const Measure& measure) {
+int largest(const Points2& points, const Measure& measure) {
   constexpr double noise = 1e-6;
   int best = 0;
-  double value = measure(points[0]);
-  for (int i = 1; i < points.size(); ++i) {
+  double value = 0;
+  for (int i = 0; i < points.size(); ++i) {
     const double other = measure(points[i]);
-    if (other > value + noise * std::max(other, -other)) best = i, value = other;
+    if (other > value) best = i, value = other * (1 + noise);
   }
   return best;
 }
@@ -27,37 +49,38 @@ int deepest(const ContactPoints& points, double tolerance) {
   return best;
 }
 
+/// Four indices, some of them equal where points coincide.
+std::array<int, 4> choose_four(const ContactPoints& points, const Vec3d& normal, double tolerance) {
+  const Points2 flat = project(points, normal);
+  std::array<int, 4> chosen{};
+  chosen[0] = deepest(points, tolerance);
+  const Point2 a = flat[chosen[0]];
+  chosen[1] = largest(flat, [&](const Point2& p) { return std::pow(p.x - a.x, 2) + std::pow(p.y - a.y, 2); });
+  Point2 b = flat[chosen[1]];
+  chosen[2] = largest(flat, [&](const Point2& p) { return std::abs(area(a, b, p)); });
+  Point2 c = flat[chosen[2]];
+  if (area(a, b, c) < 0) std::swap(b, c);
+  // What a point adds to the triangle is outside one of its sides.
+  chosen[3] = largest(flat, [&](const Point2& p) {
+    return -std::min({area(a, b, p), area(b, c, p), area(c, a, p)});
+  });
+  return chosen;
+}
+
 }  // namespace
 
 void reduce_to_four(ContactPoints& points, const Vec3d& normal, double tolerance) {
   if (points.size() <= 4) return;
-  std::array<int, 4> kept{};
-  kept[0] = deepest(points, tolerance);
-  const Vec3d a = points[kept[0]].point;
-  kept[1] = largest(points, [&](const ContactPoint& p) {
-    const Vec3d d = p.point - a;
-    return length_squared(d) - dot(d, normal) * dot(d, normal);
-  });
-  Vec3d b = points[kept[1]].point;
-  const auto area = [&](const Vec3d& p, const Vec3d& q, const Vec3d& r) {
-    return dot(normal, cross(q - p, r - p));
-  };
-  kept[2] = largest(points, [&](const ContactPoint& p) { return std::abs(area(a, b, p.point)); });
-  Vec3d c = points[kept[2]].point;
-  if (area(a, b, c) < 0) std::swap(b, c);
-  // What a point adds to the triangle is outside one of its sides.
-  kept[3] = largest(points, [&](const ContactPoint& p) {
-    return std::max({-area(a, b, p.point), -area(b, c, p.point), -area(c, a, p.point)});
-  });
-  std::sort(kept.begin(), kept.end());
-  ContactPoints out;
-  for (int k = 0; k < 4; ++k) {
-    if (k == 0 || kept[static_cast<std::size_t>(k)] != kept[static_cast<std::size_t>(k - 1)]) {
-      out.push_back(points[kept[static_cast<std::size_t>(k)]]);
-    }
+  std::array<int, 4> chosen = choose_four(points, normal, tolerance);
+  std::sort(chosen.begin(), chosen.end());
+  // In ascending order: each moves to a place before its own, or stays.
+  int count = 0, last = -1;
+  for (const int i : chosen) {
+    if (i == last) continue;
+    points[count++] = points[i];
+    last = i;
   }
-  points.clear();
-  for (int i = 0; i < out.size(); ++i) points.push_back(out[i]);
+  points.shrink(count);
 }
 
 }  // namespace souple::manifold

@@ -9,13 +9,6 @@
 namespace souple::manifold {
 namespace {
 
-/// The segment of a core, in a's frame.
-struct Segment {
-  Vec3d from, to;
-  Vec3d along() const { return to - from; }
-  Vec3d at(double s) const { return from + (to - from) * s; }
-};
-
 /// Some unit vector perpendicular to d, or along x where d is zero.
 Vec3d perpendicular_to(const Vec3d& d) {
   const bool along_x = std::abs(d.x) > std::abs(d.y);
@@ -37,11 +30,12 @@ Vec3d axis_of_touching(const ShapePair& pair, const Segment& a, const Segment& b
   return dot(n, centers) < 0 ? -normalized(n) : normalized(n);
 }
 
-/// The interval of parallel segment b that lies beside a, as parameters of a; none if it is short.
+/// The interval of a segment a that lies beside the nearly parallel segment b, as parameters of a; none if it is short.
 bool common_interval(const Segment& a, const Segment& b, double (&interval)[2]) {
   const Vec3d d = a.along(), e = b.along();
   const double squared = length_squared(d);
   constexpr double least_sine = 0.01, least_length = 1e-3;
+  if (!(squared > 0) || !(length_squared(e) > 0)) return false;
   if (length_squared(cross(d, e)) > least_sine * least_sine * squared * length_squared(e)) return false;
   const double s = dot(b.from - a.from, d) / squared, t = dot(b.to - a.from, d) / squared;
   interval[0] = std::max(0.0, std::min(s, t)), interval[1] = std::min(1.0, std::max(s, t));
@@ -49,6 +43,17 @@ bool common_interval(const Segment& a, const Segment& b, double (&interval)[2]) 
 }
 
 }  // namespace
+
+bool add_parallel_segments(const ShapePair& pair, const Segment& a, const Segment& b, const Vec3d& axis,
+                           std::uint32_t feature, Manifold& manifold) {
+  double interval[2];
+  if (!common_interval(a, b, interval)) return false;
+  for (std::uint32_t k = 0; k < 2; ++k) {
+    const Vec3d on_a = a.at(interval[k]), on_b = b.at(nearest_on_edge(on_a, b.from, b.to));
+    if (dot(on_b - on_a, axis) < pair.limit()) add_point(pair, on_a, on_b, axis, feature ^ k, manifold);
+  }
+  return manifold.count > 0;
+}
 
 void find_segment_points(const ShapePair& pair, Manifold& manifold) {
   const Segment a{pair.a.vertices.front(), pair.a.vertices.back()};
@@ -61,16 +66,7 @@ void find_segment_points(const ShapePair& pair, Manifold& manifold) {
   constexpr double touching = 1e-9;
   const bool apart = distance > touching * pair.rounding();
   const Vec3d axis = apart ? between / distance : axis_of_touching(pair, a, b);
-  double interval[2];
-  if (pair.a.vertices.size() == 2 && pair.b.vertices.size() == 2 && common_interval(a, b, interval)) {
-    for (std::uint32_t k = 0; k < 2; ++k) {
-      const Vec3d on_a = a.at(interval[k]), on_b = b.at(nearest_on_edge(on_a, b.from, b.to));
-      if (dot(on_b - on_a, axis) < pair.limit()) {
-        add_point(pair, on_a, on_b, axis, feature_id(FeatureKind::other, k, 0), manifold);
-      }
-    }
-    if (manifold.count > 0) return;
-  }
+  if (add_parallel_segments(pair, a, b, axis, feature_id(FeatureKind::other, 0, 0), manifold)) return;
   add_point(pair, a.at(s), b.at(t), axis, feature_id(FeatureKind::edges, 0, 0), manifold);
 }
 

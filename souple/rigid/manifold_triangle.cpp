@@ -10,10 +10,11 @@ namespace {
 using manifold::ConvexView;
 using manifold::NormalRegion;
 
-/// A triangle as a polyhedron of two faces, in the frame of a shape.
+/// A triangle as a polyhedron of two faces, in the frame of a shape. Its edges lie between the front and the planes of
+/// its sides: so their normals are those in front of the triangle.
 struct FlatPolyhedron {
   std::array<Vec3d, 3> vertices;
-  std::array<ConvexFace, 2> faces;
+  std::array<ConvexFace, 5> faces;  // front, back, sides
   std::array<ConvexCorner, 6> corners;
   std::array<ConvexEdge, 3> edges;
   ConvexView view;
@@ -41,12 +42,18 @@ bool fill(FlatPolyhedron& flat, const std::array<double, 3>& lean) {
     const std::uint32_t next = (k + 1) % 3, back = 2 - k;
     flat.corners[k] = corner_of(x, k, next, k, n);
     flat.corners[3 + back] = corner_of(x, next, k, k, -n);
-    flat.edges[k] = {k, next, 0, 1, -1, flat.corners[k].side_normal};
-    flat.region.outward[k] = flat.corners[k].side_normal;
+    const Vec3d side = flat.corners[k].side_normal;
+    flat.faces[2 + k] = {side, flat.corners[k].side_offset, 0, 0};
+    flat.edges[k] = {k, next, 0, 2 + k, 0, normalized(n + side)};
+    flat.region.outward[k] = side;
     flat.region.lean[k] = lean[k];
   }
   flat.region.normal = n;
-  flat.view = {.vertices = flat.vertices, .faces = flat.faces, .corners = flat.corners, .edges = flat.edges};
+  flat.view = {.vertices = flat.vertices,
+               .faces = std::span(flat.faces).first(2),
+               .corners = flat.corners,
+               .edges = flat.edges,
+               .edge_faces = flat.faces.data()};
   flat.view.center = (x[0] + x[1] + x[2]) / 3.0;
   for (const Vec3d& v : x)
     flat.view.outer_radius = std::max(flat.view.outer_radius, length(v - flat.view.center));

@@ -18,6 +18,7 @@ struct ConvexView {
   std::span<const ConvexFace> faces;
   std::span<const ConvexCorner> corners;
   std::span<const ConvexEdge> edges;
+  const ConvexFace* edge_faces = nullptr;  // to which the edges refer: the faces, and the sides of a triangle
   double radius = 0;
   Vec3d center{};
   double inner_radius = 0, outer_radius = 0;
@@ -28,7 +29,7 @@ struct ConvexView {
 };
 
 inline ConvexView view_of(const ConvexShape& shape) {
-  return {shape.vertices, shape.faces,  shape.corners,      shape.edges,
+  return {shape.vertices, shape.faces,  shape.corners,      shape.edges,       shape.faces.data(),
           shape.radius,   shape.center, shape.inner_radius, shape.outer_radius};
 }
 
@@ -77,6 +78,8 @@ class StackList {
   int size() const { return size_; }
   bool full() const { return size_ == N; }
   void clear() { size_ = 0; }
+  /// Keeps the first `size` elements.
+  void shrink(int size) { size_ = size; }
   /// Ignores an element too many.
   void push_back(const T& item) {
     if (size_ < N) ::new (static_cast<void*>(bytes_ + sizeof(T) * static_cast<std::size_t>(size_++))) T(item);

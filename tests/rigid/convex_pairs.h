@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace souple::test {
@@ -47,24 +48,34 @@ inline ConvexShape random_parallelepiped(Random& random, double size) {
     if (volume < 0) c = -c;
     std::vector<Vec3d> x;
     for (int i = 0; i < 8; ++i) {
-      x.push_back(a * ((i & 1) != 0 ? 0.5 : -0.5) + b * ((i & 2) != 0 ? 0.5 : -0.5) + c * ((i & 4) != 0 ? 0.5 : -0.5));
+      x.push_back(a * ((i & 1) != 0 ? 0.5 : -0.5) + b * ((i & 2) != 0 ? 0.5 : -0.5) +
+                  c * ((i & 4) != 0 ? 0.5 : -0.5));
     }
-    const std::vector<FaceLoop> faces{{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+    const std::vector<FaceLoop> faces{{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                      {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
     return convex_polyhedron(x, faces);
   }
 }
 
 /// Spheres, capsules, boxes, prisms and other polyhedra, some of them rounded, of about the given size [m].
 inline ConvexShape random_shape(Random& random, double size) {
-  const double x = random.uniform(0.2, 1) * size, y = random.uniform(0.2, 1) * size, z = random.uniform(0.2, 1) * size;
+  const double x = random.uniform(0.2, 1) * size, y = random.uniform(0.2, 1) * size,
+               z = random.uniform(0.2, 1) * size;
   switch (static_cast<int>(random.uniform(0, 8))) {
-    case 0: return convex_sphere(x);
-    case 1: return convex_capsule(x / 2, y);
-    case 2: return random_tetrahedron(random, size, 0);
-    case 3: return random_tetrahedron(random, size / 2, x / 3);
-    case 4: return convex_cylinder(x, y, static_cast<int>(random.uniform(3, 30)));
-    case 5: return random_parallelepiped(random, size);
-    default: return convex_box({x, y, z});
+    case 0:
+      return convex_sphere(x);
+    case 1:
+      return convex_capsule(x / 2, y);
+    case 2:
+      return random_tetrahedron(random, size, 0);
+    case 3:
+      return random_tetrahedron(random, size / 2, x / 3);
+    case 4:
+      return convex_cylinder(x, y, static_cast<int>(random.uniform(3, 16)));
+    case 5:
+      return random_parallelepiped(random, size);
+    default:
+      return convex_box({x, y, z});
   }
 }
 
@@ -76,8 +87,8 @@ inline double reach(const ConvexShape& shape, const BodyPose& pose, const Vec3d&
 }
 
 /// Separation of two shapes along a unit axis from b to a, by projection.
-inline double separation_along(const ConvexShape& a, const BodyPose& pose_a, const ConvexShape& b, const BodyPose& pose_b,
-                               const Vec3d& axis) {
+inline double separation_along(const ConvexShape& a, const BodyPose& pose_a, const ConvexShape& b,
+                               const BodyPose& pose_b, const Vec3d& axis) {
   return -reach(a, pose_a, -axis) - reach(b, pose_b, axis);
 }
 
@@ -89,19 +100,35 @@ inline std::vector<Vec3d> edge_directions(const ConvexShape& shape, const BodyPo
   return out;
 }
 
+/// The vertices of a shape in the world.
+inline std::vector<Vec3d> world_vertices(const ConvexShape& shape, const BodyPose& pose) {
+  std::vector<Vec3d> out;
+  for (const Vec3d& v : shape.vertices) out.push_back(pose.point(v));
+  return out;
+}
+
 /// The largest separation along all normals of faces, products of edges, and a number of random axes.
 inline double largest_separation(const ConvexShape& a, const BodyPose& pose_a, const ConvexShape& b,
                                  const BodyPose& pose_b, Random& random, int random_axes) {
+  const std::vector<Vec3d> on_a = world_vertices(a, pose_a), on_b = world_vertices(b, pose_b);
   double largest = -std::numeric_limits<double>::infinity();
+  const auto interval = [](const std::vector<Vec3d>& x, const Vec3d& n) {
+    double lo = dot(n, x[0]), hi = lo;
+    for (const Vec3d& v : x) lo = std::min(lo, dot(n, v)), hi = std::max(hi, dot(n, v));
+    return std::pair(lo, hi);
+  };
   const auto consider = [&](const Vec3d& axis) {
     if (length_squared(axis) < 1e-8) return;
     const Vec3d n = normalized(axis);
-    largest = std::max({largest, separation_along(a, pose_a, b, pose_b, n), separation_along(a, pose_a, b, pose_b, -n)});
+    const auto [a_lo, a_hi] = interval(on_a, n);
+    const auto [b_lo, b_hi] = interval(on_b, n);
+    largest = std::max({largest, a_lo - b_hi - a.radius - b.radius, b_lo - a_hi - a.radius - b.radius});
   };
   for (const ConvexFace& f : a.faces) consider(pose_a.direction(f.normal));
   for (const ConvexFace& f : b.faces) consider(pose_b.direction(f.normal));
+  const std::vector<Vec3d> edges_b = edge_directions(b, pose_b);
   for (const Vec3d& d : edge_directions(a, pose_a)) {
-    for (const Vec3d& e : edge_directions(b, pose_b)) consider(cross(d, e));
+    for (const Vec3d& e : edges_b) consider(cross(d, e));
   }
   for (int i = 0; i < random_axes; ++i) consider(random_unit(random));
   return largest;
@@ -114,8 +141,8 @@ inline double least_separation(const Manifold& m) {
 }
 
 /// By find_manifold, with an empty cache.
-inline Manifold find_fresh(const ConvexShape& a, const BodyPose& pose_a, const ConvexShape& b, const BodyPose& pose_b,
-                           double margin) {
+inline Manifold find_fresh(const ConvexShape& a, const BodyPose& pose_a, const ConvexShape& b,
+                           const BodyPose& pose_b, double margin) {
   AxisCache cache;
   return find_manifold(a, pose_a, b, pose_b, margin, cache);
 }

@@ -2,7 +2,6 @@
 #include "tests/rigid/convex_pairs.h"
 
 #include <fmt/core.h>
-
 #include <gtest/gtest.h>
 
 namespace souple {
@@ -67,7 +66,48 @@ TEST(RandomManifolds, ADepthIsTheLeastByWhichSomeAxisSeparates) {
       // Some axis separates cores by the margin: of the sampled ones, or the one between the closest points.
       ASSERT_GT(largest, 0) << "pair " << i;
     } else {
-      ASSERT_NEAR(test::least_separation(m), std::max(largest, test::least_separation(m)), pair.tolerance) << "pair " << i;
+      ASSERT_NEAR(test::least_separation(m), std::max(largest, test::least_separation(m)), pair.tolerance)
+          << "pair " << i;
+    }
+  }
+}
+
+TEST(RandomManifolds, AreNoneOnlyBeyondTheMargin) {
+  Random random(8);
+  int none = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const RandomPair pair(random);
+    const double near = 0.02;
+    if (test::find_fresh(pair.a, pair.pose_a, pair.b, pair.pose_b, near).count > 0) continue;
+    ++none;
+    // With a larger margin there are points, farther than the smaller one.
+    const Manifold m = test::find_fresh(pair.a, pair.pose_a, pair.b, pair.pose_b, 10);
+    ASSERT_GT(m.count, 0) << "pair " << i;
+    ASSERT_GT(test::least_separation(m), near - pair.tolerance) << "pair " << i;
+    // The points are those at which the shapes are nearest: no axis separates by more.
+    ASSERT_LE(pair.largest_separation(random, 200), test::least_separation(m) + 1e-9) << "pair " << i;
+    const double along = test::separation_along(pair.a, pair.pose_a, pair.b, pair.pose_b, m.normal);
+    ASSERT_NEAR(along, test::least_separation(m), pair.tolerance) << "pair " << i;
+  }
+  EXPECT_GT(none, 500);
+}
+
+TEST(RandomManifolds, OfMovingShapesDoNotDependOnTheCacheBeyondTheTolerance) {
+  Random random(9);
+  for (int i = 0; i < 200; ++i) {
+    RandomPair pair(random);
+    const Vec3d toward = normalized(pair.pose_b.position - pair.pose_a.position),
+                axis = test::random_unit(random);
+    AxisCache cache;
+    for (int step = 0; step < 50; ++step) {
+      pair.pose_a.position += toward * 0.005;
+      pair.pose_a.rotation = normalized(Quatd::from_axis_angle(axis, 0.01) * pair.pose_a.rotation);
+      const Manifold m = find_manifold(pair.a, pair.pose_a, pair.b, pair.pose_b, margin, cache);
+      const Manifold fresh = test::find_fresh(pair.a, pair.pose_a, pair.b, pair.pose_b, margin);
+      ASSERT_EQ(m.count > 0, fresh.count > 0) << "pair " << i << " step " << step;
+      if (m.count == 0) continue;
+      ASSERT_NEAR(test::least_separation(m), test::least_separation(fresh), pair.tolerance)
+          << "pair " << i << " step " << step;
     }
   }
 }
@@ -158,8 +198,8 @@ TEST(RandomManifolds, AllocateNothing) {
       points += find_manifold(pair.a, pair.pose_a, pair.b, pair.pose_b, margin, cache).count;
     }
     points += find_manifold(pair.a, pair.pose_a, Plane{}, pair.pose_b, margin).count;
-    points += find_manifold(pair.a, pair.pose_a, ContactTriangle{{{{-1, 0, -1}, {0, 0, 1}, {1, 0, -1}}}}, pair.pose_b, margin,
-                            cache)
+    points += find_manifold(pair.a, pair.pose_a, ContactTriangle{{{{-1, 0, -1}, {0, 0, 1}, {1, 0, -1}}}},
+                            pair.pose_b, margin, cache)
                   .count;
   }
   EXPECT_EQ(test::allocations() - before, 0);

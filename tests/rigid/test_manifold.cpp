@@ -1,0 +1,343 @@
+#include "tests/rigid/convex_pairs.h"
+
+#include <set>
+
+#include <gtest/gtest.h>
+
+namespace souple {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double margin = 0.1;
+
+BodyPose at(double x, double y, double z) {
+  return {{x, y, z}, {}};
+}
+BodyPose turned(const Vec3d& position, const Vec3d& axis, double angle) {
+  return {position, Quatd::from_axis_angle(normalized(axis), angle)};
+}
+
+void expect_vector(const Vec3d& v, const Vec3d& expected, double tolerance = 1e-9) {
+  EXPECT_NEAR(v.x, expected.x, tolerance);
+  EXPECT_NEAR(v.y, expected.y, tolerance);
+  EXPECT_NEAR(v.z, expected.z, tolerance);
+}
+
+/// All four separations are `separation`, and the points span an area [m^2] perpendicular to y.
+void expect_flat(const Manifold& m, double separation, double area) {
+  ASSERT_EQ(m.count, 4);
+  std::vector<Vec3d> x;
+  for (const ManifoldPoint& p : m.points) {
+    EXPECT_NEAR(p.separation, separation, 1e-9);
+    x.push_back(p.on_a);
+  }
+  const Vec3d center = (x[0] + x[1] + x[2] + x[3]) / 4.0;
+  const auto angle = [&](const Vec3d& p) { return std::atan2(p.z - center.z, p.x - center.x); };
+  std::sort(x.begin(), x.end(), [&](const Vec3d& p, const Vec3d& q) { return angle(p) < angle(q); });
+  EXPECT_NEAR(length(cross(x[2] - x[0], x[3] - x[1])) / 2, area, 1e-9);
+}
+
+std::set<std::uint32_t> features(const Manifold& m) {
+  std::set<std::uint32_t> out;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(m.count); ++k) out.insert(m.points[k].feature);
+  return out;
+}
+
+TEST(BoxManifold, ABoxOnABoxHasFourPointsOfEqualDepth) {
+  const ConvexShape small = convex_box({0.5, 0.5, 0.5}), large = convex_box({2, 1, 2});
+  const Manifold m =
+      test::find_fresh(small, turned({0.3, 1.49, -0.2}, {0, 1, 0}, 0.4), large, at(0, 0, 0), margin);
+  ASSERT_EQ(m.count, 4);
+  expect_vector(m.normal, {0, 1, 0});
+  expect_flat(m, -0.01, 1);
+  EXPECT_EQ(features(m).size(), 4u);
+  for (std::size_t k = 0; k < 4; ++k) {
+    expect_vector({std::abs(m.points[k].on_a.x), m.points[k].on_a.y, std::abs(m.points[k].on_a.z)},
+                  {0.5, -0.5, 0.5});
+    EXPECT_NEAR(m.points[k].on_b.y, 1, 1e-12);
+  }
+}
+
+TEST(BoxManifold, BoxesThatOverlapInPartTouchInTheOverlap) {
+  const ConvexShape box = convex_box({0.5, 0.5, 0.5});
+  const Manifold m = test::find_fresh(box, at(0.7, 1.02, 0.4), box, at(0, 0, 0), margin);
+  ASSERT_EQ(m.count, 4);
+  expect_vector(m.normal, {0, 1, 0});
+  expect_flat(m, 0.02, 0.3 * 0.6);
+}
+
+TEST(BoxManifold, OctagonsKeepFourPointsThatSpanThem) {
+  const ConvexShape box = convex_box({0.5, 0.5, 0.5});
+  const Manifold m =
+      test::find_fresh(box, turned({0, 0.999, 0}, {0, 1, 0}, pi / 4), box, at(0, 0, 0), margin);
+  ASSERT_EQ(m.count, 4);
+  Vec3d sum{};
+  for (std::size_t k = 0; k < 4; ++k) sum += m.points[k].on_b;
+  EXPECT_LT(std::hypot(sum.x, sum.z) / 4, 0.11);  // the body's weight is within
+}
+
+TEST(BoxManifold, AnEdgeOnAFaceHasTwoPoints) {
+  const ConvexShape box = convex_box({0.5, 0.5, 0.5}), floor = convex_box({5, 1, 5});
+  const double height = 1 + std::sqrt(0.5) - 0.02;
+  const Manifold m =
+      test::find_fresh(box, turned({0, height, 0}, {0, 0, 1}, pi / 4), floor, at(0, 0, 0), margin);
+  ASSERT_EQ(m.count, 2);
+  expect_vector(m.normal, {0, 1, 0});
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_NEAR(m.points[k].separation, -0.02, 1e-9);
+    EXPECT_NEAR(std::abs(m.points[k].on_b.z), 0.5, 1e-9);
+  }
+}
+
+TEST(BoxManifold, ACornerOnAFaceHasOnePoint) {
+  const ConvexShape box = convex_box({0.5, 0.5, 0.5}), floor = convex_box({5, 1, 5});
+  const Quatd corner_down = Quatd::from_axis_angle({1, 0, 0}, std::atan(std::sqrt(0.5))) *
+                            Quatd::from_axis_angle({0, 0, 1}, pi / 4);
+  for (const double depth : {0.03, -0.03}) {
+    const BodyPose pose{{0, 1 + std::sqrt(0.75) - depth, 0}, corner_down};
+    const Manifold m = test::find_fresh(box, pose, floor, at(0, 0, 0), margin);
+    ASSERT_EQ(m.count, 1);
+    expect_vector(m.normal, {0, 1, 0});
+    EXPECT_NEAR(m.points[0].separation, -depth, 1e-9);
+    expect_vector(m.points[0].on_b, {0, 1, 0});
+  }
+}
+
+TEST(BoxManifold, CrossedEdgesTouchInOnePoint) {
+  const ConvexShape box = convex_box({0.5, 0.5, 0.5});
+  for (const double depth : {0.05, -0.05}) {
+    const BodyPose below = turned({0, 0, 0}, {0, 0, 1}, pi / 4);  // an edge along z on top
+    const BodyPose above =
+        turned({0.1, 2 * std::sqrt(0.5) - depth, 0.2}, {1, 0, 0}, pi / 4);  // and one along x below
+    const Manifold m = test::find_fresh(box, above, box, below, margin);
+    ASSERT_EQ(m.count, 1);
+    expect_vector(m.normal, {0, 1, 0});
+    EXPECT_EQ(m.owner, NormalOwner::edges);
+    EXPECT_NEAR(m.points[0].separation, -depth, 1e-9);
+    expect_vector(below.point(m.points[0].on_b), {0, std::sqrt(0.5), 0.2});
+    expect_vector(above.point(m.points[0].on_a), {0, std::sqrt(0.5) - depth, 0.2});
+  }
+}
+
+TEST(BoxManifold, ApartAcrossACornerItHasTheDirectionOfTheClosestPoints) {
+  const ConvexShape box = convex_box({0.5, 0.5, 0.5});
+  const Vec3d gap{0.03, 0.04, 0.05};
+  const Manifold m = test::find_fresh(box, {Vec3d{1, 1, 1} + gap, {}}, box, at(0, 0, 0), margin);
+  ASSERT_EQ(m.count, 1);
+  expect_vector(m.normal, normalized(gap));
+  EXPECT_NEAR(m.points[0].separation, length(gap), 1e-12);
+  expect_vector(m.points[0].on_b, {0.5, 0.5, 0.5});
+  expect_vector(m.points[0].on_a, {-0.5, -0.5, -0.5});
+  EXPECT_EQ(test::find_fresh(box, {Vec3d{1, 1, 1} + gap * 1.5, {}}, box, at(0, 0, 0), margin).count, 0);
+}
+
+TEST(BoxManifold, TheLastAxisOfAFaceIsKeptWithinTheTolerance) {
+  // The corner region, where two faces of b give nearly the same depth.
+  const ConvexShape box = convex_box({0.5, 0.5, 0.5});
+  const double tolerance = axis_tolerance(box, box);
+  AxisCache cache;
+  const auto normal_at = [&](double x, double y) {
+    return find_manifold(box, at(x, y, 0), box, at(0, 0, 0), margin, cache).normal;
+  };
+  expect_vector(normal_at(0.9, 0.9 + tolerance), {0, 1, 0});
+  expect_vector(normal_at(0.9 + 0.9 * tolerance, 0.9), {0, 1, 0});
+  expect_vector(normal_at(0.9 + 1.1 * tolerance, 0.9), {1, 0, 0});
+  expect_vector(normal_at(0.9, 0.9 + 0.9 * tolerance), {1, 0, 0});
+}
+
+TEST(BoxManifold, FeaturesPersistWhenABoxSlides) {
+  const ConvexShape box = convex_box({0.5, 0.5, 0.5}), floor = convex_box({5, 1, 5});
+  AxisCache cache;
+  const auto found = [&](int i) {
+    const BodyPose pose =
+        turned({1e-3 * i, 1.5 + 1e-6 * std::sin(i), 0.5e-3 * i}, {0.001 * std::cos(i), 1, 0}, 1e-3 * i);
+    return features(find_manifold(box, pose, floor, at(0, 0, 0), margin, cache));
+  };
+  const std::set<std::uint32_t> first = found(0);
+  ASSERT_EQ(first.size(), 4u);
+  for (int i = 1; i < 100; ++i) ASSERT_EQ(found(i), first) << i;
+}
+
+TEST(BoxManifold, FeaturesPersistInAStackOfEqualBoxesThatTrembles) {
+  const ConvexShape box = convex_box({0.5, 0.5, 0.5});
+  AxisCache cache;
+  test::Random random(1);
+  std::set<std::uint32_t> first;
+  for (int i = 0; i < 200; ++i) {
+    const Vec3d noise = random.point(-1e-5, 1e-5);
+    const BodyPose pose = turned(Vec3d{0, 1, 0} + noise, random.point(-1, 1), random.uniform(0, 1e-5));
+    const Manifold m = find_manifold(box, pose, box, at(0, 0, 0), margin, cache);
+    if (i == 0) first = features(m);
+    ASSERT_EQ(m.count, 4) << i;
+    ASSERT_EQ(features(m), first) << i;
+  }
+}
+
+TEST(BoxManifold, FeaturesAreTheSameWhicheverBoxIsTheReference) {
+  const ConvexShape box = convex_box({0.5, 0.5, 0.5});
+  const BodyPose below = at(0, 0, 0);
+  // Tilted by 2e-3, the one or the other face gives the least penetration.
+  const Manifold one = test::find_fresh(box, turned({0.3, 0.995, 0.2}, {0, 0, 1}, 2e-3), box, below, margin);
+  const Manifold other =
+      test::find_fresh(box, turned({0.3, 0.995, 0.2}, {0, 0, 1}, -2e-3), box, below, margin);
+  EXPECT_NE(one.owner, other.owner);
+  ASSERT_EQ(one.count, 4);
+  EXPECT_EQ(features(one), features(other));
+}
+
+TEST(BoxManifold, ABoxInTheMiddleOfAnotherIsPushedOutTheShortestWay) {
+  const ConvexShape box = convex_box({1, 0.2, 1}), small = convex_box({0.1, 0.1, 0.1});
+  const Manifold m = test::find_fresh(small, at(0.1, 0.02, 0.1), box, at(0, 0, 0), margin);
+  ASSERT_EQ(m.count, 4);
+  expect_vector(m.normal, {0, 1, 0});
+  EXPECT_NEAR(test::least_separation(m), -0.28, 1e-9);
+  EXPECT_GT(test::find_fresh(small, at(0, 0, 0), box, at(0, 0, 0), margin).count, 0);
+}
+
+TEST(RoundManifold, OfTwoSpheres) {
+  const ConvexShape a = convex_sphere(0.3), b = convex_sphere(0.5);
+  for (const double gap : {-0.4, -0.01, 0.05}) {
+    const Vec3d n = normalized(Vec3d{1, 2, -2});
+    const Manifold m = test::find_fresh(a, {n * (0.8 + gap), {}}, b, at(0, 0, 0), margin);
+    ASSERT_EQ(m.count, 1);
+    expect_vector(m.normal, n);
+    EXPECT_NEAR(m.points[0].separation, gap, 1e-12);
+    expect_vector(m.points[0].on_b, n * 0.5);
+    expect_vector(m.points[0].on_a, n * -0.3);
+  }
+  const Manifold same = test::find_fresh(a, at(0, 0, 0), b, at(0, 0, 0), margin);
+  ASSERT_EQ(same.count, 1);
+  EXPECT_NEAR(length(same.normal), 1, 1e-12);
+  EXPECT_NEAR(same.points[0].separation, -0.8, 1e-12);
+}
+
+TEST(RoundManifold, OfASphereOnTheFaceEdgeAndCornerOfABox) {
+  const ConvexShape sphere = convex_sphere(0.25), box = convex_box({0.5, 0.5, 0.5});
+  for (const Vec3d outward : {Vec3d{0, 1, 0}, Vec3d{0, 1, 1}, Vec3d{-1, 1, 1}}) {
+    for (const double gap : {-0.05, 0.05}) {
+      const Vec3d n = normalized(outward), on_box = outward * 0.5;
+      const Manifold m = test::find_fresh(sphere, {on_box + n * (0.25 + gap), {}}, box, at(0, 0, 0), margin);
+      ASSERT_EQ(m.count, 1);
+      expect_vector(m.normal, n);
+      EXPECT_NEAR(m.points[0].separation, gap, 1e-9);
+      expect_vector(m.points[0].on_b, on_box);
+      expect_vector(m.points[0].on_a, n * -0.25);
+    }
+  }
+  const Manifold inside = test::find_fresh(sphere, at(0.1, 0.3, 0), box, at(0, 0, 0), margin);
+  ASSERT_EQ(inside.count, 1);
+  expect_vector(inside.normal, {0, 1, 0});
+  EXPECT_NEAR(inside.points[0].separation, -0.45, 1e-9);
+}
+
+TEST(RoundManifold, ACapsuleThatLiesOnAFaceHasTwoPointsAndUprightOne) {
+  const ConvexShape capsule = convex_capsule(0.2, 0.6), box = convex_box({5, 0.5, 5});
+  const Manifold lying =
+      test::find_fresh(capsule, turned({0, 0.69, 0}, {0, 0, 1}, pi / 2), box, at(0, 0, 0), margin);
+  ASSERT_EQ(lying.count, 2);
+  expect_vector(lying.normal, {0, 1, 0});
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_NEAR(lying.points[k].separation, -0.01, 1e-9);
+    EXPECT_NEAR(std::abs(lying.points[k].on_b.x), 0.6, 1e-9);
+  }
+  const Manifold upright = test::find_fresh(capsule, at(0, 1.29, 0), box, at(0, 0, 0), margin);
+  ASSERT_EQ(upright.count, 1);
+  expect_vector(upright.normal, {0, 1, 0});
+  EXPECT_NEAR(upright.points[0].separation, -0.01, 1e-9);
+  // Beyond the face it is held by the part that lies on the face.
+  const ConvexShape pillar = convex_box({0.3, 0.5, 0.3});
+  const Manifold over =
+      test::find_fresh(capsule, turned({0, 0.69, 0}, {0, 0, 1}, pi / 2), pillar, at(0, 0, 0), margin);
+  ASSERT_EQ(over.count, 2);
+  EXPECT_NEAR(std::abs(over.points[0].on_b.x), 0.3, 1e-3);
+}
+
+TEST(RoundManifold, ACapsuleOnTheEdgeOfABox) {
+  const ConvexShape capsule = convex_capsule(0.2, 0.6), box = convex_box({0.5, 0.5, 0.5});
+  const Vec3d n = normalized(Vec3d{1, 1, 0});
+  // Perpendicular to n, at an angle to the edge.
+  const BodyPose pose{Vec3d{0.5, 0.5, 0.1} + n * 0.17, Quatd::from_axis_angle({0, 0, 1}, pi / 4)};
+  const Manifold m = test::find_fresh(capsule, pose, box, at(0, 0, 0), margin);
+  ASSERT_EQ(m.count, 1);
+  expect_vector(m.normal, n);
+  EXPECT_NEAR(m.points[0].separation, -0.03, 1e-9);
+  expect_vector(m.points[0].on_b, {0.5, 0.5, 0.1});
+}
+
+TEST(RoundManifold, ACapsuleAlongTheEdgeOfABoxHasTwoPoints) {
+  const ConvexShape capsule = convex_capsule(0.2, 0.6), box = convex_box({0.5, 0.5, 0.5});
+  const Vec3d n = normalized(Vec3d{1, 0, 1});
+  for (const double tilt : {0.0, 1e-4}) {
+    const BodyPose pose = turned(Vec3d{0.5, 0.3, 0.5} + n * 0.19, cross(Vec3d{0, 1, 0}, n), tilt);
+    const Manifold m = test::find_fresh(capsule, pose, box, at(0, 0, 0), margin);
+    ASSERT_EQ(m.count, 2);
+    expect_vector(m.normal, n, 1e-3);
+    EXPECT_NEAR(std::abs(m.points[0].on_b.y - m.points[1].on_b.y), 0.8, 1e-3);
+    for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(m.points[k].separation, -0.01, 1e-4);
+  }
+}
+
+TEST(RoundManifold, CapsulesThatCrossTouchInOnePointAndParallelOnesInTwo) {
+  const ConvexShape capsule = convex_capsule(0.2, 0.6);
+  for (const double height : {0.39, 0.0}) {
+    const Manifold crossed = test::find_fresh(capsule, turned({0, height, 0}, {0, 0, 1}, pi / 2), capsule,
+                                              turned({0, 0, 0}, {1, 0, 0}, pi / 2), margin);
+    ASSERT_EQ(crossed.count, 1);
+    EXPECT_NEAR(std::abs(crossed.normal.y), 1, 1e-9);
+    EXPECT_NEAR(crossed.points[0].separation, height - 0.4, 1e-9);
+  }
+  const Manifold parallel = test::find_fresh(capsule, at(0.41, 0.3, 0), capsule, at(0, 0, 0), margin);
+  ASSERT_EQ(parallel.count, 2);
+  expect_vector(parallel.normal, {1, 0, 0});
+  EXPECT_NEAR(std::abs(parallel.points[0].on_b.y - parallel.points[1].on_b.y), 0.9, 1e-9);
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(parallel.points[k].separation, 0.01, 1e-9);
+  const Manifold in_line = test::find_fresh(capsule, at(0, 1.58, 0), capsule, at(0, 0, 0), margin);
+  ASSERT_EQ(in_line.count, 1);
+  expect_vector(in_line.normal, {0, 1, 0});
+  EXPECT_NEAR(in_line.points[0].separation, -0.02, 1e-9);
+}
+
+TEST(RoundManifold, ACylinderStandsOnFourPointsAndLiesOnTwoOrFour) {
+  const ConvexShape cylinder = convex_cylinder(0.5, 1, 32), box = convex_box({5, 0.5, 5});
+  const Manifold standing = test::find_fresh(cylinder, at(0, 1.49, 0), box, at(0, 0, 0), margin);
+  ASSERT_EQ(standing.count, 4);
+  expect_vector(standing.normal, {0, 1, 0});
+  expect_flat(standing, -0.01, 0.5);  // the square in a circle
+  const Manifold lying =
+      test::find_fresh(cylinder, turned({0, 0.99, 0}, {0, 0, 1}, pi / 2), box, at(0, 0, 0), 0.005);
+  ASSERT_GE(lying.count, 2);
+  expect_vector(lying.normal, {0, 1, 0});
+  EXPECT_NEAR(test::least_separation(lying), -0.01, 1e-9);
+}
+
+TEST(RoundManifold, ARoundedBoxStandsOnFourPoints) {
+  const ConvexShape core = convex_box({0.5, 0.5, 0.5});
+  std::vector<FaceLoop> faces;
+  for (const ConvexFace& f : core.faces) {
+    faces.emplace_back();
+    for (std::uint32_t c = f.begin; c < f.end; ++c) faces.back().push_back(core.corners[c].vertex);
+  }
+  const ConvexShape rounded = convex_polyhedron(core.vertices, faces, 0.1);
+  for (const double gap : {-0.02, 0.02, -0.12}) {  // the last one: overlapping cores
+    const Manifold m = test::find_fresh(rounded, at(0.2, 1.1 + gap, 0.1), core, at(0, 0, 0), margin);
+    ASSERT_EQ(m.count, 4);
+    expect_vector(m.normal, {0, 1, 0});
+    expect_flat(m, gap, 0.8 * 0.9);
+  }
+}
+
+TEST(ConvexManifold, AFarPairIsRejectedByItsCachedAxisWithTheSameResult) {
+  const ConvexShape box = convex_box({0.5, 0.5, 0.5});
+  AxisCache cache;
+  const BodyPose away = turned({1.5, 0.3, 0.2}, {1, 2, 3}, 0.7);
+  EXPECT_EQ(find_manifold(box, away, box, at(0, 0, 0), 1e-3, cache).count, 0);
+  EXPECT_NE(cache.kind, AxisCache::Kind::none);
+  EXPECT_EQ(find_manifold(box, away, box, at(0, 0, 0), 1e-3, cache).count, 0);
+  // A cache of another pair does no harm.
+  cache = {AxisCache::Kind::face_of_b, 1000, 1000, {}};
+  const Manifold m = find_manifold(box, at(0, 0.99, 0), box, at(0, 0, 0), margin, cache);
+  EXPECT_EQ(m.count, 4);
+}
+
+}  // namespace
+}  // namespace souple
