@@ -12,7 +12,7 @@ namespace {
 
 // A pair is fast if its sides may move against each other in a step by more than this part of the smaller side's inner
 // radius.
-double fast_ratio = getenv("FAST") ? atof(getenv("FAST")) : 0.5;
+constexpr double fast_ratio = 0.25;
 // Contacts begin at this distance even if nothing moves, as a part of the smaller side's inner radius.
 constexpr double margin_ratio = 0.02;
 

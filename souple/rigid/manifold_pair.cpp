@@ -90,11 +90,10 @@ bool separates(const ShapePair& pair, const AxisCache& cache, const Axis& cached
 }
 
 /// The axis of least penetration, or of largest separation. Faces before edges, the last axis before others.
-Axis choose_axis(const ShapePair& pair, const AxisCache& cache, const Axis& cached) {
+Axis choose_axis(const ShapePair& pair, const Axis& cached) {
   const Axis face = best_face(pair, cached);
   if (face.separation >= pair.limit()) return face;
-  const double advantage = cache.kind == Kind::edges ? 0 : pair.axis_tolerance;
-  const Axis edges = best_edges(pair, face, face.separation + advantage);
+  const Axis edges = best_edges(pair, face, face.separation + pair.axis_tolerance);
   if (edges.kind != Kind::none) return edges;
   const bool keep = cached.kind != Kind::none && cached.separation >= face.separation - pair.axis_tolerance;
   return keep ? cached : face;
@@ -244,7 +243,7 @@ void find_points(const ShapePair& pair, AxisCache& cache, Manifold& manifold) {
   Axis cached = cached_face(pair, cache);
   if (separates(pair, cache, cached)) return;
   if (!admits(pair, cached)) cached = {};
-  const Axis axis = choose_axis(pair, cache, cached);
+  const Axis axis = choose_axis(pair, cached);
   remember(cache, axis);
   if (axis.kind == Kind::none || axis.separation >= pair.limit()) return;
   const double touching = 1e-8 * std::min(pair.a.outer_radius, pair.b.outer_radius);
