@@ -74,6 +74,7 @@ struct LocalHull {
   std::vector<Vec3d> positions;  // of all points
   HullTriangles triangles;
   HullPolygons polygons;
+  double tolerance{};  // m
 };
 
 // Only vertices matter from here on; the others keep their numbers.
@@ -88,77 +89,35 @@ LocalHull hull_on_grid(std::span<const Vec3d> points, const HullOptions& options
     rounded.push_back(grid.round(p));
     hull.positions.push_back(grid.local(rounded.back()));
   }
-  const double tolerance = std::max(1.0, options.tolerance * bounds.diagonal() / grid.step());
-  const Simplex simplex = find_simplex(rounded, tolerance);
-  if (simplex.count < 4) throw_degenerate(simplex.count, tolerance * grid.step(), name);
+  hull.tolerance = std::max(grid.step(), options.tolerance * bounds.diagonal());
+  const double steps = hull.tolerance / grid.step();
+  const Simplex simplex = find_simplex(rounded, steps);
+  if (simplex.count < 4) throw_degenerate(simplex.count, hull.tolerance, name);
   const std::size_t limit =
       options.max_vertices == 0 ? std::numeric_limits<std::size_t>::max() : options.max_vertices;
-  hull.triangles = quickhull(rounded, simplex, tolerance, limit);
-  hull.polygons = merge_coplanar(hull.positions, hull.triangles, tolerance * grid.step());
+  hull.triangles = quickhull(rounded, simplex, steps, limit);
+  hull.polygons = merge_coplanar(hull.positions, hull.triangles, hull.tolerance);
   return hull;
 }
 
-// The vertices joined to each by a side of a triangle: those of v are items[begin[v]] up to items[begin[v + 1]].
-struct VertexNeighbors {
-  std::vector<std::uint32_t> begin, items;
-
-  VertexNeighbors(std::span<const Triangle> triangles, std::size_t vertex_count) {
-    begin.assign(vertex_count + 1, 0);
-    for (const Triangle& t : triangles)
-      for (const std::uint32_t v : t) ++begin[v + std::size_t(1)];
-    for (std::size_t v = 0; v < vertex_count; ++v) begin[v + 1] += begin[v];
-    items.resize(begin.back());
-    std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-    for (const Triangle& t : triangles)
-      for (std::size_t i = 0; i < 3; ++i) items[next[t[i]]++] = t[(i + 1) % 3];
-  }
-};
-
-// The largest n . x of a convex surface, by steps to higher neighbors: what has none is the highest.
-double support(const LocalHull& hull, const VertexNeighbors& neighbors, const Vec3d& n, std::uint32_t start) {
-  std::uint32_t best = start;
-  double height = dot(n, hull.positions[best]);
-  for (bool higher = true; higher;) {
-    higher = false;
-    for (std::uint32_t i = neighbors.begin[best]; i < neighbors.begin[best + std::size_t(1)]; ++i) {
-      const double h = dot(n, hull.positions[neighbors.items[i]]);
-      if (!(h > height)) continue;
-      best = neighbors.items[i];
-      height = h;
-      higher = true;
-      break;
-    }
-  }
-  return height;
-}
-
-// Offsets relative to the origin of the local positions.
-std::vector<double> local_offsets(const LocalHull& hull) {
-  const VertexNeighbors neighbors(hull.triangles.triangles, hull.positions.size());
-  std::vector<double> offsets;
-  offsets.reserve(hull.polygons.polygons.size());
-  for (const HullPolygon& p : hull.polygons.polygons)
-    offsets.push_back(support(hull, neighbors, p.normal, p.corners[0]));
-  return offsets;
-}
-
-// How far the points outside lie beyond the planes of faces at most. The faces that a point sees are connected.
-double measure_excess(const LocalHull& hull, std::span<const double> offsets) {
-  const std::vector<HullPolygon>& polygons = hull.polygons.polygons;
-  std::vector<std::uint32_t> seen(polygons.size(), none), visible;
+// How far the points outside lie beyond the planes of faces at most. The triangles that a point sees are connected; their
+// faces and those beside them are compared.
+double measure_excess(const LocalHull& hull) {
+  const HullTriangles& t = hull.triangles;
+  std::vector<std::uint32_t> reached(t.triangles.size(), none), queue;
   double excess = 0;
-  for (const auto& [point, triangle] : hull.triangles.outside) {
-    visible.assign(1, hull.polygons.of_triangle[triangle]);
-    seen[visible[0]] = point;
-    for (std::size_t i = 0; i < visible.size(); ++i) {
-      const std::uint32_t f = visible[i];
-      const double beyond = dot(polygons[f].normal, hull.positions[point]) - offsets[f];
-      if (i > 0 && beyond <= 0) continue;
-      excess = std::max(excess, beyond);
-      for (const std::uint32_t other : polygons[f].across)
-        if (seen[other] != point) {
-          seen[other] = point;
-          visible.push_back(other);
+  for (const auto& [point, triangle] : t.outside) {
+    const Vec3d& p = hull.positions[point];
+    queue.assign(1, triangle);
+    reached[triangle] = point;
+    for (std::size_t i = 0; i < queue.size(); ++i) {
+      const HullPolygon& polygon = hull.polygons.polygons[hull.polygons.of_triangle[queue[i]]];
+      excess = std::max(excess, dot(polygon.normal, p) - polygon.offset);
+      if (i > 0 && dot(t.normals[queue[i]], p - hull.positions[t.triangles[queue[i]][0]]) <= 0) continue;
+      for (const std::uint32_t other : t.neighbors[queue[i]])
+        if (reached[other] != point) {
+          reached[other] = point;
+          queue.push_back(other);
         }
     }
   }
@@ -228,20 +187,18 @@ ConvexHull convex_hull(std::span<const Vec3d> points, const HullOptions& options
   check_points(points, name);
   const LocalHull hull = hull_on_grid(points, options, name);
   const std::vector<HullPolygon>& polygons = hull.polygons.polygons;
-  const std::vector<double> offsets = local_offsets(hull);
 
   ConvexHull out;
   const std::vector<std::uint32_t> vertex_of = add_vertices(out, points, polygons);
   const Vec3d origin = bounding_box(points).lo;
-  for (std::size_t f = 0; f < polygons.size(); ++f) {
-    const HullPolygon& p = polygons[f];
-    out.faces.push_back({p.normal, offsets[f] + dot(p.normal, origin),
+  for (const HullPolygon& p : polygons) {
+    out.faces.push_back({p.normal, p.offset + dot(p.normal, origin),
                          static_cast<std::uint32_t>(out.corners.size()),
                          static_cast<std::uint32_t>(p.corners.size())});
     for (const std::uint32_t v : p.corners) out.corners.push_back(vertex_of[v]);
   }
   add_edges(out, polygons);
-  out.excess = measure_excess(hull, offsets);
+  out.excess = measure_excess(hull);
   return out;
 }
 

@@ -11,6 +11,7 @@ namespace souple {
 /// A polygon of a hull.
 struct HullPolygon {
   Vec3d normal;                        ///< unit, outward
+  double offset;                       ///< the largest dot(normal, x) of the hull [m]
   std::vector<std::uint32_t> corners;  ///< vertices, counterclockwise seen from outside
   std::vector<std::uint32_t> across;   ///< per corner: the polygon beyond the edge to the next corner
 };
