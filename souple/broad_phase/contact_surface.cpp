@@ -7,7 +7,7 @@ namespace {
 
 // What a collision of two surfaces depends on, except single pairs.
 auto kind_of(const ContactSurface& surface) {
-  return std::tuple(surface.groups, surface.mask, surface.particles_only, surface.immovable);
+  return std::tuple(surface.groups, surface.mask, surface.particles_only, surface.immovable, surface.rigid);
 }
 
 }  // namespace

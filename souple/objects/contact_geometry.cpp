@@ -32,7 +32,7 @@ ContactObject contact_object(const Object& object) {
   ContactObject result{.begin = object.begin, .end = object.end, .groups = 0};
   const KindTraits& kind = object.traits();
   result.self_collision = result.rolls = kind.rolls;
-  result.collides_with_colliders = !kind.flows;
+  result.collides_with_colliders = !kind.flows && !kind.rigid;
   if (is_particle_only(object) && !kind.flows) result.groups = result.mask = balls;
   return result;
 }
@@ -77,6 +77,7 @@ ContactSurface contact_surface(const Object& object, std::uint32_t index, std::s
       .mask = object.collision.filter.mask,
       .immovable = kind.driven,
       .layer = object.collision.layer,
+      .rigid = kind.rigid,
       .rest = object.rest,
       .rolls = kind.rolls,
       .radius = radius};
@@ -89,7 +90,7 @@ ContactSurface contact_surface(const Object& object, std::uint32_t index, std::s
 // Bodies with an embedded surface have no elements: their particles collide instead.
 void append_elements(const Object& object, std::uint32_t index, std::span<const Edge> edges,
                      std::vector<ContactElement>& elements) {
-  if (object.traits().driven || is_particle_only(object)) return;
+  if (object.traits().driven || object.traits().rigid || is_particle_only(object)) return;
   const std::uint32_t b = object.begin;
   const auto append = [&](std::uint32_t p, std::uint32_t q, std::uint32_t r) {
     const double radius = enclosing_radius(object.rest[p], object.rest[q], object.rest[r]);

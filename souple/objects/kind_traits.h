@@ -22,6 +22,7 @@ struct KindTraits {
   ObjectShape shape = ObjectShape::surface;
   bool driven = false;  ///< without mass: only its prescribed motion moves it
   bool rolls = false;   ///< each particle is a body of its own with an angular velocity
+  bool rigid = false;   ///< its particles are points of one rigid body, which moves them
   bool flows = false;   ///< particles come and go; the solver of fluids keeps them apart and off colliders
 };
 

@@ -123,12 +123,23 @@ struct ObstacleMaterial {
   float restitution = 0;
 };
 
-enum class ObjectKind { cloth, soft_body, rope, grains, obstacle, fluid };
+/// Material of a rigid body.
+struct RigidBodyMaterial {
+  float density = 700;  ///< kg/m^3; the default is that of hardwood
+  /// Full thickness of the layer around the surface that keeps cloth, ropes and grains away; rigid bodies and colliders
+  /// touch the surface itself [m].
+  float thickness = 0.002f;
+  float friction = 0.5f;
+  std::optional<float> kinetic_friction{};
+  float restitution = 0;
+};
+
+enum class ObjectKind { cloth, soft_body, rope, grains, obstacle, fluid, rigid_body };
 std::string_view kind_name(ObjectKind kind);
 
 /// Of an object of any kind: the alternatives are in the order of ObjectKind.
 using Material = std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial, ObstacleMaterial,
-                              FluidMaterial>;
+                              FluidMaterial, RigidBodyMaterial>;
 
 /// Named materials. materials.cpp gives the source of each value.
 namespace material {

@@ -5,6 +5,7 @@
 #include "souple/objects/checks.h"
 #include "souple/objects/kind_functions.h"
 #include "souple/objects/object.h"
+#include "souple/objects/rigid_definition.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,12 +10,14 @@
 namespace souple {
 
 struct Object;
+struct RigidDefinition;
 
 /// An object that is not in a world yet.
 struct NewObject {
   std::unique_ptr<Object> object;
-  std::vector<double> mass;            ///< per particle [kg]; 0: only prescribed motion moves it
-  std::vector<std::string> sentences;  ///< what its import repaired or left out, for the log
+  std::vector<double> mass;                ///< per particle [kg]; 0: only prescribed motion moves it
+  std::unique_ptr<RigidDefinition> rigid;  ///< of rigid bodies
+  std::vector<std::string> sentences;      ///< what its import repaired or left out, for the log
 
   NewObject();
   NewObject(NewObject&&) noexcept;

@@ -1,10 +1,13 @@
 #include "souple/rigid/contact_finder.h"
 
+#include "souple/error.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 namespace souple {
@@ -87,18 +90,6 @@ void keep_impulses(RigidContact& contact, const RigidContact& last) {
 }
 
 }  // namespace
-
-double RigidShape::radius() const {
-  if (collider) return bounding_ball(*collider).radius + length(bounding_ball(*collider).center);
-  double result = 0;
-  for (const ConvexShape& part : parts) result = max(result, part.bounding_radius);
-  return result;
-}
-
-double RigidShape::inner_radius() const {
-  if (collider || parts.empty()) return std::numeric_limits<double>::infinity();
-  return parts.front().inner_radius + parts.front().radius;
-}
 
 void ContactFinder::append_pairs(std::uint32_t a, std::uint32_t b, std::span<const RigidShape> shapes) {
   if (shapes[a].collider) std::swap(a, b);
@@ -199,6 +190,31 @@ void ContactFinder::refresh(const RigidBodies& bodies, std::span<const RigidShap
       find_contact(p, bodies, shapes, (motion_[pair.a] + motion_[pair.b]) * 2 * part + margin_ratio * inner);
     }
   });
+}
+
+void ContactFinder::save(std::vector<std::byte>& out) const {
+  static_assert(std::is_trivially_copyable_v<Pair> && std::is_trivially_copyable_v<RigidContact>);
+  const std::uint64_t count = pairs_.size();
+  const auto put = [&out](std::span<const std::byte> bytes) {
+    out.insert(out.end(), bytes.begin(), bytes.end());
+  };
+  put(std::as_bytes(std::span(&count, 1)));
+  put(std::as_bytes(std::span(pairs_)));
+  put(std::as_bytes(std::span(contacts_)));
+}
+
+void ContactFinder::load(std::span<const std::byte> in) {
+  std::uint64_t count = 0;
+  if (in.size() >= sizeof count) std::memcpy(&count, in.data(), sizeof count);
+  const std::size_t each = sizeof(Pair) + sizeof(RigidContact);
+  if (in.size() < sizeof count || (in.size() - sizeof count) / each != count ||
+      (in.size() - sizeof count) % each != 0)
+    throw Error("restore: the snapshot's rigid contacts are not complete");
+  pairs_.resize(count), contacts_.resize(count);
+  if (count == 0) return;
+  in = in.subspan(sizeof count);
+  std::memcpy(pairs_.data(), in.data(), count * sizeof(Pair));
+  std::memcpy(contacts_.data(), in.data() + count * sizeof(Pair), count * sizeof(RigidContact));
 }
 
 void ContactFinder::clear() {

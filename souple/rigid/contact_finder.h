@@ -1,8 +1,8 @@
 #pragma once
 
 #include "souple/broad_phase/object_pairs.h"
-#include "souple/rigid/manifold.h"
 #include "souple/rigid/rigid_contact.h"
+#include "souple/rigid/rigid_shape.h"
 #include "souple/threads/threads.h"
 
 #include <cstddef>
@@ -12,17 +12,6 @@
 #include <vector>
 
 namespace souple {
-
-/// What a body collides with others as: convex parts in its local frame; or, of a body without mass, a collider's shape.
-struct RigidShape {
-  std::vector<ConvexShape> parts;
-  const Shape* collider = nullptr;  ///< a plane or a signed distance field; null: `parts`
-
-  /// Of a ball around the body's center [m]; infinite for planes.
-  double radius() const;
-  /// The largest ball inside the first part [m]; infinite for colliders.
-  double inner_radius() const;
-};
 
 /// Which bodies collide, and how.
 class RigidMaterials {
@@ -44,6 +33,10 @@ class ContactFinder {
   /// In an order that depends on the bodies alone.
   std::span<RigidContact> contacts() { return contacts_; }
   std::span<const RigidContact> contacts() const { return contacts_; }
+  /// Appends what one step passes to the next, as bytes.
+  void save(std::vector<std::byte>& out) const;
+  /// Restores what `save` appended. Throws Error if the bytes are not of that form.
+  void load(std::span<const std::byte> in);
   /// Forgets all contacts.
   void clear();
   std::size_t bytes() const;

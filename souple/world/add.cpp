@@ -5,7 +5,9 @@
 #include "souple/objects/kinds/kinds.h"
 #include "souple/objects/object.h"
 #include "souple/objects/obstacle_pose.h"
+#include "souple/objects/rigid_definition.h"
 #include "souple/queries/caches.h"
+#include "souple/stages/rigid_stage.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
@@ -58,13 +60,25 @@ void add_particles(WorldState& world, const NewObject& made, const ObjectOptions
     particles.position[i].w = mass > 0 ? static_cast<float>(1 / mass) : 0.0f;
     world.teleport_particle(i, object.rest[i - object.begin]);
   }
-  if (!object.traits().driven) set_motion(world, object, options);
+  if (!object.traits().driven && !object.traits().rigid) set_motion(world, object, options);
+}
+
+/// The body that moves the particles of a rigid body.
+void add_body(WorldState& world, const Object& object, RigidDefinition definition,
+              const ObjectOptions& options) {
+  const BodyVelocity velocity{Vec3d(options.velocity), Vec3d(options.angular_velocity)};
+  const Vec3d center = definition.pose.position;
+  world.rigid->add(object.id.value, std::move(definition));
+  world.rigid->set_velocity(object.id.value, velocity);
+  for (std::uint32_t i = object.begin; i < object.end; ++i)
+    world.particles.velocity[i].set_xyz(Vec3f(velocity.at(object.rest[i - object.begin] - center)));
 }
 
 /// Leaves nothing of an object that could not be added for lack of memory.
 void take_back(WorldState& world, const Object& object, bool had_spin) {
   world.registry->names.remove(object.name);
   world.registry->objects.remove(object.id.value);
+  world.rigid->remove(object.id.value);
   world.particles.resize(object.begin);
   if (!had_spin) world.particles.spin = {}, world.particles.turn = {};
   world.object_of.resize(object.begin);
@@ -86,6 +100,7 @@ ObjectId add(WorldState& world, NewObject made, const ObjectOptions& options) {
     world.registry->names.add(object.name, {NameRegistry::Owner::object, object.id.value});
     world.registry->objects.add(object.id.value);
     world.objects.push_back(std::move(made.object));
+    if (made.rigid) add_body(world, object, std::move(*made.rigid), options);
   } catch (...) {
     take_back(world, object, had_spin);
     throw;
@@ -139,6 +154,7 @@ void remove_object(WorldState& world, const Object& object) {
     if (other->begin >= end) other->begin -= end - begin, other->end -= end - begin;
   for (UserConstraint& user_constraint : world.constraints.users) user_constraint.erase_particles(begin, end);
   world.contact->contacts.erase_particles(begin, end);
+  if (object.traits().rigid) world.rigid->remove(object.id.value);
   world.caches->mirrors.erase(object.id.value);
   std::erase_if(world.flow.emitters,
                 [&](const EmitterRecord& record) { return record.fluid == object.id.value; });
@@ -207,6 +223,22 @@ ObjectId World::add_fluid(const TriangleMesh& surface, const FluidMaterial& mate
   NewObject fluid = import_fluid(new_name(world, ObjectKind::fluid, options), surface, material, options);
   require_same_spacing(world, fluid.object->name, material.spacing);
   return add(world, std::move(fluid), options);
+}
+
+ObjectId World::add_rigid_body(const TriangleMesh& mesh, const RigidBodyMaterial& material,
+                               const ObjectOptions& options) {
+  WorldState& world = state();
+  const CallScope call(*world.calls, "add_rigid_body");
+  std::string name = new_name(world, ObjectKind::rigid_body, options);
+  return add(world, import_rigid_body(std::move(name), mesh, material, options), options);
+}
+
+ObjectId World::add_rigid_body(const Shape& shape, const RigidBodyMaterial& material,
+                               const ObjectOptions& options) {
+  WorldState& world = state();
+  const CallScope call(*world.calls, "add_rigid_body");
+  std::string name = new_name(world, ObjectKind::rigid_body, options);
+  return add(world, import_rigid_body(std::move(name), shape, material, options), options);
 }
 
 ObjectId World::add_obstacle(const TriangleMesh& mesh, const ObstacleMaterial& material,

@@ -10,6 +10,7 @@
 #include "souple/solver/set_projector.h"
 #include "souple/stages/body_restitution.h"
 #include "souple/stages/obstacles.h"
+#include "souple/stages/rigid_stage.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/call_scope.h"
@@ -88,6 +89,7 @@ void build_contact_tables(WorldState& world) {
   world.contact->invalidate();
   ContactTables& tables = world.contact->tables;
   world.scratch->sleep->proximity.invalidate();
+  world.rigid->invalidate();
   tables.objects.clear();
   tables.colliders.clear();
   std::vector<NamedContactMaterial> object_materials, collider_materials;
@@ -182,6 +184,8 @@ void find_candidates(WorldState& world, double dt) {
   const ContactInput input{
       view, particles.velocity, particles.radius, particles.element_radius, particles.contact_margin, tables,
       step};
+  world.warnings.guarded("a collider's motion",
+                         [&] { world.rigid->begin_step(world.stage_view(), tables, dt); });
   world.warnings.guarded("a collider's motion", [&] {
     const bool search_intersections = may_intersect(world);
     world.contact->check_intersections = false;
@@ -193,9 +197,12 @@ void find_candidates(WorldState& world, double dt) {
 
 void generate_contacts(WorldState& world, const Substep& substep) {
   if (world.scratch->sleep->all) return;
+  const StageView stage = world.stage_view();
+  world.rigid->split_masses(stage);
   world.warnings.guarded("a collider's motion", [&] {
     world.contact->contacts.refresh(world.view(), substep, world.time, *world.threads);
   });
+  if (!world.rigid->empty()) world.rigid->count_touched(stage, world.constraints.order);
 }
 
 void keep_apart(WorldState& world, const Substep& substep) {
@@ -203,15 +210,18 @@ void keep_apart(WorldState& world, const Substep& substep) {
 }
 
 void apply_restitution(WorldState& world, const Substep& substep) {
+  const StageView stage = world.stage_view();
+  world.rigid->split_masses(stage);
   restitute_bodies(world.objects_view(), world.contact->contacts, length(world.settings.gravity), substep,
                    world.scratch->impacts);
   world.contact->contacts.apply_restitution(world.view(), world.particles.velocity, substep, *world.threads);
+  world.rigid->gather_velocities(stage);
 }
 
 void report_contacts(WorldState& world) {
   const ContactReport report = world.contact->contacts.report();
   world.report.contacts = report.count;
-  world.report.deepest_contact = static_cast<double>(report.deepest);
+  world.report.deepest_contact = max(static_cast<double>(report.deepest), world.rigid->deepest());
   const ShortenedMotion shortened = world.contact->contacts.shortened();
   if (shortened.speed > 0 && shortened.limit == 0)
     world.warnings.warn(

@@ -3,6 +3,7 @@
 #include "souple/fluid/stage/fluid_input.h"
 #include "souple/fluid/stage/fluids.h"
 #include "souple/stages/forces.h"
+#include "souple/stages/rigid_stage.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/stages.h"
 
@@ -35,7 +36,9 @@ void begin_fluids(WorldState& world, double dt) {
 }
 
 void solve_incompressibility(WorldState& world, const Substep& substep) {
-  if (fluids_move(world)) world.fluids->solve_incompressibility(fluid_input(world, world.time), substep);
+  if (!fluids_move(world)) return;
+  world.fluids->solve_incompressibility(fluid_input(world, world.time), substep);
+  world.rigid->gather(world.stage_view(), false);
 }
 
 void update_fluid_velocities(WorldState& world, const Substep& substep) {

@@ -79,6 +79,8 @@ void World::pin(ObjectId id, const Selector& selector, Target target) {
   Object& object = world.object(id);
   require_movable(object, "pin");
   require_permanent_particles(object, "pin");
+  if (object.traits().rigid)
+    throw Error("pin: " + object.name + " is a rigid body, whose vertices do not move alone; use attach");
   const std::vector<std::uint32_t> chosen = select(id, selector);
   wake_island(world, object);
   const auto shared = target ? std::make_shared<const Target>(std::move(target)) : nullptr;

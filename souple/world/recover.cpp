@@ -6,6 +6,7 @@
 #include "souple/objects/constraint_sets.h"
 #include "souple/objects/object.h"
 #include "souple/solver/solver.h"
+#include "souple/stages/rigid_stage.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/call_scope.h"
@@ -53,6 +54,7 @@ void abandon_step(WorldState& world, double start) noexcept {
     std::copy(valid.offset.begin(), valid.offset.end(), particles.offset.begin());
     std::copy(valid.velocity.begin(), valid.velocity.end(), particles.velocity.begin());
     std::copy(valid.spin.begin(), valid.spin.end(), particles.spin.begin());
+    world.rigid->undo();
   }
   world.time = start;
   world.current.running = false;

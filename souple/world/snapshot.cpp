@@ -3,6 +3,7 @@
 #include "souple/math/fnv1a.h"
 #include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
+#include "souple/stages/rigid_stage.h"
 #include "souple/stages/sleeping.h"
 #include "souple/world/arrivals.h"
 #include "souple/world/call_scope.h"
@@ -17,16 +18,16 @@
 #include <cstring>
 
 // Layout of a snapshot: magic number, shape (a hash of the objects), time, steps, size of the
-// contacts' state, foam count and origin; then per particle position (with inverse mass), offset, velocity and
+// contacts' state, foam count, size of the rigid bodies' state and origin; then per particle position (with inverse mass), offset, velocity and
 // contact margin (how far contacts recently pushed it); then the angular velocities of grains, object by object;
 // the contacts' state (the friction of pairs of particles); per
-// object rest time, island, particle count and imbalance; state of emitters and drains; foam; the poses of the
+// object rest time, island, particle count and imbalance; state of emitters and drains; foam; rigid bodies and their contacts; the poses of the
 // colliders that move_collider moved; a checksum of all preceding bytes.
 
 namespace souple {
 namespace {
 
-constexpr std::uint64_t magic = 0x36304e53504c5553u;  // "SULPSN06"
+constexpr std::uint64_t magic = 0x37304e53504c5553u;  // "SULPSN07"
 
 template <class T>
 void put(std::vector<std::byte>& out, const T* values, std::size_t count) {
@@ -59,7 +60,8 @@ struct Header {
   std::uint64_t magic, shape;
   double time;
   std::uint64_t steps, contacts;
-  std::uint64_t foam;  // particles
+  std::uint64_t foam;   // particles
+  std::uint64_t rigid;  // bytes
   double foam_origin[3];
 };
 
@@ -141,10 +143,11 @@ std::size_t bytes_of_spins(const WorldState& world) {
   return count * sizeof(Vec4f);
 }
 
-std::size_t size_for(const WorldState& world, std::size_t contacts, std::size_t foam) {
+std::size_t size_for(const WorldState& world, std::size_t contacts, std::size_t foam, std::size_t rigid) {
   return sizeof(Header) + bytes_of_particles(world) + bytes_of_spins(world) + contacts * contact_unit +
          world.objects.size() * sizeof(Rest) + world.flow.emitters.size() * sizeof(EmitterRecord::layers) +
-         world.flow.drains.size() * sizeof(DrainRecord::credit) + foam * foam_bytes + sizeof(std::uint64_t);
+         world.flow.drains.size() * sizeof(DrainRecord::credit) + foam * foam_bytes + rigid +
+         sizeof(std::uint64_t);
 }
 
 /// Checks everything that can be checked before the world is modified.
@@ -158,8 +161,9 @@ Header checked_header(const WorldState& world, std::span<const std::byte> bytes)
   Header header{};
   std::memcpy(&header, bytes.data(), sizeof header);
   if (header.magic != magic || header.shape != shape_of(world) || header.contacts > bytes.size() ||
-      header.foam > bytes.size() || bytes.size() < size_for(world, header.contacts, header.foam) ||
-      (bytes.size() - size_for(world, header.contacts, header.foam)) % sizeof(ReachedPose) != 0)
+      header.foam > bytes.size() || header.rigid > bytes.size() ||
+      bytes.size() < size_for(world, header.contacts, header.foam, header.rigid) ||
+      (bytes.size() - size_for(world, header.contacts, header.foam, header.rigid)) % sizeof(ReachedPose) != 0)
     throw Error(
         "restore: the snapshot belongs to a world with other objects; build the world in the same way first");
   return header;
@@ -187,6 +191,7 @@ Snapshot World::snapshot() const {
   require_whole(*world.calls, "snapshot");
   const Particles& particles = world.particles;
   const std::vector<std::byte> contacts = world.contact->contacts.save();
+  const std::vector<std::byte> bodies = world.rigid->save();
   const FluidFoam& foam = world.fluids->foam();
   const Vec3d& origin = foam.origin();
   const Header header{magic,
@@ -195,10 +200,11 @@ Snapshot World::snapshot() const {
                       world.steps,
                       contacts.size() / contact_unit,
                       foam.size(),
+                      bodies.size(),
                       {origin.x, origin.y, origin.z}};
   Snapshot result;
   std::vector<std::byte>& out = result.bytes;
-  out.reserve(size_for(world, header.contacts, foam.size()));
+  out.reserve(size_for(world, header.contacts, foam.size(), bodies.size()));
   put(out, &header, 1);
   put(out, particles.position.data(), particles.size());
   put(out, particles.offset.data(), particles.size());
@@ -214,6 +220,7 @@ Snapshot World::snapshot() const {
   for (const EmitterRecord& record : world.flow.emitters) put(out, &record.layers, 1);
   for (const DrainRecord& record : world.flow.drains) put(out, &record.credit, 1);
   put(out, foam.state());
+  put(out, bodies.data(), bodies.size());
   put_poses(out, world);
   const std::uint64_t checksum = fnv1a64(out);
   put(out, &checksum, 1);
@@ -236,6 +243,8 @@ void World::restore(const Snapshot& snapshot) {
   resume_objects(world, later);
   const auto& origin = header.foam_origin;
   world.fluids->foam().set_state(get_foam(later, header.foam), {origin[0], origin[1], origin[2]});
+  world.rigid->load(later.first(header.rigid));
+  later = later.subspan(header.rigid);
   get_poses(world, later.first(later.size() - sizeof(std::uint64_t)));
   get(in, particles.position.data(), particles.size());
   get(in, particles.offset.data(), particles.size());

@@ -7,6 +7,7 @@
 #include "souple/stages/motion.h"
 #include "souple/stages/obstacles.h"
 #include "souple/stages/pins.h"
+#include "souple/stages/rigid_stage.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/spin.h"
 #include "souple/stages/user_constraint.h"
@@ -55,6 +56,7 @@ void integrate(WorldState& world, const Substep& substep) {
   predict_spin(stage.objects, substep, stage.threads);
   drive_pins(stage, substep, part_of_step(world, substep));
   if (drive_obstacles(stage, substep)) world.contact->check_intersections = true;
+  world.warnings.guarded("a collider's motion", [&] { world.rigid->predict(stage, substep); });
   drive_attachments(world.constraints.users, stage.time + static_cast<double>(substep.h), stage.warnings);
   keep_prediction(stage, world.scratch->motion);
 }
@@ -79,11 +81,13 @@ void solve(WorldState& world, const Substep& substep) {
     world.solving.solver->solve(world.constraints.order, view, solved, *world.threads);
     if (world.current.last_substep) world.report.objects.clear();
   }
+  world.rigid->solve(world.stage_view(), substep);
   keep_apart(world, substep);
 }
 
 bool finish(WorldState& world, const Substep& substep) {
   note(world, finish_motion(world.stage_view(), substep, world.scratch->motion));
+  world.rigid->finish(world.stage_view(), substep);
   ++world.version;
   return !world.current.first_non_finite;
 }
@@ -97,6 +101,7 @@ void update_velocities(WorldState& world, const Substep& substep) {
   for (const auto& object : world.objects)
     if (object->sleep.island == 0)
       damp(objects, *object, substep.h, *world.threads, world.scratch->rigid_sums);
+  world.rigid->gather_velocities(world.stage_view());
 }
 
 }  // namespace souple

@@ -8,6 +8,7 @@
 #include "souple/objects/object.h"
 #include "souple/queries/caches.h"
 #include "souple/solver/solver.h"
+#include "souple/stages/rigid_stage.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/stage_view.h"
 #include "souple/stages/user_constraint.h"
@@ -30,6 +31,7 @@ WorldState::WorldState()
       constraints{std::make_unique<ConstraintSets>(), std::make_unique<ConstraintGroups>(), {}, {}, {}, 0},
       contact(std::make_unique<ContactState>()),
       fluids(std::make_unique<Fluids>()),
+      rigid(std::make_unique<RigidStage>()),
       scratch(std::make_unique<StepScratch>()),
       calls(std::make_unique<Calls>()),
       caches(std::make_unique<Caches>()) {}

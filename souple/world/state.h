@@ -38,6 +38,7 @@ class Fluids;
 class JobSystem;
 struct Object;
 struct QueryView;
+class RigidStage;
 struct Registry;
 class Solver;
 struct StageView;
@@ -129,6 +130,7 @@ struct WorldState {
   JobSystem* jobs = nullptr;         ///< the host's, in place of our threads
   std::unique_ptr<ContactState> contact;
   std::unique_ptr<Fluids> fluids;
+  std::unique_ptr<RigidStage> rigid;
   std::unique_ptr<StepScratch> scratch;
   Changes dirty;
   Callbacks callbacks;

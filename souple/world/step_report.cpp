@@ -6,6 +6,7 @@
 #include "souple/math/limits.h"
 #include "souple/objects/object.h"
 #include "souple/solver/custom_constraint.h"
+#include "souple/stages/rigid_stage.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/sleeping.h"
@@ -107,6 +108,7 @@ void restore_last_valid(WorldState& world) {
   particles.offset = world.last_valid.offset;
   particles.velocity = world.last_valid.velocity;
   particles.spin = world.last_valid.spin;
+  world.rigid->undo();
   update_sleeping_masses(world);
   world.warnings.warn(Flag::non_finite, fmt::format("{}, vertex {}: {}", object.name, world.report.bad_vertex,
                                                     advice(Flag::non_finite)));
@@ -159,6 +161,7 @@ void save_last_valid(WorldState& world) {
   keep(particles.offset, world.last_valid.offset);
   keep(particles.velocity, world.last_valid.velocity);
   keep(particles.spin, world.last_valid.spin);
+  world.rigid->keep();
   world.current.saved = true;
   SOUPLE_ASSERT(world.last_valid.offset.size() == particles.size(), "arrays of particles have one length");
 }

@@ -9,8 +9,10 @@
 #include "souple/objects/new_object.h"
 #include "souple/objects/object.h"
 #include "souple/objects/obstacle_pose.h"
+#include "souple/objects/rigid_definition.h"
 #include "souple/queries/nearest_name.h"
 #include "souple/simd/instruction_set.h"
+#include "souple/stages/rigid_stage.h"
 #include "souple/world/add.h"
 #include "souple/world/arrivals.h"
 #include "souple/world/build.h"
@@ -197,6 +199,23 @@ const GrainsMaterial& World::grains_material(ObjectId id) const {
 const FluidMaterial& World::fluid_material(ObjectId id) const {
   return material_of<FluidMaterial>(state(), id);
 }
+const RigidBodyMaterial& World::rigid_body_material(ObjectId id) const {
+  return material_of<RigidBodyMaterial>(state(), id);
+}
+
+RigidBodyState World::rigid_body(ObjectId id) const {
+  const WorldState& world = state();
+  require_readable(*world.calls, "rigid_body");
+  const Object& object = world.object(id);
+  const RigidDefinition* const body = world.rigid->definition(object.id.value);
+  if (!body)
+    throw Error(
+        fmt::format("rigid_body: {} is a {}, expected a rigid_body", object.name, object.traits().name));
+  const BodyPose& pose = *world.rigid->pose(object.id.value);
+  const BodyVelocity& velocity = *world.rigid->velocity(object.id.value);
+  return {{pose.position, pose.rotation, 1}, velocity.linear, velocity.angular, body->mass, body->inertia};
+}
+
 const ObstacleMaterial& World::obstacle_material(ObjectId id) const {
   return material_of<ObstacleMaterial>(state(), id);
 }
@@ -342,6 +361,9 @@ void World::set_positions(ObjectId id, std::span<const Vec3f> positions) {
   WorldState& world = state();
   const CallScope call(*world.calls, "set_positions", From::stages);
   const Object& object = world.object(id);
+  if (object.traits().rigid)
+    throw Error("set_positions: " + object.name +
+                " is a rigid body, whose vertices do not move alone; use teleport");
   require_settable(object, positions, range::coordinate, "set_positions");
   wake_island(world, object);
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
@@ -379,6 +401,17 @@ void World::set_angular_velocities(ObjectId id, std::span<const Vec3f> angular_v
   ++world.version;
 }
 
+namespace {
+
+void teleport_body(RigidStage& rigid, std::uint32_t object, const Transform& transform) {
+  const BodyPose pose = *rigid.pose(object);
+  const BodyVelocity velocity = *rigid.velocity(object);
+  rigid.place(object, {transform.point(pose.position), normalized(transform.rotation * pose.rotation)});
+  rigid.set_velocity(object, {transform.direction(velocity.linear), transform.direction(velocity.angular)});
+}
+
+}  // namespace
+
 void World::teleport(ObjectId id, const Transform& transform) {
   WorldState& world = state();
   const CallScope call(*world.calls, "teleport", From::stages);
@@ -392,6 +425,7 @@ void World::teleport(ObjectId id, const Transform& transform) {
       throw Error(fmt::format("teleport: {} would be more than {:g} m from the origin", object.name,
                               range::coordinate));
   wake_island(world, object);
+  if (object.traits().rigid) teleport_body(*world.rigid, object.id.value, transform);
   const bool rolls = object.traits().rolls;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const Vec3d x = world.exact_position(i);

@@ -67,6 +67,15 @@ struct Snapshot {
   std::vector<std::byte> bytes;
 };
 
+/// What World::rigid_body returns.
+struct RigidBodyState {
+  Transform pose;            ///< of the body's frame: its center of mass [m], and its principal axes
+  Vec3d velocity{};          ///< of the center of mass [m/s]
+  Vec3d angular_velocity{};  ///< in world axes [rad/s]
+  double mass = 0;           ///< kg
+  Vec3d inertia{};           ///< about the principal axes [kg m^2]
+};
+
 /// Objects, colliders and the simulation loop. Meters, kilograms, seconds; Y up, right-handed.
 ///
 /// All functions but `step` throw Error on invalid arguments and then leave the world unchanged. Between steps several
@@ -147,6 +156,16 @@ class World {
   /// Adds a mesh with prescribed motion: static, driven by poses, or deforming. Other objects collide with it
   /// but cannot move it. It may be open or closed; both sides are solid. It has no mass, so its energies and
   /// momentum are 0. Throws if the options contain velocities, a stiffness_map or self_collision.
+  /// A rigid body in the shape of a mesh: it collides with rigid bodies and colliders as the convex hull of each connected piece, and
+  /// with everything else by its triangles. Its mass is that of the solid inside the mesh, or of the hulls if the mesh is
+  /// not closed. Throws Error for a flat mesh.
+  ObjectId add_rigid_body(const TriangleMesh& mesh, const RigidBodyMaterial& material = {},
+                          const ObjectOptions& options = {});
+  /// A rigid sphere, box, capsule or cylinder. Throws Error for other shapes.
+  ObjectId add_rigid_body(const Shape& shape, const RigidBodyMaterial& material = {},
+                          const ObjectOptions& options = {});
+  /// Pose, velocity and mass of a rigid body. Throws Error for other objects.
+  RigidBodyState rigid_body(ObjectId object) const;
   ObjectId add_obstacle(const TriangleMesh& mesh, const ObstacleMaterial& material = {},
                         ObstacleMotion motion = {}, const ObjectOptions& options = {});
   void remove(ObjectId object);
@@ -164,6 +183,7 @@ class World {
   const RopeMaterial& rope_material(ObjectId object) const;
   const GrainsMaterial& grains_material(ObjectId object) const;
   const ObstacleMaterial& obstacle_material(ObjectId object) const;
+  const RigidBodyMaterial& rigid_body_material(ObjectId object) const;
   const FluidMaterial& fluid_material(ObjectId object) const;
   /// Bit masks as in ObjectOptions. Objects in contact that no longer collide pass through each other.
   /// Overlapping objects that start to collide are pushed apart slowly, or stay intersecting.

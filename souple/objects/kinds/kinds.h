@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/collision/shapes.h"
 #include "souple/geometry/lattice.h"
 #include "souple/geometry/tet_mesh.h"
 #include "souple/geometry/triangle_mesh.h"
@@ -20,10 +21,10 @@
 namespace souple {
 
 namespace kinds {
-extern const KindFunctions cloth, soft_body, rope, grains, obstacle, fluid;
+extern const KindFunctions cloth, soft_body, rope, grains, obstacle, fluid, rigid_body;
 /// In the order of ObjectKind.
 inline constexpr std::array<const KindFunctions*, std::variant_size_v<Material>> all{
-    &cloth, &soft_body, &rope, &grains, &obstacle, &fluid};
+    &cloth, &soft_body, &rope, &grains, &obstacle, &fluid, &rigid_body};
 }  // namespace kinds
 
 NewObject import_cloth(std::string name, const TriangleMesh& mesh, const ClothMaterial& material,
@@ -43,5 +44,13 @@ NewObject import_fluid(std::string name, const TriangleMesh& surface, const Flui
                        const ObjectOptions& options);
 NewObject import_obstacle(std::string name, const TriangleMesh& mesh, const ObstacleMaterial& material,
                           ObstacleMotion motion, const ObjectOptions& options);
+
+/// The convex hulls of the connected pieces of a mesh, as one body; the mass is that of the solid inside a closed mesh,
+/// else that of the hulls.
+NewObject import_rigid_body(std::string name, const TriangleMesh& mesh, const RigidBodyMaterial& material,
+                            const ObjectOptions& options);
+/// A sphere, box, capsule or cylinder, exactly.
+NewObject import_rigid_body(std::string name, const Shape& shape, const RigidBodyMaterial& material,
+                            const ObjectOptions& options);
 
 }  // namespace souple

@@ -1,0 +1,198 @@
+#include "souple/error.h"
+#include "souple/geometry/adjacency.h"
+#include "souple/geometry/builders.h"
+#include "souple/geometry/convex_hull.h"
+#include "souple/geometry/mass_properties.h"
+#include "souple/objects/checks.h"
+#include "souple/objects/import_particles.h"
+#include "souple/objects/kinds/kinds.h"
+#include "souple/objects/kinds/of_material.h"
+#include "souple/objects/object.h"
+#include "souple/objects/rigid_definition.h"
+
+#include <optional>
+#include <utility>
+
+#include <fmt/core.h>
+
+// Rigid bodies: the particles are points of the surface, which the body moves, and which cloth, ropes, grains and fluids
+// push. Rigid bodies collide with each other and with colliders as convex shapes.
+
+namespace souple {
+namespace {
+
+// Hulls of more vertices cost more than their detail is worth.
+constexpr std::size_t most_hull_vertices = 64;
+
+void check_ranges(const RigidBodyMaterial& m, std::string_view owner) {
+  check_all(owner, {{"density", double(m.density), range::positive, range::finite},
+                    {"thickness", double(m.thickness), 0, range::finite},
+                    {"friction", double(m.friction), 0, range::finite},
+                    {"kinetic_friction", kinds::kinetic_friction(m), 0, double(m.friction)},
+                    {"restitution", double(m.restitution), 0, 1}});
+}
+
+void require_rigid_options(const ObjectOptions& options, const std::string& name) {
+  const auto refuse = [&](const char* option) {
+    throw Error(name + ": the option " + option + " does not apply to a rigid body, which does not deform");
+  };
+  if (!options.stiffness_map.empty()) refuse("stiffness_map");
+  if (options.self_collision != SelfCollision::off) refuse("self_collision");
+}
+
+/// The hulls of the connected pieces of a surface, in the world.
+std::vector<ConvexHull> hulls_of(const Object& object, std::vector<std::string>& sentences) {
+  const Components pieces = connected_components(object.surface, object.rest.size());
+  std::vector<std::vector<Vec3d>> points(pieces.count);
+  for (std::uint32_t i = 0; i < object.rest.size(); ++i)
+    points[pieces.of_vertex[i]].push_back(object.rest[i]);
+  std::vector<ConvexHull> hulls;
+  double excess = 0;
+  for (const std::vector<Vec3d>& piece : points) {
+    if (piece.size() < 2) continue;  // no triangle uses it
+    hulls.push_back(convex_hull(piece, {.max_vertices = most_hull_vertices}, object.name));
+    excess = std::max(excess, hulls.back().excess);
+  }
+  if (hulls.empty()) throw Error(object.name + ": the mesh has no triangles, so it is no solid");
+  if (excess > 0)
+    sentences.push_back(
+        fmt::format("it collides as {} of at most {} vertices, up to {:.2g} m inside its surface",
+                    hulls.size() == 1 ? "a convex hull" : "convex hulls", most_hull_vertices, excess));
+  return hulls;
+}
+
+MassProperties mass_of(const Object& object, const std::vector<ConvexHull>& hulls, double density,
+                       std::vector<std::string>& sentences) {
+  try {
+    return mass_properties(object.mesh, density, object.name);
+  } catch (const Error&) {
+    sentences.push_back("its surface is not closed, so its mass is that of its convex hull");
+  }
+  std::vector<MassProperties> parts;
+  for (const ConvexHull& hull : hulls)
+    parts.push_back(mass_properties(surface_mesh(hull), density, object.name));
+  return combined(parts);
+}
+
+/// The body of a solid, without a shape.
+RigidDefinition body_of(const MassProperties& solid) {
+  const PrincipalFrame frame = principal_frame(solid.inertia);
+  RigidDefinition body;
+  body.mass = solid.mass, body.inertia = frame.moments;
+  body.pose = {solid.center, frame.rotation};
+  return body;
+}
+
+ConvexShape shape_of(const ConvexHull& hull, const BodyPose& pose) {
+  std::vector<Vec3d> vertices;
+  for (const Vec3d& x : hull.positions) vertices.push_back(pose.local_point(x));
+  std::vector<FaceLoop> faces;
+  for (const HullFace& face : hull.faces) {
+    const auto loop = hull.loop(face);
+    faces.emplace_back(loop.begin(), loop.end());
+  }
+  return convex_polyhedron(vertices, faces);
+}
+
+/// Gives particles their places in the body and their part of its mass.
+void finish_body(NewObject& made, RigidDefinition body, const ObjectOptions& options) {
+  Object& object = *made.object;
+  for (const Vec3d& x : object.rest) body.particles.push_back(body.pose.local_point(x));
+  made.mass.assign(object.rest.size(), body.mass / static_cast<double>(object.rest.size()));
+  made.rigid = std::make_unique<RigidDefinition>(std::move(body));
+  finish_object(made, options);
+}
+
+// --- analytic shapes
+
+/// The same shape of another size.
+Shape scaled(const Shape& shape, double scale, const std::string& name) {
+  const auto s = static_cast<float>(scale);
+  Shape result = shape;
+  if (auto* const ball = std::get_if<Sphere>(&result)) {
+    ball->center *= s, ball->radius *= s;
+  } else if (auto* const box = std::get_if<Box>(&result)) {
+    box->center *= s, box->half_extents *= s;
+  } else if (auto* const capsule = std::get_if<Capsule>(&result)) {
+    capsule->center *= s, capsule->radius *= s, capsule->half_height *= s;
+  } else if (auto* const cylinder = std::get_if<Cylinder>(&result)) {
+    cylinder->center *= s, cylinder->radius *= s, cylinder->half_height *= s;
+  } else {
+    throw Error(
+        fmt::format("{}: a {} is no shape of a rigid body; use a sphere, box, capsule, cylinder or mesh",
+                    name, shape_name(shape)));
+  }
+  return result;
+}
+
+struct Analytic {
+  TriangleMesh mesh;  // of the surface, for drawing and for contacts with particles
+  MassProperties solid;
+  Vec3d center{};
+};
+
+Analytic analytic(const Shape& shape, double density) {
+  if (const auto* const ball = std::get_if<Sphere>(&shape)) {
+    const auto r = static_cast<double>(ball->radius);
+    return {sphere(3, r), sphere_mass_properties(r, density), Vec3d(ball->center)};
+  }
+  if (const auto* const block = std::get_if<Box>(&shape)) {
+    const Vec3d size = Vec3d(block->half_extents) * 2.0;
+    return {box(size), box_mass_properties(size, density), Vec3d(block->center)};
+  }
+  if (const auto* const pill = std::get_if<Capsule>(&shape)) {
+    const auto r = static_cast<double>(pill->radius), l = 2 * static_cast<double>(pill->half_height);
+    if (!(l > 0)) return analytic(Sphere{pill->center, pill->radius}, density);
+    return {capsule(r, l, 24, 6), capsule_mass_properties(r, l, density), Vec3d(pill->center)};
+  }
+  const auto& drum = std::get<Cylinder>(shape);
+  const auto r = static_cast<double>(drum.radius), height = 2 * static_cast<double>(drum.half_height);
+  return {cylinder(r, height, 32), cylinder_mass_properties(r, height, density), Vec3d(drum.center)};
+}
+
+}  // namespace
+
+NewObject import_rigid_body(std::string name, const TriangleMesh& mesh, const RigidBodyMaterial& material,
+                            const ObjectOptions& options) {
+  NewObject made = start_object(std::move(name), material, options);
+  require_rigid_options(options, made.object->name);
+  import_surface(made, mesh, options.transform);
+  const std::vector<ConvexHull> hulls = hulls_of(*made.object, made.sentences);
+  RigidDefinition body =
+      body_of(mass_of(*made.object, hulls, static_cast<double>(material.density), made.sentences));
+  for (const ConvexHull& hull : hulls) body.shape.parts.push_back(shape_of(hull, body.pose));
+  finish_body(made, std::move(body), options);
+  return made;
+}
+
+NewObject import_rigid_body(std::string name, const Shape& shape, const RigidBodyMaterial& material,
+                            const ObjectOptions& options) {
+  NewObject made = start_object(std::move(name), material, options);
+  const std::string& owner = made.object->name;
+  require_rigid_options(options, owner);
+  validate(shape, owner);
+  const Shape sized = scaled(shape, options.transform.scale, owner);
+  Analytic solid = analytic(sized, static_cast<double>(material.density));
+  const Transform placement{options.transform.point(Vec3d{}), options.transform.rotation, 1};
+  Transform centered = placement;
+  centered.translation = placement.point(solid.center);
+  import_surface(made, solid.mesh, centered);
+  RigidDefinition body = body_of(moved(solid.solid, centered));
+  // In the body's frame: the shape's frame, seen from the body's.
+  const BodyPose frame{body.pose.local_point(placement.translation),
+                       conjugate(body.pose.rotation) * placement.rotation};
+  body.shape.parts.push_back(moved(*convex_shape_of(sized), frame));
+  finish_body(made, std::move(body), options);
+  return made;
+}
+
+constinit const KindFunctions kinds::rigid_body{
+    .traits = {.name = "rigid_body", .shape = ObjectShape::surface, .rigid = true},
+    .default_material = default_material<RigidBodyMaterial>,
+    .validate = of_material<check_ranges>,
+    .density = of_material<volumetric_density<RigidBodyMaterial>>,
+    .contact_radius = of_material<half_thickness<RigidBodyMaterial>>,
+    .contact_material = of_material<contact_material<RigidBodyMaterial>>,
+};
+
+}  // namespace souple

@@ -1,0 +1,402 @@
+#include "souple/stages/rigid_stage.h"
+
+#include "souple/assert.h"
+#include "souple/error.h"
+#include "souple/objects/object.h"
+#include "souple/rigid/free_motion.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace souple {
+namespace {
+
+// Where fewer particles are touched, the number that masses are made for falls by this factor in a substep, so that contacts
+// that come and go do not change the masses that others see.
+constexpr double decay_of_shown = 0.95;
+
+RigidShape shape_of(const Collider& collider) {
+  if (const auto convex = convex_shape_of(collider.shape)) return {{*convex}, nullptr};
+  return {{}, &collider.shape};
+}
+
+BodyPose pose_of(const Transform& transform) {
+  return {transform.translation, transform.rotation};
+}
+
+/// The velocity that leads from one pose to the other in h seconds.
+BodyVelocity velocity_between(const BodyPose& from, const BodyPose& to, double h) {
+  const Quatd turn = to.rotation * conjugate(from.rotation);
+  const double sign = turn.w < 0 ? -1 : 1;
+  const Vec3d axis{turn.x * sign, turn.y * sign, turn.z * sign};
+  const double sine = length(axis);
+  const double angle = 2 * std::atan2(sine, turn.w * sign);
+  return {(to.position - from.position) / h, sine > 0 ? axis * (angle / (sine * h)) : Vec3d{}};
+}
+
+}  // namespace
+
+class RigidStage::Materials final : public RigidMaterials {
+ public:
+  explicit Materials(const RigidStage& stage) : stage_(stage) {}
+  bool collide(std::uint32_t a, std::uint32_t b) const override {
+    if (is_collider(a)) std::swap(a, b);
+    if (is_collider(a)) return false;
+    if (!is_collider(b)) return may_collide(filter(a), filter(b)) && objects().collide(row(a), row(b));
+    return stage_.tables_->colliders[row(b)].enabled &&
+           stage_.tables_->against_colliders.collide(row(a), row(b));
+  }
+  ContactMaterialPair at(std::uint32_t a, std::uint32_t b) const override {
+    return is_collider(b) ? stage_.tables_->against_colliders.at(row(a), row(b))
+                          : objects().at(row(a), row(b));
+  }
+
+ private:
+  bool is_collider(std::uint32_t body) const { return body >= stage_.records_.size(); }
+  std::size_t row(std::uint32_t body) const { return stage_.rows_[body]; }
+  const CollisionFilter& filter(std::uint32_t body) const { return stage_.objects_[body]->collision.filter; }
+  const ContactMaterialTable& objects() const { return stage_.tables_->against_objects; }
+
+  const RigidStage& stage_;
+};
+
+// --- bodies by object
+
+RigidStage::Record* RigidStage::find(std::uint32_t object) {
+  const auto at = std::lower_bound(records_.begin(), records_.end(), object,
+                                   [](const Record& record, std::uint32_t id) { return record.object < id; });
+  return at != records_.end() && at->object == object ? &*at : nullptr;
+}
+
+const RigidStage::Record* RigidStage::find(std::uint32_t object) const {
+  return const_cast<RigidStage*>(this)->find(object);  // NOLINT(cppcoreguidelines-pro-type-const-cast)
+}
+
+void RigidStage::add(std::uint32_t object, RigidDefinition definition) {
+  SOUPLE_ASSERT(records_.empty() || records_.back().object < object, "ids ascend");
+  Record record;
+  record.object = object;
+  record.pose = definition.pose;
+  record.definition = std::move(definition);
+  records_.push_back(std::move(record));
+  invalidate();
+}
+
+void RigidStage::remove(std::uint32_t object) {
+  std::erase_if(records_, [object](const Record& record) { return record.object == object; });
+  finder_.clear();
+  invalidate();
+}
+
+const RigidDefinition* RigidStage::definition(std::uint32_t object) const {
+  const Record* const record = find(object);
+  return record ? &record->definition : nullptr;
+}
+
+const BodyPose* RigidStage::pose(std::uint32_t object) const {
+  const Record* const record = find(object);
+  return record ? &record->pose : nullptr;
+}
+
+const BodyVelocity* RigidStage::velocity(std::uint32_t object) const {
+  const Record* const record = find(object);
+  return record ? &record->velocity : nullptr;
+}
+
+void RigidStage::place(std::uint32_t object, const BodyPose& pose) {
+  if (Record* const record = find(object)) record->pose = pose;
+}
+
+void RigidStage::set_velocity(std::uint32_t object, const BodyVelocity& velocity) {
+  if (Record* const record = find(object)) record->velocity = velocity;
+}
+
+// --- particles
+
+bool RigidStage::is_awake(std::size_t body) const {
+  return objects_[body]->sleep.island == 0;
+}
+
+void RigidStage::write_positions(const StageView& stage, std::size_t body, const BodyPose& pose) const {
+  const Particles& particles = stage.objects.particles;
+  std::vector<Vec4f>& moving = stage.objects.moving();
+  const bool plain = stage.objects.form == Form::plain;
+  const Mat3d R = rotation_matrix(pose.rotation);
+  std::size_t i = objects_[body]->begin;
+  for (const Vec3d& local : records_[body].definition.particles) {
+    const Vec3d x = pose.position + R * local;
+    moving[i].set_xyz(Vec3f(plain ? x : x - Vec3d(particles.position[i].xyz())));
+    ++i;
+  }
+}
+
+void RigidStage::write_velocities(const StageView& stage, std::size_t body) const {
+  const Mat3d R = rotation_matrix(bodies_.pose[body].rotation);
+  std::size_t i = objects_[body]->begin;
+  for (const Vec3d& local : records_[body].definition.particles)
+    stage.objects.particles.velocity[i++].set_xyz(Vec3f(bodies_.velocity[body].at(R * local)));
+}
+
+// The impulses that changed particles' velocities since the body wrote them.
+void RigidStage::read_velocities(const StageView& stage, std::size_t body) {
+  const Particles& particles = stage.objects.particles;
+  const Mat3d R = rotation_matrix(bodies_.pose[body].rotation);
+  const BodyVelocity before = bodies_.velocity[body];
+  Vec3d impulse, moment;
+  std::size_t i = objects_[body]->begin;
+  for (const Vec3d& local : records_[body].definition.particles) {
+    const Vec3d r = R * local;
+    const Vec3f change = particles.velocity[i].xyz() - Vec3f(before.at(r));
+    const auto w = static_cast<double>(particles.position[i].w);
+    ++i;
+    if (!(w > 0) || change == Vec3f{}) continue;
+    const Vec3d J = Vec3d(change) / w;
+    impulse += J, moment += cross(r, J);
+  }
+  const auto b = static_cast<std::uint32_t>(body);
+  push_velocity(bodies_, b, {}, impulse);
+  turn_velocity(bodies_, b, moment);
+}
+
+// --- a step
+
+void RigidStage::list_bodies(const StageView& stage, const ContactTables& tables) {
+  objects_.clear(), rows_.clear(), colliders_.clear(), shapes_.clear();
+  for (std::uint32_t row = 0; row < stage.objects.objects.size(); ++row)
+    if (stage.objects.objects[row]->traits().rigid) {
+      objects_.push_back(stage.objects.objects[row].get());
+      rows_.push_back(row);
+    }
+  SOUPLE_ASSERT(objects_.size() == records_.size(), "each rigid body has a record");
+  for (const Record& record : records_) shapes_.push_back(record.definition.shape);
+  for (std::uint32_t column = 0; column < tables.colliders.size(); ++column) {
+    colliders_.push_back(&tables.colliders[column]);
+    rows_.push_back(column);
+    shapes_.push_back(shape_of(tables.colliders[column]));
+  }
+  bodies_.resize(rows_.size());
+  predicted_.resize(rows_.size());
+  tables_ = &tables;
+  listed_ = true;
+}
+
+void RigidStage::begin_step(const StageView& stage, const ContactTables& tables, double dt) {
+  if (empty()) return;
+  if (!listed_) list_bodies(stage, tables);
+  for (std::size_t k = 0; k < records_.size(); ++k) {
+    const Record& record = records_[k];
+    const Vec3d& I = record.definition.inertia;
+    bodies_.mass[k] =
+        is_awake(k) ? BodyMass{1 / record.definition.mass, {1 / I.x, 1 / I.y, 1 / I.z}} : BodyMass{};
+    bodies_.pose[k] = record.pose;
+    bodies_.velocity[k] = is_awake(k) ? record.velocity : BodyVelocity{};
+    bodies_.inverse_inertia[k] = world_inverse_inertia(bodies_.mass[k], record.pose.rotation);
+    if (is_awake(k)) {
+      read_velocities(stage, k);
+      write_velocities(stage, k);
+    } else {
+      records_[k].velocity = {};
+    }
+  }
+  for (std::size_t k = records_.size(); k < bodies_.size(); ++k) {
+    const ColliderMotion& motion = colliders_[k - records_.size()]->motion;
+    bodies_.mass[k] = {}, bodies_.inverse_inertia[k] = {};
+    bodies_.pose[k] = pose_of(motion.at(stage.time));
+    bodies_.velocity[k] = motion.is_static() || motion.jumps(stage.time, stage.time + dt)
+                              ? BodyVelocity{}
+                              : velocity_between(bodies_.pose[k], pose_of(motion.at(stage.time + dt)), dt);
+  }
+  const double gravity = length(Vec3d(stage.settings.gravity));
+  finder_.begin_step(bodies_, shapes_, Materials(*this), dt, gravity, stage.threads);
+  solver_.prepare(finder_.contacts(), bodies_);
+  fresh_ = true;
+  part_ = 1.0 / stage.settings.substeps;
+}
+
+void RigidStage::place_colliders(const StageView& stage, const Substep& substep) {
+  const auto h = static_cast<double>(substep.h);
+  for (std::size_t k = records_.size(); k < bodies_.size(); ++k) {
+    const ColliderMotion& motion = colliders_[k - records_.size()]->motion;
+    if (motion.is_static()) continue;
+    const BodyPose after = pose_of(motion.at(stage.time + h));
+    const BodyPose before = motion.jumps(stage.time, stage.time + h) ? after : pose_of(motion.at(stage.time));
+    bodies_.pose[k] = before;
+    bodies_.velocity[k] = velocity_between(before, after, h);
+  }
+}
+
+void RigidStage::predict(const StageView& stage, const Substep& substep) {
+  if (empty()) return;
+  const auto h = static_cast<double>(substep.h);
+  const Vec3d g(stage.settings.gravity);
+  place_colliders(stage, substep);
+  if (!fresh_) finder_.refresh(bodies_, shapes_, part_, stage.threads);
+  fresh_ = false;
+  for (std::size_t k = 0; k < records_.size(); ++k) {
+    if (!is_awake(k)) continue;
+    // Gravity acts on the center of mass exactly; particles have shares of the mass whose center may be elsewhere.
+    bodies_.velocity[k].linear += g * h;
+    read_velocities(stage, k);
+    bodies_.velocity[k].linear -= g * h;
+  }
+  const double bounce_speed = 2 * length(g) * h;
+  const RigidSubstep of_contacts{h, substep.iterations, 1.5, bounce_speed};
+  solver_.bounce(finder_.contacts(), bodies_, of_contacts);
+  predict_bodies(bodies_, g, h, predicted_);
+  for (std::size_t k = 0; k < records_.size(); ++k)
+    if (is_awake(k)) write_positions(stage, k, bodies_.pose[k]), write_velocities(stage, k);
+}
+
+void RigidStage::gather(const StageView& stage, bool in_contact) {
+  const ParticleView view = stage.objects.view();
+  const bool plain = stage.objects.form == Form::plain;
+  for (std::size_t k = 0; k < records_.size(); ++k) {
+    if (!is_awake(k)) continue;
+    const Record& record = records_[k];
+    const BodyPose& pose = bodies_.pose[k];
+    const Mat3d R = rotation_matrix(pose.rotation);
+    // More particles are touched than their masses were made for: their sum would overshoot.
+    const double part =
+        in_contact && record.touched > record.shown ? max(record.shown, 1.0) / record.touched : 1;
+    Vec3d impulse, moment;
+    std::size_t i = objects_[k]->begin;
+    for (const Vec3d& local : record.definition.particles) {
+      const Vec3d r = R * local;
+      const Vec3d x = pose.position + r;
+      const Vec3f expected(plain ? x : x - Vec3d(view.position[i].xyz()));
+      const Vec3f moved = view.moving[i].xyz() - expected;
+      const auto w = static_cast<double>(view.inverse_mass(i));
+      ++i;
+      if (!(w > 0) || moved == Vec3f{}) continue;
+      const Vec3d J = Vec3d(moved) * (part / w);
+      impulse += J, moment += cross(r, J);
+    }
+    if (length_squared(impulse) + length_squared(moment) == 0) continue;
+    const auto body = static_cast<std::uint32_t>(k);
+    push(bodies_, body, {}, impulse);
+    turn(bodies_, body, moment);
+    write_positions(stage, k, bodies_.pose[k]);
+  }
+}
+
+void RigidStage::split_masses(const StageView& stage) {
+  for (std::size_t k = 0; k < records_.size(); ++k) {
+    if (!is_awake(k)) continue;
+    const Vec3d& inverse_inertia = bodies_.mass[k].inverse_inertia;
+    const double turning = max(inverse_inertia.x, max(inverse_inertia.y, inverse_inertia.z));
+    const double count = max(records_[k].shown, 1.0);
+    std::size_t i = objects_[k]->begin;
+    for (const Vec3d& local : records_[k].definition.particles) {
+      // An upper bound of 1/m + (r x n)^T I^-1 (r x n) over all directions n.
+      const double w = bodies_.mass[k].inverse + length_squared(local) * turning;
+      stage.objects.particles.position[i++].w = static_cast<float>(w * count);
+    }
+  }
+}
+
+void RigidStage::count_touched(const StageView& stage, std::span<Projector* const> contacts) {
+  for (Record& record : records_) record.touched = 0;
+  touched_at_.resize(stage.objects.particles.size());
+  ++counts_;
+  const auto touch = [&](std::uint32_t particle) {
+    const Object& object = *stage.objects.objects[stage.objects.object_of[particle]];
+    if (!object.traits().rigid || touched_at_[particle] == counts_) return;
+    touched_at_[particle] = counts_;
+    ++find(object.id.value)->touched;
+  };
+  for (const Projector* const projector : contacts)
+    if (projector->is_contact())
+      projector->visit(stage.objects.view(), [&](const ConstraintState& state) {
+        for (const std::uint32_t i : state.particles) touch(i);
+      });
+}
+
+void RigidStage::solve(const StageView& stage, const Substep& substep) {
+  if (empty()) return;
+  gather(stage, true);
+  for (Record& record : records_)
+    record.shown = max(static_cast<double>(record.touched), record.shown * decay_of_shown);
+  const auto h = static_cast<double>(substep.h);
+  const RigidSubstep of_contacts{h, substep.iterations, 1.5, 2 * length(Vec3d(stage.settings.gravity)) * h};
+  solver_.solve(finder_.contacts(), bodies_, of_contacts, stage.threads);
+  for (std::size_t k = 0; k < records_.size(); ++k) {
+    if (!is_awake(k)) continue;
+    write_positions(stage, k, bodies_.pose[k]);
+    for (std::uint32_t i = objects_[k]->begin; i < objects_[k]->end; ++i)
+      stage.objects.particles.position[i].w = 0;
+  }
+}
+
+void RigidStage::finish(const StageView& stage, const Substep& substep) {
+  if (empty()) return;
+  finish_bodies(bodies_, predicted_, static_cast<double>(substep.h));
+  Particles& particles = stage.objects.particles;
+  for (std::size_t k = 0; k < records_.size(); ++k) {
+    if (!is_awake(k)) continue;
+    write_velocities(stage, k);
+    for (std::uint32_t i = objects_[k]->begin; i < objects_[k]->end; ++i)
+      particles.position[i].w = 1 / particles.mass[i];
+    records_[k].pose = bodies_.pose[k], records_[k].velocity = bodies_.velocity[k];
+  }
+}
+
+void RigidStage::gather_velocities(const StageView& stage) {
+  for (std::size_t k = 0; k < records_.size(); ++k) {
+    if (!is_awake(k)) continue;
+    read_velocities(stage, k);
+    write_velocities(stage, k);
+    records_[k].velocity = bodies_.velocity[k];
+    for (std::uint32_t i = objects_[k]->begin; i < objects_[k]->end; ++i)
+      stage.objects.particles.position[i].w = 1 / stage.objects.particles.mass[i];
+  }
+}
+
+void RigidStage::keep() {
+  for (Record& record : records_) record.kept_pose = record.pose, record.kept_velocity = record.velocity;
+}
+
+void RigidStage::undo() {
+  for (Record& record : records_) record.pose = record.kept_pose, record.velocity = record.kept_velocity;
+  finder_.clear();
+}
+
+double RigidStage::deepest() const {
+  return ContactSolver::deepest(finder_.contacts(), bodies_);
+}
+
+// --- state
+
+std::vector<std::byte> RigidStage::save() const {
+  std::vector<std::byte> out;
+  const auto put = [&out](const auto& value) {
+    const auto bytes = std::as_bytes(std::span(&value, 1));
+    out.insert(out.end(), bytes.begin(), bytes.end());
+  };
+  if (empty()) return out;
+  for (const Record& record : records_) put(record.pose), put(record.velocity), put(record.shown);
+  finder_.save(out);
+  return out;
+}
+
+void RigidStage::load(std::span<const std::byte> in) {
+  if (empty() && in.empty()) return;
+  const auto get = [&in](auto& value) {
+    if (in.size() < sizeof value) throw Error("restore: the snapshot has no rigid bodies of this world");
+    std::memcpy(&value, in.data(), sizeof value);
+    in = in.subspan(sizeof value);
+  };
+  for (Record& record : records_) get(record.pose), get(record.velocity), get(record.shown);
+  finder_.load(in);
+}
+
+std::size_t RigidStage::bytes() const {
+  std::size_t result = bytes_of(records_, objects_, rows_, colliders_, shapes_, predicted_) +
+                       finder_.bytes() + solver_.bytes();
+  for (const Record& record : records_) result += bytes_of(record.definition.particles);
+  return result;
+}
+
+}  // namespace souple
