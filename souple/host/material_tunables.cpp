@@ -33,7 +33,7 @@ const std::vector<Tunable<B>> soft_body_tunables{
     {"Young's modulus", "young_modulus", "Pa", &B::young_modulus, logarithmic(100, 1e9f)},
     {"Poisson's ratio", "poisson_ratio", "", &B::poisson_ratio, {0, 0.49f}},
     {"Density", "density", "kg/m\xc2\xb3", &B::density, logarithmic(10, 2e4f)},
-    {"Thickness", "thickness", "m", &B::thickness, logarithmic(1e-4f, 0.2f)},
+    {"Thickness", "thickness", "m", &I::thickness, logarithmic(1e-4f, 0.2f)},
     {"Friction", "friction", "", &B::friction, {0, 2}},
     {"Restitution", "restitution", "", &B::restitution, fraction},
     {"Damping", "damping", "1/s", &B::damping, logarithmic(1e-3f, 100)},
@@ -87,6 +87,13 @@ const std::vector<Tunable<O>> obstacle_tunables{
     {"Restitution", "restitution", "", &O::restitution, fraction},
 };
 
+using I = RigidBodyMaterial;
+const std::vector<Tunable<I>> rigid_body_tunables{
+    {"Thickness", "thickness", "m", &I::thickness, logarithmic(1e-4f, 0.2f)},
+    {"Friction", "friction", "", &I::friction, {0, 2}},
+    {"Restitution", "restitution", "", &I::restitution, fraction},
+};
+
 }  // namespace
 
 const std::vector<Tunable<ClothMaterial>>& tunables(const ClothMaterial&) {
@@ -107,6 +114,9 @@ const std::vector<Tunable<ObstacleMaterial>>& tunables(const ObstacleMaterial&) 
 
 const std::vector<Tunable<FluidMaterial>>& tunables(const FluidMaterial&) {
   return fluid_tunables;
+}
+const std::vector<Tunable<RigidBodyMaterial>>& tunables(const RigidBodyMaterial&) {
+  return rigid_body_tunables;
 }
 
 bool uses_membrane(const ClothMaterial& material) {

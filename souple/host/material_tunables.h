@@ -34,6 +34,7 @@ const std::vector<Tunable<RopeMaterial>>& tunables(const RopeMaterial&);
 const std::vector<Tunable<GrainsMaterial>>& tunables(const GrainsMaterial&);
 const std::vector<Tunable<ObstacleMaterial>>& tunables(const ObstacleMaterial&);
 const std::vector<Tunable<FluidMaterial>>& tunables(const FluidMaterial&);
+const std::vector<Tunable<RigidBodyMaterial>>& tunables(const RigidBodyMaterial&);
 
 bool uses_membrane(const ClothMaterial& material);
 template <class Material>

@@ -431,6 +431,17 @@ class Builder {
                             options);
   }
 
+  ObjectId add(const RigidBodyDescription& body) {
+    const ObjectOptions options = options_of(body);
+    if (const auto* mesh = std::get_if<MeshDescription>(&body.solid)) {
+      const TriangleMesh surface = surface_of(*mesh, scene_.folder);
+      mesh_ = surface.positions;
+      return world_.add_rigid_body(surface, body.material, options);
+    }
+    const Shape shape = std::visit(ShapeMaker{scene_.folder}, std::get<ShapeDescription>(body.solid));
+    return world_.add_rigid_body(shape, body.material, options);
+  }
+
   ObjectId add(const ObstacleDescription& obstacle) {
     ObstacleMotion motion;
     if (!obstacle.keyframes.empty()) motion.pose = motion_of(obstacle.keyframes, obstacle.loop);

@@ -221,6 +221,15 @@ struct FluidDescription : ObjectDescription {
   std::uint32_t max_particles = 0;  ///< 0: as many as at the start
 };
 
+/// The solid inside a closed surface, as a grid of signed distances.
+struct SignedDistanceFieldDescription {
+  MeshDescription mesh;
+  std::optional<double> spacing;  ///< of the grid [m]
+  int resolution = 64;            ///< cells along the mesh's longest side, if no spacing is given
+};
+/// The alternatives of Shape, with equal names.
+using ShapeDescription = std::variant<Plane, Sphere, Box, Capsule, Cylinder, SignedDistanceFieldDescription>;
+
 struct ObstacleSequenceDescription : SequenceDescription {
   bool loop = false;
 };
@@ -233,24 +242,22 @@ struct ObstacleDescription : ObjectDescription {
   std::optional<ObstacleSequenceDescription> sequence;
 };
 
+/// It is the convex hull of each connected piece of a mesh, or an analytic shape.
+struct RigidBodyDescription : ObjectDescription {
+  std::variant<MeshDescription, ShapeDescription> solid;
+  RigidBodyMaterial material;
+};
+
 /// The alternatives are in the order of ObjectKind.
-using AnyObjectDescription = std::variant<ClothDescription, SoftBodyDescription, RopeDescription,
-                                          GrainsDescription, ObstacleDescription, FluidDescription>;
+using AnyObjectDescription =
+    std::variant<ClothDescription, SoftBodyDescription, RopeDescription, GrainsDescription,
+                 ObstacleDescription, FluidDescription, RigidBodyDescription>;
 /// The fields that all kinds share.
 const ObjectDescription& common(const AnyObjectDescription& object);
 ObjectDescription& common(AnyObjectDescription& object);
 ObjectKind kind_of(const AnyObjectDescription& object);
 
 // --- colliders, connections, the scene
-/// The solid inside a closed surface, as a grid of signed distances.
-struct SignedDistanceFieldDescription {
-  MeshDescription mesh;
-  std::optional<double> spacing;  ///< of the grid [m]
-  int resolution = 64;            ///< cells along the mesh's longest side, if no spacing is given
-};
-/// The alternatives of Shape, with equal names.
-using ShapeDescription = std::variant<Plane, Sphere, Box, Capsule, Cylinder, SignedDistanceFieldDescription>;
-
 struct ColliderDescription {
   std::string name;
   ShapeDescription shape{};

@@ -32,6 +32,13 @@ void check_ranges(const RigidBodyMaterial& m, std::string_view owner) {
                     {"restitution", double(m.restitution), 0, 1}});
 }
 
+void check_change(const RigidBodyMaterial& from, const RigidBodyMaterial& to, std::string_view owner) {
+  if (from.density != to.density)
+    throw Error(fmt::format(
+        "{}: density is {} kg/m^3 and cannot change to {}: a rigid body keeps its mass; add it again", owner,
+        from.density, to.density));
+}
+
 void require_rigid_options(const ObjectOptions& options, const std::string& name) {
   const auto refuse = [&](const char* option) {
     throw Error(name + ": the option " + option + " does not apply to a rigid body, which does not deform");
@@ -190,6 +197,7 @@ constinit const KindFunctions kinds::rigid_body{
     .traits = {.name = "rigid_body", .shape = ObjectShape::surface, .rigid = true},
     .default_material = default_material<RigidBodyMaterial>,
     .validate = of_material<check_ranges>,
+    .validate_change = of_two_materials<check_change>,
     .density = of_material<volumetric_density<RigidBodyMaterial>>,
     .contact_radius = of_material<half_thickness<RigidBodyMaterial>>,
     .contact_material = of_material<contact_material<RigidBodyMaterial>>,

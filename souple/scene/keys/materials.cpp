@@ -212,6 +212,18 @@ CodecPtr<MaterialDescription<FluidMaterial>> fluid_material_codec() {
   return keys;
 }
 
+CodecPtr<RigidBodyMaterial> rigid_body_material_codec() {
+  using M = RigidBodyMaterial;
+  auto keys = table<M>("rigid_body_material", "Density and contact properties of a rigid body.");
+  keys->key<&M::density>("density", number<float>(positive(1e6)), "density [kg/m^3]")
+      .key<&M::thickness>(
+          "thickness", number<float>(positive(10)),
+          "contact thickness [m]; cloth, ropes, soft bodies and grains keep a distance of half of it; "
+          "rigid bodies and colliders touch the surface");
+  add_surface_keys(*keys);
+  return keys;
+}
+
 CodecPtr<ObstacleMaterial> obstacle_material_codec() {
   using M = ObstacleMaterial;
   auto keys = table<M>("obstacle_material", "Contact properties of an obstacle's surface.");

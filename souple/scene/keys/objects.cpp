@@ -262,6 +262,28 @@ void add_foreign(const Table<A>& other, const std::string& owner, const Table<B>
   }
 }
 
+std::shared_ptr<Table<RigidBodyDescription>> rigid_body_table() {
+  using T = RigidBodyDescription;
+  auto keys = object_table<T>("rigid_body", "A solid that does not deform: a box, a ball, a bone.");
+  using V = decltype(T::solid);
+  keys->choice<&T::solid>(
+      {alternative<V>("shape", shape_codec(), "a sphere, box, capsule or cylinder"),
+       alternative<V>(
+           "mesh", mesh_codec(MeshUse::surface),
+           "a surface; it collides with rigid bodies and colliders as the convex hull of each piece")});
+  keys->key<&T::material>("material", rigid_body_material_codec(), "density and contact properties")
+      .key<&T::transform>("transform", transform_codec(), "initial position, rotation and scale")
+      .key<&T::velocity>("velocity", vector3<float>(signed_range(fast)), "initial velocity [m/s]")
+      .key<&T::angular_velocity>("angular_velocity", vector3<float>(signed_range(fast)),
+                                 "initial angular velocity about the center of mass [rad/s]")
+      .key<&T::color>("color", maybe(color()), "color in pictures, as in HTML; if not given: one of eight")
+      .key<&T::attachments>("attachments", list(attachment_codec(), 0, 10000),
+                            "vertices attached by springs");
+  add_wind_key(*keys);
+  add_collision_keys(*keys);
+  return keys;
+}
+
 }  // namespace
 
 CodecPtr<AnyObjectDescription> object_codec() {
@@ -271,6 +293,7 @@ CodecPtr<AnyObjectDescription> object_codec() {
   const auto grains = grains_table();
   const auto obstacle = obstacle_table();
   const auto fluid = fluid_table();
+  const auto rigid_body = rigid_body_table();
   const auto foreign_keys_of = [&](const auto& mine) {
     std::vector<std::pair<std::string, std::string>> foreign;
     add_foreign(*cloth, "a cloth", mine, foreign);
@@ -279,6 +302,7 @@ CodecPtr<AnyObjectDescription> object_codec() {
     add_foreign(*grains, "grains", mine, foreign);
     add_foreign(*obstacle, "an obstacle", mine, foreign);
     add_foreign(*fluid, "a fluid", mine, foreign);
+    add_foreign(*rigid_body, "a rigid_body", mine, foreign);
     return foreign;
   };
   cloth->foreign(foreign_keys_of(*cloth));
@@ -287,6 +311,7 @@ CodecPtr<AnyObjectDescription> object_codec() {
   grains->foreign(foreign_keys_of(*grains));
   obstacle->foreign(foreign_keys_of(*obstacle));
   fluid->foreign(foreign_keys_of(*fluid));
+  rigid_body->foreign(foreign_keys_of(*rigid_body));
   using V = AnyObjectDescription;
   return std::make_shared<Kinds<V>>(
       std::vector<Alternative>{alternative<V, ClothDescription>("cloth", cloth, ""),
@@ -294,7 +319,8 @@ CodecPtr<AnyObjectDescription> object_codec() {
                                alternative<V, RopeDescription>("rope", rope, ""),
                                alternative<V, GrainsDescription>("grains", grains, ""),
                                alternative<V, ObstacleDescription>("obstacle", obstacle, ""),
-                               alternative<V, FluidDescription>("fluid", fluid, "")});
+                               alternative<V, FluidDescription>("fluid", fluid, ""),
+                               alternative<V, RigidBodyDescription>("rigid_body", rigid_body, "")});
 }
 
 }  // namespace souple::scene_format

@@ -114,6 +114,7 @@ CodecPtr<MaterialDescription<RopeMaterial>> rope_material_codec();
 CodecPtr<MaterialDescription<GrainsMaterial>> grains_material_codec();
 CodecPtr<MaterialDescription<FluidMaterial>> fluid_material_codec();
 CodecPtr<ObstacleMaterial> obstacle_material_codec();
+CodecPtr<RigidBodyMaterial> rigid_body_material_codec();
 
 // --- objects.cpp, colliders.cpp, connections.cpp -----------------------------------------------------------
 
