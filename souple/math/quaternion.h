@@ -57,4 +57,18 @@ constexpr Mat3<T> rotation_matrix(const Quaternion<T>& q) {
           rotate(q, Vec3<T>{T(0), T(0), T(1)})};
 }
 
+/// The unit quaternion of a rotation matrix, from its largest component to avoid division by almost zero
+/// (Shepperd 1978).
+template <class T>
+Quaternion<T> quaternion_of(const Mat3<T>& m) {
+  const T x = m(0, 0), y = m(1, 1), z = m(2, 2), w = x + y + z;
+  const T a = m(2, 1) - m(1, 2), b = m(0, 2) - m(2, 0), c = m(1, 0) - m(0, 1);
+  const T xy = m(0, 1) + m(1, 0), xz = m(0, 2) + m(2, 0), yz = m(1, 2) + m(2, 1);
+  const T largest = max(max(x, y), max(z, w));
+  if (largest == w) return normalized(Quaternion<T>{a, b, c, T(1) + w});
+  if (largest == x) return normalized(Quaternion<T>{T(1) + x - y - z, xy, xz, a});
+  if (largest == y) return normalized(Quaternion<T>{xy, T(1) + y - x - z, yz, b});
+  return normalized(Quaternion<T>{xz, yz, T(1) + z - x - y, c});
+}
+
 }  // namespace souple

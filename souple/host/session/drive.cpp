@@ -10,19 +10,6 @@ namespace souple::host {
 
 namespace {
 
-/// Quaternion of a rotation matrix, from its largest component to avoid division by almost zero (Shepperd
-/// 1978).
-Quatd quaternion_of(const Mat3d& m) {
-  const double x = m(0, 0), y = m(1, 1), z = m(2, 2), w = x + y + z;
-  const double a = m(2, 1) - m(1, 2), b = m(0, 2) - m(2, 0), c = m(1, 0) - m(0, 1);
-  const double xy = m(0, 1) + m(1, 0), xz = m(0, 2) + m(2, 0), yz = m(1, 2) + m(2, 1);
-  const double largest = std::max({x, y, z, w});
-  if (largest == w) return normalized(Quatd{a, b, c, 1 + w});
-  if (largest == x) return normalized(Quatd{1 + x - y - z, xy, xz, a});
-  if (largest == y) return normalized(Quatd{xy, 1 + y - x - z, yz, b});
-  return normalized(Quatd{xz, yz, 1 + z - x - y, c});
-}
-
 /// Normalized linear interpolation of two rotations: accurate enough for the few degrees of a step.
 Quatd between(const Quatd& a, const Quatd& b, double s) {
   const double t = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w < 0 ? -s : s, r = 1 - s;
