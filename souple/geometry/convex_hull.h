@@ -1,0 +1,69 @@
+#pragma once
+
+#include "souple/geometry/adjacency.h"
+#include "souple/geometry/triangle_mesh.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace souple {
+
+struct HullOptions {
+  /// Relative to the size, the diagonal of the points' bounding box, in [0, 0.1]. Points within this distance of a plane count
+  /// as coplanar: a set that is not thicker is flat, a point that lies outside by less becomes no vertex, and triangles
+  /// in one plane become one face. The least that counts is 2^-40 of the size. The default covers the rounding of
+  /// coordinates in float.
+  double tolerance = 1e-6;
+  /// At most this many vertices, at least 4; 0: no limit. The points that lie farthest outside are kept, so the hull is
+  /// inside that of all points; `ConvexHull::excess` bounds the difference.
+  std::size_t max_vertices = 0;
+};
+
+/// A convex polygon, counterclockwise seen from outside: `count` corners from `begin`.
+struct HullFace {
+  Vec3d normal;   ///< unit, outward
+  double offset;  ///< of its plane: dot(normal, x) <= offset for each vertex x of the hull [m]
+  std::uint32_t begin, count;
+};
+
+/// Runs from vertices[0] to vertices[1] in the loop of faces[0], the other way in that of faces[1].
+struct HullEdge {
+  Edge vertices;
+  std::array<std::uint32_t, 2> faces;
+};
+
+/// A convex polyhedron whose faces are polygons, for the collision of rigid bodies.
+struct ConvexHull {
+  std::vector<Vec3d> positions;       ///< points of the input, in their order [m]
+  std::vector<std::uint32_t> source;  ///< per vertex: its index in the input
+  std::vector<HullFace> faces;
+  std::vector<std::uint32_t> corners;       ///< vertices, face by face
+  std::vector<std::uint32_t> corner_edges;  ///< per corner: the edge to the next corner of the face
+  std::vector<HullEdge> edges;              ///< each edge once, in order of its first corner
+  /// No point of the input lies farther than this and the tolerance beyond the plane of a face [m]. Without a limit of
+  /// vertices about the tolerance at most.
+  double excess{};
+
+  std::span<const std::uint32_t> loop(const HullFace& face) const {
+    return std::span(corners).subspan(face.begin, face.count);
+  }
+  std::span<const std::uint32_t> loop_edges(const HullFace& face) const {
+    return std::span(corner_edges).subspan(face.begin, face.count);
+  }
+};
+
+/// The convex hull of points [m]. Which points are vertices is decided exactly on a grid of 2^-40 of the size, so duplicate,
+/// collinear, coplanar and nearly coplanar points do no harm. The result depends on the points and their order alone. Throws
+/// Error, with `name`, for fewer than 4 points, a point that is not finite or beyond 1e9 m, points that coincide or lie on a
+/// line or in a plane, and options out of range.
+ConvexHull convex_hull(std::span<const Vec3d> points, const HullOptions& options = {},
+                       const std::string& name = "convex hull");
+
+/// The surface as a mesh: closed, wound outward, with the polygons as faces.
+TriangleMesh surface_mesh(const ConvexHull& hull);
+
+}  // namespace souple
