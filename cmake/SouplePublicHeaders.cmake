@@ -4,8 +4,8 @@ cmake_policy(VERSION 3.25)
 set(SOUPLE_PUBLIC_HEADERS
     souple/souple.h
     # objects and meshes
-    souple/geometry/adjacency.h souple/geometry/builders.h souple/geometry/fill.h souple/geometry/mesh_report.h
-    souple/geometry/weld.h
+    souple/geometry/adjacency.h souple/geometry/builders.h souple/geometry/convex_hull.h souple/geometry/fill.h
+    souple/geometry/mass_properties.h souple/geometry/mesh_report.h souple/geometry/weld.h
     # user constraints
     souple/constraints/all.h souple/solver/custom_constraint.h souple/solver/set_projector.h
     # files

@@ -44,8 +44,8 @@ struct ConvexHull {
   std::vector<std::uint32_t> corners;       ///< vertices, face by face
   std::vector<std::uint32_t> corner_edges;  ///< per corner: the edge to the next corner of the face
   std::vector<HullEdge> edges;              ///< each edge once, in order of its first corner
-  /// No point of the input lies farther than this beyond the plane of a face [m]. Without a limit of vertices about the
-  /// tolerance at most.
+  /// No point of the input lies farther than this and the tolerance beyond the plane of a face [m]. Without a limit of
+  /// vertices about the tolerance at most.
   double excess{};
 
   std::span<const std::uint32_t> loop(const HullFace& face) const {

@@ -316,30 +316,30 @@ void FaceMerger::mark_flat_corners(std::vector<char>& bad) const {
 
 // There, too, two polygons may have more in common than an edge, so that their triangles share a diagonal.
 void FaceMerger::mark_shared_diagonals(std::vector<char>& bad) const {
+  std::vector<char> has_diagonal(x_.size(), 0);
+  for (const HullPolygon& p : polygons_)
+    for (std::size_t i = 2; i + 1 < p.corners.size(); ++i)
+      has_diagonal[p.corners[0]] = has_diagonal[p.corners[i]] = 1;
   struct Side {
     std::uint32_t low, high, polygon;
     bool operator<(const Side& b) const { return low != b.low ? low < b.low : high < b.high; }
   };
-  std::vector<Side> sides;
+  std::vector<Side>
+      sides;  // of triangles: each once for an edge of two polygons, twice for a diagonal of one
   for (std::uint32_t f = 0; f < polygons_.size(); ++f) {
     const Indices& loop = polygons_[f].corners;
-    const auto add = [&](std::size_t i, std::size_t j) {
-      const auto [low, high] = std::minmax(loop[i], loop[j]);
-      sides.push_back({low, high, f});
+    const auto add = [&](std::uint32_t a, std::uint32_t b, std::size_t times) {
+      if (has_diagonal[a] && has_diagonal[b])
+        sides.insert(sides.end(), times, {std::min(a, b), std::max(a, b), f});
     };
-    for (std::size_t i = 0; i < loop.size(); ++i) add(i, (i + 1) % loop.size());
-    for (std::size_t i = 2; i + 1 < loop.size(); ++i) {  // once for each triangle
-      add(0, i);
-      add(0, i);
-    }
+    for (std::size_t i = 0; i < loop.size(); ++i) add(loop[i], loop[(i + 1) % loop.size()], 1);
+    for (std::size_t i = 2; i + 1 < loop.size(); ++i) add(loop[0], loop[i], 2);
   }
-  std::stable_sort(sides.begin(), sides.end());
-  for (std::size_t first = 0; first < sides.size();) {
-    std::size_t last = first + 1;
+  std::sort(sides.begin(), sides.end());
+  for (std::size_t first = 0, last = 0; first < sides.size(); first = last) {
     while (last < sides.size() && !(sides[first] < sides[last])) ++last;
-    if (last - first > 2)
-      for (std::size_t s = first; s < last; ++s) bad[sides[s].polygon] = 1;
-    first = last;
+    for (std::size_t s = first; s < last; ++s)
+      if (last - first > 2) bad[sides[s].polygon] = 1;
   }
 }
 
@@ -375,7 +375,8 @@ void FaceMerger::group_triangles() {
   for (const std::uint32_t seed : seeds_) {
     if (group_[seed] != none) continue;
     Level level = level_[seed];
-    while (level != apart && !merge_around(seed, level)) level = level == coplanar ? exactly_coplanar : apart;
+    while (level != apart && !merge_around(seed, level))
+      level = level == coplanar && members_.size() > 1 ? exactly_coplanar : apart;
     if (level == apart) take_single(seed);
     finish_group(level == apart ? hull_.normals[seed] : plane_of(x_, loop_).normal, level);
   }

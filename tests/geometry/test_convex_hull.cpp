@@ -59,7 +59,7 @@ void expect_convex(const ConvexHull& hull, const Points& points, double toleranc
   for (const HullFace& face : hull.faces) {
     EXPECT_NEAR(length(face.normal), 1, 1e-14);
     for (const Vec3d& p : hull.positions) ASSERT_LE(beyond(face, p), rounding);
-    for (const Vec3d& p : points) ASSERT_LE(beyond(face, p), hull.excess + rounding);
+    for (const Vec3d& p : points) ASSERT_LE(beyond(face, p), hull.excess + tolerance + rounding);
     const auto loop = hull.loop(face);
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const Vec3d &u = hull.positions[loop[i]], &v = hull.positions[loop[(i + 1) % loop.size()]],
@@ -72,7 +72,7 @@ void expect_convex(const ConvexHull& hull, const Points& points, double toleranc
 }
 
 ConvexHull checked_hull(const Points& points, const HullOptions& options = {}) {
-  const ConvexHull hull = convex_hull(points, options);
+  ConvexHull hull = convex_hull(points, options);
   const double tolerance = options.tolerance * bounding_box(points).diagonal();
   expect_surface(hull);
   expect_convex(hull, points, tolerance);
@@ -323,32 +323,65 @@ TEST(ConvexHull, DuplicatesAndPointsOnEdgesChangeNothing) {
   }
 }
 
-// Nearly flat faces, clusters, needles and plates of all sizes, tolerances from none to coarse.
+// Integer combinations of three integer vectors are exactly coplanar, but rounded products say they are not.
+TEST(ConvexHull, OfAnObliqueLatticeIsAParallelepiped) {
+  check::Random random(1);
+  const auto integer = [&] { return std::floor(random.unit() * std::ldexp(1.0, 36)); };
+  const auto vector = [&] {
+    const double x = integer(), y = integer(), z = integer();
+    return Vec3d{x, y, z} * std::ldexp(1.0, -10);
+  };
+  for (int round = 0; round < 500; ++round) {
+    const Vec3d u = vector(), v = vector(), w = vector();
+    if (std::abs(dot(u, cross(v, w))) < 0.01 * length(u) * length(v) * length(w)) continue;
+    Points points;
+    for (int a = 0; a <= 3; ++a)
+      for (int b = 0; b <= 3; ++b)
+        for (int c = 0; c <= 3; ++c) points.push_back(u * double(a) + v * double(b) + w * double(c));
+    const ConvexHull hull = checked_hull(points, {0, 0});
+    EXPECT_EQ(hull.positions.size(), 8u);
+    EXPECT_EQ(faces_with(hull, 4), 6u);
+    EXPECT_EQ(hull.excess, 0);
+  }
+}
+
+// Points of a lattice or of an ellipsoid, of any thickness and size, moved by a little: nearly flat faces, clusters, needles
+// and plates.
+Points nearly_degenerate(check::Random& random, int count, bool round) {
+  const Vec3d size{std::pow(10, -4 * random.unit()), std::pow(10, -4 * random.unit()), 1};
+  const double noise = std::pow(10, -3 - 13 * random.unit());
+  const std::uint64_t cells = 1 + random.next() % 5;
+  Points points;
+  for (int i = 0; i < count; ++i) {
+    Vec3d p = normalized(random.in_cube());
+    for (int axis = 0; axis < 3; ++axis) {
+      const double on_lattice = double(random.next() % (cells + 1)) / double(cells);
+      p[axis] = size[axis] * (round ? p[axis] : on_lattice);
+    }
+    points.push_back(p + random.in_cube() * noise);
+  }
+  const Vec3d away = random.in_cube() * 100.0;
+  return placed(points,
+                {away, Quatd::from_euler_xyz(random.in_cube() * 3.0), std::pow(10, 6 * random.unit() - 3)});
+}
+
+// With tolerances from none to coarse.
 TEST(ConvexHull, IsClosedAndConvexForNearlyDegeneratePoints) {
   check::Random random(5);
-  for (int round = 0; round < 300; ++round) {
-    const Vec3d size{std::pow(10, -4 * random.unit()), std::pow(10, -4 * random.unit()), 1};
-    const double noise = std::pow(10, -3 - 12 * random.unit());
-    const std::uint64_t cells = 1 + random.next() % 5;
-    Points points;
-    for (int i = 0; i < 20 + round % 200; ++i) {
-      Vec3d p;
-      for (int axis = 0; axis < 3; ++axis)
-        p[axis] = size[axis] * double(random.next() % (cells + 1)) / double(cells);
-      points.push_back(p + random.in_cube() * noise);
-    }
-    const Transform placement{random.in_cube() * 100.0, Quatd::from_euler_xyz(random.in_cube() * 3.0),
-                              std::pow(10, 6 * random.unit() - 3)};
+  int hulls = 0;
+  for (int round = 0; round < 3000; ++round) {
+    const Points points = nearly_degenerate(random, 20 + round % 80, round % 5 == 0);
     const double tolerance = round % 4 == 0 ? 0 : std::pow(10, -2 - 8 * random.unit());
-    points = placed(points, placement);
     SCOPED_TRACE(round);
     try {
       checked_hull(points, {tolerance, 0});
+      ++hulls;
     } catch (const Error& error) {
       EXPECT_NE(std::string(error.what()).find("enclose no volume"), std::string::npos) << error.what();
     }
-    if (HasFatalFailure()) return;
+    if (HasFailure()) return;
   }
+  EXPECT_GT(hulls, 2000);
 }
 
 TEST(ConvexHull, OfAThinPlateAndANeedle) {
@@ -363,11 +396,11 @@ TEST(ConvexHull, OfAThinPlateAndANeedle) {
 }
 
 TEST(ConvexHull, WithFewVerticesLiesInsideByTheStatedExcess) {
-  Points points = on_sphere(5000, 2);
+  Points points = on_sphere(2000, 2);
   for (Vec3d& p : points) p = {3 * p.x, p.y, 0.5 * p.z};
   const ConvexHull full = checked_hull(points);
   double last = 10;
-  for (const std::size_t limit : {4, 8, 16, 64, 256}) {
+  for (const std::size_t limit : {4u, 8u, 16u, 64u, 256u}) {
     const ConvexHull hull = checked_hull(points, {1e-6, limit});
     EXPECT_EQ(hull.positions.size(), limit);
     double excess = 0;
@@ -409,7 +442,7 @@ TEST(ConvexHull, OfAHundredThousandPoints) {
   EXPECT_GT(volume(hull), 0.98 * 4.0 / 3 * pi);
   EXPECT_LT(volume(hull), 4.0 / 3 * pi);
   const ConvexHull round = convex_hull(on_sphere(100000, 6));
-  expect_surface(round);
+  EXPECT_EQ(round.positions.size() + round.faces.size(), round.edges.size() + 2);
   EXPECT_GT(round.positions.size(), 90000u);
   EXPECT_NEAR(volume(round), 4.0 / 3 * pi, 1e-3);
 }

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 namespace souple {
@@ -289,9 +290,10 @@ TEST(MassProperties, CombineByTheParallelAxisTheorem) {
   // A brick from eight bricks, far from the origin.
   const Vec3d away{1000, -500, 200};
   std::vector<MassProperties> parts;
+  parts.reserve(8);
   for (int i = 0; i < 8; ++i)
     parts.push_back(moved(box_mass_properties({1, 2, 3}, density),
-                          {away + Vec3d{i % 2 - 0.5, 2 * (i / 2 % 2) - 1.0, 3 * (i / 4) - 1.5}}));
+                          {away + Vec3d{(i & 1) - 0.5, (i & 2) - 1.0, 3 * (i >> 2) - 1.5}}));
   expect_equal(combined(parts), moved(box_mass_properties({2, 4, 6}, density), {away}), 7, 1e-12);
   // A rod of mass m and length l about its end: m l^2 / 3.
   const MassProperties rod = with_mass(box_mass_properties({1e-4, 2, 1e-4}, 1), 3);
