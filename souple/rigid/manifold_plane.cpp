@@ -29,6 +29,12 @@ void add(ContactPoints& points, const ContactPoint& point, const Vec3d& normal, 
 
 Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Plane& b, const BodyPose& pose_b,
                        double margin) {
+  LastPoints points;
+  return find_manifold(a, pose_a, b, pose_b, margin, points);
+}
+
+Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Plane& b, const BodyPose& pose_b,
+                       double margin, LastPoints& last) {
   Manifold found;
   const HalfSpace plane = half_space(b);
   const manifold::FrameChange to_plane = manifold::frame_change(pose_a, pose_b);
@@ -38,14 +44,14 @@ Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Plane
   if (dot(normal, a.center) - offset - (a.outer_radius - a.radius) >= margin) return found;
 
   ContactPoints points;
-  const double tolerance = 5e-5 * a.outer_radius;
+  const double slack = 5e-4 * a.outer_radius;
   for (std::uint32_t v = 0; v < a.vertices.size(); ++v) {
     const double height = dot(normal, a.vertices[v]) - offset;
     if (height >= margin) continue;
     add(points, {a.vertices[v], height, manifold::feature_id(manifold::FeatureKind::vertex_of_a, v, 0)},
-        normal, tolerance);
+        normal, 0.1 * slack);
   }
-  manifold::reduce_to_four(points, normal, tolerance);
+  manifold::reduce_to_four(points, normal, slack, last);
   found.normal = pose_b.direction(plane.normal);
   found.owner = NormalOwner::face_of_b;
   for (int i = 0; i < points.size(); ++i) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace souple::manifold {
 namespace {
@@ -67,20 +68,65 @@ std::array<int, 4> choose_four(const ContactPoints& points, const Vec3d& normal,
   return chosen;
 }
 
+/// In ascending order.
+void keep_only(ContactPoints& points, const std::array<int, 4>& ascending) {
+  int count = 0, last = -1;
+  for (const int i : ascending) {
+    if (i == last) continue;
+    points[count++] = points[i];  // to its own place or one before it
+    last = i;
+  }
+  points.shrink(count);
+}
+
+/// The area of a convex quadrilateral of four points in any order: half the largest product of two diagonals.
+double area_of(const ContactPoints& points, const std::array<int, 4>& chosen, const Vec3d& normal) {
+  const auto at = [&](std::size_t k) { return points[chosen[k]].point; };
+  const Vec3d ab = at(1) - at(0), cd = at(3) - at(2), ac = at(2) - at(0), bd = at(3) - at(1),
+              ad = at(3) - at(0), bc = at(2) - at(1);
+  return 0.5 * std::max({std::abs(dot(normal, cross(ab, cd))), std::abs(dot(normal, cross(ac, bd))),
+                         std::abs(dot(normal, cross(ad, bc)))});
+}
+
+/// The indices of the last choice, if it is still a good one.
+bool find_last(const ContactPoints& points, const Vec3d& normal, double slack, const LastPoints& last,
+               std::array<int, 4>& chosen) {
+  std::size_t found = 0;
+  double lowest = points[0].height, lowest_chosen = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < points.size(); ++i) {
+    lowest = std::min(lowest, points[i].height);
+    if (std::find(last.features.begin(), last.features.end(), points[i].feature) == last.features.end())
+      continue;
+    if (found == 4) return false;
+    chosen[found++] = i;
+    lowest_chosen = std::min(lowest_chosen, points[i].height);
+  }
+  constexpr double least_part = 0.9;
+  return found == 4 && lowest_chosen <= lowest + slack &&
+         area_of(points, chosen, normal) >= least_part * last.area;
+}
+
 }  // namespace
 
 void reduce_to_four(ContactPoints& points, const Vec3d& normal, double tolerance) {
   if (points.size() <= 4) return;
   std::array<int, 4> chosen = choose_four(points, normal, tolerance);
   std::sort(chosen.begin(), chosen.end());
-  // In ascending order: each moves to a place before its own, or stays.
-  int count = 0, last = -1;
-  for (const int i : chosen) {
-    if (i == last) continue;
-    points[count++] = points[i];
-    last = i;
+  keep_only(points, chosen);
+}
+
+void reduce_to_four(ContactPoints& points, const Vec3d& normal, double slack, LastPoints& last) {
+  if (points.size() <= 4) {
+    last.count = 0;
+    return;
   }
-  points.shrink(count);
+  std::array<int, 4> chosen{};
+  if (last.count == 4 && find_last(points, normal, slack, last, chosen)) return keep_only(points, chosen);
+  reduce_to_four(points, normal, 0.1 * slack);
+  last.count = points.size() == 4 ? 4 : 0;
+  if (last.count == 0) return;
+  for (std::size_t k = 0; k < 4; ++k) last.features[k] = points[static_cast<int>(k)].feature;
+  last.area = area_of(points, {0, 1, 2, 3}, normal);
 }
 
 }  // namespace souple::manifold

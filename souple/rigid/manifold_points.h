@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/rigid/manifold.h"
 #include "souple/rigid/manifold_view.h"
 
 namespace souple::manifold {
@@ -16,5 +17,9 @@ using ContactPoints = StackList<ContactPoint, 2 * static_cast<int>(max_face_corn
 /// largest areas as seen along the unit vector `normal`. Heights that differ by less than `tolerance` [m] are equal:
 /// then the first point counts, so that noise does not change the choice. Keeps the order.
 void reduce_to_four(ContactPoints& points, const Vec3d& normal, double tolerance);
+
+/// The same, but keeps the last choice while these points are there, span nearly the area that they did, and no other is
+/// deeper by more than `slack` [m]. A body that trembles on many points would lose the impulses of those that change.
+void reduce_to_four(ContactPoints& points, const Vec3d& normal, double slack, LastPoints& last);
 
 }  // namespace souple::manifold

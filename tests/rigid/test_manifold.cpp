@@ -173,6 +173,30 @@ TEST(BoxManifold, FeaturesPersistInAStackOfEqualBoxesThatTrembles) {
   }
 }
 
+TEST(BoxManifold, FeaturesPersistOnAnOctagonAndARimThatTremble) {
+  const ConvexShape box = convex_box({0.5, 0.5, 0.5}), cylinder = convex_cylinder(0.5, 0.5, 24);
+  test::Random random(2);
+  for (const ConvexShape* shape : {&box, &cylinder}) {
+    AxisCache cache;
+    LastPoints points;
+    std::set<std::uint32_t> first, first_on_plane;
+    for (int i = 0; i < 200; ++i) {
+      const Quatd yaw = Quatd::from_axis_angle({0, 1, 0}, 0.7);
+      const BodyPose pose{Vec3d{0, 1, 0} + random.point(-1e-4, 1e-4),
+                          Quatd::from_axis_angle(test::random_unit(random), 1e-4) * yaw};
+      const auto on_box = features(find_manifold(*shape, pose, *shape, at(0, 0, 0), margin, cache));
+      const auto on_plane = features(find_manifold(*shape, pose, Plane{.offset = 0.5f}, {}, margin, points));
+      if (i == 0) first = on_box, first_on_plane = on_plane;
+      ASSERT_EQ(on_box, first) << i;
+      ASSERT_EQ(on_plane, first_on_plane) << i;
+    }
+    // Another side of the box or rim is deeper: then it is chosen.
+    const BodyPose tilted = turned({0, 1, 0}, {1, 0, 0.3}, 0.01);
+    const Manifold m = find_manifold(*shape, tilted, Plane{.offset = 0.5f}, {}, margin, points);
+    EXPECT_NEAR(test::least_separation(m), -0.5 - (test::reach(*shape, tilted, {0, -1, 0})), 1e-3);
+  }
+}
+
 TEST(BoxManifold, FeaturesAreTheSameWhicheverBoxIsTheReference) {
   const ConvexShape box = convex_box({0.5, 0.5, 0.5});
   const BodyPose below = at(0, 0, 0);
@@ -334,7 +358,7 @@ TEST(ConvexManifold, AFarPairIsRejectedByItsCachedAxisWithTheSameResult) {
   EXPECT_NE(cache.kind, AxisCache::Kind::none);
   EXPECT_EQ(find_manifold(box, away, box, at(0, 0, 0), 1e-3, cache).count, 0);
   // A cache of another pair does no harm.
-  cache = {AxisCache::Kind::face_of_b, 1000, 1000, {}};
+  cache = {AxisCache::Kind::face_of_b, 1000, 1000, {}, {}};
   const Manifold m = find_manifold(box, at(0, 0.99, 0), box, at(0, 0, 0), margin, cache);
   EXPECT_EQ(m.count, 4);
 }
