@@ -87,6 +87,14 @@ struct ContactTriangle {
 Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const ContactTriangle& b,
                        const BodyPose& pose_b, double margin, AxisCache& cache);
 
+/// The contact points of a convex shape with several triangles of a mesh, such as those near it. Triangles with normals
+/// of contact within 1 degree share a manifold of at most four points. `names`: one per triangle, for the features, such as
+/// its index in the mesh; a vertex of a keeps its feature when it slides from triangle to triangle. Returns the number of
+/// manifolds, in the order of their first triangle, at most out.size() and 8.
+int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, std::span<const ContactTriangle> triangles,
+                   std::span<const std::uint32_t> names, const BodyPose& pose_b, double margin,
+                   std::span<Manifold> out);
+
 /// `ContactTriangle::lean` of each triangle of a mesh.
 std::vector<std::array<double, 3>> edge_leans(std::span<const Vec3d> positions,
                                               std::span<const Triangle> triangles);

@@ -29,10 +29,12 @@ double area(const Point2& a, const Point2& b, const Point2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// The index with the largest measure >= 0; a later one must exceed the first by a part of itself.
+/// By this part of itself, a measure must exceed that of an earlier point.
+constexpr double noise = 1e-6;
+
+/// The index with the largest positive measure, or 0.
 template <class Measure>
 int largest(const Points2& points, const Measure& measure) {
-  constexpr double noise = 1e-6;
   int best = 0;
   double value = 0;
   for (int i = 0; i < points.size(); ++i) {
@@ -42,10 +44,24 @@ int largest(const Points2& points, const Measure& measure) {
   return best;
 }
 
-int deepest(const ContactPoints& points, double tolerance) {
+double squared_distance(const Point2& a, const Point2& b) {
+  return (b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y);
+}
+
+/// Of the deepest points, the one farthest from the middle of all points.
+int outermost_of_deepest(const ContactPoints& points, const Points2& flat, double tolerance) {
+  Point2 middle{0, 0};
+  double lowest = points[0].height;
+  for (int i = 0; i < points.size(); ++i) {
+    middle.x += flat[i].x / points.size(), middle.y += flat[i].y / points.size();
+    lowest = std::min(lowest, points[i].height);
+  }
   int best = 0;
-  for (int i = 1; i < points.size(); ++i) {
-    if (points[i].height < points[best].height - tolerance) best = i;
+  double farthest = -1;
+  for (int i = 0; i < points.size(); ++i) {
+    const double distance = squared_distance(middle, flat[i]);
+    if (points[i].height > lowest + tolerance || distance <= farthest) continue;
+    best = i, farthest = distance * (1 + noise);
   }
   return best;
 }
@@ -54,9 +70,9 @@ int deepest(const ContactPoints& points, double tolerance) {
 std::array<int, 4> choose_four(const ContactPoints& points, const Vec3d& normal, double tolerance) {
   const Points2 flat = project(points, normal);
   std::array<int, 4> chosen{};
-  chosen[0] = deepest(points, tolerance);
+  chosen[0] = outermost_of_deepest(points, flat, tolerance);
   const Point2 a = flat[chosen[0]];
-  chosen[1] = largest(flat, [&](const Point2& p) { return std::pow(p.x - a.x, 2) + std::pow(p.y - a.y, 2); });
+  chosen[1] = largest(flat, [&](const Point2& p) { return squared_distance(a, p); });
   Point2 b = flat[chosen[1]];
   chosen[2] = largest(flat, [&](const Point2& p) { return std::abs(area(a, b, p)); });
   Point2 c = flat[chosen[2]];
