@@ -7,6 +7,7 @@
 namespace souple {
 namespace {
 
+using manifold::ContactPoint;
 using manifold::ContactPoints;
 
 /// Normals within 1 degree share a manifold: the product of the normals exceeds this.
@@ -19,18 +20,23 @@ struct Group {
   NormalOwner owner{};
   ContactPoints points;
 
-  bool has(std::uint32_t feature) const {
+  /// The point within `distance` [m] of another, or null.
+  ContactPoint* near(const Vec3d& point, double distance) {
     for (int i = 0; i < points.size(); ++i) {
-      if (points[i].feature == feature) return true;
+      if (length_squared(points[i].point - point) <= distance * distance) return &points[i];
     }
-    return false;
+    return nullptr;
   }
 };
 using Groups = manifold::StackList<Group, static_cast<int>(most_manifolds)>;
 
+bool is_vertex_of_a(std::uint32_t feature) {
+  return feature >> 30 == static_cast<std::uint32_t>(manifold::FeatureKind::vertex_of_a);
+}
+
 /// A vertex of a is the same on all triangles; other features belong to the triangle.
 std::uint32_t feature_on(std::uint32_t feature, std::uint32_t triangle) {
-  if (feature >> 30 == static_cast<std::uint32_t>(manifold::FeatureKind::vertex_of_a)) return feature;
+  if (is_vertex_of_a(feature)) return feature;
   const std::uint32_t mixed = (feature ^ triangle * 0x9e3779b1u) * 0x85ebca6bu;
   return (feature & 0xc0000000u) | (mixed >> 2);
 }
@@ -44,14 +50,18 @@ Group* group_of(Groups& groups, const Manifold& found, std::size_t capacity) {
   return &groups[groups.size() - 1];
 }
 
+/// Adds the points that the group does not have. Of points at one place, a vertex of a counts: it persists.
 void add(Group& group, const Manifold& found, std::uint32_t triangle, const Vec3d& local_normal,
          double slack) {
   for (int k = 0; k < found.count; ++k) {
     const ManifoldPoint& p = found.points[static_cast<std::size_t>(k)];
-    const std::uint32_t feature = feature_on(p.feature, triangle);
-    if (group.has(feature)) continue;
+    const ContactPoint point{p.on_a, p.separation, feature_on(p.feature, triangle)};
+    if (ContactPoint* const same = group.near(p.on_a, 2 * slack)) {
+      if (is_vertex_of_a(point.feature) && !is_vertex_of_a(same->feature)) *same = point;
+      continue;
+    }
     if (group.points.full()) manifold::reduce_to_four(group.points, local_normal, 0.1 * slack);
-    group.points.push_back({p.on_a, p.separation, feature});
+    group.points.push_back(point);
   }
 }
 

@@ -81,6 +81,8 @@ Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Conta
   pair.region = &flat.region;
   const double outer = std::min(a.outer_radius, flat.view.outer_radius);
   pair.axis_tolerance = std::min(5e-4 * outer, 0.05 * (a.inner_radius + a.radius));
+  // The shape's vertices keep their features from triangle to triangle if the triangle is the reference.
+  if (cache.kind == AxisCache::Kind::none) cache.kind = AxisCache::Kind::face_of_b, cache.b = 0;
   manifold::find_points(pair, cache, found);
   found.normal = pose_a.direction(found.normal);
   for (int i = 0; i < found.count; ++i) {
