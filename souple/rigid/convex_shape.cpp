@@ -1,12 +1,12 @@
 #include "souple/rigid/convex_shape.h"
 
 #include "souple/error.h"
+#include "souple/geometry/circle.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <type_traits>
 #include <utility>
 
@@ -205,9 +205,9 @@ ConvexShape convex_cylinder(double radius, double half_height, int sides) {
   std::vector<Vec3d> vertices;
   std::vector<FaceLoop> faces(2);
   for (std::uint32_t i = 0; i < count; ++i) {
-    const double angle = 2 * std::numbers::pi * i / count;
+    const CirclePoint on_circle = circle_point(i, count);
     for (const double y : {-half_height, half_height}) {
-      vertices.push_back({radius * std::cos(angle), y, -radius * std::sin(angle)});
+      vertices.push_back({radius * on_circle.cosine, y, -radius * on_circle.sine});
     }
     const std::uint32_t next = (i + 1) % count;
     faces.push_back({2 * i, 2 * next, 2 * next + 1, 2 * i + 1});
