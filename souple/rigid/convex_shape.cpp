@@ -244,6 +244,20 @@ ConvexShape convex_polyhedron(std::span<const Vec3d> vertices, std::span<const F
   return shape;
 }
 
+ConvexShape convex_polyhedron(const ConvexHull& hull, double radius) {
+  std::vector<FaceLoop> faces;
+  for (const HullFace& face : hull.faces) {
+    const std::span<const std::uint32_t> loop = hull.loop(face);
+    faces.emplace_back(loop.begin(), loop.end());
+  }
+  return convex_polyhedron(hull.positions, faces, radius);
+}
+
+ConvexShape convex_hull_shape(std::span<const Vec3d> points, double radius, const HullOptions& options,
+                              const std::string& name) {
+  return convex_polyhedron(convex_hull(points, options, name), radius);
+}
+
 std::optional<ConvexShape> convex_shape_of(const Shape& shape) {
   return std::visit(
       [](const auto& s) -> std::optional<ConvexShape> {

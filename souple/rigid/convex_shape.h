@@ -1,11 +1,13 @@
 #pragma once
 
 #include "souple/collision/shapes.h"
+#include "souple/geometry/convex_hull.h"
 #include "souple/state/rigid_bodies.h"
 
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace souple {
@@ -71,6 +73,14 @@ using FaceLoop = std::vector<std::uint32_t>;
 /// outside by more than 1e-4 of the polyhedron's size.
 ConvexShape convex_polyhedron(std::span<const Vec3d> vertices, std::span<const FaceLoop> faces,
                               double radius = 0);
+
+/// The polyhedron of a hull, rounded by `radius` >= 0.
+ConvexShape convex_polyhedron(const ConvexHull& hull, double radius = 0);
+
+/// The convex hull of points, rounded by `radius` >= 0. Throws what convex_hull throws. The time of a contact test grows
+/// with the number of vertices: limit that of finely divided meshes by the options.
+ConvexShape convex_hull_shape(std::span<const Vec3d> points, double radius = 0,
+                              const HullOptions& options = {}, const std::string& name = "convex hull");
 
 /// The shape of a collider of souple/collision/shapes.h; none for planes and signed distance fields.
 std::optional<ConvexShape> convex_shape_of(const Shape& shape);
