@@ -214,7 +214,9 @@ ConvexShape convex_cylinder(double radius, double half_height, int sides) {
     faces[0].push_back(2 * (count - 1 - i));
     faces[1].push_back(2 * i + 1);
   }
-  return convex_polyhedron(vertices, faces);
+  ConvexShape shape = convex_polyhedron(vertices, faces);
+  shape.side = {{0, -half_height, 0}, {0, half_height, 0}, radius, radius - shape.faces[2].offset};
+  return shape;
 }
 
 ConvexShape convex_polyhedron(std::span<const Vec3d> vertices, std::span<const FaceLoop> faces,
@@ -279,6 +281,7 @@ std::optional<ConvexShape> convex_shape_of(const Shape& shape) {
 ConvexShape moved(const ConvexShape& shape, const BodyPose& pose) {
   ConvexShape out = shape;
   for (Vec3d& v : out.vertices) v = pose.point(v);
+  out.side.from = pose.point(out.side.from), out.side.to = pose.point(out.side.to);
   for (ConvexFace& face : out.faces) {
     face.normal = pose.direction(face.normal);
     face.offset += dot(face.normal, pose.position);

@@ -30,6 +30,9 @@ struct Manifold {
   Vec3d normal{};  ///< in the world, unit, from b to a: a is pushed along it
   NormalOwner owner = NormalOwner::edges;
   int count = 0;
+  /// Radii of the surfaces at the points [m], of rounded shapes and of a cylinder on its side: the centers on_a + normal
+  /// radius_a (the normal in a's frame) and on_b - normal radius_b stay where they are when a shape rolls.
+  double radius_a = 0, radius_b = 0;
   std::array<ManifoldPoint, 4> points;
 };
 

@@ -18,6 +18,7 @@ constexpr std::size_t most_manifolds = 8;
 struct Group {
   Vec3d normal{};
   NormalOwner owner{};
+  double radius = 0;  // of a's surface [m]
   ContactPoints points;
 
   /// The point within `distance` [m] of another, or null.
@@ -46,7 +47,7 @@ Group* group_of(Groups& groups, const Manifold& found, std::size_t capacity) {
     if (dot(groups[g].normal, found.normal) >= like_normals) return &groups[g];
   }
   if (static_cast<std::size_t>(groups.size()) >= capacity) return nullptr;
-  groups.push_back({.normal = found.normal, .owner = found.owner, .points = {}});
+  groups.push_back({.normal = found.normal, .owner = found.owner, .radius = found.radius_a, .points = {}});
   return &groups[groups.size() - 1];
 }
 
@@ -84,7 +85,7 @@ int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, std::span<const
     Group& group = groups[g];
     manifold::reduce_to_four(group.points, pose_a.local_direction(group.normal), 0.1 * slack);
     Manifold& m = out[static_cast<std::size_t>(g)];
-    m = {.normal = group.normal, .owner = group.owner, .count = 0, .points = {}};
+    m = {.normal = group.normal, .owner = group.owner, .radius_a = group.radius, .points = {}};
     for (int i = 0; i < group.points.size(); ++i) {
       const Vec3d on_a = group.points[i].point;
       const Vec3d on_b = pose_a.point(on_a) - group.normal * group.points[i].height;

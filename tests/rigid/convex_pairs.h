@@ -57,6 +57,13 @@ inline ConvexShape random_parallelepiped(Random& random, double size) {
   }
 }
 
+/// A prism with flat sides.
+inline ConvexShape prism(double radius, double half_height, int sides) {
+  ConvexShape shape = convex_cylinder(radius, half_height, sides);
+  shape.side = {};
+  return shape;
+}
+
 /// The hull of some points in a ball.
 inline ConvexShape random_hull(Random& random, double size, double radius) {
   std::vector<Vec3d> points(static_cast<std::size_t>(random.uniform(6, 20)));
@@ -78,7 +85,7 @@ inline ConvexShape random_shape(Random& random, double size) {
     case 3:
       return random_tetrahedron(random, size / 2, x / 3);
     case 4:
-      return convex_cylinder(x, y, static_cast<int>(random.uniform(3, 16)));
+      return prism(x, y, static_cast<int>(random.uniform(3, 16)));
     case 5:
       return random_parallelepiped(random, size);
     case 6:
