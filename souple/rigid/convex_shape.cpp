@@ -1,12 +1,12 @@
 #include "souple/rigid/convex_shape.h"
 
 #include "souple/error.h"
+#include "souple/geometry/circle.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <type_traits>
 #include <utility>
 
@@ -205,16 +205,18 @@ ConvexShape convex_cylinder(double radius, double half_height, int sides) {
   std::vector<Vec3d> vertices;
   std::vector<FaceLoop> faces(2);
   for (std::uint32_t i = 0; i < count; ++i) {
-    const double angle = 2 * std::numbers::pi * i / count;
+    const CirclePoint on_circle = circle_point(i, count);
     for (const double y : {-half_height, half_height}) {
-      vertices.push_back({radius * std::cos(angle), y, -radius * std::sin(angle)});
+      vertices.push_back({radius * on_circle.cosine, y, -radius * on_circle.sine});
     }
     const std::uint32_t next = (i + 1) % count;
     faces.push_back({2 * i, 2 * next, 2 * next + 1, 2 * i + 1});
     faces[0].push_back(2 * (count - 1 - i));
     faces[1].push_back(2 * i + 1);
   }
-  return convex_polyhedron(vertices, faces);
+  ConvexShape shape = convex_polyhedron(vertices, faces);
+  shape.side = {{0, -half_height, 0}, {0, half_height, 0}, radius, radius - shape.faces[2].offset};
+  return shape;
 }
 
 ConvexShape convex_polyhedron(std::span<const Vec3d> vertices, std::span<const FaceLoop> faces,
@@ -244,6 +246,20 @@ ConvexShape convex_polyhedron(std::span<const Vec3d> vertices, std::span<const F
   return shape;
 }
 
+ConvexShape convex_polyhedron(const ConvexHull& hull, double radius) {
+  std::vector<FaceLoop> faces;
+  for (const HullFace& face : hull.faces) {
+    const std::span<const std::uint32_t> loop = hull.loop(face);
+    faces.emplace_back(loop.begin(), loop.end());
+  }
+  return convex_polyhedron(hull.positions, faces, radius);
+}
+
+ConvexShape convex_hull_shape(std::span<const Vec3d> points, double radius, const HullOptions& options,
+                              const std::string& name) {
+  return convex_polyhedron(convex_hull(points, options, name), radius);
+}
+
 std::optional<ConvexShape> convex_shape_of(const Shape& shape) {
   return std::visit(
       [](const auto& s) -> std::optional<ConvexShape> {
@@ -265,6 +281,7 @@ std::optional<ConvexShape> convex_shape_of(const Shape& shape) {
 ConvexShape moved(const ConvexShape& shape, const BodyPose& pose) {
   ConvexShape out = shape;
   for (Vec3d& v : out.vertices) v = pose.point(v);
+  out.side.from = pose.point(out.side.from), out.side.to = pose.point(out.side.to);
   for (ConvexFace& face : out.faces) {
     face.normal = pose.direction(face.normal);
     face.offset += dot(face.normal, pose.position);

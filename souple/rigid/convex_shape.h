@@ -1,11 +1,13 @@
 #pragma once
 
 #include "souple/collision/shapes.h"
+#include "souple/geometry/convex_hull.h"
 #include "souple/state/rigid_bodies.h"
 
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace souple {
@@ -36,6 +38,15 @@ struct ConvexEdge {
   Vec3d outward{};    ///< between the normals of the two faces; zero without faces
 };
 
+/// The round side of a cylinder: its axis from end to end. The polyhedron is a prism inside it.
+struct RoundSide {
+  Vec3d from{}, to{};  ///< m
+  double radius = 0;   ///< 0: none [m]
+  double sagitta = 0;  ///< by which the prism's faces lie below the side [m]
+
+  Vec3d axis() const { return normalized(to - from); }
+};
+
 /// A convex polyhedron, or a segment or point without faces, and all points within `radius` of it. All in the local
 /// frame of a body.
 struct ConvexShape {
@@ -43,6 +54,7 @@ struct ConvexShape {
   std::vector<ConvexFace> faces;
   std::vector<ConvexCorner> corners;
   std::vector<ConvexEdge> edges;
+  RoundSide side{};
   double radius = 0;           ///< of the rounding [m]
   Vec3d center{};              ///< of a ball inside the polyhedron [m]
   double inner_radius = 0;     ///< of that ball, without the rounding [m]
@@ -60,7 +72,7 @@ ConvexShape convex_sphere(double radius);
 /// The segment lies along y.
 ConvexShape convex_capsule(double radius, double half_height);
 ConvexShape convex_box(const Vec3d& half_extents);
-/// A prism along y with `sides` >= 3 sides. Its vertices lie on the cylinder's rims.
+/// Along y. A prism with `sides` >= 3 sides whose vertices lie on the rims; on its side it is round.
 ConvexShape convex_cylinder(double radius, double half_height, int sides = 24);
 
 /// The corners of one face, counterclockwise from outside.
@@ -71,6 +83,14 @@ using FaceLoop = std::vector<std::uint32_t>;
 /// outside by more than 1e-4 of the polyhedron's size.
 ConvexShape convex_polyhedron(std::span<const Vec3d> vertices, std::span<const FaceLoop> faces,
                               double radius = 0);
+
+/// The polyhedron of a hull, rounded by `radius` >= 0.
+ConvexShape convex_polyhedron(const ConvexHull& hull, double radius = 0);
+
+/// The convex hull of points, rounded by `radius` >= 0. Throws what convex_hull throws. The time of a contact test grows
+/// with the number of vertices: limit that of finely divided meshes by the options.
+ConvexShape convex_hull_shape(std::span<const Vec3d> points, double radius = 0,
+                              const HullOptions& options = {}, const std::string& name = "convex hull");
 
 /// The shape of a collider of souple/collision/shapes.h; none for planes and signed distance fields.
 std::optional<ConvexShape> convex_shape_of(const Shape& shape);

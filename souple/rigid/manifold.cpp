@@ -1,6 +1,7 @@
 #include "souple/rigid/manifold.h"
 
 #include "souple/rigid/manifold_pair.h"
+#include "souple/rigid/manifold_round.h"
 
 #include <algorithm>
 
@@ -18,15 +19,22 @@ Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Conve
   const Vec3d between = pose_b.point(b.center) - pose_a.point(a.center);
   const double reach = a.outer_radius + b.outer_radius + margin;
   if (length_squared(between) >= reach * reach) return found;
+  const double sagitta = a.side.sagitta + b.side.sagitta;
   manifold::ShapePair pair = manifold::make_pair(manifold::view_of(a), manifold::view_of(b),
-                                                 manifold::frame_change(pose_b, pose_a), margin);
+                                                 manifold::frame_change(pose_b, pose_a), margin + sagitta);
   if (a.faces.empty() && b.faces.empty()) {
     manifold::find_segment_points(pair, found);
   } else {
     pair.axis_tolerance = axis_tolerance(a, b);
     manifold::find_points(pair, cache, found);
   }
-  if (found.count > 0) found.normal = pose_a.direction(found.normal);
+  if (found.count == 0) return found;
+  found.normal = pose_a.direction(found.normal);
+  found.radius_a = a.radius, found.radius_b = b.radius;
+  if (sagitta > 0) {
+    manifold::round_off(a, pose_a, b, pose_b, margin + sagitta, found);
+    manifold::drop_beyond(margin, found);
+  }
   return found;
 }
 

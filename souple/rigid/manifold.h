@@ -30,16 +30,27 @@ struct Manifold {
   Vec3d normal{};  ///< in the world, unit, from b to a: a is pushed along it
   NormalOwner owner = NormalOwner::edges;
   int count = 0;
+  /// Radii of the surfaces at the points [m], of rounded shapes and of a cylinder on its side: the centers on_a + normal
+  /// radius_a (the normal in a's frame) and on_b - normal radius_b stay where they are when a shape rolls.
+  double radius_a = 0, radius_b = 0;
   std::array<ManifoldPoint, 4> points;
 };
 
-/// The axis that separated a pair best when it was last tested. Results depend on it, within the tolerance by which a
-/// pair keeps its axis, so it is a part of the state. Start with an empty one.
+/// The four of more points that a manifold kept, by their features.
+struct LastPoints {
+  int count = 0;  ///< 0 or 4
+  std::array<std::uint32_t, 4> features{};
+  double area = 0;  ///< that they spanned when they were chosen [m^2]
+};
+
+/// The axis that separated a pair best when it was last tested, and the points that were chosen. Results depend on them,
+/// within the tolerances by which a pair keeps them, so they are a part of the state. Start with an empty cache.
 struct AxisCache {
   enum class Kind : std::uint8_t { none, face_of_a, face_of_b, edges, closest_points };
   Kind kind = Kind::none;
   std::uint32_t a = 0, b = 0;  ///< faces or edges
   Vec3d axis{};                ///< for other kinds than faces: from a to b, unit, in a's frame
+  LastPoints points{};
 };
 
 /// Contact points of two shapes where they are nearer than `margin` [m] >= 0. Shapes that are apart give the direction of
@@ -56,7 +67,10 @@ Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Conve
 /// radius, at most 5 % of the smaller radius of a ball inside the shape.
 double axis_tolerance(const ConvexShape& a, const ConvexShape& b);
 
-/// The contact points of a convex shape with a half-space whose local frame has the pose `pose_b`.
+/// The contact points of a convex shape with a half-space whose local frame has the pose `pose_b`. With the `points` of the
+/// last call, the same ones are kept where that is as good.
+Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Plane& b, const BodyPose& pose_b,
+                       double margin, LastPoints& points);
 Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Plane& b, const BodyPose& pose_b,
                        double margin);
 
@@ -75,6 +89,14 @@ struct ContactTriangle {
 /// behind its plane. A triangle without area has none.
 Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const ContactTriangle& b,
                        const BodyPose& pose_b, double margin, AxisCache& cache);
+
+/// The contact points of a convex shape with several triangles of a mesh, such as those near it. Triangles with normals
+/// of contact within 1 degree share a manifold of at most four points. `names`: one per triangle, for the features, such as
+/// its index in the mesh; a vertex of a keeps its feature when it slides from triangle to triangle. Returns the number of
+/// manifolds, in the order of their first triangle, at most out.size() and 8.
+int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, std::span<const ContactTriangle> triangles,
+                   std::span<const std::uint32_t> names, const BodyPose& pose_b, double margin,
+                   std::span<Manifold> out);
 
 /// `ContactTriangle::lean` of each triangle of a mesh.
 std::vector<std::array<double, 3>> edge_leans(std::span<const Vec3d> positions,

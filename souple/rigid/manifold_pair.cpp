@@ -100,7 +100,7 @@ Axis choose_axis(const ShapePair& pair, const Axis& cached) {
 }
 
 void remember(AxisCache& cache, const Axis& axis) {
-  cache = {axis.kind, axis.a, axis.b, axis.direction};
+  cache.kind = axis.kind, cache.a = axis.a, cache.b = axis.b, cache.axis = axis.direction;
 }
 
 void add_face_points(const ShapePair& pair, const Axis& axis, const ContactPoints& points,
@@ -143,7 +143,8 @@ void take_lowest_vertex(const ShapePair& pair, const Axis& axis, ContactPoints& 
 }
 
 /// The contact points of a face. False if the shapes are apart, and other features than the face are nearer.
-bool find_face_points(const ShapePair& pair, const Axis& axis, bool apart, Manifold& manifold) {
+bool find_face_points(const ShapePair& pair, const Axis& axis, bool apart, LastPoints& last,
+                      Manifold& manifold) {
   const bool of_a = axis.kind == Kind::face_of_a;
   const ReferenceFace reference{of_a ? &pair.a : &pair.b, of_a ? axis.a : axis.b, of_a};
   ContactPoints points;
@@ -154,7 +155,7 @@ bool find_face_points(const ShapePair& pair, const Axis& axis, bool apart, Manif
     if (apart || pair.region != nullptr) return false;
     take_lowest_vertex(pair, axis, points);
   }
-  reduce_to_four(points, reference.shape->faces[reference.face].normal, 0.1 * pair.slack);
+  reduce_to_four(points, reference.shape->faces[reference.face].normal, pair.slack, last);
   add_face_points(pair, axis, points, manifold);
   return true;
 }
@@ -212,7 +213,7 @@ bool find_parallel_edges(const ShapePair& pair, const Vec3d& axis, Manifold& man
 /// The contact points of two shapes that are apart.
 void find_closest_point(const ShapePair& pair, const Axis& axis, AxisCache& cache, Manifold& manifold) {
   const ClosestPoints closest = closest_points(pair.a, pair.b, pair.b_to_a, direction_of(pair, axis));
-  cache = {Kind::closest_points, 0, 0, closest.axis};
+  cache = {Kind::closest_points, 0, 0, closest.axis, {}};
   if (closest.distance >= pair.limit()) return;
   if (pair.region != nullptr && !pair.region->admits(-closest.axis)) return;
   if (find_parallel_edges(pair, closest.axis, manifold)) return;
@@ -249,13 +250,13 @@ void find_points(const ShapePair& pair, AxisCache& cache, Manifold& manifold) {
   const double touching = 1e-8 * std::min(pair.a.outer_radius, pair.b.outer_radius);
   const bool apart = axis.separation > touching;
   const bool found = axis.kind == Kind::edges ? find_edge_point(pair, axis, apart, manifold)
-                                              : find_face_points(pair, axis, apart, manifold);
+                                              : find_face_points(pair, axis, apart, cache.points, manifold);
   if (found) return;
   if (apart) {
     find_closest_point(pair, axis, cache, manifold);
   } else if (axis.kind == Kind::edges) {  // the region excludes the axis along which the edges are nearest
     const Axis face = best_face(pair, {});
-    if (face.kind != Kind::none) find_face_points(pair, face, false, manifold);
+    if (face.kind != Kind::none) find_face_points(pair, face, false, cache.points, manifold);
   }
 }
 

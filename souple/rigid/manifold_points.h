@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/rigid/manifold.h"
 #include "souple/rigid/manifold_view.h"
 
 namespace souple::manifold {
@@ -13,8 +14,12 @@ struct ContactPoint {
 using ContactPoints = StackList<ContactPoint, 2 * static_cast<int>(max_face_corners)>;
 
 /// Reduces the points to four that support a body alike: the deepest, the farthest from it, and the two that add the
-/// largest areas as seen along the unit vector `normal`. Heights that differ by less than `tolerance` [m] are equal:
-/// then the first point counts, so that noise does not change the choice. Keeps the order.
+/// largest areas as seen along the unit vector `normal`. Of several deepest points, whose heights differ by less than
+/// `tolerance` [m], the outermost one counts. Keeps the order.
 void reduce_to_four(ContactPoints& points, const Vec3d& normal, double tolerance);
+
+/// The same, but keeps the last choice while these points are there, span nearly the area that they did, and no other is
+/// deeper by more than `slack` [m]. A body that trembles on many points would lose the impulses of those that change.
+void reduce_to_four(ContactPoints& points, const Vec3d& normal, double slack, LastPoints& last);
 
 }  // namespace souple::manifold

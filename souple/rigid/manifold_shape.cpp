@@ -76,7 +76,10 @@ int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, const Shape& b,
     const Vec3d normal = list[first].normal;
     gather(list, first, 5e-5 * a.outer_radius, points);
     Manifold& found = out[static_cast<std::size_t>(count++)];
-    found = {.normal = pose_b.direction(normal), .owner = NormalOwner::face_of_b, .count = 0, .points = {}};
+    found = {.normal = pose_b.direction(normal),
+             .owner = NormalOwner::face_of_b,
+             .radius_a = a.radius,
+             .points = {}};
     for (int i = 0; i < points.size(); ++i) {
       const Vec3d on_a = points[i].point - normal * a.radius;
       found.points[static_cast<std::size_t>(found.count++)] = {

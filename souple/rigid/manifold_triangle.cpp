@@ -1,6 +1,7 @@
 #include "souple/geometry/adjacency.h"
 #include "souple/rigid/manifold.h"
 #include "souple/rigid/manifold_pair.h"
+#include "souple/rigid/manifold_round.h"
 
 #include <algorithm>
 
@@ -77,12 +78,29 @@ Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Conta
     std::swap(lean[0], lean[2]);
     if (height <= -a.outer_radius - margin || !fill(flat, lean)) return found;
   }
-  manifold::ShapePair pair = manifold::make_pair(manifold::view_of(a), flat.view, {}, margin);
-  pair.region = &flat.region;
-  const double outer = std::min(a.outer_radius, flat.view.outer_radius);
-  pair.axis_tolerance = std::min(5e-4 * outer, 0.05 * (a.inner_radius + a.radius));
-  manifold::find_points(pair, cache, found);
-  found.normal = pose_a.direction(found.normal);
+  const double tolerance =
+      std::min(5e-4 * std::min(a.outer_radius, flat.view.outer_radius), 0.05 * (a.inner_radius + a.radius));
+  // The shape's vertices keep their features from triangle to triangle if the triangle is the reference.
+  if (cache.kind == AxisCache::Kind::none) cache.kind = AxisCache::Kind::face_of_b, cache.b = 0;
+  const auto find = [&](const ConvexView& view, AxisCache& last) {
+    manifold::ShapePair pair = manifold::make_pair(view, flat.view, {}, margin + a.side.sagitta);
+    pair.region = &flat.region;
+    pair.axis_tolerance = tolerance;
+    Manifold out;
+    manifold::find_points(pair, last, out);
+    out.normal = pose_a.direction(out.normal);
+    out.radius_a = view.radius;
+    return out;
+  };
+  found = find(manifold::view_of(a), cache);
+  if (found.count > 0 && manifold::lies_on_side(a, pose_a, found.normal)) {
+    const manifold::RoundView side(a.side);
+    AxisCache fresh{.kind = AxisCache::Kind::face_of_b};
+    const Manifold round = find(side.view, fresh);
+    const bool fits = round.count > 0 && manifold::lies_on_side(a, pose_a, round.normal);
+    if (fits && dot(round.normal, found.normal) > manifold::like_normals) found = round;
+  }
+  if (a.side.sagitta > 0) manifold::drop_beyond(margin, found);
   for (int i = 0; i < found.count; ++i) {
     Vec3d& on_b = found.points[static_cast<std::size_t>(i)].on_b;
     on_b = to_a.back(on_b - to_a.translation);

@@ -57,11 +57,25 @@ inline ConvexShape random_parallelepiped(Random& random, double size) {
   }
 }
 
+/// A prism with flat sides.
+inline ConvexShape prism(double radius, double half_height, int sides) {
+  ConvexShape shape = convex_cylinder(radius, half_height, sides);
+  shape.side = {};
+  return shape;
+}
+
+/// The hull of some points in a ball.
+inline ConvexShape random_hull(Random& random, double size, double radius) {
+  std::vector<Vec3d> points(static_cast<std::size_t>(random.uniform(6, 20)));
+  for (Vec3d& p : points) p = random_unit(random) * (size * random.uniform(0.5, 1));
+  return convex_hull_shape(points, radius);
+}
+
 /// Spheres, capsules, boxes, prisms and other polyhedra, some of them rounded, of about the given size [m].
 inline ConvexShape random_shape(Random& random, double size) {
   const double x = random.uniform(0.2, 1) * size, y = random.uniform(0.2, 1) * size,
                z = random.uniform(0.2, 1) * size;
-  switch (static_cast<int>(random.uniform(0, 8))) {
+  switch (static_cast<int>(random.uniform(0, 10))) {
     case 0:
       return convex_sphere(x);
     case 1:
@@ -71,9 +85,13 @@ inline ConvexShape random_shape(Random& random, double size) {
     case 3:
       return random_tetrahedron(random, size / 2, x / 3);
     case 4:
-      return convex_cylinder(x, y, static_cast<int>(random.uniform(3, 16)));
+      return prism(x, y, static_cast<int>(random.uniform(3, 16)));
     case 5:
       return random_parallelepiped(random, size);
+    case 6:
+      return random_hull(random, size, 0);
+    case 7:
+      return random_hull(random, size / 2, x / 4);
     default:
       return convex_box({x, y, z});
   }

@@ -65,6 +65,19 @@ TEST(ConvexShape, NormalsEdgesAndSidePlanesFitTogether) {
   }
 }
 
+TEST(ConvexShape, TheHullOfABoxesCornersEdgesAndInsideIsTheBox) {
+  std::vector<Vec3d> points;
+  for (int i = 0; i < 27; ++i) points.push_back({i % 3 - 1.0, i / 3 % 3 - 1.0, 2 * (i / 9 - 1.0)});
+  const ConvexShape hull = convex_hull_shape(points, 0.1);
+  EXPECT_EQ(hull.vertices.size(), 8u);
+  EXPECT_EQ(hull.faces.size(), 6u);
+  EXPECT_EQ(hull.edges.size(), 12u);
+  EXPECT_NEAR(volume(hull), 16, 1e-9);
+  EXPECT_NEAR(hull.inner_radius, 1, 1e-9);
+  EXPECT_LT(length(hull.bounds.hi - Vec3d{1.1, 1.1, 2.1}), 1e-9);
+  EXPECT_THROW(convex_hull_shape(std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}), Error);
+}
+
 TEST(ConvexShape, MovesAsAWhole) {
   const BodyPose pose{{1, -2, 3}, normalized(Quatd{0.1, 0.7, -0.3, 0.5})};
   const ConvexShape shape = convex_cylinder(0.5, 1, 12), there = moved(shape, pose);

@@ -1,6 +1,8 @@
 #include "souple/geometry/builders.h"
 #include "tests/rigid/convex_pairs.h"
 
+#include <set>
+
 #include <gtest/gtest.h>
 
 namespace souple {
@@ -193,6 +195,53 @@ TEST(TriangleManifold, OnARidgeNormalsLieBetweenThoseOfItsSides) {
     }
   }
   EXPECT_GT(points, 500);
+}
+
+std::vector<std::uint32_t> numbers(std::size_t count) {
+  std::vector<std::uint32_t> out(count);
+  for (std::size_t i = 0; i < count; ++i) out[i] = static_cast<std::uint32_t>(i);
+  return out;
+}
+
+TEST(MeshManifold, ABoxOnManyTrianglesHasFourPointsThatPersistWhenItSlides) {
+  const std::vector<ContactTriangle> floor = terrain(20, 5, [](double) { return 0.0; });
+  const std::vector<std::uint32_t> names = numbers(floor.size());
+  const ConvexShape box = convex_box({0.3, 0.2, 0.4});
+  std::set<std::uint32_t> first;
+  for (int i = 0; i < 100; ++i) {
+    std::array<Manifold, 8> found;
+    const BodyPose pose{{-0.5 + 0.01 * i, 0.199 + 1e-6 * std::sin(i), 0.003 * i},
+                        Quatd::from_axis_angle({0, 1, 0}, 0.3)};
+    ASSERT_EQ(find_manifolds(box, pose, floor, names, {}, margin, found), 1) << i;
+    ASSERT_EQ(found[0].count, 4) << i;
+    std::set<std::uint32_t> features;
+    for (const ManifoldPoint& p : found[0].points) {
+      features.insert(p.feature);
+      ASSERT_NEAR(p.separation, -0.001, 1e-5);
+      ASSERT_NEAR(std::abs(p.on_a.x), 0.3, 1e-9);
+      ASSERT_NEAR(std::abs(p.on_a.z), 0.4, 1e-9);
+      ASSERT_NEAR(p.on_b.y, 0, 1e-9);
+    }
+    if (i == 0) first = features;
+    ASSERT_EQ(features, first) << i;
+  }
+}
+
+TEST(MeshManifold, InACornerThereIsOneOfTheFloorAndOneOfTheWall) {
+  // The wall begins at x = 0.
+  const std::vector<ContactTriangle> bent = terrain(10, 5, [](double x) { return x > 0 ? 8 * x : 0.0; });
+  const std::vector<std::uint32_t> names = numbers(bent.size());
+  const Vec3d wall = normalized(Vec3d{-8, 1, 0});
+  const ConvexShape ball = convex_sphere(0.2);
+  std::array<Manifold, 8> found;
+  // At 0.19 from the floor and from the wall.
+  const double x = -0.19 * (1 - wall.y) / -wall.x;
+  ASSERT_EQ(find_manifolds(ball, at(x, 0.19, 0.1), bent, names, {}, margin, found), 2);
+  for (int m = 0; m < 2; ++m) {
+    ASSERT_EQ(found[static_cast<std::size_t>(m)].count, 1);
+    EXPECT_NEAR(found[static_cast<std::size_t>(m)].points[0].separation, -0.01, 1e-9);
+  }
+  expect_vector(found[0].normal + found[1].normal, wall + Vec3d{0, 1, 0});
 }
 
 TEST(TriangleManifold, LeansOfABoxAreThoseOfRightAnglesAndOfAPitAreZero) {

@@ -189,6 +189,7 @@ TEST(RandomManifolds, OfAllSizesAreAlike) {
 TEST(RandomManifolds, AllocateNothing) {
   Random random(7);
   std::vector<RandomPair> pairs;
+  pairs.reserve(500);
   for (int i = 0; i < 500; ++i) pairs.emplace_back(random);
   const long before = test::allocations();
   int points = 0;
