@@ -29,13 +29,14 @@ std::uint32_t add(Joints& joints, Joint joint, std::size_t body_count) {
 void place(Joint& joint, const RigidBodies& bodies, const Vec3d& point, const Quatd& axes) {
   const auto frame_in = [&](std::uint32_t body) {
     const BodyPose pose = pose_of(bodies, body);
-    return Frame{pose.local_point(point), normalized(conjugate(pose.rotation) * axes)};
+    return Frame{pose.local_point(point), conjugate(pose.rotation) * axes};
   };
   joint.frame_a = frame_in(joint.a), joint.frame_b = frame_in(joint.b);
 }
 
 Quatd axes_along(const Vec3d& axis) {
   const Vec3d x{1, 0, 0}, n = normalized(axis);
+  if (!(length_squared(n) > 0)) return {0, 0, 0, 0};
   if (n.x < -1 + 1e-12) return {0, 0, 1, 0};
   const Vec3d c = cross(x, n);
   return normalized(Quatd{c.x, c.y, c.z, 1 + n.x});

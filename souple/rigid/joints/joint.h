@@ -57,7 +57,8 @@ std::uint32_t add(Joints& joints, Joint joint, std::size_t body_count);
 /// Both frames on a point and axes of the world, where the bodies are now. The joint's first axis is that of `axes`.
 void place(Joint& joint, const RigidBodies& bodies, const Vec3d& point, const Quatd& axes = {});
 
-/// The rotation that turns the first axis into the direction of `axis`.
+/// The rotation that turns the first axis into the direction of `axis`. Of an axis without length: zero, which `add`
+/// refuses.
 Quatd axes_along(const Vec3d& axis);
 
 /// Where the frames are, for the given poses of the bodies.

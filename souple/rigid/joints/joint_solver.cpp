@@ -12,6 +12,13 @@ namespace {
 constexpr double enough = 1e-7;
 /// Beyond this one after a pass, bodies turned too far for the gradients of the substep's start.
 constexpr double too_far = 1e-3;
+/// A joint is jerked when s (prepared_joint.h) is larger than the first, and that many times the s its arms are for.
+constexpr double least_jerk = 0.5, jerk_ratio = 3;
+constexpr int most_restarts = 3;
+/// A pass that would turn a body further than this [rad] is repeated with damping (Levenberg and Marquardt), a part of the
+/// matrix's diagonal: joints that cannot be satisfied, or only in a way that the gradients do not see, as a straight chain
+/// that has to become shorter.
+constexpr double most_turn = 0.5, least_damping = 1e-6;
 /// Exchanging rows at bounds may go in circles.
 constexpr int most_passes = 10;
 constexpr int most_passes_alone = 4;
@@ -44,10 +51,11 @@ void add_product(const PreparedJoint& row_joint, bool row_is_b, const PreparedJo
   }
 }
 
-/// Adds alpha to the diagonal; rows that are not solved get 1.
-void add_diagonal(const PreparedJoint& joint, double* block) {
+/// Adds alpha and `damping` to the diagonal; rows that are not solved get 1.
+void add_diagonal(const PreparedJoint& joint, double damping, double* block) {
   const std::size_t n = joint.count();
-  for (std::size_t r = 0; r < n; ++r) block[r * n + r] += joint.solved[r] ? joint.target[r].alpha : 1;
+  for (std::size_t r = 0; r < n; ++r)
+    block[r * n + r] += joint.solved[r] ? joint.target[r].alpha + damping * joint.K[r] : 1;
 }
 
 std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
@@ -71,7 +79,7 @@ bool JointSolver::is_current(const Joints& joints, const RigidBodies& bodies) co
 
 void JointSolver::find_islands(const Joints& joints, const RigidBodies& bodies) {
   movable_.resize(bodies.size()), stiffness_.assign(bodies.size(), {}), response_.assign(bodies.size(), {});
-  impulse_.assign(bodies.size(), {});
+  impulse_.assign(bodies.size(), {}), saved_.assign(bodies.size(), {});
   for (std::uint32_t i = 0; i < bodies.size(); ++i) movable_[i] = is_movable(bodies, i);
   std::vector<std::uint32_t> parent(bodies.size());
   std::iota(parent.begin(), parent.end(), 0u);
@@ -143,13 +151,10 @@ void JointSolver::begin_substep(Joints& joints, const RigidBodies& bodies, doubl
   for (Island& island : islands_) {
     island.warm = false;
     const bool direct = island.direct && method == Method::direct;
-    for (const std::uint32_t body : island.bodies) stiffness_[body] = {};
-    for (const std::uint32_t j : island.joints)
-      if (direct) add_turning(joints.joint[j], joints.state[j], prepared_[j], bodies, stiffness_);
+    if (direct) weigh(island, joints, bodies, false);
     for (const std::uint32_t body : island.bodies) {
-      const Mat3d& inverse = bodies.inverse_inertia[body];
-      response_[body] = souple::inverse(Mat3d::identity() + inverse * stiffness_[body]) * inverse;
       impulse_[body] = {};
+      if (!direct) response_[body] = bodies.inverse_inertia[body];
     }
     for (const std::uint32_t j : island.joints) {
       // Newton's method needs no first guess; sweeps do.
@@ -173,8 +178,42 @@ void JointSolver::end_substep(Joints& joints) {
   for (std::size_t j = 0; j < joints.size(); ++j) report(joints.joint[j], joints.state[j], prepared_[j]);
 }
 
+/// Arms, and how bodies respond to torques, for the present impulses.
+void JointSolver::weigh(const Island& island, const Joints& joints, const RigidBodies& bodies, bool jerk) {
+  for (const std::uint32_t body : island.bodies) stiffness_[body] = {};
+  for (const std::uint32_t j : island.joints)
+    weigh_arms(joints.joint[j], joints.state[j], jerk, prepared_[j], stiffness_);
+  for (const std::uint32_t body : island.bodies) {
+    const Mat3d& inverse = bodies.inverse_inertia[body];
+    response_[body] = souple::inverse(Mat3d::identity() + inverse * stiffness_[body]) * inverse;
+  }
+}
+
+void JointSolver::save(const Island& island, const Joints& joints, const RigidBodies& bodies) {
+  for (const std::uint32_t body : island.bodies) saved_[body] = bodies.pose[body];
+  for (const std::uint32_t j : island.joints) prepared_[j].lambda = joints.state[j].lambda;
+}
+
+/// Begins the projection anew, with arms for the present impulses, if a joint is pulled much more than they were chosen
+/// for: when a chain jerks taut.
+bool JointSolver::restart(const Island& island, Joints& joints, RigidBodies& bodies) {
+  bool jerked = false;
+  for (const std::uint32_t j : island.joints) {
+    const double s = stiffness_of(joints.state[j], prepared_[j]);
+    jerked |= s > least_jerk && s > jerk_ratio * prepared_[j].stiffness;
+  }
+  if (!jerked) return false;
+  weigh(island, joints, bodies, true);
+  for (const std::uint32_t body : island.bodies) bodies.pose[body] = saved_[body];
+  for (const std::uint32_t j : island.joints) joints.state[j].lambda = prepared_[j].lambda;
+  return true;
+}
+
 void JointSolver::solve(Island& island, Joints& joints, RigidBodies& bodies) {
   bool far = false;
+  double damping = 0;
+  int restarts = 0;
+  save(island, joints, bodies);
   for (int pass = 0; pass < most_passes; ++pass) {
     Refreshed all;
     const Gradients gradients = far ? Gradients::present : Gradients::prepared;
@@ -183,16 +222,24 @@ void JointSolver::solve(Island& island, Joints& joints, RigidBodies& bodies) {
       all = {all.changed || one.changed, std::max(all.error, one.error)};
     }
     if (pass > 0 && !all.changed && all.error < enough) break;
-    if (pass == 0 || all.changed || far) assemble(island, bodies);
-    far = pass > 0 && all.error > too_far;
+    if (pass == 0 || all.changed || far) assemble(island, bodies, damping);
     solve_rows(island, joints, bodies);
+    while (largest_turn(island) > most_turn && damping < 1) {
+      damping = std::max(100 * damping, least_damping);
+      assemble(island, bodies, damping);
+      solve_rows(island, joints, bodies);
+    }
+    for (const std::uint32_t body : island.bodies) move(body, bodies);
+    far = pass > 0 && all.error > too_far;
     for (const std::uint32_t j : island.joints)
       for (std::size_t i = 0; i < prepared_[j].count(); ++i)
         joints.state[j].lambda[i] += prepared_[j].change[i];
+    if (pass == 0 && restarts < most_restarts && restart(island, joints, bodies)) ++restarts, pass = -1;
   }
 }
 
-void JointSolver::assemble(Island& island, const RigidBodies& bodies) {
+/// `damping`: a part of the diagonal.
+void JointSolver::assemble(Island& island, const RigidBodies& bodies, double damping) {
   island.matrix.clear();
   for (const Product& product : island.products) {
     const PreparedJoint& row = prepared_[island.joints[product.row.joint]];
@@ -201,20 +248,25 @@ void JointSolver::assemble(Island& island, const RigidBodies& bodies) {
                 response_[product.body], island.matrix.at(product.offset));
   }
   for (std::size_t k = 0; k < island.joints.size(); ++k)
-    add_diagonal(prepared_[island.joints[k]], island.matrix.at(island.diagonal[k]));
+    add_diagonal(prepared_[island.joints[k]], damping, island.matrix.at(island.diagonal[k]));
   island.matrix.factorize();
 }
 
-/// The change of each lambda: known where a row is at a bound, the solution elsewhere. Moves the bodies.
-void JointSolver::solve_rows(Island& island, const Joints& joints, RigidBodies& bodies) {
-  for (const std::uint32_t j : island.joints) add_impulses(joints.joint[j], prepared_[j]);
+/// The change of each lambda: known where a row is at a bound, the solution elsewhere. Leaves the bodies' impulses.
+void JointSolver::solve_rows(Island& island, const Joints& joints, const RigidBodies& bodies) {
+  for (const std::uint32_t body : island.bodies) impulse_[body] = {};
+  for (const std::uint32_t j : island.joints) {
+    for (std::size_t i = 0; i < prepared_[j].count(); ++i)
+      if (prepared_[j].solved[i]) prepared_[j].change[i] = 0;
+    add_impulses(joints.joint[j], prepared_[j]);
+  }
   for (std::size_t k = 0; k < island.joints.size(); ++k) {
     const std::uint32_t j = island.joints[k];
+    const PreparedJoint& prepared = prepared_[j];
     double* x = island.x.data() + island.matrix.first_row(k);
-    for (std::size_t i = 0; i < prepared_[j].count(); ++i)
-      x[i] = prepared_[j].solved[i]
-                 ? -left_of(i, joints, j) - known_motion(i, joints.joint[j], prepared_[j], bodies)
-                 : 0;
+    for (std::size_t i = 0; i < prepared.count(); ++i)
+      x[i] = prepared.solved[i] ? -left_of(i, joints, j) - known_motion(i, joints.joint[j], prepared, bodies)
+                                : 0;
   }
   island.matrix.solve(island.x);
   for (const std::uint32_t body : island.bodies) impulse_[body] = {};
@@ -225,7 +277,14 @@ void JointSolver::solve_rows(Island& island, const Joints& joints, RigidBodies& 
       if (prepared.solved[i]) prepared.change[i] = x[i];
     add_impulses(joints.joint[island.joints[k]], prepared);
   }
-  for (const std::uint32_t body : island.bodies) move(body, bodies);
+}
+
+/// Of the bodies by their impulses [rad].
+double JointSolver::largest_turn(const Island& island) const {
+  double turn = 0;
+  for (const std::uint32_t body : island.bodies)
+    turn = std::max(turn, length_squared(response_[body] * impulse_[body].angular));
+  return std::sqrt(turn);
 }
 
 /// What remains of a row's equation.
@@ -298,7 +357,7 @@ void JointSolver::solve_alone(std::uint32_t j, Joints& joints, RigidBodies& bodi
       if (moves(body))
         add_product(prepared, is_b, prepared, is_b, bodies.mass[body].inverse, response_[body], block.data());
     }
-    add_diagonal(prepared, block.data());
+    add_diagonal(prepared, 0, block.data());
     add_impulses(joint, prepared);
     for (std::size_t i = 0; i < prepared.count(); ++i)
       x[i] = prepared.solved[i] ? -left_of(i, joints, j) - known_motion(i, joint, prepared, bodies) : 0;

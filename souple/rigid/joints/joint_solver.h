@@ -17,7 +17,7 @@ enum class Method : std::uint8_t {
 /// An island is a set of bodies that joints connect; bodies that cannot move connect nothing. Islands are independent.
 /// Within one, Newton's method solves S dlambda = -(C + alpha lambda) of all rows, with S = J (M + T)^-1 J^T + alpha:
 /// sparse, positive definite, without fill for trees of joints, so linear in their length. T is the stiffness of arms that
-/// a load turns (`add_turning`). Limits, and motors at their largest force, are found by exchanging rows that violate
+/// a load turns (`weigh_arms`). Limits, and motors at their largest force, are found by exchanging rows that violate
 /// their bounds. An island whose factorization takes more than 5e7 multiplications is swept.
 class JointSolver {
  public:
@@ -58,9 +58,13 @@ class JointSolver {
   bool is_current(const Joints& joints, const RigidBodies& bodies) const;
   void find_islands(const Joints& joints, const RigidBodies& bodies);
   void build(Island& island, const Joints& joints);
+  void weigh(const Island& island, const Joints& joints, const RigidBodies& bodies, bool jerk);
+  void save(const Island& island, const Joints& joints, const RigidBodies& bodies);
+  bool restart(const Island& island, Joints& joints, RigidBodies& bodies);
   void solve(Island& island, Joints& joints, RigidBodies& bodies);
-  void assemble(Island& island, const RigidBodies& bodies);
-  void solve_rows(Island& island, const Joints& joints, RigidBodies& bodies);
+  void assemble(Island& island, const RigidBodies& bodies, double damping);
+  void solve_rows(Island& island, const Joints& joints, const RigidBodies& bodies);
+  double largest_turn(const Island& island) const;
   double left_of(std::size_t i, const Joints& joints, std::uint32_t j) const;
   double known_motion(std::size_t i, const Joint& joint, const PreparedJoint& prepared,
                       const RigidBodies& bodies) const;
@@ -72,6 +76,7 @@ class JointSolver {
   bool moves(std::uint32_t body) const { return body != no_body && movable_[body]; }
 
   double h_ = 0;
+  std::vector<BodyPose> saved_;  ///< before the present projection
   std::vector<PreparedJoint> prepared_;
   std::vector<Island> islands_;
   std::vector<char> movable_;                      ///< of each body, when islands were found

@@ -27,8 +27,8 @@ double largest(const Vec3d& v) {
   return std::max({v.x, v.y, v.z});
 }
 
-double stiffness_of(const RigidBodies& bodies, std::uint32_t body, const Vec3d& arm, const Vec3d& impulse) {
-  return body == no_body ? 0 : std::max(0.0, dot(arm, impulse)) * largest(bodies.mass[body].inverse_inertia);
+double largest_inverse_inertia(const RigidBodies& bodies, std::uint32_t body) {
+  return is_movable(bodies, body) ? largest(bodies.mass[body].inverse_inertia) : 0;
 }
 
 double gyration_radius(const RigidBodies& bodies, std::uint32_t body) {
@@ -55,11 +55,13 @@ Vec3d point_impulse(const JointState& state) {
   return {state.lambda[0], state.lambda[1], state.lambda[2]};
 }
 
-/// The arms of a mean of three substeps. `start` and `predicted`: r0 and r1 of the prediction; r- is r0 turned back.
-Vec3d mean_arm(const BodyPose& start, const BodyPose& predicted, const Vec3d& local, double weight) {
-  const Vec3d r0 = start.direction(local), r1 = predicted.direction(local);
-  const Vec3d r = rotate(start.rotation * conjugate(predicted.rotation), r0);
-  return r0 + (r1 - r0) * (end_weight * weight) + (r - r0) * (before_weight * weight);
+Arm arm_of(const BodyPose& start, const BodyPose& predicted, const Vec3d& local) {
+  const Vec3d r = start.direction(local);
+  return {rotate(start.rotation * conjugate(predicted.rotation), r), r, predicted.direction(local)};
+}
+
+Vec3d mean_of(const Arm& arm, double end, double before) {
+  return arm.start + (arm.predicted - arm.start) * end + (arm.before - arm.start) * before;
 }
 
 void set_arms(Rows& rows, const Vec3d& ra, const Vec3d& rb) {
@@ -136,19 +138,15 @@ void prepare(const Joint& joint, JointState& state, const RigidBodies& bodies, d
     if (is_zero(start.row[i])) prepared.rows.row[i] = predicted.row[i];
   warm_start(state, start, predicted, h, prepared);
 
-  const Vec3d ra = ends.point_a - ends.center_a, rb = ends.point_b - ends.center_b;
-  prepared.size = length(joint.a == no_body ? Vec3d{} : ra) + length(joint.b == no_body ? Vec3d{} : rb) +
-                  gyration_radius(bodies, joint.a) + gyration_radius(bodies, joint.b);
-  prepared.turning = 0;
-  if (prepared.rows.has_point && !turns_far) {
-    const Vec3d p = point_impulse(state);
-    const double s =
-        std::max(stiffness_of(bodies, joint.a, ra, -p), stiffness_of(bodies, joint.b, rb, p)) / stiff;
-    const double weight = s < stiffest ? s * s / (1 + s * s) : 1;
-    prepared.turning = end_weight * weight;
-    set_arms(prepared.rows, mean_arm(start_a, pose_a, joint.frame_a.point, weight),
-             mean_arm(start_b, pose_b, joint.frame_b.point, weight));
-  }
+  prepared.arm_a = arm_of(start_a, pose_a, joint.frame_a.point);
+  prepared.arm_b = arm_of(start_b, pose_b, joint.frame_b.point);
+  prepared.inertia_a = largest_inverse_inertia(bodies, joint.a);
+  prepared.inertia_b = largest_inverse_inertia(bodies, joint.b);
+  prepared.has_arms = prepared.rows.has_point && !turns_far;
+  prepared.stiffness = prepared.turning = 0;
+  prepared.size = gyration_radius(bodies, joint.a) + gyration_radius(bodies, joint.b);
+  if (joint.a != no_body) prepared.size += length(prepared.arm_a.start);
+  if (joint.b != no_body) prepared.size += length(prepared.arm_b.start);
   for (std::size_t i = 0; i < prepared.count(); ++i) {
     const Row& row = prepared.rows.row[i];
     prepared.K[i] = inverse_mass_of(bodies, joint.a, row.linear_a, row.angular_a) +
@@ -157,21 +155,32 @@ void prepare(const Joint& joint, JointState& state, const RigidBodies& bodies, d
   }
 }
 
-void add_turning(const Joint& joint, const JointState& state, const PreparedJoint& prepared,
-                 const RigidBodies& bodies, std::span<Mat3d> stiffness) {
-  if (!prepared.active || !(prepared.turning > 0)) return;
-  const auto add = [&](std::uint32_t body, const Vec3d& local, const Vec3d& impulse) {
-    if (!is_movable(bodies, body)) return;
-    const Vec3d r = bodies.start[body].direction(local);
-    const double pull = dot(r, impulse), most = stiffest / largest(bodies.mass[body].inverse_inertia);
-    if (!(pull > 0)) return;
-    const double k = prepared.turning * std::min(pull, most);
-    stiffness[body] =
-        stiffness[body] + Mat3d::diagonal({k, k, k}) - outer(r, r) * (k / std::max(dot(r, r), 1e-300));
+double stiffness_of(const JointState& state, const PreparedJoint& prepared) {
+  if (!prepared.active || !prepared.has_arms) return 0;
+  const Vec3d p = point_impulse(state);
+  return std::min(std::max({0.0, -dot(prepared.arm_a.start, p) * prepared.inertia_a,
+                            dot(prepared.arm_b.start, p) * prepared.inertia_b}),
+                  stiffest);
+}
+
+void weigh_arms(const Joint& joint, const JointState& state, bool jerk, PreparedJoint& prepared,
+                std::span<Mat3d> stiffness) {
+  prepared.stiffness = stiffness_of(state, prepared);
+  if (!prepared.active || !prepared.has_arms) return;
+  const double s = prepared.stiffness / stiff, weight = s * s / (1 + s * s);
+  prepared.turning = (jerk ? 1 : end_weight) * weight;
+  const double before = jerk ? 0 : before_weight * weight;
+  set_arms(prepared.rows, mean_of(prepared.arm_a, prepared.turning, before),
+           mean_of(prepared.arm_b, prepared.turning, before));
+  const auto add = [&](std::uint32_t body, const Vec3d& r, double inverse_inertia, const Vec3d& impulse) {
+    const double pull = dot(r, impulse);
+    if (!(inverse_inertia > 0) || !(pull > 0)) return;
+    const double k = prepared.turning * std::min(pull, stiffest / inverse_inertia);
+    stiffness[body] = stiffness[body] + Mat3d::diagonal({k, k, k}) - outer(r, r) * (k / dot(r, r));
   };
   const Vec3d p = point_impulse(state);
-  add(joint.a, joint.frame_a.point, -p);
-  add(joint.b, joint.frame_b.point, p);
+  add(joint.a, prepared.arm_a.start, prepared.inertia_a, -p);
+  add(joint.b, prepared.arm_b.start, prepared.inertia_b, p);
 }
 
 Refreshed refresh(const Joint& joint, JointState& state, const RigidBodies& bodies, double h,

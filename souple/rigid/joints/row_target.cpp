@@ -6,9 +6,9 @@ namespace souple::joint {
 namespace {
 
 /// Compliance of rigid rows relative to K: keeps systems with redundant joints solvable.
-constexpr double rigid = 1e-9;
+constexpr double rigid = 1e-8;
 /// The same of motors: what limits and axes hold goes first.
-constexpr double motor = 1e-7;
+constexpr double motor = 1e-6;
 /// A rigid row removes errors below this part of the bodies' size at once. Joints that were assembled wrongly close at
 /// `closing` times their error per second: nothing is shot away.
 constexpr double at_once = 1e-3, closing = 20;
