@@ -194,7 +194,7 @@ void JointSolver::save(const Island& island, const Joints& joints, const RigidBo
   for (const std::uint32_t j : island.joints) prepared_[j].lambda = joints.state[j].lambda;
 }
 
-/// Begins the projection anew, with arms for the present impulses, if a joint is pulled much more than they were chosen
+/// Repeats the projection with arms for the present impulses, if a joint is pulled much more than they were chosen
 /// for: when a chain jerks taut.
 bool JointSolver::restart(const Island& island, Joints& joints, RigidBodies& bodies) {
   bool jerked = false;
