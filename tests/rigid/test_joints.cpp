@@ -150,6 +150,16 @@ TEST(Joints, ASpringTooStiffForSubstepsComesToRest) {
   EXPECT_LT(amplitude, 1e-3);
 }
 
+TEST(Joints, ADamperSlowsExponentially) {
+  JointWorld world;
+  world.gravity = {};
+  const auto box = world.add_box(2, {0.2, 0.2, 0.2}, {});
+  world.add_joint(Slider{.translation = Axis{.spring = Spring{0, joint::unlimited, 40}}}, no_body, box, {});
+  world.bodies.velocity[box].linear = {1, 0, 0};
+  world.run(0.2);
+  EXPECT_NEAR(world.bodies.velocity[box].linear.x / std::exp(-40.0 / 2 * 0.2), 1, 0.02);
+}
+
 TEST(Joints, AStrongDamperSlowsAFallToItsTerminalSpeed) {
   JointWorld world;
   const auto box = world.add_box(2, {0.2, 0.2, 0.2}, {});

@@ -23,7 +23,8 @@ inline double hinge_angle(const Ends& ends) {
 inline void add_rows(const Hinge& joint, const Ends& ends, Rows& rows) {
   rows.add_point(ends, joint.compliance, joint.damping);
   rows.add_parallel_axes(ends, joint.angular_compliance, joint.angular_damping);
-  rows.add_axis(row_about(ends.axes_a.column[0], hinge_angle(ends)), joint.rotation);
+  if (!joint.rotation.is_free())
+    rows.add_axis(row_about(ends.axes_a.column[0], hinge_angle(ends)), joint.rotation);
 }
 
 }  // namespace souple::joint

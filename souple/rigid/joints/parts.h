@@ -46,6 +46,8 @@ struct Axis {
   Limits limits{};
   std::optional<Spring> spring{};
   std::optional<Motor> motor{};
+
+  bool is_free() const { return limits.low == -unlimited && limits.high == unlimited && !spring && !motor; }
 };
 
 /// Pulls the axes of b to `target` relative to those of a, by at most `max_torque` about each axis.

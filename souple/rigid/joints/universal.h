@@ -28,6 +28,7 @@ inline void add_rows(const Universal& joint, const Ends& ends, Rows& rows) {
   rows.add_point(ends, joint.compliance, joint.damping);
   rows.add(row_about(cross(z, x), dot(x, z)),
            {RowLaw::Kind::spring, 0, 0, joint.angular_compliance, joint.angular_damping});
+  if (joint.first.is_free() && joint.second.is_free()) return;
   const std::array<double, 2> angle = universal_angles(ends);
   rows.add_axis(row_about(x, angle[0]), joint.first);
   rows.add_axis(row_about(z, angle[1]), joint.second);
