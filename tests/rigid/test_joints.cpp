@@ -111,6 +111,18 @@ TEST(Joints, FreeBodiesKeepTheirMomentum) {
   }
 }
 
+TEST(Joints, FurtherProjectionsOfASubstepChangeNothing) {
+  JointWorld once, often;
+  often.iterations = 4;
+  for (JointWorld* world : {&once, &often}) {
+    add_tumbling_pair(*world, Ball{.max_swing = 2, .twist = {-1, 1}});
+    world->add_joint(Distance{.shortest = 0.3, .longest = 0.3, .compliance = 1e-4}, no_body, 0, {0, 0.3, 0});
+    world->joints.joint[1].frame_b = {};
+    world->run(1);
+  }
+  EXPECT_LT(length(once.bodies.pose[1].position - often.bodies.pose[1].position), 1e-4);
+}
+
 /// Period, and amplitude after `seconds` relative to the first, of a box on a slider with a spring.
 std::pair<double, double> slide(double omega, double damping, double seconds) {
   JointWorld world;

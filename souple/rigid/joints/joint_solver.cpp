@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace souple::joint {
 namespace {
@@ -149,7 +150,7 @@ void JointSolver::begin_substep(Joints& joints, const RigidBodies& bodies, doubl
     prepare(joints.joint[j], joints.state[j], bodies, h, prepared_[j]);
   if (!is_current(joints, bodies)) find_islands(joints, bodies);
   for (Island& island : islands_) {
-    island.warm = false;
+    island.projected = false;
     const bool direct = island.direct && method == Method::direct;
     if (direct) weigh(island, joints, bodies, false);
     for (const std::uint32_t body : island.bodies) {
@@ -213,6 +214,7 @@ void JointSolver::solve(Island& island, Joints& joints, RigidBodies& bodies) {
   bool far = false;
   double damping = 0;
   int restarts = 0;
+  const bool again = std::exchange(island.projected, true);
   save(island, joints, bodies);
   for (int pass = 0; pass < most_passes; ++pass) {
     Refreshed all;
@@ -221,7 +223,7 @@ void JointSolver::solve(Island& island, Joints& joints, RigidBodies& bodies) {
       const Refreshed one = refresh(joints.joint[j], joints.state[j], bodies, h_, gradients, prepared_[j]);
       all = {all.changed || one.changed, std::max(all.error, one.error)};
     }
-    if (pass > 0 && !all.changed && all.error < enough) break;
+    if ((again || pass > 0) && !all.changed && all.error < enough) break;
     if (pass == 0 || all.changed || far) assemble(island, bodies, damping);
     solve_rows(island, joints, bodies);
     while (largest_turn(island) > most_turn && damping < 1) {
@@ -329,10 +331,10 @@ void JointSolver::move(std::uint32_t body, RigidBodies& bodies) {
 
 /// Gauss-Seidel. The first sweep of a substep begins with the impulses of the last one.
 void JointSolver::sweep(Island& island, Joints& joints, RigidBodies& bodies) {
-  if (!island.warm) {
+  if (!island.projected) {
     for (const std::uint32_t j : island.joints) apply(j, joints);
     for (const std::uint32_t body : island.bodies) move(body, bodies);
-    island.warm = true;
+    island.projected = true;
   }
   for (const std::uint32_t j : island.joints) solve_alone(j, joints, bodies);
 }

@@ -48,7 +48,7 @@ class JointSolver {
     BlockCholesky matrix;
     std::vector<double> x;
     bool direct = true;
-    bool warm = false;  ///< the last substep's impulses were applied
+    bool projected = false;  ///< in this substep
   };
   /// Impulses on a body in a pass.
   struct Impulse {
