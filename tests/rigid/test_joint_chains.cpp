@@ -91,7 +91,7 @@ TEST(JointChain, ALoadedChainSwingsAsAPendulum) {
   const double angle = 0.1;
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     BodyPose& pose = world.bodies.pose[i];
-    const Quatd turn = Quatd::from_axis_angle({0, 0, 1}, angle - 1.5707963267948966);
+    const Quatd turn = Quatd::from_axis_angle({0, 0, 1}, angle - pi / 2);
     pose = {rotate(turn, pose.position), turn};
   }
   Crossings crossings;
@@ -108,7 +108,7 @@ TEST(JointChain, ALoadedChainSwingsAsAPendulum) {
                  l = i < 20 ? 0.1 * (static_cast<double>(i) + 0.5) : 2.3;
     first += m * l, second += m * l * l;
   }
-  EXPECT_NEAR(crossings.period() / (2 * 3.14159265 * std::sqrt(second / first / g)), 1, 0.02);
+  EXPECT_NEAR(crossings.period() / (2 * pi * std::sqrt(second / first / g)), 1, 0.02);
   EXPECT_NEAR(last, 2.3 * std::sin(angle), 0.05 * 2.3 * std::sin(angle));
 }
 

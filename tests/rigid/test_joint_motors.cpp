@@ -1,7 +1,6 @@
 #include "tests/rigid/joint_world.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -57,7 +56,7 @@ TEST(JointMotor, StallsWhereTheLoadIsAsLargeAsItsTorque) {
                                  no_body, rod, {}, {0, 0, 1});
   world.run(20);
   // m g l / 2 sin(angle) = half of m g l / 2.
-  EXPECT_NEAR(world.joints.state[j].angle[0], std::numbers::pi / 6, 0.01 * std::numbers::pi / 6);
+  EXPECT_NEAR(world.joints.state[j].angle[0], pi / 6, 0.01 * std::numbers::pi / 6);
 }
 
 TEST(JointMotor, AServoReachesItsPositionWithoutOvershoot) {

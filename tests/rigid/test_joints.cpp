@@ -1,7 +1,6 @@
 #include "tests/rigid/joint_world.h"
 
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -21,7 +20,7 @@ using joint::Slider;
 using joint::Spring;
 using joint::Universal;
 
-constexpr double pi = std::numbers::pi, g = 9.81;
+constexpr double g = 9.81;
 
 /// Complete elliptic integral of the first kind, of modulus k: by the arithmetic-geometric mean.
 double elliptic_K(double k) {

@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 
 namespace souple::joint {
 
@@ -52,7 +51,7 @@ inline Row row_about(const Vec3d& axis, double value) {
 
 /// The value next to `last` that differs from `angle` by full turns.
 inline double next_turn(double angle, double last) {
-  return last + std::remainder(angle - last, 2 * std::numbers::pi);
+  return last + std::remainder(angle - last, 2 * pi);
 }
 
 /// The rows of one joint. Their number follows from its description, not from poses.

@@ -3,14 +3,11 @@
 #include "souple/rigid/joints/joint.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <fmt/core.h>
 
 namespace souple::joint {
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 /// Refuses values, in sentences that name the joint.
 struct Check {
