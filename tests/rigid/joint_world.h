@@ -39,9 +39,9 @@ struct JointWorld {
                     position);
   }
   /// Between the bodies as they are placed now; its first axis is `axis`.
-  std::uint32_t add_joint(joint::Kind kind, std::uint32_t a, std::uint32_t b, const Vec3d& point,
+  std::uint32_t add_joint(const joint::Kind& kind, std::uint32_t a, std::uint32_t b, const Vec3d& point,
                           const Vec3d& axis = {1, 0, 0}) {
-    joint::Joint joint{.name = "tested", .a = a, .b = b, .kind = std::move(kind)};
+    joint::Joint joint{.name = "tested", .a = a, .b = b, .kind = kind};
     place(joint, bodies, point, joint::axes_along(axis));
     return add(joints, joint, bodies.size());
   }

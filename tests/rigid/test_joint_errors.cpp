@@ -33,12 +33,14 @@ void expect_refused(Joint joint, const std::string& part) {
   EXPECT_EQ(joints.size(), 0u);
 }
 
-Joint between(joint::Kind kind) {
-  return {.name = {}, .a = 0, .b = 1, .kind = std::move(kind)};
+Joint between(const joint::Kind& kind) {
+  return {.name = {}, .a = 0, .b = 1, .kind = kind};
 }
 
 TEST(JointErrors, BadDescriptionsAreRefusedByName) {
-  using namespace joint;
+  using joint::Ball, joint::Distance, joint::Fixed, joint::Hinge, joint::Pulley, joint::Slider,
+      joint::Universal;
+  using joint::unlimited;
   expect_refused({.name = {}, .a = 0, .b = 2, .kind = Fixed{}}, "body 2 does not exist");
   expect_refused({.name = {}, .a = 1, .b = 1, .kind = Fixed{}}, "to itself");
   expect_refused({.name = {}, .kind = Fixed{}}, "the world to itself");

@@ -22,10 +22,10 @@ struct Joined {
   RigidBodies bodies;
   joint::Joint joint;
 
-  Joined(joint::Kind kind, const Quatd& relative, const Vec3d& offset) {
+  Joined(const joint::Kind& kind, const Quatd& relative, const Vec3d& offset) {
     bodies.resize(2);
     bodies.pose[0] = {{1, 2, 3}, normalized(Quatd{0.3, -0.2, 0.5, 0.7})};
-    joint = {.name = "tested", .a = 0, .b = 1, .kind = std::move(kind)};
+    joint = {.name = "tested", .a = 0, .b = 1, .kind = kind};
     joint.frame_a = {{0.4, -0.3, 0.2}, normalized(Quatd{0.1, 0.2, -0.4, 0.8})};
     joint.frame_b = {{-0.2, 0.1, 0.5}, normalized(Quatd{0.5, 0.1, 0.3, 0.6})};
     const Quatd axes = bodies.pose[0].rotation * joint.frame_a.rotation;

@@ -23,7 +23,7 @@ using joint::Universal;
 constexpr double g = 9.81;
 
 /// Complete elliptic integral of the first kind, of modulus k: by the arithmetic-geometric mean.
-double elliptic_K(double k) {
+double complete_elliptic(double k) {
   double a = 1, b = std::sqrt(1 - k * k);
   while (std::abs(a - b) > 1e-15) {
     const double mean = (a + b) / 2;
@@ -42,7 +42,7 @@ double pendulum_period(double amplitude, JointWorld& world) {
   world.add_joint(Hinge{}, no_body, rod, {}, {0, 0, 1});
   Crossings crossings;
   world.run(20, [&] { crossings.see(world.time, pose.position.x); });
-  return crossings.period() / (4 * elliptic_K(std::sin(amplitude / 2)) / std::sqrt(m * g * l / 2 / I));
+  return crossings.period() / (4 * complete_elliptic(std::sin(amplitude / 2)) / std::sqrt(m * g * l / 2 / I));
 }
 
 TEST(Joints, APendulumSwingsWithItsPeriod) {
@@ -78,7 +78,7 @@ TEST(Joints, ADoublePendulumKeepsItsEnergy) {
 }
 
 /// Two tumbling boxes that share a point.
-void add_tumbling_pair(JointWorld& world, joint::Kind kind) {
+void add_tumbling_pair(JointWorld& world, const joint::Kind& kind) {
   world.gravity = {};
   const auto a = world.add_box(1, {0.3, 0.2, 0.1}, {0, 0, 0}),
              b = world.add_box(3, {0.1, 0.4, 0.2}, {0.3, 0.2, 0});

@@ -152,7 +152,8 @@ void BlockCholesky::factorize() {
     double* D = at(diagonal_[column.block]);
     factorize_diagonal(D, n);
     for (std::size_t p = column.below; p < column.below_end; ++p)
-      for (int i = 0; i < size(below_[p].row); ++i) forward(D, n, at(below_[p].offset) + i * n);
+      for (int i = 0; i < size(below_[p].row); ++i)
+        forward(D, n, at(below_[p].offset + static_cast<std::size_t>(i * n)));
     for (std::size_t u = column.updates; u < column.updates_end; ++u) {
       const Below &first = below_[updates_[u].first], &second = below_[updates_[u].second];
       subtract_product(at(first.offset), size(first.row), at(second.offset), size(second.row), n,

@@ -348,7 +348,7 @@ void JointSolver::apply(std::uint32_t j, Joints& joints) {
 void JointSolver::solve_alone(std::uint32_t j, Joints& joints, RigidBodies& bodies) {
   const Joint& joint = joints.joint[j];
   PreparedJoint& prepared = prepared_[j];
-  std::array<double, Rows::most * Rows::most> block;
+  std::array<double, std::size_t{Rows::most} * Rows::most> block;
   std::array<double, Rows::most> x;
   for (int pass = 0; pass < most_passes_alone; ++pass) {
     const bool changed = refresh(joint, joints.state[j], bodies, h_, Gradients::present, prepared).changed;
