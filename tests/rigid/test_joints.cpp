@@ -32,26 +32,40 @@ double complete_elliptic(double k) {
   return pi / (2 * a);
 }
 
-/// A rod of 1 m that hangs from the origin on a hinge, let go at `amplitude`: its period by the closed one.
-double pendulum_period(double amplitude, JointWorld& world) {
-  const double m = 2, l = 1, I = m / 12 * (l * l + 0.01) + m * l * l / 4;
-  const auto rod = world.add_box(m, {0.1, l, 0.1}, {});
+/// A rod that hangs from the origin on a hinge, let go at `amplitude`: its period by the closed one.
+double pendulum_period(double amplitude, double l, JointWorld& world) {
+  const double m = 2 * l * l * l, I = m / 12 * (l * l + 0.01 * l * l) + m * l * l / 4;
+  const auto rod = world.add_box(m, {0.1 * l, l, 0.1 * l}, {});
   BodyPose& pose = world.bodies.pose[rod];
   pose.rotation = Quatd::from_axis_angle({0, 0, 1}, amplitude);
   pose.position = pose.direction({0, -l / 2, 0});
   world.add_joint(Hinge{}, no_body, rod, {}, {0, 0, 1});
   Crossings crossings;
-  world.run(20, [&] { crossings.see(world.time, pose.position.x); });
+  world.run(20 * std::sqrt(l), [&] { crossings.see(world.time, pose.position.x); });
   return crossings.period() / (4 * complete_elliptic(std::sin(amplitude / 2)) / std::sqrt(m * g * l / 2 / I));
 }
 
 TEST(Joints, APendulumSwingsWithItsPeriod) {
-  for (const double amplitude : {0.02, pi / 2}) {
-    JointWorld world;
-    EXPECT_NEAR(pendulum_period(amplitude, world), 1, 1e-3) << amplitude;
-    EXPECT_LT(world.worst.distance, 1e-6);
-    EXPECT_LT(world.worst.angle, 1e-6);
-  }
+  for (const double l : {1.0, 100.0, 0.01})
+    for (const double amplitude : {0.02, pi / 2}) {
+      JointWorld world;
+      EXPECT_NEAR(pendulum_period(amplitude, l, world), 1, 1e-3) << amplitude << " " << l;
+      EXPECT_LT(world.worst.distance, 1e-6 * l) << l;
+      EXPECT_LT(world.worst.angle, 1e-6) << l;
+    }
+}
+
+TEST(Joints, ABodyFollowsOneThatNothingMoves) {
+  JointWorld world;
+  const auto driver = world.add_box(1, {1, 1, 1}, {}),
+             follower = world.add_box(3, {0.5, 0.2, 0.2}, {1, 0, 0});
+  world.add_joint(Fixed{}, driver, follower, {0.5, 0, 0});
+  world.bodies.mass[driver] = {};
+  world.bodies.velocity[driver] = {{1, 0, 0}, {0, 2, 0}};
+  world.run(3);
+  EXPECT_NEAR(world.bodies.pose[driver].position.x, 3, 1e-9);
+  EXPECT_LT(length(world.bodies.pose[follower].position - world.bodies.pose[driver].point({1, 0, 0})), 1e-6);
+  EXPECT_LT(world.worst.distance, 2e-6);
 }
 
 TEST(Joints, APendulumSwingsAsHighAfterAMinute) {

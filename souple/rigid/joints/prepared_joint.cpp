@@ -27,8 +27,14 @@ double largest(const Vec3d& v) {
   return std::max({v.x, v.y, v.z});
 }
 
-double largest_inverse_inertia(const RigidBodies& bodies, std::uint32_t body) {
-  return is_movable(bodies, body) ? largest(bodies.mass[body].inverse_inertia) : 0;
+/// Largest inverse inertia about an axis perpendicular to r: the larger eigenvalue of the part of I^-1 across r, which has
+/// the trace t and the determinant d.
+double inverse_inertia_across(const RigidBodies& bodies, std::uint32_t body, const Vec3d& r) {
+  if (!is_movable(bodies, body)) return 0;
+  const Vec3d n = normalized(r);
+  const Mat3d& inverse = bodies.inverse_inertia[body];
+  const double t = trace(inverse) - dot(n, inverse * n), d = dot(n, cofactor(inverse) * n);
+  return (t + std::sqrt(std::max(0.0, t * t - 4 * d))) / 2;
 }
 
 double gyration_radius(const RigidBodies& bodies, std::uint32_t body) {
@@ -140,8 +146,8 @@ void prepare(const Joint& joint, JointState& state, const RigidBodies& bodies, d
 
   prepared.arm_a = arm_of(start_a, pose_a, joint.frame_a.point);
   prepared.arm_b = arm_of(start_b, pose_b, joint.frame_b.point);
-  prepared.inertia_a = largest_inverse_inertia(bodies, joint.a);
-  prepared.inertia_b = largest_inverse_inertia(bodies, joint.b);
+  prepared.inertia_a = inverse_inertia_across(bodies, joint.a, prepared.arm_a.predicted);
+  prepared.inertia_b = inverse_inertia_across(bodies, joint.b, prepared.arm_b.predicted);
   prepared.has_arms = prepared.rows.has_point && !turns_far;
   prepared.stiffness = prepared.turning = 0;
   prepared.size = gyration_radius(bodies, joint.a) + gyration_radius(bodies, joint.b);

@@ -23,7 +23,7 @@ struct PreparedJoint {
   std::array<bool, Rows::most> solved{};  ///< lambda is unknown: neither 0 in a range, nor at a limited force
   double size = 0;                        ///< of the bodies [m]
   Arm arm_a{}, arm_b{};
-  double inertia_a = 0, inertia_b = 0;  ///< largest inverse inertia [1/(kg m^2)]; 0: not turned by impulses
+  double inertia_a = 0, inertia_b = 0;  ///< largest inverse inertia across the arm [1/(kg m^2)]
   double stiffness = 0;                 ///< s, see `prepare`
   double turning = 0;                   ///< weight a of the arms at the end
   bool has_arms = false;                ///< arms may be means
