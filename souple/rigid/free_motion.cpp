@@ -33,6 +33,15 @@ Vec3d rotation_between(const Quatd& before, const Quatd& after) {
   return Vec3d{d.x, d.y, d.z} * (2 / d.w);
 }
 
+/// The spin with the angular momentum of `angular` after a body was turned: its inertia turned with it.
+Vec3d carried_spin(const BodyMass& mass, const Quatd& before, const Quatd& after, const Vec3d& angular) {
+  const Vec3d& w = mass.inverse_inertia;
+  const Vec3d inertia = reciprocal(w), local = rotate(conjugate(before), angular);
+  const Vec3d L =
+      rotate(conjugate(after) * before, Vec3d{local.x * inertia.x, local.y * inertia.y, local.z * inertia.z});
+  return rotate(after, Vec3d{L.x * w.x, L.y * w.y, L.z * w.z});
+}
+
 }  // namespace
 
 Mat3d world_inverse_inertia(const BodyMass& mass, const Quatd& rotation) {
@@ -78,7 +87,9 @@ void finish_bodies(RigidBodies& bodies, std::span<const BodyPose> predicted, dou
     if (!(bodies.mass[i].inverse > 0)) continue;
     const BodyPose& pose = bodies.pose[i];
     bodies.velocity[i].linear += (pose.position - predicted[i].position) / h;
-    bodies.velocity[i].angular += rotation_between(predicted[i].rotation, pose.rotation) / h;
+    const Vec3d turn = rotation_between(predicted[i].rotation, pose.rotation) / h;
+    bodies.velocity[i].angular =
+        carried_spin(bodies.mass[i], predicted[i].rotation, pose.rotation, bodies.velocity[i].angular + turn);
   }
 }
 

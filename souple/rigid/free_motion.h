@@ -21,8 +21,9 @@ void rotate_freely(const BodyMass& mass, double h, Quatd& rotation, Vec3d& angul
 /// Velocities of bodies without mass are left alone. `predicted` receives the poses, for finish_bodies.
 void predict_bodies(RigidBodies& bodies, const Vec3d& gravity, double h, std::span<BodyPose> predicted);
 
-/// The end of a substep: v = v* + (x - x*) / h, and likewise for rotations, with the predicted poses x*. Velocities of
-/// bodies without mass are left alone.
+/// The end of a substep: v = v* + (x - x*) / h, and likewise for rotations, with the predicted poses x*. Impulses between
+/// bodies keep the angular momentum: it belongs to the inertia of the predicted pose, the spin to that of the final one.
+/// Velocities of bodies without mass are left alone.
 void finish_bodies(RigidBodies& bodies, std::span<const BodyPose> predicted, double h);
 
 }  // namespace souple

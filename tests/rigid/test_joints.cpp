@@ -1,0 +1,334 @@
+#include "tests/rigid/joint_world.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+// Joints against closed forms.
+
+namespace souple {
+namespace {
+
+using joint::Axis;
+using joint::Ball;
+using joint::Distance;
+using joint::Fixed;
+using joint::Hinge;
+using joint::Pulley;
+using joint::Slider;
+using joint::Spring;
+using joint::Universal;
+
+constexpr double g = 9.81;
+
+/// Complete elliptic integral of the first kind, of modulus k: by the arithmetic-geometric mean.
+double complete_elliptic(double k) {
+  double a = 1, b = std::sqrt(1 - k * k);
+  while (std::abs(a - b) > 1e-15) {
+    const double mean = (a + b) / 2;
+    b = std::sqrt(a * b), a = mean;
+  }
+  return pi / (2 * a);
+}
+
+/// A rod that hangs from the origin on a hinge, let go at `amplitude`: its period by the closed one.
+double pendulum_period(double amplitude, double l, JointWorld& world) {
+  const double m = 2 * l * l * l, I = m / 12 * (l * l + 0.01 * l * l) + m * l * l / 4;
+  const auto rod = world.add_box(m, {0.1 * l, l, 0.1 * l}, {});
+  BodyPose& pose = world.bodies.pose[rod];
+  pose.rotation = Quatd::from_axis_angle({0, 0, 1}, amplitude);
+  pose.position = pose.direction({0, -l / 2, 0});
+  world.add_joint(Hinge{}, no_body, rod, {}, {0, 0, 1});
+  Crossings crossings;
+  world.run(20 * std::sqrt(l), [&] { crossings.see(world.time, pose.position.x); });
+  return crossings.period() / (4 * complete_elliptic(std::sin(amplitude / 2)) / std::sqrt(m * g * l / 2 / I));
+}
+
+TEST(Joints, APendulumSwingsWithItsPeriod) {
+  for (const double l : {1.0, 100.0, 0.01})
+    for (const double amplitude : {0.02, pi / 2}) {
+      JointWorld world;
+      EXPECT_NEAR(pendulum_period(amplitude, l, world), 1, 1e-3) << amplitude << " " << l;
+      EXPECT_LT(world.worst.distance, 1e-6 * l) << l;
+      EXPECT_LT(world.worst.angle, 1e-6) << l;
+    }
+}
+
+TEST(Joints, ABodyFollowsOneThatNothingMoves) {
+  JointWorld world;
+  const auto driver = world.add_box(1, {1, 1, 1}, {}),
+             follower = world.add_box(3, {0.5, 0.2, 0.2}, {1, 0, 0});
+  world.add_joint(Fixed{}, driver, follower, {0.5, 0, 0});
+  world.bodies.mass[driver] = {};
+  world.bodies.velocity[driver] = {{1, 0, 0}, {0, 2, 0}};
+  world.run(3);
+  EXPECT_NEAR(world.bodies.pose[driver].position.x, 3, 1e-9);
+  EXPECT_LT(length(world.bodies.pose[follower].position - world.bodies.pose[driver].point({1, 0, 0})), 1e-6);
+  EXPECT_LT(world.worst.distance, 2e-6);
+}
+
+TEST(Joints, APendulumSwingsAsHighAfterAMinute) {
+  JointWorld world;
+  const auto rod = world.add_box(2, {1, 0.1, 0.1}, {0.5, 0, 0});
+  world.add_joint(Hinge{}, no_body, rod, {}, {0, 0, 1});
+  world.run(55);
+  double highest = -1;
+  world.run(5, [&] { highest = std::max(highest, world.bodies.pose[rod].position.y); });
+  EXPECT_NEAR(highest, 0, 0.005);
+}
+
+TEST(Joints, ADoublePendulumKeepsItsEnergy) {
+  JointWorld world;
+  const auto upper = world.add_box(1, {1, 0.1, 0.1}, {0.5, 0, 0}),
+             lower = world.add_box(1, {1, 0.1, 0.1}, {1.5, 0, 0});
+  world.add_joint(Hinge{}, no_body, upper, {}, {0, 0, 1});
+  world.add_joint(Hinge{}, upper, lower, {1, 0, 0}, {0, 0, 1});
+  const double start = world.energy(), above_lowest = g * (0.5 + 1.5);
+  double worst = 0;
+  world.run(10, [&] { worst = std::max(worst, std::abs(world.energy() - start)); });
+  EXPECT_LT(worst, 0.01 * above_lowest);
+  EXPECT_LT(world.worst.distance, 1e-6);
+}
+
+/// Two tumbling boxes that share a point.
+void add_tumbling_pair(JointWorld& world, const joint::Kind& kind) {
+  world.gravity = {};
+  const auto a = world.add_box(1, {0.3, 0.2, 0.1}, {0, 0, 0}),
+             b = world.add_box(3, {0.1, 0.4, 0.2}, {0.3, 0.2, 0});
+  const Vec3d point{0.15, 0.1, 0};
+  world.bodies.velocity[a] = {{1, 0, 0.5}, {1, 2, 3}};
+  const Vec3d v = world.bodies.velocity[a].at(point);
+  world.bodies.velocity[b].angular = std::holds_alternative<Ball>(kind) ? Vec3d{-4, 1, 2} : Vec3d{1, 2, 3};
+  world.bodies.velocity[b].linear = v - cross(world.bodies.velocity[b].angular, point - Vec3d{0.3, 0.2, 0});
+  world.add_joint(kind, a, b, point);
+}
+
+TEST(Joints, FreeBodiesKeepTheirMomentum) {
+  for (const joint::Kind& kind :
+       {joint::Kind{Ball{}}, joint::Kind{Fixed{}}, joint::Kind{Hinge{}}, joint::Kind{Slider{}}}) {
+    JointWorld world;
+    add_tumbling_pair(world, kind);
+    const Vec3d p = world.momentum(), L = world.angular_momentum();
+    const double energy = world.energy();
+    double linear = 0, angular = 0;
+    world.run(10, [&] {
+      linear = std::max(linear, length(world.momentum() - p) / length(p));
+      angular = std::max(angular, length(world.angular_momentum() - L) / length(L));
+    });
+    EXPECT_LT(linear, 1e-10) << kind.index();
+    EXPECT_LT(angular, 1e-5) << kind.index();
+    EXPECT_NEAR(world.energy() / energy, 1, 1e-2) << kind.index();
+    EXPECT_LT(world.worst.distance, 1e-5) << kind.index();
+    EXPECT_LT(world.worst.angle, 1e-5) << kind.index();
+  }
+}
+
+TEST(Joints, FurtherProjectionsOfASubstepChangeNothing) {
+  JointWorld once, often;
+  often.iterations = 4;
+  for (JointWorld* world : {&once, &often}) {
+    add_tumbling_pair(*world, Ball{.max_swing = 2, .twist = {-1, 1}});
+    world->add_joint(Distance{.shortest = 0.3, .longest = 0.3, .compliance = 1e-4}, no_body, 0, {0, 0.3, 0});
+    world->joints.joint[1].frame_b = {};
+    world->run(1);
+  }
+  EXPECT_LT(length(once.bodies.pose[1].position - often.bodies.pose[1].position), 1e-4);
+}
+
+/// Period, and amplitude after `seconds` relative to the first, of a box on a slider with a spring.
+std::pair<double, double> slide(double omega, double damping, double seconds) {
+  JointWorld world;
+  const double m = 2;
+  const auto box = world.add_box(m, {0.2, 0.2, 0.2}, {0.1, 0, 0});
+  joint::Joint slider{.name = "slider", .b = box};
+  slider.kind = Slider{.translation = Axis{.spring = Spring{0, 1 / (m * omega * omega), damping}}};
+  slider.frame_b.rotation = {};
+  add(world.joints, slider, world.bodies.size());
+  Crossings crossings;
+  double last = 0;
+  world.run(seconds, [&] {
+    const double x = world.bodies.pose[box].position.x;
+    crossings.see(world.time, x);
+    if (world.time > seconds - 2 * pi / omega) last = std::max(last, std::abs(x));
+  });
+  EXPECT_LT(world.worst.distance, 2e-5);
+  return {crossings.period(), last / 0.1};
+}
+
+TEST(Joints, ASpringOnASliderSwingsWithItsPeriodAndDecaysAsItsDampingSays) {
+  for (const double omega : {3.0, 10.0, 60.0}) {
+    const auto [period, amplitude] = slide(omega, 0, 20);
+    EXPECT_NEAR(period * omega / (2 * pi), 1, 2e-3) << omega;
+    EXPECT_NEAR(amplitude, 1, 0.01) << omega;
+    const double damping = 0.8, rate = damping / (2 * 2), seconds = 10;  // of 2 kg
+    const auto [damped_period, damped] = slide(omega, damping, seconds);
+    EXPECT_NEAR(damped_period * std::sqrt(omega * omega - rate * rate) / (2 * pi), 1, 2e-3) << omega;
+    // The first maximum of the last period.
+    EXPECT_GT(damped, 0.98 * std::exp(-rate * seconds)) << omega;
+    EXPECT_LT(damped, 1.02 * std::exp(-rate * (seconds - 2 * pi / omega))) << omega;
+  }
+}
+
+TEST(Joints, ASpringTooStiffForSubstepsComesToRest) {
+  const auto [period, amplitude] = slide(5000, 0, 1);
+  EXPECT_LT(amplitude, 1e-3);
+}
+
+TEST(Joints, ADamperSlowsExponentially) {
+  JointWorld world;
+  world.gravity = {};
+  const auto box = world.add_box(2, {0.2, 0.2, 0.2}, {});
+  world.add_joint(Slider{.translation = Axis{.spring = Spring{0, joint::unlimited, 40}}}, no_body, box, {});
+  world.bodies.velocity[box].linear = {1, 0, 0};
+  world.run(0.2);
+  EXPECT_NEAR(world.bodies.velocity[box].linear.x / std::exp(-40.0 / 2 * 0.2), 1, 0.02);
+}
+
+TEST(Joints, AStrongDamperSlowsAFallToItsTerminalSpeed) {
+  JointWorld world;
+  const auto box = world.add_box(2, {0.2, 0.2, 0.2}, {});
+  world.add_joint(Slider{.translation = Axis{.spring = Spring{0, joint::unlimited, 400}}}, no_body, box, {},
+                  {0, -1, 0});
+  world.run(1);
+  EXPECT_NEAR(world.bodies.velocity[box].linear.y, -2 * g / 400, 1e-6);
+}
+
+TEST(Joints, ABallJointStopsAtItsSwingAndTwist) {
+  JointWorld world;
+  world.gravity = {3, -9.81, 1};
+  const auto rod = world.add_box(1, {1, 0.1, 0.2}, {0.5, 0, 0});
+  const auto j = world.add_joint(Ball{.max_swing = 0.5, .twist = {-0.3, 0.2}}, no_body, rod, {});
+  world.torque[rod] = {2, 0, 0};
+  double most_swing = 0, most_twist = 0, least_twist = 0;
+  const auto see = [&] {
+    const joint::Ends ends = ends_of(world.joints.joint[j], world.joints.state[j], world.bodies);
+    const double twist = joint::twist_row(ends).value;
+    most_swing = std::max(most_swing, joint::swing_row(ends).value);
+    most_twist = std::max(most_twist, twist), least_twist = std::min(least_twist, twist);
+  };
+  world.run(2, see);
+  world.torque[rod] = {-2, 0, 0};
+  world.gravity = {-1, 9.81, 2};
+  world.run(2, see);
+  EXPECT_NEAR(most_swing, 0.5, 1e-3);
+  EXPECT_NEAR(most_twist, 0.2, 1e-3);
+  EXPECT_NEAR(least_twist, -0.3, 1e-3);
+  EXPECT_LT(world.worst.distance, 1e-5);
+}
+
+TEST(Joints, AHingeStopsAtItsLimitAfterFullTurns) {
+  JointWorld world;
+  world.gravity = {};
+  const auto rod = world.add_box(1, {1, 0.1, 0.2}, {0.5, 0, 0});
+  const auto j =
+      world.add_joint(Hinge{.rotation = Axis{.limits = {-0.5, 6 * pi + 0.25}}}, no_body, rod, {}, {0, 0, 1});
+  world.torque[rod] = {0, 0, 1};
+  double most = 0;
+  world.run(20, [&] {
+    most = std::max(most, hinge_angle(ends_of(world.joints.joint[j], world.joints.state[j], world.bodies)));
+  });
+  EXPECT_NEAR(most, 6 * pi + 0.25, 1e-3);
+  EXPECT_NEAR(world.joints.state[j].angle[0], 6 * pi + 0.25, 1e-3);
+  EXPECT_NEAR(world.joints.state[j].torque.z, -1, 1e-6);
+}
+
+TEST(Joints, AWeldReportsTheForceAndTorqueOfACantilever) {
+  JointWorld world;
+  const auto beam = world.add_box(2, {1, 0.1, 0.1}, {0.5, 0, 0});
+  const auto j = world.add_joint(Fixed{}, no_body, beam, {});
+  world.run(0.2);
+  EXPECT_LT(length(world.joints.state[j].force - Vec3d{0, 2 * g, 0}), 1e-4 * 2 * g);
+  EXPECT_LT(length(world.joints.state[j].torque - Vec3d{0, 0, 2 * g * 0.5}), 1e-4 * g);
+  world.h = 1.0 / 1000;  // impulses are no forces
+  world.step();
+  EXPECT_LT(length(world.joints.state[j].force - Vec3d{0, 2 * g, 0}), 1e-2 * 2 * g);
+}
+
+TEST(Joints, AJointBreaksAtItsForceAndAtItsTorque) {
+  JointWorld pulled;
+  pulled.gravity = {};
+  const auto box = pulled.add_box(2, {0.2, 0.2, 0.2}, {});
+  const auto j = pulled.add_joint(Fixed{}, no_body, box, {0.1, 0, 0});
+  pulled.joints.joint[j].breaking_force = 100;
+  for (; !pulled.joints.state[j].broken && pulled.time < 20; pulled.step())
+    pulled.force[box] = {10 * pulled.time, 0, 0};
+  EXPECT_NEAR(pulled.force[box].x, 100, 1);
+  const double broken = pulled.time;
+  pulled.run(0.5);
+  EXPECT_NEAR(pulled.bodies.velocity[box].linear.x, pulled.force[box].x / 2 * (pulled.time - broken), 1);
+
+  JointWorld twisted;
+  twisted.gravity = {};
+  const auto beam = twisted.add_box(2, {1, 0.1, 0.1}, {0.5, 0, 0});
+  const auto k = twisted.add_joint(Fixed{}, no_body, beam, {});
+  twisted.joints.joint[k].breaking_torque = 10;
+  for (; !twisted.joints.state[k].broken && twisted.time < 30; twisted.step())
+    twisted.torque[beam] = {twisted.time, 0, 0};
+  EXPECT_NEAR(twisted.torque[beam].x, 10, 0.1);
+}
+
+TEST(Joints, AtwoodsMachineAcceleratesAsItsMassesSay) {
+  for (const double ratio : {1.0, 2.0}) {
+    JointWorld world;
+    const double ma = 1, mb = 3;
+    const auto a = world.add_box(ma, {0.1, 0.1, 0.1}, {-0.5, -3, 0}),
+               b = world.add_box(mb, {0.1, 0.1, 0.1}, {0.5, -1, 0});
+    world.add_joint(Pulley{{-0.5, 0, 0}, {0.5, 0, 0}, ratio, 3 + ratio}, a, b, {});
+    for (joint::Frame* frame : {&world.joints.joint[0].frame_a, &world.joints.joint[0].frame_b}) *frame = {};
+    world.run(0.5);
+    // Down at b, for T at a and ratio T at b.
+    const double acceleration = g * (mb - ratio * ma) / (mb + ratio * ratio * ma);
+    EXPECT_NEAR(world.bodies.velocity[b].linear.y / (-0.5 * acceleration), 1, 5e-3) << ratio;
+    EXPECT_NEAR(world.bodies.velocity[a].linear.y / (0.5 * ratio * acceleration), 1, 5e-3) << ratio;
+    EXPECT_NEAR(length(world.joints.state[0].force) / (ratio * ma * (g + ratio * acceleration)), 1, 5e-3)
+        << ratio;
+    EXPECT_LT(world.worst.distance, 1e-5) << ratio;
+  }
+}
+
+TEST(Joints, ARopeOnlyPulls) {
+  JointWorld world;
+  const auto box = world.add_box(1, {0.1, 0.1, 0.1}, {0, -0.5, 0});
+  const auto j = world.add_joint(Distance{.shortest = 0, .longest = 1}, no_body, box, {});
+  world.joints.joint[j].frame_b = {};
+  world.run(0.3);
+  EXPECT_NEAR(world.bodies.pose[box].position.y, -0.5 - g * 0.09 / 2, 0.01);
+  EXPECT_EQ(length(world.joints.state[j].force), 0);
+  world.run(1);
+  EXPECT_NEAR(world.bodies.pose[box].position.y, -1, 1e-6);
+  EXPECT_NEAR(world.joints.state[j].force.y, g, 1e-3 * g);
+}
+
+/// Two shafts at an angle, each in its own bearing, joined by a universal joint: tan(second) = tan(first) / cos(angle)
+/// or times cos(angle), by where the first one begins.
+TEST(Joints, AUniversalJointTurnsTheSecondShaftAsCardanSays) {
+  const double angle = 0.5;
+  JointWorld world;
+  world.gravity = {};
+  const Vec3d along{std::cos(angle), std::sin(angle), 0};
+  const auto first = world.add_box(1, {1, 0.1, 0.1}, {-0.5, 0, 0}),
+             second = world.add_box(1, {1, 0.1, 0.1}, {});
+  world.bodies.pose[second] = {along * 0.5, Quatd::from_axis_angle({0, 0, 1}, angle)};
+  world.bodies.start[second] = world.bodies.pose[second];
+  world.add_joint(Hinge{.rotation = Axis{.motor = joint::Motor{.target = 2}}}, no_body, first, {-1, 0, 0});
+  world.add_joint(Hinge{}, no_body, second, along, along);
+  joint::Joint cardan{.name = "cardan", .a = first, .b = second, .kind = Universal{}};
+  // The cross: its arm on the first shaft along y, its arm on the second one along z.
+  const Quatd across = Quatd::from_axis_angle({0, 0, 1}, pi / 2);
+  cardan.frame_a = {{0.5, 0, 0}, across}, cardan.frame_b = {{-0.5, 0, 0}, across};
+  add(world.joints, cardan, world.bodies.size());
+  double worst = 0;
+  world.run(5, [&] {
+    const double in = world.joints.state[0].angle[0], out = world.joints.state[1].angle[0];
+    worst = std::max(worst,
+                     std::abs(std::sin(out) * std::cos(in) * std::cos(angle) - std::sin(in) * std::cos(out)));
+  });
+  EXPECT_GT(world.joints.state[1].angle[0], 9);
+  EXPECT_LT(worst, 1e-3);
+  EXPECT_LT(world.worst.distance, 1e-4);
+  EXPECT_LT(world.worst.angle, 1e-4);
+}
+
+}  // namespace
+}  // namespace souple
