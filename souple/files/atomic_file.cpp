@@ -2,6 +2,7 @@
 
 #include "souple/error.h"
 
+#include <algorithm>
 #include <system_error>
 #include <utility>
 
@@ -38,7 +39,13 @@ void AtomicFile::write(std::string_view bytes) {
   write(std::as_bytes(std::span(bytes.data(), bytes.size())));
 }
 
+void AtomicFile::reserve(std::uint64_t size) {
+  file_.reserve(size);
+  reserved_ = std::max(reserved_, size);
+}
+
 void AtomicFile::commit(Sync sync) {
+  if (reserved_ > written_) file_.truncate(written_);
   if (sync == Sync::yes) file_.sync();
   file_.close();
   rename_file(file_.path(), path_);

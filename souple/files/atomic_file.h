@@ -29,12 +29,15 @@ class AtomicFile {
 
   void write(std::span<const std::byte> bytes);
   void write(std::string_view bytes);
+  /// Reserves disk space for `size` bytes in all (File::reserve): writing no more than these does not fail on a full
+  /// disk, nor does commit().
+  void reserve(std::uint64_t size);
   void commit(Sync sync = Sync::no);
 
  private:
   std::filesystem::path path_;
   File file_;
-  std::uint64_t written_ = 0;
+  std::uint64_t written_ = 0, reserved_ = 0;
   bool committed_ = false;
 };
 

@@ -13,6 +13,7 @@
 #if defined(_WIN32)
 #include <io.h>
 #else
+#include <fcntl.h>
 #include <unistd.h>
 #endif
 
@@ -41,6 +42,18 @@ int wait_for_disk(std::FILE* file) {
   return _commit(_fileno(file));
 #else
   return fsync(fileno(file));
+#endif
+}
+
+/// Returns 0, or the error of a disk without space.
+int allocate(std::FILE* file, std::uint64_t size) {
+#if defined(_WIN32) || defined(__APPLE__)
+  static_cast<void>(file), static_cast<void>(size);
+  return 0;
+#else
+  int error = EINTR;
+  while (error == EINTR) error = posix_fallocate(fileno(file), 0, static_cast<off_t>(size));
+  return error == ENOSPC || error == EDQUOT || error == EFBIG ? error : 0;
 #endif
 }
 
@@ -103,6 +116,13 @@ void File::write(std::uint64_t offset, std::span<const std::byte> bytes) {
   if (bytes.empty()) return;
   std::FILE* file = seek(offset);
   if (std::fwrite(bytes.data(), 1, bytes.size(), file) != bytes.size()) fail("cannot be written");
+}
+
+void File::reserve(std::uint64_t size) {
+  flush();
+  const int error = file_ ? allocate(file_.get(), size) : 0;
+  errno = error;
+  if (error != 0) fail("cannot be written");
 }
 
 void File::truncate(std::uint64_t size) {

@@ -27,6 +27,9 @@ class File {
   /// Fills `bytes` from `offset` on; throws Error if the file is too short.
   void read(std::uint64_t offset, std::span<std::byte> bytes);
   void write(std::uint64_t offset, std::span<const std::byte> bytes);
+  /// Allocates the disk space of the first `size` bytes and extends a shorter file to them: writing them does not
+  /// fail on a full disk. Throws Error if there is no space; where the file system cannot reserve, does nothing.
+  void reserve(std::uint64_t size);
   /// Truncates the file to `size` bytes.
   void truncate(std::uint64_t size);
   /// Passes buffered data to the system: other processes see it, and a killed process does not lose it.

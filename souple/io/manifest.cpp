@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <limits>
 #include <map>
+#include <utility>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -70,13 +71,14 @@ Json to_json(const FrameReport& report) {
           {"flags", report.flags}};
 }
 
-Json timings(const std::vector<FrameReport>& reports) {
-  Json lines = Json::array();
-  for (const FrameReport& report : reports) {
-    if (report.milliseconds.empty()) continue;
-    lines.push_back({{"frame", report.frame}, {"milliseconds", to_json(report.milliseconds)}});
+/// What `make` returns; throws Error for what JSON cannot hold, for example a name that is not UTF-8.
+template <class Make>
+auto as_text(const Make& make) {
+  try {
+    return make();
+  } catch (const nlohmann::json::exception& error) {
+    throw Error("run.json cannot be written: " + reason(error));
   }
-  return lines;
 }
 
 /// [, one item per line, ]: readable with less and diff.
@@ -262,19 +264,55 @@ RunManifest read_root(const Place& root) {
 
 }  // namespace
 
-std::string manifest_text(const RunManifest& manifest) {
-  try {
+ReportText report_text(const FrameReport& report) {
+  return as_text([&] {
+    ReportText text{to_json(report).dump(), {}};
+    if (!report.milliseconds.empty())
+      text.timing = Json{{"frame", report.frame}, {"milliseconds", to_json(report.milliseconds)}}.dump();
+    return text;
+  });
+}
+
+std::string manifest_head(const RunManifest& manifest) {
+  return as_text([&] {
     return fmt::format(
         "{{\n\"souple_run\": 1,\n\"version\": {},\n\"complete\": {},\n"
         "\"frame_rate\": {},\n\"frames\": {},\n\"scene\": {},\n\"settings\": {},\n"
-        "\"objects\": {},\n\"notes\": {},\n\"reports\": {},\n\"timings\": {}\n}}\n",
+        "\"objects\": {},\n\"notes\": {},\n",
         Json(manifest.version).dump(), manifest.complete ? "true" : "false", Json(manifest.frame_rate).dump(),
         manifest.frames, embedded(manifest.scene, "the scene of a run").dump(),
         embedded(manifest.settings, "the settings of a run").dump(), lines_of(manifest.objects),
-        Json(manifest.notes).dump(), lines_of(manifest.reports), timings(manifest.reports).dump());
-  } catch (const nlohmann::json::exception& error) {  // for example, a name that is not UTF-8
-    throw Error("run.json cannot be written: " + reason(error));
-  }
+        Json(manifest.notes).dump());
+  });
+}
+
+void write_reports(const ReportTexts& reports, const std::function<void(std::string_view)>& write) {
+  write("\"reports\": [");
+  bool any = false, any_timing = false;
+  reports([&](std::string_view report, std::string_view) {
+    write(std::exchange(any, true) ? ",\n  " : "\n  ");
+    write(report);
+  });
+  write(any ? "\n],\n\"timings\": [" : "],\n\"timings\": [");
+  reports([&](std::string_view, std::string_view timing) {
+    if (timing.empty()) return;
+    if (std::exchange(any_timing, true)) write(",");
+    write(timing);
+  });
+  write("]\n}\n");
+}
+
+std::string manifest_text(const RunManifest& manifest) {
+  std::vector<ReportText> texts;
+  texts.reserve(manifest.reports.size());
+  for (const FrameReport& report : manifest.reports) texts.push_back(report_text(report));
+  std::string text = manifest_head(manifest);
+  write_reports(
+      [&](const auto& each) {
+        for (const ReportText& lines : texts) each(lines.report, lines.timing);
+      },
+      [&](std::string_view piece) { text += piece; });
+  return text;
 }
 
 RunManifest parse_manifest(std::string_view text, const std::string& name) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -49,6 +50,21 @@ struct RunManifest {
   std::vector<std::string> notes;    ///< e.g. which object fell back to OBJ, and why
   std::vector<FrameReport> reports;  ///< at most one per frame, ascending
 };
+
+/// A frame's lines in run.json: in `reports` and in `timings`; without times the second is empty.
+struct ReportText {
+  std::string report, timing;
+};
+/// Throws Error if a name is not UTF-8.
+ReportText report_text(const FrameReport& report);
+
+/// Calls its argument with the texts of each report, in order.
+using ReportTexts = std::function<void(const std::function<void(std::string_view, std::string_view)>&)>;
+
+/// The text of a run.json up to its reports. Throws Error if `scene` or `settings` is not JSON.
+std::string manifest_head(const RunManifest& manifest);
+/// The rest of a run.json: passes it to `write` piece by piece, and calls `reports` twice.
+void write_reports(const ReportTexts& reports, const std::function<void(std::string_view)>& write);
 
 /// The text of a run.json. All wall-clock times are on the last line, `timings`, so that two runs compare
 /// equal without that line. Throws Error if `scene` or `settings` is not JSON.
