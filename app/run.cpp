@@ -327,19 +327,13 @@ int run(const RunOptions& options) {
   if (!lock) lock.emplace(OutputLock::of_folder(job.out));
   // From here on files are written; an interrupt ends the run with complete files.
   watch_interrupts();
-  std::unique_ptr<Recorder> recorder;
-  try {
-    if (job.done == 0) {
-      std::error_code error;
-      fs::remove(job.out / checkpoint_name, error);  // of an earlier run
-    }
-    if (surfaces) surfaces->start();
-    recorder = std::make_unique<Recorder>(world, job.out, recorder_options(job));
-  } catch (const Error& error) {
-    std::fprintf(stderr, "souple: %s\n", error.what());
-    return failed;
+  if (job.done == 0) {
+    std::error_code error;
+    fs::remove(job.out / checkpoint_name, error);  // of an earlier run
   }
-  const Output output{*recorder, surfaces.get(), picture.get(), options.quiet};
+  if (surfaces) surfaces->start();
+  Recorder recorder(world, job.out, recorder_options(job));
+  const Output output{recorder, surfaces.get(), picture.get(), options.quiet};
   try {
     const int code = simulate(job, world, output);
     if (code == success && picture != nullptr && !options.quiet)

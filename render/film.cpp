@@ -1,6 +1,8 @@
 #include "render/film.h"
 
 #include "souple/error.h"
+#include "souple/files/file.h"
+#include "souple/files/write_error.h"
 
 #include <algorithm>
 #include <array>
@@ -197,16 +199,10 @@ std::string number_text(double number) {
   return text;
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  if (!folder.empty()) fs::create_directories(folder, error);
-  if (error) throw Error(folder.string() + ": cannot create the folder: " + error.message());
-}
-
 /// Detects failure now, not after minutes of work.
 void require_writable(const fs::path& file) {
   std::FILE* const opened = std::fopen(file.c_str(), "wb");
-  if (opened == nullptr) throw Error(file.string() + ": cannot be written: " + reason(errno));
+  if (opened == nullptr) throw WriteError(file.string() + ": cannot be written: " + reason(errno));
   std::fclose(opened);
 }
 
@@ -241,13 +237,13 @@ struct Film::Impl {
       throw Error(file.string() + ": a film needs a frame rate above 0, not " + number_text(rate));
     if (is_film(file)) kind = lower_extension(file) == ".gif" ? Kind::gif : Kind::mp4;
     if (kind == Kind::pictures) {
-      make_folder(file);
+      create_folder(file);
       return;
     }
     if (std::error_code error; fs::is_directory(file, error))
       throw Error(file.string() + ": is a folder; expected the name of a film");
     if (!has_ffmpeg()) Ffmpeg({});  // throws Error that names the package
-    make_folder(file.parent_path());
+    if (const fs::path folder = file.parent_path(); !folder.empty()) create_folder(folder);
     part = part_of(file, kind == Kind::gif ? ".mkv" : ".mp4");
     temporary_files.push_back(part);
     require_writable(part);
@@ -379,7 +375,7 @@ struct Film::Impl {
     const fs::path whole = kind == Kind::gif ? make_gif() : part;
     std::error_code error;
     fs::rename(whole, file, error);
-    if (error) throw Error(file.string() + ": cannot be written: " + error.message());
+    if (error) throw WriteError(file.string() + ": cannot be written: " + error.message());
   }
 
   /// Two passes: the best palette for all pictures, then the film in its colors.

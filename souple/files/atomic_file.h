@@ -11,7 +11,7 @@ namespace souple {
 /// NAME.part: the name of a file while it is written.
 std::filesystem::path part_path(const std::filesystem::path& path);
 
-/// Renames a file and replaces an existing one atomically. Throws Error.
+/// Renames a file and replaces an existing one atomically. Throws WriteError.
 void rename_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// Whether to wait for the disk, so that a power failure loses nothing; this costs milliseconds.

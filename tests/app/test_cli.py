@@ -695,6 +695,15 @@ class WritingErrors(Case):
                 self.assertIn(reason, said)
                 self.assertNotIn("filesystem error", said)
 
+    def test_folders_of_surfaces_that_cannot_be(self):
+        self.souple("run", self.scene(dict(WATER, frames=2)), "--out", "out")
+        (self.folder / "loop").symlink_to("loop")
+        for out in "loop", "loop/inner", "n" * 256:
+            self.assertIn(f"{out}: cannot be an output folder: ", self.refused(f'"$0" surface out --out {out}'))
+        (self.folder / "run_surface").symlink_to("run_surface")
+        self.assertIn("run_surface: cannot be an output folder: ",
+                      self.refused('"$0" run small.json --out run --surface anisotropic'))
+
     def test_too_few_open_files_leave_no_file(self):
         self.skip_sanitizers("its check of virtual tables opens files itself")
         many = dict(SMALL, objects=[dict(SMALL["objects"][0], name=f"flag{i}") for i in range(40)])

@@ -409,6 +409,17 @@ class Refused(RenderCase):
         (self.folder / "folder.png").mkdir()
         self.refused(scene, "--out", "folder.png", said="is a folder")
 
+    def test_outputs_that_cannot_be_written(self):
+        """Exit code 1, before the first picture."""
+        self.souple("run", self.scene(SCENE), "--out", "out")
+        (self.folder / "loop").symlink_to("loop")
+        films = ["loop/a.mp4", "m" * 252 + ".mp4"] if shutil.which("ffmpeg") else []
+        for name in ["loop/a.png", "loop/inner", "loop", "n" * 252 + ".png", "n" * 256, *films]:
+            said = self.render("out", "--out", name, code=1).stderr
+            self.assert_one_line(said)
+            self.assertIn(name.split(".")[0].split("/")[0], said)
+        self.assertIn("loop", self.souple("run", self.scene(SCENE), "--picture", "loop/a.png", code=1).stderr)
+
     def test_sources(self):
         self.refused("flga", said='did you mean "flag"')
         self.refused("no/such.json", said="no such file")
