@@ -1,5 +1,6 @@
 #include "app/picture_sink.h"
 
+#include "app/interrupt.h"
 #include "render/contact_sheet.h"
 #include "render/film.h"
 #include "souple/error.h"
@@ -65,7 +66,7 @@ class Sheet : public PictureSink {
 
 class FilmFile : public PictureSink {
  public:
-  FilmFile(const fs::path& file, double rate) : film_(file, rate) {}
+  FilmFile(const fs::path& file, double rate) : film_(file, rate, interrupt_requested) {}
   void add(const render::Image& image, std::uint64_t) override {
     film_.add(image);
     empty_ = false;

@@ -17,7 +17,8 @@ std::filesystem::path part_path(const std::filesystem::path& path) {
 void rename_file(const std::filesystem::path& from, const std::filesystem::path& to) {
   std::error_code error;
   std::filesystem::rename(from, to, error);
-  if (error) throw WriteError(from.string() + ": cannot be renamed to " + to.string() + ": " + error.message());
+  if (error)
+    throw WriteError(from.string() + ": cannot be renamed to " + to.string() + ": " + error.message());
 }
 
 AtomicFile::AtomicFile(std::filesystem::path path)

@@ -84,7 +84,7 @@ File::File(std::filesystem::path path, Mode mode) : path_(std::move(path)), mode
   std::error_code ignored;
   if (mode == Mode::create && !folder.empty() && !std::filesystem::is_directory(folder, ignored))
     throw WriteError(path_.string() + ": cannot be written: there is no folder " + folder.string() +
-                "; create it first");
+                     "; create it first");
   errno = reason;
   fail(mode == Mode::create ? "cannot be written" : "cannot be opened");
 }
@@ -182,7 +182,8 @@ void create_folder(const std::filesystem::path& folder) {
   if (std::filesystem::is_directory(status)) return;
   const std::string what = folder.string() + ": cannot be an output folder: ";
   if (std::filesystem::exists(status)) throw Error(what + "there is a file of that name; choose another");
-  if (error == std::errc::not_a_directory) throw Error(what + "a folder of its path is a file; choose another");
+  if (error == std::errc::not_a_directory)
+    throw Error(what + "a folder of its path is a file; choose another");
   throw WriteError(what + error.message() + "; choose another");
 }
 
