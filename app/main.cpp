@@ -3,6 +3,7 @@
 #include "app/out_of_memory.h"
 #include "app/view/keys.h"
 #include "souple/error.h"
+#include "souple/files/write_error.h"
 #include "souple/version.h"
 
 #include <cerrno>
@@ -369,6 +370,9 @@ void add_info(CLI::App& app, std::function<int()>& action) {
 int perform(const std::function<int()>& action) {
   try {
     return action();
+  } catch (const souple::WriteError& error) {
+    std::fprintf(stderr, "souple: %s\n", error.what());
+    return failed;
   } catch (const souple::Error& error) {
     std::fprintf(stderr, "souple: %s\n", error.what());
     return bad_input;

@@ -1,9 +1,11 @@
 #include "app/picture_sink.h"
 
+#include "app/interrupt.h"
 #include "render/contact_sheet.h"
 #include "render/film.h"
 #include "souple/error.h"
 #include "souple/files/atomic_file.h"
+#include "souple/files/file.h"
 
 #include <algorithm>
 #include <array>
@@ -24,15 +26,9 @@ std::string lower_extension(const fs::path& file) {
   return extension;
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  if (!folder.empty()) fs::create_directories(folder, error);
-  if (error) throw Error(folder.string() + ": cannot create the folder: " + error.message());
-}
-
 /// Detects a full disk or a folder without write permission now, not after minutes of work.
 void require_writable(const fs::path& file) {
-  make_folder(file.parent_path());
+  if (const fs::path folder = file.parent_path(); !folder.empty()) create_folder(folder);
   if (std::error_code error; fs::is_directory(file, error))
     throw Error(file.string() + ": is a folder; expected the name of a picture");
   const AtomicFile probe(file);  // never committed
@@ -70,7 +66,7 @@ class Sheet : public PictureSink {
 
 class FilmFile : public PictureSink {
  public:
-  FilmFile(const fs::path& file, double rate) : film_(file, rate) {}
+  FilmFile(const fs::path& file, double rate) : film_(file, rate, interrupt_requested) {}
   void add(const render::Image& image, std::uint64_t) override {
     film_.add(image);
     empty_ = false;

@@ -212,6 +212,17 @@ struct Output {
     recorder.save_manifest();
     if (surfaces != nullptr) surfaces->save();
   }
+  /// After a failure: completes the files as far as it can.
+  void finish_what_is_there() const {
+    try {
+      recorder.finish();
+    } catch (const Error&) {  // the first failure is reported
+    }
+    try {
+      if (surfaces != nullptr) surfaces->finish();
+    } catch (const Error&) {
+    }
+  }
   void finish() const {
     recorder.finish();
     if (surfaces != nullptr) surfaces->finish();
@@ -237,6 +248,7 @@ int simulate(const Job& job, World& world, const Output& output) {
       progress.frame_done(frame);
       const bool last = frame == job.scene.frames;
       if (!last && interrupt_requested()) {
+        output.save_manifests();
         save_checkpoint(job, world, frame);
         output.finish();
         return report_interrupted(job, frame);
@@ -315,19 +327,13 @@ int run(const RunOptions& options) {
   if (!lock) lock.emplace(OutputLock::of_folder(job.out));
   // From here on files are written; an interrupt ends the run with complete files.
   watch_interrupts();
-  std::unique_ptr<Recorder> recorder;
-  try {
-    if (job.done == 0) {
-      std::error_code error;
-      fs::remove(job.out / checkpoint_name, error);  // of an earlier run
-      if (surfaces) surfaces->start();
-    }
-    recorder = std::make_unique<Recorder>(world, job.out, recorder_options(job));
-  } catch (const Error& error) {
-    std::fprintf(stderr, "souple: %s\n", error.what());
-    return failed;
+  if (job.done == 0) {
+    std::error_code error;
+    fs::remove(job.out / checkpoint_name, error);  // of an earlier run
   }
-  const Output output{*recorder, surfaces.get(), picture.get(), options.quiet};
+  if (surfaces) surfaces->start();
+  Recorder recorder(world, job.out, recorder_options(job));
+  const Output output{recorder, surfaces.get(), picture.get(), options.quiet};
   try {
     const int code = simulate(job, world, output);
     if (code == success && picture != nullptr && !options.quiet)
@@ -335,6 +341,7 @@ int run(const RunOptions& options) {
     return code;
   } catch (const Error& error) {
     std::fprintf(stderr, "souple: %s\n", error.what());
+    output.finish_what_is_there();
     return failed;
   } catch (const std::bad_alloc&) {
     return end_out_of_memory(job, output);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/surface_files.h"
+#include "app/surface_recorder.h"
 #include "souple/world/world.h"
 
 #include <cstdint>
@@ -21,26 +21,26 @@ class RunSurfaces {
   RunSurfaces(const std::string& method, const SceneDescription& scene, const World& world,
               const std::filesystem::path& run, std::uint64_t done);
 
-  /// Creates the folder for a new run.
+  /// Creates the folder for a new run, or continues its run.json.
   void start();
   /// Meshes the world's current state.
   void write(const World& world, std::uint64_t frame);
-  /// Writes run.json for the frames so far; the run's own run.json must be up to date.
-  void save() const;
-  /// Removes files of a longer earlier run and saves run.json. The run must be complete up to the same frame.
-  void finish();
+  /// Writes run.json for the frames so far.
+  void save() { recorder_.save(false); }
+  /// Removes files of a longer earlier run and saves run.json.
+  void finish() { recorder_.finish(true); }
 
   /// Folder, frames, triangles and time.
   std::string summary() const;
 
  private:
   SurfaceFileOptions file_options_;
-  std::filesystem::path run_;
   double rate_;  // frames per second
   std::unique_ptr<Threads> threads_;
   std::vector<ObjectId> fluids_;
-  ObjectFiles files_;  // per object
-  std::uint64_t frames_, done_before_;
+  SurfaceRecorder recorder_;  // its objects are those of `fluids_`
+  RunManifest before_;        // of the run that is resumed
+  std::uint64_t done_before_;
 };
 
 }  // namespace souple::app

@@ -3,6 +3,7 @@
 #include "app/interrupt.h"
 #include "app/progress.h"
 #include "app/surface_files.h"
+#include "app/surface_recorder.h"
 #include "app/vdb.h"
 #include "souple/error.h"
 #include "souple/files/file.h"
@@ -16,6 +17,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -98,52 +100,85 @@ float spacing_of(const Playback& playback, const std::string& object, const fs::
               "\" lie apart [m]");
 }
 
+/// The run.json of the run, without reports.
+RunManifest source_of(const Playback& playback) {
+  const RunManifest& manifest = playback.manifest();
+  RunManifest source;
+  source.scene = manifest.scene;
+  source.frame_rate = manifest.frame_rate;
+  source.frames = manifest.frames;
+  return source;
+}
+
 /// Meshes frame by frame.
 class MeshingJob {
  public:
   MeshingJob(const SurfaceRequest& request, const SurfaceFileOptions& file_options, Playback& playback)
       : file_options_(file_options),
         playback_(playback),
-        threads_(make_threads(Threading::automatic, request.threads.value_or(0))) {
+        threads_(make_threads(Threading::automatic, request.threads.value_or(0))),
+        recorder_(file_options.out, source_of(playback)) {
     FileNames names;
     for (const std::size_t i : chosen_objects(request, playback)) {
       const std::string& name = playback.objects()[i].name;
       const float spacing = request.spacing ? *request.spacing : spacing_of(playback, name, request.cache);
-      objects_.push_back(
+      recorder_.objects().push_back(
           std::make_unique<SurfaceFiles>(file_options, spacing, name, names.add(name), *threads_));
       indices_.push_back(i);
     }
   }
 
-  /// Returns whether all frames are complete.
+  /// Returns whether all frames are complete. Where one fails, the folder holds those before it.
   bool run(const SurfaceRequest& request) {
+    const bool complete = playback_.manifest().complete;
+    try {
+      mesh(request);
+    } catch (...) {
+      try {
+        recorder_.finish(complete);
+      } catch (...) {  // the first failure says more
+      }
+      throw;
+    }
+    recorder_.finish(complete);
+    return frames() == playback_.frames();
+  }
+
+  std::uint64_t frames() const { return recorder_.frames(); }
+  std::string summary() const { return surface_summary(frames(), recorder_.objects()); }
+
+ private:
+  void mesh(const SurfaceRequest& request) {
     bool announced = false;
     Progress progress(request.cache.string(), playback_.frames(), 0, request.quiet);
     for (std::uint64_t frame = 1; frame <= playback_.frames() && !interrupt_requested(); ++frame) {
       playback_.read(frame);
       const double before = frame > 1 ? playback_.time(frame - 1) : 0;
       const double rate = 1 / (playback_.time(frame) - before);
-      for (std::size_t i = 0; i < objects_.size(); ++i) {
+      for (std::size_t i = 0; i < indices_.size(); ++i) {
         const Playback::Object& object = playback_.objects()[indices_[i]];
-        objects_[i]->write(frame, object.positions, object.velocities, rate);
+        recorder_.objects()[i]->write(frame, object.positions, object.velocities, rate);
       }
-      frames_ = frame;
+      recorder_.add(frame, time_of_report(frame));
       if (!announced && !request.quiet) announced = announce(frame, progress.seconds());
       progress.frame_done(frame);
     }
-    for (const auto& object : objects_) object->finish();
-    write_manifest(file_options_.out, surface_manifest(playback_.manifest(), frames_, objects_));
-    return frames_ == playback_.frames();
   }
 
-  std::uint64_t frames() const { return frames_; }
-  std::string summary() const { return surface_summary(frames_, objects_); }
+  /// Without a value for a frame of a killed run, whose run.json lacks its last frames.
+  std::optional<double> time_of_report(std::uint64_t frame) const {
+    const std::vector<FrameReport>& reports = playback_.manifest().reports;
+    const auto found =
+        std::lower_bound(reports.begin(), reports.end(), frame,
+                         [](const FrameReport& report, std::uint64_t f) { return report.frame < f; });
+    if (found == reports.end() || found->frame != frame) return std::nullopt;
+    return found->time;
+  }
 
- private:
   /// After the first frame with a mesh: what all will take, in time and on the disk.
   bool announce(std::uint64_t frame, double seconds) const {
     std::uint64_t bytes = 0;
-    for (const auto& object : objects_) bytes += object->bytes_of(frame);
+    for (const auto& object : recorder_.objects()) bytes += object->bytes_of(frame);
     if (bytes == 0) return false;
     const auto left = static_cast<double>(playback_.frames() - frame + 1);
     std::printf("%s: about %s in %llu frames, about %s\n", file_options_.out.string().c_str(),
@@ -157,9 +192,8 @@ class MeshingJob {
   const SurfaceFileOptions& file_options_;
   Playback& playback_;
   std::unique_ptr<Threads> threads_;
-  ObjectFiles objects_;
+  SurfaceRecorder recorder_;
   std::vector<std::size_t> indices_;  // per object: index in the playback
-  std::uint64_t frames_ = 0;
 };
 
 }  // namespace

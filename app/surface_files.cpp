@@ -130,6 +130,14 @@ std::uint64_t SurfaceFiles::bytes_of(std::uint64_t frame) const {
   return sum;
 }
 
+void SurfaceFiles::drop_after(std::uint64_t frame) {
+  std::vector<ManifestFile>& files = manifest_object_.files;
+  const bool has_mesh = meshes_.frames() > frame && !files.empty();
+  meshes_.drop_after(frame);
+  if (particles_) particles_->drop_after(frame);
+  if (has_mesh && --files.front().frames == 0) files.clear();
+}
+
 void SurfaceFiles::finish() {
   meshes_.finish();
   if (particles_) particles_->finish();
@@ -163,15 +171,12 @@ std::span<const Vec3f> SurfaceFiles::differences(std::span<const Vec3f> position
 RunManifest surface_manifest(const RunManifest& source, std::uint64_t frames, const ObjectFiles& objects) {
   RunManifest result;
   result.version = version;
-  result.complete = source.complete && frames == source.frames;
   result.scene = source.scene;
   result.frame_rate = source.frame_rate;
   result.frames = frames;
   for (const auto& object : objects)
     if (!object->manifest_object().files.empty()) result.objects.push_back(object->manifest_object());
   result.notes = {"surfaces of particles, by souple surface"};
-  for (const FrameReport& report : source.reports)
-    if (report.frame <= frames) result.reports.push_back({report.frame, report.time, {}, {}, {}});
   return result;
 }
 

@@ -75,6 +75,8 @@ class SurfaceFiles {
   /// particles, or too thin for the grid.
   void write(std::uint64_t frame, std::span<const Vec3f> positions, std::span<const Vec3f> velocities,
              double rate);
+  /// Undoes a failed frame: restores the state after frame `frame`.
+  void drop_after(std::uint64_t frame);
   void finish();
   /// Size of the files of a frame; 0 without them.
   std::uint64_t bytes_of(std::uint64_t frame) const;
@@ -103,7 +105,7 @@ class SurfaceFiles {
 
 using ObjectFiles = std::vector<std::unique_ptr<SurfaceFiles>>;
 
-/// The run.json for the meshes of the first `frames` frames of a run.
+/// The run.json for the meshes of the first `frames` frames of a run, without reports.
 RunManifest surface_manifest(const RunManifest& source, std::uint64_t frames, const ObjectFiles& objects);
 
 /// "300 frames, 20000 triangles and 31.5 ms each".

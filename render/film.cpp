@@ -1,18 +1,24 @@
 #include "render/film.h"
 
 #include "souple/error.h"
+#include "souple/files/file.h"
+#include "souple/files/write_error.h"
 
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <cerrno>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <fcntl.h>
+#include <optional>
+#include <poll.h>
 #include <span>
 #include <spawn.h>
 #include <string>
@@ -54,7 +60,8 @@ std::string reason(int number) {
 /// A running ffmpeg that reads from this process. Its arguments are passed unchanged, without a shell.
 class Ffmpeg {
  public:
-  explicit Ffmpeg(const std::vector<std::string>& arguments) : log_(std::tmpfile()) {
+  explicit Ffmpeg(const std::vector<std::string>& arguments, const Film::Interrupted& interrupted = {})
+      : log_(std::tmpfile()), interrupted_(interrupted) {
     const fs::path program = find_program("ffmpeg");
     if (program.empty()) {
       throw Error(
@@ -81,7 +88,7 @@ class Ffmpeg {
   }
   ~Ffmpeg() {
     if (process_ > 0) {
-      kill(process_, SIGKILL);
+      end();
       close_input();
       wait();
     }
@@ -93,10 +100,16 @@ class Ffmpeg {
   /// False when ffmpeg accepts no more data: `finish` then returns the reason.
   bool write(std::span<const std::uint8_t> bytes) {
     while (!bytes.empty()) {
-      const ssize_t sent = send(input_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-      if (sent < 0 && errno == EINTR) continue;
-      if (sent < 0) return false;
-      bytes = bytes.subspan(static_cast<std::size_t>(sent));
+      const ssize_t sent = send(input_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (sent > 0) {
+        sent_ += static_cast<std::uint64_t>(sent);
+        bytes = bytes.subspan(static_cast<std::size_t>(sent));
+        continue;
+      }
+      if (errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) return false;
+      if (hangs()) return false;
+      pollfd ready{input_, POLLOUT, 0};
+      poll(&ready, 1, interrupted_ ? poll_milliseconds : -1);
     }
     return true;
   }
@@ -108,6 +121,7 @@ class Ffmpeg {
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return {};
     std::string line = last_line();
     if (!line.empty()) return line;
+    if (hung_) return "it did nothing for two seconds after the interrupt, and was ended";
     return WIFSIGNALED(status) ? fmt::format("it was ended by signal {}", WTERMSIG(status))
                                : fmt::format("exit code {}", WEXITSTATUS(status));
   }
@@ -140,10 +154,39 @@ class Ffmpeg {
 
   int wait() {
     int status = 0;
-    while (waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+    for (;;) {
+      const pid_t ended = waitpid(process_, &status, interrupted_ && !hung_ ? WNOHANG : 0);
+      if (ended == process_ || (ended < 0 && errno != EINTR)) break;
+      if (ended == 0 && !hangs()) poll(nullptr, 0, 5);
     }
     process_ = -1;
     return status;
+  }
+
+  /// With the programs that it started, where it is a script.
+  void end() { kill(-process_, SIGKILL); }
+
+  /// Processor time that ffmpeg has used; 0 where the system does not tell.
+  double seconds_used() const {
+    clockid_t clock{};
+    timespec used{};
+    if (clock_getcpuclockid(process_, &clock) != 0 || clock_gettime(clock, &used) != 0) return 0;
+    return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+  }
+
+  /// Whether ffmpeg has neither read nor computed for two seconds since the interrupt; if so, ends it.
+  bool hangs() {
+    if (!interrupted_ || !interrupted_()) return false;
+    const auto now = std::chrono::steady_clock::now();
+    const std::pair done{sent_, seconds_used()};
+    if (!last_done_ || *last_done_ != done) {
+      last_done_ = done;
+      last_change_ = now;
+    }
+    if (now - last_change_ < std::chrono::seconds(2)) return false;
+    hung_ = true;
+    end();
+    return true;
   }
 
   /// The last line of ffmpeg's messages.
@@ -166,7 +209,14 @@ class Ffmpeg {
     log_ = nullptr;
   }
 
+  static constexpr int poll_milliseconds = 100;
+
   std::FILE* log_;  ///< a file, not a pipe: it never fills up
+  Film::Interrupted interrupted_;
+  std::uint64_t sent_ = 0;                                     // bytes that ffmpeg has read or will read
+  std::optional<std::pair<std::uint64_t, double>> last_done_;  // bytes sent and processor time
+  std::chrono::steady_clock::time_point last_change_;          // of last_done_
+  bool hung_ = false;                                          // ended by `hangs`
   int input_ = -1;
   pid_t process_ = -1;
 };
@@ -197,16 +247,10 @@ std::string number_text(double number) {
   return text;
 }
 
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  if (!folder.empty()) fs::create_directories(folder, error);
-  if (error) throw Error(folder.string() + ": cannot create the folder: " + error.message());
-}
-
 /// Detects failure now, not after minutes of work.
 void require_writable(const fs::path& file) {
   std::FILE* const opened = std::fopen(file.c_str(), "wb");
-  if (opened == nullptr) throw Error(file.string() + ": cannot be written: " + reason(errno));
+  if (opened == nullptr) throw WriteError(file.string() + ": cannot be written: " + reason(errno));
   std::fclose(opened);
 }
 
@@ -226,6 +270,7 @@ struct Film::Impl {
 
   fs::path file;
   double rate;
+  Interrupted interrupted;
   Kind kind = Kind::pictures;
   int width = 0, height = 0;            ///< size of the first picture
   int film_width = 0, film_height = 0;  ///< size of the pictures for ffmpeg
@@ -236,18 +281,19 @@ struct Film::Impl {
   std::unique_ptr<Ffmpeg> ffmpeg;
   Image padded;
 
-  Impl(fs::path file_, double rate_) : file(std::move(file_)), rate(rate_) {
+  Impl(fs::path file_, double rate_, Interrupted interrupted_)
+      : file(std::move(file_)), rate(rate_), interrupted(std::move(interrupted_)) {
     if (!(std::isfinite(rate) && rate > 0))
       throw Error(file.string() + ": a film needs a frame rate above 0, not " + number_text(rate));
     if (is_film(file)) kind = lower_extension(file) == ".gif" ? Kind::gif : Kind::mp4;
     if (kind == Kind::pictures) {
-      make_folder(file);
+      create_folder(file);
       return;
     }
     if (std::error_code error; fs::is_directory(file, error))
       throw Error(file.string() + ": is a folder; expected the name of a film");
     if (!has_ffmpeg()) Ffmpeg({});  // throws Error that names the package
-    make_folder(file.parent_path());
+    if (const fs::path folder = file.parent_path(); !folder.empty()) create_folder(folder);
     part = part_of(file, kind == Kind::gif ? ".mkv" : ".mp4");
     temporary_files.push_back(part);
     require_writable(part);
@@ -313,7 +359,7 @@ struct Film::Impl {
     const std::vector<std::string>& encoding = kind == Kind::mp4 ? mp4 : lossless;
     arguments.insert(arguments.end(), encoding.begin(), encoding.end());
     arguments.push_back(file_argument(part));
-    ffmpeg = std::make_unique<Ffmpeg>(arguments);
+    ffmpeg = std::make_unique<Ffmpeg>(arguments, interrupted);
   }
 
   /// The picture; if the film is larger, with the last column and row repeated.
@@ -364,7 +410,7 @@ struct Film::Impl {
   }
 
   void run_to_end(const std::vector<std::string>& arguments) {
-    ffmpeg = std::make_unique<Ffmpeg>(arguments);
+    ffmpeg = std::make_unique<Ffmpeg>(arguments, interrupted);
     if (const std::string why = ffmpeg->finish(); !why.empty()) fail(why);
     ffmpeg.reset();
   }
@@ -379,7 +425,7 @@ struct Film::Impl {
     const fs::path whole = kind == Kind::gif ? make_gif() : part;
     std::error_code error;
     fs::rename(whole, file, error);
-    if (error) throw Error(file.string() + ": cannot be written: " + error.message());
+    if (error) throw WriteError(file.string() + ": cannot be written: " + error.message());
   }
 
   /// Two passes: the best palette for all pictures, then the film in its colors.
@@ -398,7 +444,8 @@ struct Film::Impl {
   }
 };
 
-Film::Film(fs::path file, double frame_rate) : impl_(std::make_unique<Impl>(std::move(file), frame_rate)) {}
+Film::Film(fs::path file, double frame_rate, Interrupted interrupted)
+    : impl_(std::make_unique<Impl>(std::move(file), frame_rate, std::move(interrupted))) {}
 
 Film::~Film() = default;
 

@@ -3,6 +3,7 @@
 #include "render/image.h"
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 namespace souple::render {
@@ -15,8 +16,13 @@ namespace souple::render {
 /// third, and so on.
 class Film {
  public:
-  /// Throws Error when ffmpeg is missing (and names its package) or the file cannot be written.
-  Film(std::filesystem::path file, double frame_rate);
+  /// Whether the user has asked to stop.
+  using Interrupted = std::function<bool()>;
+
+  /// Throws Error when ffmpeg is missing (and names its package) or the file cannot be written. Once `interrupted`
+  /// returns true, an ffmpeg that neither reads nor computes for two seconds is ended, and the film has failed;
+  /// without it the film waits for any ffmpeg.
+  Film(std::filesystem::path file, double frame_rate, Interrupted interrupted = {});
   /// Finishes the film without exceptions; a film that failed or has no picture leaves no file.
   ~Film();
   Film(const Film&) = delete;

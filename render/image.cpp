@@ -3,6 +3,7 @@
 #include "render/palette_image.h"
 #include "render/srgb.h"
 #include "souple/error.h"
+#include "souple/files/write_error.h"
 
 #include <algorithm>
 #include <array>
@@ -90,10 +91,10 @@ void write_whole(const std::filesystem::path& file, const std::vector<std::uint8
   const std::filesystem::path folder =
       file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
   if (!std::filesystem::is_directory(folder, ignored)) {
-    throw Error(
+    throw WriteError(
         fmt::format("{}: the folder {} does not exist; make it first", file.string(), folder.string()));
   }
-  throw Error(fmt::format("{}: cannot be written; check permissions and free space", file.string()));
+  throw WriteError(fmt::format("{}: cannot be written; check permissions and free space", file.string()));
 }
 
 std::vector<std::uint8_t> bytes_of(const std::filesystem::path& file) {

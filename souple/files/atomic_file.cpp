@@ -1,7 +1,8 @@
 #include "souple/files/atomic_file.h"
 
-#include "souple/error.h"
+#include "souple/files/write_error.h"
 
+#include <algorithm>
 #include <system_error>
 #include <utility>
 
@@ -16,7 +17,8 @@ std::filesystem::path part_path(const std::filesystem::path& path) {
 void rename_file(const std::filesystem::path& from, const std::filesystem::path& to) {
   std::error_code error;
   std::filesystem::rename(from, to, error);
-  if (error) throw Error(from.string() + ": cannot be renamed to " + to.string() + ": " + error.message());
+  if (error)
+    throw WriteError(from.string() + ": cannot be renamed to " + to.string() + ": " + error.message());
 }
 
 AtomicFile::AtomicFile(std::filesystem::path path)
@@ -38,7 +40,13 @@ void AtomicFile::write(std::string_view bytes) {
   write(std::as_bytes(std::span(bytes.data(), bytes.size())));
 }
 
+void AtomicFile::reserve(std::uint64_t size) {
+  file_.reserve(size);
+  reserved_ = std::max(reserved_, size);
+}
+
 void AtomicFile::commit(Sync sync) {
+  if (reserved_ > written_) file_.truncate(written_);
   if (sync == Sync::yes) file_.sync();
   file_.close();
   rename_file(file_.path(), path_);

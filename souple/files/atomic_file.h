@@ -11,7 +11,7 @@ namespace souple {
 /// NAME.part: the name of a file while it is written.
 std::filesystem::path part_path(const std::filesystem::path& path);
 
-/// Renames a file and replaces an existing one atomically. Throws Error.
+/// Renames a file and replaces an existing one atomically. Throws WriteError.
 void rename_file(const std::filesystem::path& from, const std::filesystem::path& to);
 
 /// Whether to wait for the disk, so that a power failure loses nothing; this costs milliseconds.
@@ -29,12 +29,15 @@ class AtomicFile {
 
   void write(std::span<const std::byte> bytes);
   void write(std::string_view bytes);
+  /// Reserves disk space for `size` bytes in all (File::reserve): writing no more than these does not fail on a full
+  /// disk, nor does commit().
+  void reserve(std::uint64_t size);
   void commit(Sync sync = Sync::no);
 
  private:
   std::filesystem::path path_;
   File file_;
-  std::uint64_t written_ = 0;
+  std::uint64_t written_ = 0, reserved_ = 0;
   bool committed_ = false;
 };
 

@@ -1,6 +1,7 @@
 #include "souple/files/file.h"
 
 #include "souple/error.h"
+#include "souple/files/write_error.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -13,6 +14,7 @@
 #if defined(_WIN32)
 #include <io.h>
 #else
+#include <fcntl.h>
 #include <unistd.h>
 #endif
 
@@ -44,37 +46,53 @@ int wait_for_disk(std::FILE* file) {
 #endif
 }
 
+/// Returns 0, or the error of a disk without space.
+int allocate(std::FILE* file, std::uint64_t size) {
+#if defined(_WIN32) || defined(__APPLE__)
+  static_cast<void>(file), static_cast<void>(size);
+  return 0;
+#else
+  int error = EINTR;
+  while (error == EINTR) error = posix_fallocate(fileno(file), 0, static_cast<off_t>(size));
+  return error == ENOSPC || error == EDQUOT || error == EFBIG ? error : 0;
+#endif
+}
+
 std::FILE* open_file(const std::filesystem::path& path, File::Mode mode) {
   const char* text = mode == File::Mode::read ? "rb" : (mode == File::Mode::create ? "w+b" : "r+b");
   return std::fopen(path.string().c_str(), text);
 }
 
 /// Rejects folders and pipes, which can be opened but then return garbage or block.
-void require_plain_file(const std::filesystem::path& path) {
+void require_plain_file(const std::filesystem::path& path, File::Mode mode) {
   std::error_code ignored;
   const auto status = std::filesystem::status(path, ignored);
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
-    throw Error(path.string() + ": is not a file; give the path of a file");
+  if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status)) return;
+  const std::string what = path.string() + ": is not a file; give the path of a file";
+  if (mode == File::Mode::create) throw WriteError(what);
+  throw Error(what);
 }
 
 }  // namespace
 
-File::File(std::filesystem::path path, Mode mode) : path_(std::move(path)) {
-  require_plain_file(path_);
+File::File(std::filesystem::path path, Mode mode) : path_(std::move(path)), mode_(mode) {
+  require_plain_file(path_, mode);
   file_.reset(open_file(path_, mode));
   if (file_) return;
   const int reason = errno;
   const auto folder = path_.parent_path();
   std::error_code ignored;
   if (mode == Mode::create && !folder.empty() && !std::filesystem::is_directory(folder, ignored))
-    throw Error(path_.string() + ": cannot be written: there is no folder " + folder.string() +
-                "; create it first");
+    throw WriteError(path_.string() + ": cannot be written: there is no folder " + folder.string() +
+                     "; create it first");
   errno = reason;
   fail(mode == Mode::create ? "cannot be written" : "cannot be opened");
 }
 
 void File::fail(const char* what) const {
-  throw Error(path_.string() + ": " + what + ": " + std::generic_category().message(errno));
+  const std::string text = path_.string() + ": " + what + ": " + std::generic_category().message(errno);
+  if (mode_ == Mode::read) throw Error(text);
+  throw WriteError(text);
 }
 
 std::FILE* File::seek(std::uint64_t offset) {
@@ -105,11 +123,18 @@ void File::write(std::uint64_t offset, std::span<const std::byte> bytes) {
   if (std::fwrite(bytes.data(), 1, bytes.size(), file) != bytes.size()) fail("cannot be written");
 }
 
+void File::reserve(std::uint64_t size) {
+  flush();
+  const int error = file_ ? allocate(file_.get(), size) : 0;
+  errno = error;
+  if (error != 0) fail("cannot be written");
+}
+
 void File::truncate(std::uint64_t size) {
   flush();
   std::error_code error;
   std::filesystem::resize_file(path_, size, error);
-  if (error) throw Error(path_.string() + ": cannot be cut: " + error.message());
+  if (error) throw WriteError(path_.string() + ": cannot be cut: " + error.message());
 }
 
 void File::flush() {
@@ -153,9 +178,13 @@ void create_folder(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder, error);
   // A loop of symbolic links or a name that is too long is an error here, not only a missing folder.
   std::error_code ignored;
-  if (!std::filesystem::is_directory(folder, ignored))
-    throw Error(folder.string() + ": cannot be an output folder: " +
-                (error ? error.message() : "there is a file of that name") + "; choose another");
+  const auto status = std::filesystem::status(folder, ignored);
+  if (std::filesystem::is_directory(status)) return;
+  const std::string what = folder.string() + ": cannot be an output folder: ";
+  if (std::filesystem::exists(status)) throw Error(what + "there is a file of that name; choose another");
+  if (error == std::errc::not_a_directory)
+    throw Error(what + "a folder of its path is a file; choose another");
+  throw WriteError(what + error.message() + "; choose another");
 }
 
 }  // namespace souple

@@ -11,7 +11,7 @@
 namespace souple {
 
 /// An open binary file. Failures throw Error with the path and the system's reason (disk full, permission,
-/// missing folder). The destructor closes the file.
+/// missing folder), and WriteError (write_error.h) unless the file is only read. The destructor closes the file.
 class File {
  public:
   enum class Mode {
@@ -27,6 +27,9 @@ class File {
   /// Fills `bytes` from `offset` on; throws Error if the file is too short.
   void read(std::uint64_t offset, std::span<std::byte> bytes);
   void write(std::uint64_t offset, std::span<const std::byte> bytes);
+  /// Allocates the disk space of the first `size` bytes and extends a shorter file to them: writing them does not
+  /// fail on a full disk. Throws Error if there is no space; where the file system cannot reserve, does nothing.
+  void reserve(std::uint64_t size);
   /// Truncates the file to `size` bytes.
   void truncate(std::uint64_t size);
   /// Passes buffered data to the system: other processes see it, and a killed process does not lose it.
@@ -46,6 +49,7 @@ class File {
   std::FILE* seek(std::uint64_t offset);
 
   std::filesystem::path path_;
+  Mode mode_;
   std::unique_ptr<std::FILE, Closer> file_;
 };
 
@@ -71,7 +75,7 @@ class ByteSource {
 /// Reads a whole file. Throws Error.
 std::string read_whole_file(const std::filesystem::path& path);
 
-/// Creates an output folder and its parents. Throws Error on failure.
+/// Creates an output folder and its parents. Throws WriteError on failure, and Error if it or a parent is a file.
 void create_folder(const std::filesystem::path& folder);
 
 }  // namespace souple

@@ -130,6 +130,22 @@ void MddWriter::change_capacity(std::uint64_t capacity) {
   capacity_ = capacity;
 }
 
+/// Moves the frames toward the beginning of NAME.part, over the unused end of the table. For a full disk, on which
+/// no copy fits; a program that is killed meanwhile leaves a damaged file.
+void MddWriter::shrink_capacity() {
+  std::vector<std::byte> bytes(copy_size);
+  const std::uint64_t from = frame_offset(0), size = frame_offset(frames()) - from;
+  capacity_ = frames();
+  const std::uint64_t to = frame_offset(0);
+  for (std::uint64_t at = 0; at < size; at += copy_size) {
+    const auto piece = std::span(bytes).first(std::min(copy_size, size - at));
+    file_.read(from + at, piece);
+    file_.write(to + at, piece);
+  }
+  file_.write(0, encode({capacity_, points_}));
+  file_.truncate(to + size);
+}
+
 void MddWriter::append(double time, std::span<const Vec3f> positions) {
   point_cache::check_append(path_.string(), {points_, frames()}, open_, positions.size());
   if (frames() == capacity_)
@@ -149,7 +165,13 @@ void MddWriter::append(double time, std::span<const Vec3f> positions) {
 void MddWriter::finish() {
   if (!open_) return;
   file_.truncate(frame_offset(frames()));  // removes the part of a failed frame
-  if (capacity_ != frames()) change_capacity(frames());
+  if (capacity_ != frames()) {
+    try {
+      change_capacity(frames());
+    } catch (const Error&) {
+      shrink_capacity();
+    }
+  }
   file_.close();
   rename_file(file_.path(), path_);
   open_ = false;

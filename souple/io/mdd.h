@@ -42,6 +42,7 @@ class MddWriter {
             std::vector<float> times);
   std::uint64_t frame_offset(std::uint64_t frame) const;
   void change_capacity(std::uint64_t capacity);
+  void shrink_capacity();
 
   std::uint64_t points_;
   std::filesystem::path path_;

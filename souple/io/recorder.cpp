@@ -4,6 +4,7 @@
 #include "souple/files/file.h"
 #include "souple/io/earlier_run.h"
 #include "souple/io/manifest.h"
+#include "souple/io/manifest_writer.h"
 #include "souple/io/recorded_foam.h"
 #include "souple/io/recorded_object.h"
 #include "souple/io/recorder_names.h"
@@ -39,7 +40,10 @@ RecordingPlan checked_plan(fs::path folder, const RecorderOptions& options) {
 
 struct Recorder::Impl {
   Impl(const World& recorded, fs::path folder, const RecorderOptions& options)
-      : world(recorded), plan(checked_plan(std::move(folder), options)), scene(options.scene) {
+      : world(recorded),
+        plan(checked_plan(std::move(folder), options)),
+        scene(options.scene),
+        run_json(plan.folder) {
     if (options.resume_from > 0) {
       resume(options.resume_from);
       save_manifest();
@@ -59,6 +63,8 @@ struct Recorder::Impl {
   void look_for_foam();
   void join(ObjectId object);
   void capture();
+  void reserve_manifest();
+  RunManifest manifest() const;
   void save_manifest();
   void finish();
 
@@ -69,8 +75,9 @@ struct Recorder::Impl {
   std::vector<std::unique_ptr<RecordedObject>> objects;  ///< including removed ones
   std::unique_ptr<RecordedFoam> foam;                    ///< null: no foam so far
   std::vector<ManifestObject> earlier;                   ///< removed before the run resumed
-  std::vector<FrameReport> reports;
   std::vector<std::string> notes;
+  ManifestWriter run_json;
+  std::size_t listed = 0;  ///< number of objects and notes in the run.json whose space is reserved
   std::uint64_t frames = 0;
   std::uint64_t next_save = 16;  ///< frame at which capture writes run.json again
   bool finished = false;
@@ -111,6 +118,9 @@ void Recorder::Impl::resume(std::uint64_t from) {
           "that was recorded",
           plan.folder.string(), world.name(object), found->kind, found->points, found->triangles));
   }
+  for (const FrameReport& report : before.reports)
+    if (report.frame <= from) run_json.add(report);
+  run_json.expect(before);
   for (const ObjectId object : present)
     objects.push_back(
         std::make_unique<RecordedObject>(plan, world, object, names.add(world.name(object)),
@@ -121,9 +131,6 @@ void Recorder::Impl::resume(std::uint64_t from) {
       continue;
     }
     if (!find(object.name)) earlier.push_back(object), names.add(object.name);
-  }
-  for (FrameReport& report : before.reports) {
-    if (report.frame <= from) reports.push_back(std::move(report));
   }
   notes = std::move(before.notes);
   for (const auto& object : objects) {
@@ -207,8 +214,11 @@ void Recorder::Impl::capture() {
       if (object->present()) object->append(world, frames + 1);
     }
     if (foam) foam->append(world);
+    run_json.add(frame_report(frames + 1, world.time(), world.report()));
+    reserve_manifest();
   } catch (...) {
     try {
+      run_json.drop_after(frames);
       for (const auto& object : objects) object->drop_after(frames);
       if (foam) foam->drop_after(frames);
     } catch (...) {
@@ -217,7 +227,6 @@ void Recorder::Impl::capture() {
     throw;
   }
   ++frames;
-  reports.push_back(frame_report(frames, world.time(), world.report()));
   if (frames < next_save) return;
   next_save = frames + frames / 2;  // all writes together cost three times the last one
   try {
@@ -227,7 +236,16 @@ void Recorder::Impl::capture() {
   }
 }
 
-void Recorder::Impl::save_manifest() {
+/// The first frame adds caches to run.json, later ones what changed.
+void Recorder::Impl::reserve_manifest() {
+  const std::size_t now = objects.size() + notes.size() + (foam ? 1 : 0);
+  if (frames > 0 && now == listed) return;
+  run_json.expect(manifest());
+  listed = now;
+}
+
+/// run.json without its reports.
+RunManifest Recorder::Impl::manifest() const {
   RunManifest manifest;
   manifest.version = version;
   manifest.complete = finished && frames >= plan.frames;
@@ -239,8 +257,11 @@ void Recorder::Impl::save_manifest() {
   for (const auto& object : objects) manifest.objects.push_back(object->manifest());
   if (foam && foam->has_files()) manifest.objects.push_back(foam->manifest());
   manifest.notes = notes;
-  manifest.reports = reports;
-  write_manifest(plan.folder, manifest);
+  return manifest;
+}
+
+void Recorder::Impl::save_manifest() {
+  run_json.save(manifest());
 }
 
 void Recorder::Impl::finish() {
@@ -255,14 +276,11 @@ void Recorder::Impl::finish() {
   };
   for (const auto& object : objects) try_to([&] { object->finish(); });
   if (foam) try_to([&] { foam->finish(); });
+  finished = !first;
+  try_to([&] { save_manifest(); });
+  finished = !first;
   if (first) std::rethrow_exception(first);
-  finished = true;
-  try {
-    save_manifest();
-  } catch (...) {
-    finished = false;
-    throw;
-  }
+  run_json.release();
 }
 
 Recorder::Recorder(const World& world, const std::string& folder, const RecorderOptions& options)

@@ -695,6 +695,15 @@ class WritingErrors(Case):
                 self.assertIn(reason, said)
                 self.assertNotIn("filesystem error", said)
 
+    def test_folders_of_surfaces_that_cannot_be(self):
+        self.souple("run", self.scene(dict(WATER, frames=2)), "--out", "out")
+        (self.folder / "loop").symlink_to("loop")
+        for out in "loop", "loop/inner", "n" * 256:
+            self.assertIn(f"{out}: cannot be an output folder: ", self.refused(f'"$0" surface out --out {out}'))
+        (self.folder / "run_surface").symlink_to("run_surface")
+        self.assertIn("run_surface: cannot be an output folder: ",
+                      self.refused('"$0" run small.json --out run --surface anisotropic'))
+
     def test_too_few_open_files_leave_no_file(self):
         self.skip_sanitizers("its check of virtual tables opens files itself")
         many = dict(SMALL, objects=[dict(SMALL["objects"][0], name=f"flag{i}") for i in range(40)])
@@ -702,6 +711,79 @@ class WritingErrors(Case):
         self.assertIn("Too many open files", said)
         self.assertEqual([n for n in self.names() if n.startswith("out/") and not n.endswith(".lock")], [])
 
+
+class FullDisk(Case):
+    """A disk that fills up in the middle of a run: exit code 1, and run.json says what the caches hold."""
+
+    # Little but the report of each frame: run.json is larger than the caches.
+    LONG = dict(SMALL, frames=400)
+
+    def on_small_disk(self, kilobytes, *arguments):
+        """Runs the program on a disk of that size, as disk/out; what it leaves lies in out/."""
+        shutil.rmtree(self.folder / "out", ignore_errors=True)
+        (self.folder / "disk").mkdir(exist_ok=True)
+        command = (f'mount -t tmpfs -o size={kilobytes}k none disk || exit 77\n"$0" "$@"; code=$?\n'
+                   "for made in disk/*; do cp -r $made .; done; exit $code")
+        done = subprocess.run(["unshare", "-rm", "bash", "-c", command, PROGRAM, *map(str, arguments)],
+                              cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL,
+                              capture_output=True, text=True, timeout=120)
+        if done.returncode == 77 or "unshare" in done.stderr:
+            self.skipTest("a file system of its own cannot be mounted here")
+        return done
+
+    def assert_described(self, name="out"):
+        """Caches are complete files, and run.json counts their frames. Returns the number of frames."""
+        out = self.folder / name
+        self.assertEqual(list(out.glob("*.part")), [])
+        manifest = json.loads((out / "run.json").read_text())
+        frames = manifest["frames"]
+        self.assertEqual(len(manifest["reports"]), frames)
+        for file in out.glob("*.pc2"):
+            self.assertEqual(int.from_bytes(file.read_bytes()[28:32], "little"), frames, file)
+        for file in out.glob("*.mdd"):
+            self.assertEqual(int.from_bytes(file.read_bytes()[:4], "big"), frames, file)
+        for listed in manifest["objects"]:
+            for file in listed["files"]:
+                self.assertTrue((out / file["path"]).is_file(), file)
+        return frames
+
+    def test_the_manifest_of_a_run_describes_its_caches(self):
+        for formats in ("pc2", "mdd", "pc2,ply"):
+            scene = self.scene(self.LONG)
+            whole = self.souple("run", scene, "--out", "whole", "--write", formats)
+            size = sum(f.stat().st_size for f in (self.folder / "whole").iterdir())
+            for part in (0.3, 0.55, 0.8):
+                done = self.on_small_disk(int(part * size / 1000), "run", scene, "--out", "disk/out", "--write", formats)
+                self.assertEqual(done.returncode, 1, done.stderr)
+                self.assert_one_line(done.stderr)
+                self.assertIn("No space left on device", done.stderr)
+                frames = self.assert_described()
+                self.assertGreater(frames, 400 * part / 4)
+                self.assertLess(frames, 400)
+                self.souple("surface", "out", "--out", "meshes")  # other commands read what is left
+
+    def test_the_manifest_of_surfaces_describes_its_meshes(self):
+        """Of `run --surface`, whose frames stop at the same one, and of `surface`."""
+        scene = self.scene(WATER)
+        self.souple("run", scene, "--out", "whole", "--surface", "anisotropic")
+        shutil.copytree(self.folder / "whole", self.folder / "source")
+        size = sum(f.stat().st_size for f in self.folder.glob("whole*/*"))
+        meshes = sum(f.stat().st_size for f in self.folder.glob("whole_surface/*"))
+        for command, name, kilobytes in (
+                (["run", scene, "--out", "disk/out", "--surface", "anisotropic"], "out_surface", 0.5 * size / 1000),
+                (["surface", "source", "--out", "disk/out"], "out", 0.5 * meshes / 1000)):
+            done = self.on_small_disk(int(kilobytes), *command)
+            self.assertEqual(done.returncode, 1, done.stderr)
+            self.assertIn("No space left on device", done.stderr)
+            frames = self.assert_described(name)
+            self.assertTrue(3 < frames < WATER["frames"], frames)
+            self.assertEqual(len(list((self.folder / name).glob("block_*.obj"))), frames)
+            if name == "out_surface":
+                self.assertLessEqual(self.assert_described("out") - frames, 1)
+                self.souple("surface", "out", "--out", "again")
+                made, again = self.contents("out_surface"), self.contents("again")
+                self.assertEqual({n: made[n] for n in made if n != "run.json"},
+                                 {n: again[n] for n in again if n in made and n != "run.json"})
 
 class Stopping(Case):
     def start(self, scene, *arguments):
@@ -760,6 +842,20 @@ class Stopping(Case):
             self.assertFalse([n for n in self.names() if n.endswith(".part")])
             self.souple("run", "--resume", folder)
             self.assert_same_contents("whole", folder)
+
+    def test_interrupted_where_no_checkpoint_can_be_written(self):
+        scene = self.scene(dict(WATER, frames=3000))
+        run = self.start(scene, "--out", "out", "--surface", "anisotropic")
+        self.wait_for(lambda: self.growing("out") or run.poll() is not None)
+        (self.folder / "out/checkpoint.souple.part").mkdir()
+        run.send_signal(signal.SIGINT)
+        out, error = run.communicate(timeout=60)
+        self.assertEqual(run.returncode, 1, out + error)
+        self.assert_one_line(error)
+        self.assertIn("checkpoint.souple.part", error)
+        frames = int.from_bytes((self.folder / "out/flag.pc2").read_bytes()[28:32], "little")
+        for folder in "out", "out_surface":
+            self.assertEqual(json.loads((self.folder / folder / "run.json").read_text())["frames"], frames)
 
     def test_signals_that_were_ignored_stay_ignored(self):
         scene = self.scene(dict(SMALL, frames=600, substeps=20))

@@ -409,6 +409,17 @@ class Refused(RenderCase):
         (self.folder / "folder.png").mkdir()
         self.refused(scene, "--out", "folder.png", said="is a folder")
 
+    def test_outputs_that_cannot_be_written(self):
+        """Exit code 1, before the first picture."""
+        self.souple("run", self.scene(SCENE), "--out", "out")
+        (self.folder / "loop").symlink_to("loop")
+        films = ["loop/a.mp4", "m" * 252 + ".mp4"] if shutil.which("ffmpeg") else []
+        for name in ["loop/a.png", "loop/inner", "loop", "n" * 252 + ".png", "n" * 256, *films]:
+            said = self.render("out", "--out", name, code=1).stderr
+            self.assert_one_line(said)
+            self.assertIn(name.split(".")[0].split("/")[0], said)
+        self.assertIn("loop", self.souple("run", self.scene(SCENE), "--picture", "loop/a.png", code=1).stderr)
+
     def test_sources(self):
         self.refused("flga", said='did you mean "flag"')
         self.refused("no/such.json", said="no such file")
@@ -502,6 +513,25 @@ class Trouble(RenderCase):
                                 wait_for=lambda: part.exists() and time.sleep(1) is None)
         pictures = int(re.search(r"interrupted after frame \d+; a.mp4 holds (\d+) pictures?", said).group(1))
         self.assertEqual(probe(self.folder / "a.mp4")[3], pictures)
+
+    def test_interrupt_while_ffmpeg_hangs(self):
+        scene = self.scene(dict(SCENE, frames=100000))
+        (self.folder / "bin").mkdir()
+        (self.folder / "bin/ffmpeg").write_text("#!/bin/sh\nexec sleep 1000\n")
+        (self.folder / "bin/ffmpeg").chmod(0o755)
+        self.environment["PATH"] = f"{self.folder}/bin:{self.environment['PATH']}"
+        run = subprocess.Popen([PROGRAM, "render", scene, "--out", "a.mp4", *QUICK], cwd=self.folder,
+                               env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(run.kill)
+        time.sleep(3)  # by then the film waits for ffmpeg
+        self.assertTrue((self.folder / "a.part.mp4").exists())
+        run.send_signal(signal.SIGTERM)
+        started = time.time()
+        out, error = run.communicate(timeout=30)
+        self.assertLess(time.time() - started, 10)
+        self.assertEqual(run.returncode, 1, out + error)
+        self.assertIn("a.mp4: ffmpeg failed: it did nothing for two seconds after the interrupt", error)
+        self.assertEqual(self.names(), ["bin", "bin/ffmpeg", "small.json"])
 
     def test_interrupt_between_pictures(self):
         scene = self.scene(dict(SCENE, frames=100000))

@@ -263,6 +263,40 @@ TEST_F(Films, AnFfmpegThatIsKilledIsNotSilent) {
   EXPECT_FALSE(fs::exists(folder_ / "a.mp4"));
 }
 
+/// A user interrupts the program while ffmpeg neither reads nor ends: it is ended, and nothing of the film is left.
+TEST_F(Films, AnFfmpegThatHangsIsEndedAfterAnInterrupt) {
+  put_first_on_path("ffmpeg", "sleep 1000");
+  {
+    Film film(folder_ / "a.mp4", 30, [] { return true; });
+    expect_error(
+        [&] {
+          for (int i = 0; i < 1000; ++i) film.add(fields(640, 480, i));
+        },
+        {"a.mp4", "ffmpeg failed", "did nothing"});
+  }
+  put_first_on_path("ffmpeg", "cat > /dev/null; sleep 1000");
+  {
+    bool stopped = false;
+    Film film(folder_ / "a.gif", 30, [&] { return stopped; });
+    for (int i = 0; i < 20; ++i) film.add(fields(640, 480, i));
+    stopped = true;
+    expect_error([&] { film.finish(); }, {"a.gif", "did nothing"});
+  }
+  EXPECT_EQ(names(), std::set<std::string>{"bin"});
+}
+
+/// One that is slow after an interrupt, but works, completes its film.
+TEST_F(Films, AnFfmpegThatWorksIsWaitedForAfterAnInterrupt) {
+  put_first_on_path(
+      "ffmpeg",
+      "cat > /dev/null; for i in 1 2 3 4 5 6; do sleep 0.5; : $(seq 1000); done; for f; do :; done; "
+      "echo film > ${f#file:}");
+  Film film(folder_ / "a.mp4", 30, [] { return true; });
+  film.add(fields(64, 48, 0));
+  film.finish();
+  EXPECT_EQ(bytes_of(folder_ / "a.mp4"), "film\n");
+}
+
 TEST_F(Films, WhereNothingCanBeWrittenIsSaidAtOnce) {
   NEEDS_FFMPEG;
   std::ofstream(folder_ / "file") << "mine";
