@@ -7,7 +7,6 @@
 #include <array>
 #include <cstring>
 #include <limits>
-#include <type_traits>
 #include <utility>
 
 namespace souple {
@@ -192,29 +191,46 @@ void ContactFinder::refresh(const RigidBodies& bodies, std::span<const RigidShap
   });
 }
 
+// Field by field: the bytes between fields are arbitrary.
+template <class Pair, class Contact, class Function>
+void ContactFinder::for_each_field(Pair& pair, Contact& contact, const Function& f) {
+  f(pair.a), f(pair.part_a), f(pair.b), f(pair.part_b), f(pair.manifold);
+  f(pair.axis.kind), f(pair.axis.a), f(pair.axis.b), f(pair.axis.axis);
+  f(contact.radius_a), f(contact.radius_b), f(contact.normal), f(contact.owner),
+      f(contact.normal_between_points);
+  f(contact.count);
+  for (auto& point : contact.points) {
+    f(point.core_a), f(point.core_b), f(point.anchor_a), f(point.anchor_b), f(point.feature);
+    f(point.anchored), f(point.slid), f(point.normal_impulse), f(point.tangent_impulse);
+  }
+}
+
 void ContactFinder::save(std::vector<std::byte>& out) const {
-  static_assert(std::is_trivially_copyable_v<Pair> && std::is_trivially_copyable_v<RigidContact>);
-  const std::uint64_t count = pairs_.size();
-  const auto put = [&out](std::span<const std::byte> bytes) {
+  const auto put = [&out](const auto& value) {
+    const auto bytes = std::as_bytes(std::span(&value, 1));
     out.insert(out.end(), bytes.begin(), bytes.end());
   };
-  put(std::as_bytes(std::span(&count, 1)));
-  put(std::as_bytes(std::span(pairs_)));
-  put(std::as_bytes(std::span(contacts_)));
+  put(std::uint64_t{pairs_.size()});
+  for (std::size_t p = 0; p < pairs_.size(); ++p) for_each_field(pairs_[p], contacts_[p], put);
 }
 
 void ContactFinder::load(std::span<const std::byte> in) {
+  const auto get = [&in](auto& value) {
+    if (in.size() < sizeof value) throw Error("restore: the snapshot's rigid contacts are cut short");
+    std::memcpy(&value, in.data(), sizeof value);
+    in = in.subspan(sizeof value);
+  };
   std::uint64_t count = 0;
-  if (in.size() >= sizeof count) std::memcpy(&count, in.data(), sizeof count);
-  const std::size_t each = sizeof(Pair) + sizeof(RigidContact);
-  if (in.size() < sizeof count || (in.size() - sizeof count) / each != count ||
-      (in.size() - sizeof count) % each != 0)
-    throw Error("restore: the snapshot's rigid contacts are not complete");
-  pairs_.resize(count), contacts_.resize(count);
-  if (count == 0) return;
-  in = in.subspan(sizeof count);
-  std::memcpy(pairs_.data(), in.data(), count * sizeof(Pair));
-  std::memcpy(contacts_.data(), in.data() + count * sizeof(Pair), count * sizeof(RigidContact));
+  get(count);
+  std::vector<Pair> pairs;
+  std::vector<RigidContact> contacts;
+  for (std::uint64_t p = 0; p < count; ++p) {
+    for_each_field(pairs.emplace_back(), contacts.emplace_back(), get);
+    if (contacts.back().count > contacts.back().points.size() ||
+        (p > 0 && !(pairs[p - 1].key() < pairs[p].key())))
+      throw Error("restore: the snapshot's rigid contacts are damaged");
+  }
+  pairs_ = std::move(pairs), contacts_ = std::move(contacts);
 }
 
 void ContactFinder::clear() {

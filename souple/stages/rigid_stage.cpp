@@ -1,9 +1,12 @@
 #include "souple/stages/rigid_stage.h"
 
 #include "souple/assert.h"
+#include "souple/contacts/collider.h"
+#include "souple/contacts/contact_projector.h"
 #include "souple/error.h"
 #include "souple/objects/object.h"
 #include "souple/rigid/free_motion.h"
+#include "souple/stages/stage_view.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>

@@ -1,11 +1,8 @@
 #pragma once
 
-#include "souple/contacts/collider.h"
-#include "souple/contacts/contact_projector.h"
 #include "souple/objects/rigid_definition.h"
 #include "souple/rigid/contact_finder.h"
 #include "souple/rigid/contact_solver.h"
-#include "souple/stages/stage_view.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -13,6 +10,13 @@
 #include <vector>
 
 namespace souple {
+
+struct Collider;
+struct ContactTables;
+struct Object;
+class Projector;
+struct StageView;
+struct Substep;
 
 /// The rigid bodies of a world in its step. Their particles are points of their surfaces: the body moves them, and what
 /// pushes them pushes the body. Between a push and the next call here a body is not rigid; each call makes it so again.

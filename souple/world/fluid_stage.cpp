@@ -49,8 +49,8 @@ void update_fluid_velocities(WorldState& world, const Substep& substep) {
 
 void step_foam(WorldState& world, double time, double dt) {
   const FoamInput foam{.dt = dt,
-                       .start_position = world.last_valid.position,
-                       .start_offset = world.last_valid.offset,
+                       .start_position = world.current.last_valid.position,
+                       .start_offset = world.current.last_valid.offset,
                        .gravity = world.settings.gravity,
                        .seed = world.settings.seed * 0x9e3779b97f4a7c15u + world.steps};
   world.fluids->step_foam(fluid_input(world, time), foam);

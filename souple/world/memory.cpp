@@ -102,8 +102,8 @@ MemoryReport World::memory() {
       {"particles", bytes_of(p.position, p.offset, p.start, p.velocity, p.mass, p.radius, p.contact_margin,
                              p.spin, p.turn, world.object_of)});
   report.simulation.push_back(
-      {"last valid state", bytes_of(world.last_valid.position, world.last_valid.offset,
-                                    world.last_valid.velocity, world.last_valid.spin)});
+      {"last valid state", bytes_of(world.current.last_valid.position, world.current.last_valid.offset,
+                                    world.current.last_valid.velocity, world.current.last_valid.spin)});
   report.simulation.push_back(
       {"forces and predictions",
        bytes_of(world.scratch->motion.predicted, world.scratch->motion.wind.of_particle,

@@ -48,7 +48,7 @@ void Edit::done() {
 void abandon_step(WorldState& world, double start) noexcept {
   world.calls->broken = true;
   if (world.current.saved) {
-    const LastValid& valid = world.last_valid;
+    const LastValid& valid = world.current.last_valid;
     Particles& particles = world.particles;
     std::copy(valid.position.begin(), valid.position.end(), particles.position.begin());
     std::copy(valid.offset.begin(), valid.offset.end(), particles.offset.begin());

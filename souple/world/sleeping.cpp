@@ -25,7 +25,7 @@ void wake_disturbed(WorldState& world, double dt) {
 }
 
 void fall_asleep(WorldState& world, double dt) {
-  const StartOfStep start{world.last_valid.position, world.last_valid.offset};
+  const StartOfStep start{world.current.last_valid.position, world.current.last_valid.offset};
   world.report.asleep = fall_asleep(sleep_view(world), start, !world.callbacks.force_fields.empty(), dt);
 }
 

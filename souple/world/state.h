@@ -94,6 +94,11 @@ struct CurrentSolver {
   SolverSettings settings;  ///< those that `solver` was made with
 };
 
+/// Particles before the step.
+struct LastValid {
+  std::vector<Vec4f> position, offset, velocity, spin;
+};
+
 /// The step that runs now.
 struct CurrentStep {
   bool running = false;                         ///< its stages, from the first to the last
@@ -101,11 +106,7 @@ struct CurrentStep {
   bool saved = false;                           ///< LastValid holds the particles before this step
   double start = 0, length = 1;                 ///< s
   std::optional<std::size_t> first_non_finite;  ///< the lowest particle with a non-finite value
-};
-
-/// Particles before the step.
-struct LastValid {
-  std::vector<Vec4f> position, offset, velocity, spin;
+  LastValid last_valid;
 };
 
 struct WorldState {
@@ -138,7 +139,6 @@ struct WorldState {
   Warnings warnings{report.flags, report.message};
   CurrentStep current;
   std::unique_ptr<Calls> calls;
-  LastValid last_valid;
   std::unique_ptr<Caches> caches;
 
   /// Null if the handle is stale.

@@ -104,10 +104,10 @@ void restore_last_valid(WorldState& world) {
   const Object& object = *world.objects[world.object_of[particle]];
   world.report.bad_object = object.name;
   world.report.bad_vertex = object.vertex_of[particle - object.begin];
-  particles.position = world.last_valid.position;
-  particles.offset = world.last_valid.offset;
-  particles.velocity = world.last_valid.velocity;
-  particles.spin = world.last_valid.spin;
+  particles.position = world.current.last_valid.position;
+  particles.offset = world.current.last_valid.offset;
+  particles.velocity = world.current.last_valid.velocity;
+  particles.spin = world.current.last_valid.spin;
   world.rigid->undo();
   update_sleeping_masses(world);
   world.warnings.warn(Flag::non_finite, fmt::format("{}, vertex {}: {}", object.name, world.report.bad_vertex,
@@ -157,13 +157,14 @@ void save_last_valid(WorldState& world) {
       std::memcpy(&valid[begin], &array[begin], (end - begin) * sizeof(Vec4f));
     });
   };
-  keep(particles.position, world.last_valid.position);
-  keep(particles.offset, world.last_valid.offset);
-  keep(particles.velocity, world.last_valid.velocity);
-  keep(particles.spin, world.last_valid.spin);
+  keep(particles.position, world.current.last_valid.position);
+  keep(particles.offset, world.current.last_valid.offset);
+  keep(particles.velocity, world.current.last_valid.velocity);
+  keep(particles.spin, world.current.last_valid.spin);
   world.rigid->keep();
   world.current.saved = true;
-  SOUPLE_ASSERT(world.last_valid.offset.size() == particles.size(), "arrays of particles have one length");
+  SOUPLE_ASSERT(world.current.last_valid.offset.size() == particles.size(),
+                "arrays of particles have one length");
 }
 
 void report_balance(WorldState& world) {
