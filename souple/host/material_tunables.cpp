@@ -33,7 +33,7 @@ const std::vector<Tunable<B>> soft_body_tunables{
     {"Young's modulus", "young_modulus", "Pa", &B::young_modulus, logarithmic(100, 1e9f)},
     {"Poisson's ratio", "poisson_ratio", "", &B::poisson_ratio, {0, 0.49f}},
     {"Density", "density", "kg/m\xc2\xb3", &B::density, logarithmic(10, 2e4f)},
-    {"Thickness", "thickness", "m", &I::thickness, logarithmic(1e-4f, 0.2f)},
+    {"Thickness", "thickness", "m", &B::thickness, logarithmic(1e-4f, 0.2f)},
     {"Friction", "friction", "", &B::friction, {0, 2}},
     {"Restitution", "restitution", "", &B::restitution, fraction},
     {"Damping", "damping", "1/s", &B::damping, logarithmic(1e-3f, 100)},

@@ -56,12 +56,12 @@ Bounds box_of(const BodyPose& pose, const RigidShape& shape, double margin) {
   return {Vec3f(lo - grown), Vec3f(hi + grown)};
 }
 
-RigidContact contact_of(const Manifold& manifold, const ConvexShape& a, const BodyPose& pose_a,
-                        double radius_b, const BodyPose& pose_b) {
+RigidContact contact_of(const Manifold& manifold, const BodyPose& pose_a, const BodyPose& pose_b) {
   RigidContact contact;
-  contact.radius_a = a.radius, contact.radius_b = radius_b;
+  contact.radius_a = manifold.radius_a, contact.radius_b = manifold.radius_b;
   contact.owner = manifold.owner;
-  contact.normal_between_points = manifold.owner == NormalOwner::edges && a.radius + radius_b > 0;
+  contact.normal_between_points =
+      manifold.owner == NormalOwner::edges && manifold.radius_a + manifold.radius_b > 0;
   const Vec3d n_a = pose_a.local_direction(manifold.normal), n_b = pose_b.local_direction(manifold.normal);
   contact.normal = manifold.owner == NormalOwner::face_of_b ? n_b : n_a;
   contact.count = static_cast<std::uint8_t>(manifold.count);
@@ -134,24 +134,24 @@ void ContactFinder::find_contact(std::size_t p, const RigidBodies& bodies, std::
   if (pair.manifold > 0) return;  // the first one finds all
   const ConvexShape& a = shapes[pair.a].parts[pair.part_a];
   const BodyPose &pose_a = bodies.pose[pair.a], &pose_b = bodies.pose[pair.b];
-  const auto set = [&](std::size_t at, const Manifold& manifold, double radius_b) {
-    RigidContact contact = contact_of(manifold, a, pose_a, radius_b, pose_b);
+  const auto set = [&](std::size_t at, const Manifold& manifold) {
+    RigidContact contact = contact_of(manifold, pose_a, pose_b);
     contact.a = pair.a, contact.b = pair.b, contact.material = contacts_[at].material;
     keep_impulses(contact, contacts_[at]);
     contacts_[at] = contact;
   };
   if (const Shape* const collider = shapes[pair.b].collider) {
     if (const Plane* const plane = std::get_if<Plane>(collider)) {
-      set(p, find_manifold(a, pose_a, *plane, pose_b, margin), 0);
+      set(p, find_manifold(a, pose_a, *plane, pose_b, margin, pair.axis.points));
     } else {
       std::array<Manifold, most_manifolds> found{};
       const int count = find_manifolds(a, pose_a, *collider, pose_b, margin, found);
       for (std::size_t m = 0; m < most_manifolds; ++m)
-        set(p + m, m < static_cast<std::size_t>(count) ? found[m] : Manifold{}, 0);
+        set(p + m, m < static_cast<std::size_t>(count) ? found[m] : Manifold{});
     }
   } else {
     const ConvexShape& b = shapes[pair.b].parts[pair.part_b];
-    set(p, find_manifold(a, pose_a, b, pose_b, margin, pair.axis), b.radius);
+    set(p, find_manifold(a, pose_a, b, pose_b, margin, pair.axis));
   }
 }
 

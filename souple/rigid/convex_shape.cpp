@@ -2,6 +2,7 @@
 
 #include "souple/error.h"
 #include "souple/geometry/circle.h"
+#include "souple/geometry/convex_hull.h"
 
 #include <algorithm>
 #include <array>
@@ -253,6 +254,10 @@ ConvexShape convex_polyhedron(const ConvexHull& hull, double radius) {
     faces.emplace_back(loop.begin(), loop.end());
   }
   return convex_polyhedron(hull.positions, faces, radius);
+}
+
+ConvexShape convex_hull_shape(std::span<const Vec3d> points, double radius) {
+  return convex_hull_shape(points, radius, {});
 }
 
 ConvexShape convex_hull_shape(std::span<const Vec3d> points, double radius, const HullOptions& options,

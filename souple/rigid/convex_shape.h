@@ -1,7 +1,6 @@
 #pragma once
 
 #include "souple/collision/shapes.h"
-#include "souple/geometry/convex_hull.h"
 #include "souple/state/rigid_bodies.h"
 
 #include <cstdint>
@@ -11,6 +10,9 @@
 #include <vector>
 
 namespace souple {
+
+struct ConvexHull;
+struct HullOptions;
 
 constexpr std::uint32_t no_face = ~std::uint32_t(0);
 
@@ -89,8 +91,9 @@ ConvexShape convex_polyhedron(const ConvexHull& hull, double radius = 0);
 
 /// The convex hull of points, rounded by `radius` >= 0. Throws what convex_hull throws. The time of a contact test grows
 /// with the number of vertices: limit that of finely divided meshes by the options.
-ConvexShape convex_hull_shape(std::span<const Vec3d> points, double radius = 0,
-                              const HullOptions& options = {}, const std::string& name = "convex hull");
+ConvexShape convex_hull_shape(std::span<const Vec3d> points, double radius = 0);
+ConvexShape convex_hull_shape(std::span<const Vec3d> points, double radius, const HullOptions& options,
+                              const std::string& name = "convex hull");
 
 /// The shape of a collider of souple/collision/shapes.h; none for planes and signed distance fields.
 std::optional<ConvexShape> convex_shape_of(const Shape& shape);

@@ -67,7 +67,9 @@ TEST(ConvexShape, NormalsEdgesAndSidePlanesFitTogether) {
 
 TEST(ConvexShape, TheHullOfABoxesCornersEdgesAndInsideIsTheBox) {
   std::vector<Vec3d> points;
-  for (int i = 0; i < 27; ++i) points.push_back({i % 3 - 1.0, i / 3 % 3 - 1.0, 2 * (i / 9 - 1.0)});
+  for (const double x : {-1, 0, 1}) {
+    for (const double y : {-1, 0, 1}) points.insert(points.end(), {{x, y, -2}, {x, y, 0}, {x, y, 2}});
+  }
   const ConvexShape hull = convex_hull_shape(points, 0.1);
   EXPECT_EQ(hull.vertices.size(), 8u);
   EXPECT_EQ(hull.faces.size(), 6u);
