@@ -192,10 +192,11 @@ void ContactFinder::refresh(const RigidBodies& bodies, std::span<const RigidShap
 }
 
 // Field by field: the bytes between fields are arbitrary.
-template <class Pair, class Contact, class Function>
-void ContactFinder::for_each_field(Pair& pair, Contact& contact, const Function& f) {
+template <class AnyPair, class AnyContact, class Function>
+void ContactFinder::for_each_field(AnyPair& pair, AnyContact& contact, const Function& f) {
   f(pair.a), f(pair.part_a), f(pair.b), f(pair.part_b), f(pair.manifold);
   f(pair.axis.kind), f(pair.axis.a), f(pair.axis.b), f(pair.axis.axis);
+  f(pair.axis.points.count), f(pair.axis.points.features), f(pair.axis.points.area);
   f(contact.radius_a), f(contact.radius_b), f(contact.normal), f(contact.owner),
       f(contact.normal_between_points);
   f(contact.count);
@@ -226,7 +227,8 @@ void ContactFinder::load(std::span<const std::byte> in) {
   std::vector<RigidContact> contacts;
   for (std::uint64_t p = 0; p < count; ++p) {
     for_each_field(pairs.emplace_back(), contacts.emplace_back(), get);
-    if (contacts.back().count > contacts.back().points.size() ||
+    const int kept = pairs.back().axis.points.count;
+    if (contacts.back().count > contacts.back().points.size() || (kept != 0 && kept != 4) ||
         (p > 0 && !(pairs[p - 1].key() < pairs[p].key())))
       throw Error("restore: the snapshot's rigid contacts are damaged");
   }

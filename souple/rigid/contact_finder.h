@@ -57,8 +57,8 @@ class ContactFinder {
                   const RigidMaterials& materials, double dt, double gravity);
   void append_pairs(std::uint32_t a, std::uint32_t b, std::span<const RigidShape> shapes);
   void take_over(std::size_t pair);
-  template <class Pair, class Contact, class Function>
-  static void for_each_field(Pair& pair, Contact& contact, const Function& f);
+  template <class AnyPair, class AnyContact, class Function>
+  static void for_each_field(AnyPair& pair, AnyContact& contact, const Function& f);
   void find_contact(std::size_t pair, const RigidBodies& bodies, std::span<const RigidShape> shapes,
                     double margin);
 
