@@ -18,7 +18,7 @@ std::optional<RunManifest> manifest_in(const fs::path& folder) {
   std::error_code ignored;
   if (!fs::is_regular_file(folder / "run.json", ignored)) return std::nullopt;
   try {
-    return read_manifest(folder);
+    return read_manifest_without_reports(folder);
   } catch (const Error&) {  // damaged, or of another version
     return std::nullopt;
   }

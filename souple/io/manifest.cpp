@@ -29,11 +29,12 @@ std::string reason(const nlohmann::json::exception& error) {
 }
 
 /// Throws Error for invalid JSON, and for nesting that would exhaust the stack of recursive readers.
-Json parse_json(std::string_view text, const std::string& name) {
-  const auto limit_depth = [&name](int depth, Json::parse_event_t, Json&) {
+/// Leaves the members of the outermost object out whose keys `omits` returns true for.
+Json parse_json(std::string_view text, const std::string& name, bool (*omits)(const Json& key) = nullptr) {
+  const auto limit_depth = [&](int depth, Json::parse_event_t event, Json& parsed) {
     if (depth > largest_depth)
       throw Error(fmt::format("{}: is nested deeper than {} levels", name, largest_depth));
-    return true;
+    return !(omits && depth == 1 && event == Json::parse_event_t::key && omits(parsed));
   };
   try {
     return Json::parse(text.begin(), text.end(), limit_depth);
@@ -44,31 +45,46 @@ Json parse_json(std::string_view text, const std::string& name) {
 
 // Writing.
 
-Json embedded(const std::string& text, const char* what) {
-  return text.empty() ? Json(nullptr) : parse_json(text, what);
+// Arrays and objects of the library allocate memory in their destructors, and end a process that has none. A run that
+// records is to outlive that, so only texts and numbers, which do not, are made with it.
+
+/// In quotation marks. Throws the library's exception if it is not UTF-8.
+std::string quoted(const std::string& text) {
+  return Json(text).dump();
 }
 
-Json to_json(const NamedNumbers& numbers) {
-  Json object = Json::object();
-  for (const auto& [name, value] : numbers) object[name] = value;
-  return object;
+/// The shortest text that reads back to the same number; null if it is not finite.
+std::string number_text(double number) {
+  return Json(number).dump();
 }
 
-Json to_json(const ManifestObject& object) {
-  Json files = Json::array();
-  for (const ManifestFile& file : object.files)
-    files.push_back({{"format", file.format}, {"path", file.path}, {"frames", file.frames}});
-  return {{"name", object.name},
-          {"kind", object.kind},
-          {"files", files},
-          {"topology", {{"points", object.points}, {"triangles", object.triangles}}}};
+/// The texts of all items with `between` from one to the next.
+template <class Items, class Text>
+std::string joined(const Items& items, const char* between, const Text& text_of) {
+  std::string text;
+  bool first = true;
+  for (const auto& item : items) {
+    if (!std::exchange(first, false)) text += between;
+    text += text_of(item);
+  }
+  return text;
 }
 
-Json to_json(const FrameReport& report) {
-  return {{"frame", report.frame},
-          {"time", report.time},
-          {"values", to_json(report.values)},
-          {"flags", report.flags}};
+std::string text_of(const NamedNumbers& numbers) {
+  return "{" +
+         joined(numbers, ",", [](const auto& n) { return quoted(n.first) + ":" + number_text(n.second); }) +
+         "}";
+}
+
+std::string text_of(const ManifestFile& file) {
+  return fmt::format(R"({{"format":{},"path":{},"frames":{}}})", quoted(file.format), quoted(file.path),
+                     file.frames);
+}
+
+std::string text_of(const ManifestObject& object) {
+  const std::string files = joined(object.files, ",", [](const ManifestFile& file) { return text_of(file); });
+  return fmt::format(R"({{"name":{},"kind":{},"files":[{}],"topology":{{"points":{},"triangles":{}}}}})",
+                     quoted(object.name), quoted(object.kind), files, object.points, object.triangles);
 }
 
 /// What `make` returns; throws Error for what JSON cannot hold, for example a name that is not UTF-8.
@@ -81,12 +97,11 @@ auto as_text(const Make& make) {
   }
 }
 
-/// [, one item per line, ]: readable with less and diff.
-template <class T>
-std::string lines_of(const std::vector<T>& items) {
-  std::string text = "[";
-  for (std::size_t i = 0; i < items.size(); ++i) text += (i ? ",\n  " : "\n  ") + to_json(items[i]).dump();
-  return text + (items.empty() ? "]" : "\n]");
+/// [, one object per line, ]: readable with less and diff.
+std::string lines_of(const std::vector<ManifestObject>& objects) {
+  if (objects.empty()) return "[]";
+  return "[\n  " + joined(objects, ",\n  ", [](const ManifestObject& object) { return text_of(object); }) +
+         "\n]";
 }
 
 // Reading.
@@ -242,6 +257,11 @@ void check_format(const Place& root) {
       fmt::format("was written by Souple {} in format {}; this version reads format 1", writer, format));
 }
 
+std::filesystem::path manifest_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_directory(path, ignored) ? path / "run.json" : path;
+}
+
 RunManifest read_root(const Place& root) {
   check_format(root);
   require_keys(root, {"souple_run", "version", "complete", "frame_rate", "frames", "scene", "settings",
@@ -266,23 +286,30 @@ RunManifest read_root(const Place& root) {
 
 ReportText report_text(const FrameReport& report) {
   return as_text([&] {
-    ReportText text{to_json(report).dump(), {}};
+    ReportText text;
+    text.report =
+        fmt::format(R"({{"frame":{},"time":{},"values":{},"flags":[{}]}})", report.frame,
+                    number_text(report.time), text_of(report.values), joined(report.flags, ",", quoted));
     if (!report.milliseconds.empty())
-      text.timing = Json{{"frame", report.frame}, {"milliseconds", to_json(report.milliseconds)}}.dump();
+      text.timing =
+          fmt::format(R"({{"frame":{},"milliseconds":{}}})", report.frame, text_of(report.milliseconds));
     return text;
   });
 }
 
-std::string manifest_head(const RunManifest& manifest) {
+std::string compact_json(const std::string& text, const char* what) {
+  return text.empty() ? "null" : as_text([&] { return parse_json(text, what).dump(); });
+}
+
+std::string manifest_head(const RunManifest& manifest, const std::string& scene,
+                          const std::string& settings) {
   return as_text([&] {
     return fmt::format(
         "{{\n\"souple_run\": 1,\n\"version\": {},\n\"complete\": {},\n"
         "\"frame_rate\": {},\n\"frames\": {},\n\"scene\": {},\n\"settings\": {},\n"
-        "\"objects\": {},\n\"notes\": {},\n",
-        Json(manifest.version).dump(), manifest.complete ? "true" : "false", Json(manifest.frame_rate).dump(),
-        manifest.frames, embedded(manifest.scene, "the scene of a run").dump(),
-        embedded(manifest.settings, "the settings of a run").dump(), lines_of(manifest.objects),
-        Json(manifest.notes).dump());
+        "\"objects\": {},\n\"notes\": [{}],\n",
+        quoted(manifest.version), manifest.complete ? "true" : "false", number_text(manifest.frame_rate),
+        manifest.frames, scene, settings, lines_of(manifest.objects), joined(manifest.notes, ",", quoted));
   });
 }
 
@@ -306,7 +333,8 @@ std::string manifest_text(const RunManifest& manifest) {
   std::vector<ReportText> texts;
   texts.reserve(manifest.reports.size());
   for (const FrameReport& report : manifest.reports) texts.push_back(report_text(report));
-  std::string text = manifest_head(manifest);
+  std::string text = manifest_head(manifest, compact_json(manifest.scene, scene_name),
+                                   compact_json(manifest.settings, settings_name));
   write_reports(
       [&](const auto& each) {
         for (const ReportText& lines : texts) each(lines.report, lines.timing);
@@ -324,9 +352,16 @@ void write_manifest(const std::filesystem::path& folder, const RunManifest& mani
 }
 
 RunManifest read_manifest(const std::filesystem::path& path) {
-  std::error_code ignored;
-  const auto file = std::filesystem::is_directory(path, ignored) ? path / "run.json" : path;
+  const auto file = manifest_file(path);
   return parse_manifest(read_whole_file(file), file.string());
+}
+
+RunManifest read_manifest_without_reports(const std::filesystem::path& path) {
+  const auto file = manifest_file(path);
+  Json root = parse_json(read_whole_file(file), file.string(),
+                         [](const Json& key) { return key == "reports" || key == "timings"; });
+  if (root.is_object()) root["reports"] = root["timings"] = Json::array();
+  return read_root({root, file.string()});
 }
 
 }  // namespace souple

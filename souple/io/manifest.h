@@ -61,8 +61,12 @@ ReportText report_text(const FrameReport& report);
 /// Calls its argument with the texts of each report, in order.
 using ReportTexts = std::function<void(const std::function<void(std::string_view, std::string_view)>&)>;
 
-/// The text of a run.json up to its reports. Throws Error if `scene` or `settings` is not JSON.
-std::string manifest_head(const RunManifest& manifest);
+/// A JSON text in one line; "null" for an empty one. Throws Error that names `what`, such as scene_name, if it is none.
+std::string compact_json(const std::string& text, const char* what);
+inline constexpr const char* scene_name = "the scene of a run";
+inline constexpr const char* settings_name = "the settings of a run";
+/// The text of a run.json up to its reports, with these texts of compact_json for the scene and the settings.
+std::string manifest_head(const RunManifest& manifest, const std::string& scene, const std::string& settings);
 /// The rest of a run.json: passes it to `write` piece by piece, and calls `reports` twice.
 void write_reports(const ReportTexts& reports, const std::function<void(std::string_view)>& write);
 
@@ -76,5 +80,7 @@ RunManifest parse_manifest(std::string_view text, const std::string& name);
 void write_manifest(const std::filesystem::path& folder, const RunManifest& manifest);
 /// `path` is the folder, or its run.json.
 RunManifest read_manifest(const std::filesystem::path& path);
+/// The same without reports, in the memory of the file's text.
+RunManifest read_manifest_without_reports(const std::filesystem::path& path);
 
 }  // namespace souple

@@ -37,6 +37,19 @@ std::string error_when(const std::string& from, const std::string& to) {
 
 using ManifestTest = FolderTest;
 
+TEST_F(ManifestTest, IsReadWithoutItsReports) {
+  RunManifest written = example();
+  written.scene = R"({"reports":[1],"timings":2})";  // keys of the scene are not those of the manifest
+  write_manifest(folder, written);
+  const RunManifest read = read_manifest_without_reports(folder);
+  EXPECT_TRUE(read.reports.empty());
+  EXPECT_EQ(read.scene, written.scene);
+  EXPECT_EQ(read.objects, written.objects);
+  EXPECT_EQ(read.frames, written.frames);
+  put("run.json", "[]");
+  EXPECT_THROW(read_manifest_without_reports(folder), Error);
+}
+
 TEST_F(ManifestTest, ReadsBackWhatWasWritten) {
   const RunManifest written = example();
   write_manifest(folder, written);
