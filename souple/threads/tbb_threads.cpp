@@ -1,5 +1,6 @@
 #include "souple/threads/tbb_threads.h"
 
+#include "souple/threads/process.h"
 #include "souple/threads/work_partition.h"
 
 #include <oneapi/tbb/parallel_for.h>
@@ -12,13 +13,14 @@ namespace {
 /// Uses the same partition as all Threads, one task per part; oneTBB chooses the thread of each task.
 class TbbThreads final : public Threads {
  public:
-  explicit TbbThreads(int count) : count_(count), arena_(count) {}
+  explicit TbbThreads(int count) : count_(count), process_(process_number()), arena_(count) {}
 
   int count() const override { return count_; }
   void for_each(std::size_t n, std::size_t grain, RangeFunction f) override {
     if (n == 0) return;
     const WorkPartition partition(n, grain, count_);
-    if (partition.parts() < 2) {
+    // In a child made by fork oneTBB may wait for threads that only the parent has.
+    if (partition.parts() < 2 || process_ != process_number()) {
       f(0, n);
       return;
     }
@@ -32,6 +34,7 @@ class TbbThreads final : public Threads {
 
  private:
   int count_;
+  long process_;  // in which oneTBB has its threads
   oneapi::tbb::task_arena arena_;
 };
 

@@ -2,8 +2,10 @@
 
 #include "souple/assert.h"
 #include "souple/threads/error_of.h"
+#include "souple/threads/process.h"
 
 #include <algorithm>
+#include <memory>
 #include <new>
 #include <system_error>
 #include <utility>
@@ -89,6 +91,7 @@ ThreadPool::ThreadPool(int count)
       workers_(static_cast<std::size_t>(count_ - 1)) {}
 
 ThreadPool::~ThreadPool() {
+  forget_if_forked();
   if (started_) send(command_end);
   for (Worker& worker : workers_)
     if (worker.thread.joinable()) worker.thread.join();
@@ -96,6 +99,7 @@ ThreadPool::~ThreadPool() {
 
 // If the system refuses a thread, the pool continues with the threads it has.
 void ThreadPool::start() {
+  process_ = process_number();
   started_ = true;
   sleeping_ = true;
   const SignalsBlocked blocked;
@@ -110,6 +114,21 @@ void ThreadPool::start() {
       return;
     }
   }
+}
+
+// A worker of the parent may have held the mutex, and waits in the condition forever: neither they nor the handles of
+// the threads may be destroyed.
+void ThreadPool::forget_if_forked() {
+  if (!started_ || process_ == process_number()) return;
+  for (Worker& worker : workers_) std::construct_at(&worker.thread);
+  std::construct_at(&mutex_);
+  std::construct_at(&wake_condition_);
+  started_ = false;
+}
+
+void ThreadPool::wake() {
+  forget_if_forked();
+  awake_ = true;
 }
 
 void ThreadPool::send(std::uint64_t command) {
@@ -136,6 +155,7 @@ bool ThreadPool::claim(Worker& worker, std::uint64_t signal) {
 
 void ThreadPool::for_each(std::size_t n, std::size_t grain, RangeFunction f) {
   if (n == 0) return;
+  if (!awake_) forget_if_forked();
   if (count_ > 1 && !started_ && WorkPartition(n, grain, count_).parts() > 1) start();
   const WorkPartition partition(n, grain, count_);
   if (partition.parts() < 2) {

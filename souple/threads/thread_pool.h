@@ -24,6 +24,8 @@ namespace souple {
 /// threads changes no result. (Without claims, a job took 90 microseconds on a busy machine; taking parts one
 /// by one from a counter would move particles from cache to cache.)
 ///
+/// A child made by fork between steps has no workers; the pool then starts new ones.
+///
 /// All parts of a job are claimed before the next job is sent, and signals only grow. So the claim of a late
 /// worker fails, and it never reads a job that is being written.
 class ThreadPool final : public Threads {
@@ -35,7 +37,7 @@ class ThreadPool final : public Threads {
 
   int count() const override { return count_; }
   void for_each(std::size_t n, std::size_t grain, RangeFunction f) override;
-  void wake() override { awake_ = true; }
+  void wake() override;
   void rest() override;
 
  private:
@@ -55,12 +57,14 @@ class ThreadPool final : public Threads {
   /// Claims the worker's part of the job with this signal. Returns true only once per signal.
   static bool claim(Worker& worker, std::uint64_t signal);
   void start();
+  void forget_if_forked();
   void send(std::uint64_t command);
   void work(std::size_t t) noexcept;
   std::uint64_t next_signal(std::uint64_t seen, int spin_limit);
 
   int count_;
   int spin_limit_;
+  long process_ = 0;  // that started the workers
   bool started_ = false;
   bool awake_ = false;     // between wake() and rest()
   bool sleeping_ = false;  // the workers sleep or are about to

@@ -3,8 +3,10 @@
 #include "souple/threads/work_partition.h"
 #include "tests/expect_error.h"
 #include "tests/threads/idle.h"
+#include "tests/threads/in_child.h"
 
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <limits>
 #include <new>
@@ -187,6 +189,43 @@ TEST(Threads, EndWhileTheySleepWhileTheySpinAndBeforeTheyStart) {
 }
 
 #if defined(__linux__)
+
+#ifndef SOUPLE_SANITIZED  // the thread sanitizer starts no threads in a child
+// Workers fall asleep, hold the mutex or have not started when the parent forks.
+TEST(Threads, WorkInAChildMadeByFork) {
+  for (const Threading kind : kinds)
+    for (int round = 0; round < 20; ++round) {
+      auto threads = make_threads(kind, 4);
+      if (round % 4 > 0) visits(*threads, 1000, 1);
+      if (round % 4 > 1) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      ASSERT_TRUE(test::succeeds_in_child([&] {
+        const std::vector<int> once(1000, 1);
+        for (int job = 0; job < 3; ++job)
+          if (visits(*threads, 1000, 1) != once) return false;
+        {
+          const ActiveScope awake(*threads);
+          for (int job = 0; job < 3; ++job)
+            if (visits(*threads, 1000, 1) != once) return false;
+        }
+        threads.reset();
+        return true;
+      })) << "kind "
+          << static_cast<int>(kind) << ", round " << round;
+      EXPECT_EQ(visits(*threads, 1000, 1), std::vector<int>(1000, 1)) << "in the parent";
+    }
+}
+
+TEST(Threads, EndInAChildThatDoesNotUseThem) {
+  for (const Threading kind : kinds) {
+    auto threads = make_threads(kind, 4);
+    visits(*threads, 1000, 1);
+    EXPECT_TRUE(test::succeeds_in_child([&] {
+      threads.reset();
+      return true;
+    }));
+  }
+}
+#endif
 
 TEST(Threads, SleepBetweenSteps) {
   const auto threads = make_threads(Threading::pool, 3);

@@ -1,5 +1,6 @@
 #include "tests/threads/busy_world.h"
 #include "tests/threads/idle.h"
+#include "tests/threads/in_child.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,6 +49,31 @@ TEST(WorldThreads, ResultsOfManyIterationsDoNotDependOnThem) {
     EXPECT_EQ(hashes, alone) << threads << " threads";
   }
 }
+
+#ifndef SOUPLE_SANITIZED  // the thread sanitizer starts no threads in a child
+// A server forks after it has built and stepped its world; parent and child go on alike.
+TEST(WorldThreads, AWorldStepsInAChildMadeByFork) {
+  for (const Threading threading : {Threading::automatic, Threading::pool, Threading::tbb})
+    for (const int threads : {2, 4}) {
+      World world = test::busy_world({.threads = threads, .threading = threading});
+      for (int frame = 0; frame < 3; ++frame) world.step(1.0 / 60);
+      World twin = test::busy_world({.threads = 1});
+      for (int frame = 0; frame < 5; ++frame) twin.step(1.0 / 60);
+      const auto goes_on = [&] {
+        for (int frame = 0; frame < 2; ++frame) world.step(1.0 / 60);
+        return world.hash() == twin.hash();
+      };
+      EXPECT_TRUE(test::succeeds_in_child(goes_on))
+          << static_cast<int>(threading) << ", " << threads << " threads";
+      EXPECT_TRUE(test::succeeds_in_child([] {  // a world of the child's own
+        World own = test::busy_world({.threads = 3, .threading = Threading::pool});
+        own.step(1.0 / 60);
+        return own.report().ok();
+      }));
+      EXPECT_TRUE(goes_on());
+    }
+}
+#endif
 
 // All results of a run: checkpoint, reports, contacts.
 TEST(WorldThreads, CheckpointsReportsAndContactsDoNotDependOnThem) {
