@@ -120,7 +120,7 @@ TEST_F(ManifestWriterTest, MemoryDoesNotGrowWithTheFrames) {
     return resident_bytes();
   };
   const std::size_t before = record(1000), after = record(9000);
-  EXPECT_LT(after, before + 9000 * 50) << "more than 50 bytes a frame";
+  EXPECT_LT(after, before + std::size_t{9000} * 50) << "more than 50 bytes a frame";
   recorder.finish();
   EXPECT_EQ(read_manifest(folder / "out").reports.size(), 10000u);
 }
