@@ -54,7 +54,7 @@ TEST(JointChain, AWhipHoldsTogether) {
   add_chain(world, 100, 0.1, 1);
   const double start = world.energy();
   double stretch = 0, most_energy = -1e300;
-  world.run(10, [&] {
+  world.run(6, [&] {
     stretch = std::max(stretch, stretch_of(world, 10));
     most_energy = std::max(most_energy, world.energy() - start);
   });
@@ -82,7 +82,7 @@ double rise_after_jerk(double load, double speed) {
   world.add_joint(joint::Ball{}, before, ball, end);
   world.bodies.velocity[ball].linear = {0, -speed, 0};
   double lowest = world.energy(), rise = 0;
-  world.run(6, [&] {
+  world.run(3, [&] {
     lowest = std::min(lowest, world.energy());
     rise = std::max(rise, world.energy() - lowest);
   });
@@ -164,7 +164,7 @@ TEST(JointChain, ABridgeBetweenTwoBanksCarriesALorry) {
     end += along * length, before = plank;
   }
   world.add_joint(hinge, before, no_body, end, {0, 0, 1});
-  world.run(20);
+  world.run(12);
   EXPECT_LT(world.worst.distance, 1e-5);
   // Forces on b: the first plank, and the bank.
   const Vec3d first = world.joints.state.front().force, last = world.joints.state.back().force;
