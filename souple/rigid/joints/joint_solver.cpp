@@ -21,7 +21,7 @@ constexpr int most_restarts = 3;
 /// that has to become shorter.
 constexpr double most_turn = 0.5, least_damping = 1e-6;
 /// Exchanging rows at bounds may go in circles.
-constexpr int most_passes = 10;
+constexpr int most_passes = 20;
 constexpr int most_passes_alone = 4;
 constexpr double most_cost = 5e7;
 /// Part of the last substep's impulses that sweeps begin with. More than 2/3 is unstable: errors of positions then sum up
@@ -211,7 +211,7 @@ bool JointSolver::restart(const Island& island, Joints& joints, RigidBodies& bod
 }
 
 void JointSolver::solve(Island& island, Joints& joints, RigidBodies& bodies) {
-  bool far = false;
+  bool far = false, damped = false;
   double damping = 0;
   int restarts = 0;
   const bool again = std::exchange(island.projected, true);
@@ -224,7 +224,8 @@ void JointSolver::solve(Island& island, Joints& joints, RigidBodies& bodies) {
       all = {all.changed || one.changed, std::max(all.error, one.error)};
     }
     if ((again || pass > 0) && !all.changed && all.error < enough) break;
-    if (pass == 0 || all.changed || far) assemble(island, bodies, damping);
+    damping = damping > least_damping ? damping / 100 : 0;
+    if (pass == 0 || all.changed || far || damped) assemble(island, bodies, damping);
     solve_rows(island, joints, bodies);
     while (largest_turn(island) > most_turn && damping < 1) {
       damping = std::max(100 * damping, least_damping);
@@ -232,6 +233,7 @@ void JointSolver::solve(Island& island, Joints& joints, RigidBodies& bodies) {
       solve_rows(island, joints, bodies);
     }
     for (const std::uint32_t body : island.bodies) move(body, bodies);
+    damped = damping > 0;
     far = pass > 0 && all.error > too_far;
     for (const std::uint32_t j : island.joints)
       for (std::size_t i = 0; i < prepared_[j].count(); ++i)
