@@ -41,7 +41,7 @@ BodyDrawing::BodyDrawing(const Body& body, std::uint32_t index, std::uint64_t ke
       mean_edge_(mean_edge_length(body)),
       density_(body.density) {
   if (is_line()) tube_.resize(vertices_, body.radius, polyline_length(body.positions));
-  const bool has_creases = traits().shape == ObjectShape::solid || traits().driven;
+  const bool has_creases = traits().shape == ObjectShape::solid || traits().driven || traits().rigid;
   if (has_creases && body.rest.size() == vertices_) creased_ = CreasedSurface(body.rest, body.triangles);
   if (traits().rolls) grain_colors_ = grain_colors(vertices_, index_, chosen_);
 }

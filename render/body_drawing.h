@@ -100,7 +100,7 @@ class BodyDrawing {
   bool as_particles_ = false;
   Checker checker_;
   Tube tube_;
-  CreasedSurface creased_;  ///< for soft bodies and obstacles with sharp edges
+  CreasedSurface creased_;  ///< for soft bodies, rigid bodies and obstacles with sharp edges
   EdgeStrain strain_;
   bool has_strain_ = false;
   std::vector<float> values_;        ///< per vertex

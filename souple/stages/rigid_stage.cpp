@@ -20,6 +20,8 @@ namespace {
 // Where fewer particles are touched, the number that masses are made for falls by this factor in a substep, so that contacts
 // that come and go do not change the masses that others see.
 constexpr double decay_of_shown = 0.95;
+// So many particles may be touched for the first time, as the corners of a box are that lands on one side.
+constexpr double least_shown = 4;
 
 RigidShape shape_of(const Collider& collider) {
   if (const auto convex = convex_shape_of(collider.shape)) return {{*convex}, nullptr};
@@ -262,8 +264,9 @@ void RigidStage::gather(const StageView& stage, bool in_contact) {
     const BodyPose& pose = bodies_.pose[k];
     const Mat3d R = rotation_matrix(pose.rotation);
     // More particles are touched than their masses were made for: their sum would overshoot.
-    const double part =
-        in_contact && record.touched > record.shown ? max(record.shown, 1.0) / record.touched : 1;
+    const double part = in_contact && record.touched > max(record.shown, least_shown)
+                            ? max(record.shown, least_shown) / record.touched
+                            : 1;
     Vec3d impulse, moment;
     std::size_t i = objects_[k]->begin;
     for (const Vec3d& local : record.definition.particles) {
@@ -290,7 +293,7 @@ void RigidStage::split_masses(const StageView& stage) {
     if (!is_awake(k)) continue;
     const Vec3d& inverse_inertia = bodies_.mass[k].inverse_inertia;
     const double turning = max(inverse_inertia.x, max(inverse_inertia.y, inverse_inertia.z));
-    const double count = max(records_[k].shown, 1.0);
+    const double count = max(records_[k].shown, least_shown);
     std::size_t i = objects_[k]->begin;
     for (const Vec3d& local : records_[k].definition.particles) {
       // An upper bound of 1/m + (r x n)^T I^-1 (r x n) over all directions n.

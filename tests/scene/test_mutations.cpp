@@ -204,6 +204,11 @@ std::size_t size_of(const FluidDescription& fluid) {
   return count < 1e9 ? static_cast<std::size_t>(count) : std::size_t{1000000000};
 }
 
+std::size_t size_of(const RigidBodyDescription& body) {
+  const auto* mesh = std::get_if<MeshDescription>(&body.solid);
+  return mesh == nullptr ? 1000 : size_of(*mesh);
+}
+
 /// Small enough to build a thousand times. Larger scenes may be valid, but are not tested.
 bool is_small(const SceneDescription& scene) {
   if (scene.settings.substeps > 20 || scene.settings.iterations > 20) return false;

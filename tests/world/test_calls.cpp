@@ -29,7 +29,7 @@ namespace {
 
 /// What of a world its functions are called with.
 struct Handles {
-  ObjectId cloth, grains, fluid, obstacle, closed;
+  ObjectId cloth, grains, fluid, obstacle, rigid_body, closed;
   ColliderId collider;
   EmitterId emitter;
   DrainId drain;
@@ -99,6 +99,8 @@ const std::vector<Function>& functions() {
       {"add_fluid", Line::nowhere,
        [](W w, H h) { w.add_fluid(closed_mesh(), w.fluid_material(h.fluid), {.transform = at({5, 5, 5})}); }},
       {"add_obstacle", Line::nowhere, [](W w, H) { w.add_obstacle(closed_mesh()); }},
+      {"add_rigid_body", Line::nowhere, [](W w, H) { w.add_rigid_body(closed_mesh()); }},
+      {"add_rigid_body", Line::nowhere, [](W w, H) { w.add_rigid_body(Sphere{}); }},
       {"remove", Line::nowhere, [](W w, H h) { w.remove(h.cloth); }},
       {"objects", Line::reads, [](W w, H) { (void)w.objects(); }},
       {"contains", Line::reads, [](W w, H h) { (void)w.contains(h.cloth); }},
@@ -114,6 +116,8 @@ const std::vector<Function>& functions() {
        [](W w, H h) { w.contains(h.cloth) ? (void)0 : (void)w.rope_material(h.cloth); }},
       {"grains_material", Line::reads, [](W w, H h) { (void)w.grains_material(h.grains); }},
       {"obstacle_material", Line::reads, [](W w, H h) { (void)w.obstacle_material(h.obstacle); }},
+      {"rigid_body", Line::reads, [](W w, H h) { (void)w.rigid_body(h.rigid_body); }},
+      {"rigid_body_material", Line::reads, [](W w, H h) { (void)w.rigid_body_material(h.rigid_body); }},
       {"fluid_material", Line::reads, [](W w, H h) { (void)w.fluid_material(h.fluid); }},
       {"set_collision_groups", Line::nowhere, [](W w, H h) { w.set_collision_groups(h.cloth, 3); }},
       {"collision_groups", Line::reads, [](W w, H h) { (void)w.collision_groups(h.cloth); }},
@@ -351,6 +355,9 @@ void Meddled::build() {
       world.add_fluid(std::vector<Vec3d>{{0, 1, 4}, {0, 1.1, 4}}, {.spacing = 0.1f}, {.max_particles = 500});
   ObstacleMotion motion_of_obstacle;
   motion_of_obstacle.pose = ColliderMotion::callback([this](double) { return motion(Place::obstacle); });
+  ObjectOptions above;
+  above.transform.translation = {30, 30, 30};
+  handles.rigid_body = world.add_rigid_body(Sphere{}, {}, above);
   handles.obstacle = world.add_obstacle(closed_mesh(), {}, std::move(motion_of_obstacle));
   const auto motion_of_collider =
       ColliderMotion::callback([this](double) { return motion(Place::collider); });
