@@ -207,28 +207,42 @@ ContactSolver::Push ContactSolver::push_of(const RigidContact& contact, const Ro
   return push;
 }
 
-void ContactSolver::solve_body(std::uint32_t body, std::span<const RigidContact> contacts,
-                               const RigidBodies& bodies, double h) {
+bool ContactSolver::step_body(std::uint32_t body, std::span<const RigidContact> contacts,
+                              const RigidBodies& bodies, double h) {
   Correction& correction = corrections_[body];
   BodyBlock block(1 / bodies.mass[body].inverse, inertia_[body], 1 / (h * h), correction.dx,
                   correction.dtheta);
   bool any = false;
-  for (std::uint32_t s = side_begin_[body]; s < side_begin_[body + 1]; ++s) {
-    const Side side = sides_[s];
-    const RigidContact& contact = contacts[side.contact];
-    for (std::uint32_t k = 0; k < contact.count; ++k) {
-      const Row& row = rows_[side.contact * 4 + k];
-      const Push push = push_of(contact, row);
-      // A contact that has just ceased to push still counts as stiff: of many sweeps, one would undo the other.
-      if (!(push.normal > 0 || row.normal > 0)) continue;
-      any = true;
-      const double sign = side.is_a ? 1 : -1;
-      block.add(side.is_a ? row.r_a : row.r_b, (row.n * push.normal + push.tangent) * sign, row.stiffness);
-    }
-  }
-  if (!any && length_squared(correction.dx) + length_squared(correction.dtheta) == 0) return;
+  const auto for_each_row = [&](const auto& f) {
+    for (std::uint32_t s = side_begin_[body]; s < side_begin_[body + 1]; ++s)
+      for (std::uint32_t k = 0; k < contacts[sides_[s].contact].count; ++k)
+        f(sides_[s], contacts[sides_[s].contact], rows_[sides_[s].contact * 4 + k]);
+  };
+  for_each_row([&](const Side& side, const RigidContact& contact, Row& row) {
+    const Push push = push_of(contact, row);
+    row.pushes = push.normal > 0;
+    // A contact that has just ceased to push still counts as stiff: of many sweeps, one would undo the other.
+    if (!row.pushes && !(row.normal > 0)) return;
+    any = true;
+    const double sign = side.is_a ? 1 : -1;
+    block.add(side.is_a ? row.r_a : row.r_b, (row.n * push.normal + push.tangent) * sign, row.stiffness);
+  });
+  if (!any && length_squared(correction.dx) + length_squared(correction.dtheta) == 0) return false;
   const BodyBlock::Step step = block.step();
   correction.dx += step.dx, correction.dtheta += step.dtheta;
+  bool pulls = false;
+  for_each_row([&](const Side& /*side*/, const RigidContact& contact, const Row& row) {
+    pulls = pulls || (row.pushes && !(push_of(contact, row).normal > 0));
+  });
+  return pulls;
+}
+
+// A step is linear: a contact that pushed before it may have pulled in it. The next step is without it.
+void ContactSolver::solve_body(std::uint32_t body, std::span<const RigidContact> contacts,
+                               const RigidBodies& bodies, double h) {
+  constexpr int most_steps = 4;
+  for (int i = 0; i < most_steps; ++i)
+    if (!step_body(body, contacts, bodies, h)) return;
 }
 
 void ContactSolver::keep(RigidContact& contact, std::span<Row> rows, double h) const {

@@ -56,6 +56,7 @@ class ContactSolver {
     double normal = 0;     ///< force so far [N]
     Vec3d tangent{};       ///< [N]
     float static_friction = 0, kinetic_friction = 0;
+    bool pushes = false;  ///< before the last step of a body
   };
   /// What a row does at the current poses.
   struct Push {
@@ -81,6 +82,9 @@ class ContactSolver {
                  const RigidSubstep& substep) const;
   Vec3d correction_at(const RigidContact& contact, const Row& row) const;
   Push push_of(const RigidContact& contact, const Row& row) const;
+  /// One step of Newton's method. Whether a contact pulled in it.
+  bool step_body(std::uint32_t body, std::span<const RigidContact> contacts, const RigidBodies& bodies,
+                 double h);
   void solve_body(std::uint32_t body, std::span<const RigidContact> contacts, const RigidBodies& bodies,
                   double h);
   void keep(RigidContact& contact, std::span<Row> rows, double h) const;
