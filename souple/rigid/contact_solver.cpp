@@ -94,6 +94,36 @@ void find_masses(Impact& impact, const RigidContact& contact, const RigidBodies&
   impact.normal_mass = reciprocal(normal), impact.tangent_mass = reciprocal(trace(K) - normal);
 }
 
+std::array<BodyVelocity, 2> velocities_of(const RigidContact& contact, const RigidBodies& bodies) {
+  std::array<BodyVelocity, 2> result{};
+  if (contact.a != no_body) result[0] = bodies.velocity[contact.a];
+  if (contact.b != no_body) result[1] = bodies.velocity[contact.b];
+  return result;
+}
+
+/// With friction, Newton's restitution may add energy (Stronge 1990, "Rigid body collisions with friction"). Impulses P
+/// change it by P . (u + u') / 2, where u and u' are the relative velocities before and after: of s times the impulses,
+/// by s P . u + s^2 P . (u' - u) / 2. So s is the largest one, up to 1, that adds none.
+void give_back_energy(std::span<const Impact> impacts, const RigidContact& contact,
+                      const std::array<BodyVelocity, 2>& before, RigidBodies& bodies) {
+  const std::array<BodyVelocity, 2> after = velocities_of(contact, bodies);
+  double linear = 0, square = 0;  // P . u, P . (u' - u)
+  for (std::size_t k = 0; k < contact.count; ++k) {
+    const Impact& impact = impacts[k];
+    const Vec3d P = impact.n * impact.normal + impact.tangent;
+    const Vec3d u = before[0].at(impact.r_a) - before[1].at(impact.r_b);
+    linear += dot(P, u), square += dot(P, after[0].at(impact.r_a) - after[1].at(impact.r_b) - u);
+  }
+  if (!(linear < 0 && linear + square / 2 > 0)) return;
+  const double s = -2 * linear / square;
+  const auto scale = [&](std::uint32_t body, const BodyVelocity& v) {
+    if (body == no_body) return;
+    BodyVelocity& now = bodies.velocity[body];
+    now = {v.linear + (now.linear - v.linear) * s, v.angular + (now.angular - v.angular) * s};
+  };
+  scale(contact.a, before[0]), scale(contact.b, before[1]);
+}
+
 bool moves(const RigidBodies& bodies, std::uint32_t body) {
   return body != no_body && bodies.mass[body].inverse > 0;
 }
@@ -305,6 +335,7 @@ bool ContactSolver::collide(const RigidContact& contact, RigidBodies& bodies, co
   }
   if (!closing) return false;
   for (std::uint32_t k = 0; k < contact.count; ++k) find_masses(impacts[k], contact, bodies);
+  const std::array<BodyVelocity, 2> before = velocities_of(contact, bodies);
   const auto e = static_cast<double>(contact.material.restitution);
   constexpr int rounds = 20;  // of at most four points
   for (int round = 0; round < rounds; ++round)
@@ -323,6 +354,7 @@ bool ContactSolver::collide(const RigidContact& contact, RigidBodies& bodies, co
       push_velocity(bodies, contact.b, impact.r_b, -impulse);
       impact.normal = normal, impact.tangent = tangent;
     }
+  give_back_energy(impacts, contact, before, bodies);
   return true;
 }
 
