@@ -124,13 +124,13 @@ class RigidScene {
     return sum;
   }
   Vec3d momentum() const {
-    Vec3d sum;
+    Vec3d sum{};
     for (std::size_t i = 0; i < bodies.size(); ++i) sum += bodies.velocity[i].linear * mass(i);
     return sum;
   }
   /// About the origin.
   Vec3d angular_momentum() const {
-    Vec3d sum;
+    Vec3d sum{};
     for (std::size_t i = 0; i < bodies.size(); ++i)
       sum += cross(bodies.pose[i].position, bodies.velocity[i].linear) * mass(i) + spin_momentum(i);
     return sum;

@@ -19,32 +19,41 @@ bool fallen(const BodyPose& pose) {
   return pose.direction({0, 1, 0}).y < 0.8;
 }
 
-/// Runs a row of dominoes until all have fallen, for 20 s at most; returns them in the order in which they fell.
-std::vector<int> fall_of(RigidScene& scene) {
+void add_dominoes(RigidScene& scene) {
   for (int i = 0; i < dominoes; ++i) scene.box({0.01, 0.1, 0.05}, {i * 0.08, 0.1, 0}, {}, 600);
   scene.bodies.velocity[0] = {{0.3, 0, 0}, {0, 0, -3}};
   scene.plane();
-  std::vector<int> order;
-  std::vector<bool> is_down(dominoes, false);
-  for (int f = 0; f < 1200 && order.size() < dominoes; ++f) {
-    scene.step();
-    for (int i = 0; i < dominoes; ++i)
-      if (!is_down[static_cast<std::size_t>(i)] && fallen(scene.bodies.pose[static_cast<std::size_t>(i)]))
-        order.push_back(i), is_down[static_cast<std::size_t>(i)] = true;
-  }
-  return order;
 }
 
-TEST(ManyRigidBodies, DominoesFallInOneOrderWithAnyNumberOfThreads) {
-  RigidScene one(1);
-  const std::vector<int> order = fall_of(one);
-  ASSERT_EQ(order.size(), static_cast<std::size_t>(dominoes));
-  EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
-  for (const int threads : {2, 8}) {
-    RigidScene several(threads);
-    EXPECT_EQ(fall_of(several), order) << threads;
-    EXPECT_TRUE(same_bits(several.bodies, one.bodies)) << threads;
+/// Steps until all dominoes have fallen, for 20 s at most; appends them in the order in which they fall.
+class Fall {
+ public:
+  explicit Fall(RigidScene& scene) : scene_(scene), is_down_(dominoes, false) { add_dominoes(scene); }
+  void run(int frames) {
+    for (int f = 0; f < frames && order_.size() < dominoes; ++f) {
+      scene_.step();
+      for (std::size_t i = 0; i < dominoes; ++i)
+        if (!is_down_[i] && fallen(scene_.bodies.pose[i])) order_.push_back(i), is_down_[i] = true;
+    }
   }
+  const std::vector<std::size_t>& order() const { return order_; }
+
+ private:
+  RigidScene& scene_;
+  std::vector<bool> is_down_;
+  std::vector<std::size_t> order_;
+};
+
+TEST(ManyRigidBodies, DominoesFallInOneOrderWithAnyNumberOfThreads) {
+  RigidScene one(1), two(2), eight(8);
+  Fall fall(one), fall_of_two(two), fall_of_eight(eight);
+  fall.run(120), fall_of_two.run(120);
+  EXPECT_TRUE(same_bits(two.bodies, one.bodies));
+  fall.run(1080), fall_of_eight.run(1200);
+  EXPECT_TRUE(same_bits(eight.bodies, one.bodies));
+  EXPECT_EQ(fall_of_eight.order(), fall.order());
+  ASSERT_EQ(fall.order().size(), std::size_t{dominoes});
+  EXPECT_TRUE(std::is_sorted(fall.order().begin(), fall.order().end()));
 }
 
 /// Boxes of 20 cm, turned at random, above a plane.
@@ -71,7 +80,9 @@ TEST(ManyRigidBodies, HeapOfBoxesIsTheSameWithEightThreadsAndComesToRest) {
   for (int f = 1; f <= 240; ++f) {
     scene.step();
     highest = std::max(highest, scene.energy());
-    if (f == 120) EXPECT_TRUE(same_bits(scene.bodies, eight.bodies));
+    if (f == 120) {
+      EXPECT_TRUE(same_bits(scene.bodies, eight.bodies));
+    }
   }
   double lowest = 1;
   for (std::size_t i = 0; i < 300; ++i) lowest = std::min(lowest, scene.bodies.pose[i].position.y);

@@ -118,7 +118,7 @@ TEST(RigidRolling, CubeTipsOverWhereItsCenterIsBeyondItsEdge) {
 class Bounce : public testing::TestWithParam<Kind> {};
 
 /// The height to which a body rises again, as a part of the one it fell from.
-double rebound(const Kind& kind, double restitution) {
+double rise_again(const Kind& kind, double restitution) {
   constexpr double height = 2;
   RigidScene scene;
   scene.material.restitution = static_cast<float>(restitution);
@@ -139,12 +139,13 @@ double rebound(const Kind& kind, double restitution) {
 
 TEST_P(Bounce, RisesToTheSquareOfTheRestitution) {
   // It turns round above the plane, up to one substep's way too early: at e = 0.3, 2.1 % of the height.
-  EXPECT_NEAR(rebound(GetParam(), 0.3) / 0.09, 1, 0.025);
-  for (const double e : {0.5, 0.8, 1.0}) EXPECT_NEAR(rebound(GetParam(), e) / (e * e), 1, 0.02) << "e " << e;
+  EXPECT_NEAR(rise_again(GetParam(), 0.3) / 0.09, 1, 0.025);
+  for (const double e : {0.5, 0.8, 1.0})
+    EXPECT_NEAR(rise_again(GetParam(), e) / (e * e), 1, 0.02) << "e " << e;
 }
 
 TEST_P(Bounce, NoRestitutionDoesNotBounce) {
-  EXPECT_LT(rebound(GetParam(), 0), 1e-4);
+  EXPECT_LT(rise_again(GetParam(), 0), 1e-4);
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Bounce, testing::Values(box, ball, standing_cylinder, lying_capsule),

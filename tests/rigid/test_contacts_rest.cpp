@@ -1,6 +1,5 @@
 #include "tests/rigid/rigid_scene.h"
 
-#include <array>
 #include <cmath>
 #include <vector>
 
