@@ -361,26 +361,34 @@ bool ContactSolver::collide(const RigidContact& contact, RigidBodies& bodies, co
 void ContactSolver::bounce(std::span<const RigidContact> contacts, RigidBodies& bodies,
                            const RigidSubstep& substep) {
   constexpr int most_sweeps = 32;
-  impacts_.resize(contacts.size());
-  for (std::uint32_t c = 0; c < contacts.size(); ++c) impacts_[c] = c;
+  impacts_.clear();
+  impacts_.reserve(contacts.size()), next_impacts_.reserve(contacts.size());
+  waits_.assign(contacts.size(), 1);  // those without points, forever
+  for (std::uint32_t c = 0; c < contacts.size(); ++c)
+    if (contacts[c].count > 0) impacts_.push_back(c);
   for (int sweep = 0; !impacts_.empty() && sweep < most_sweeps; ++sweep) {
     next_impacts_.clear();
+    for (const std::uint32_t c : impacts_) waits_[c] = 0;
     for (const std::uint32_t c : impacts_) {
       if (!collide(contacts[c], bodies, substep)) continue;
       for (const std::uint32_t body : {contacts[c].a, contacts[c].b})
-        if (moves(bodies, body))
-          for (std::uint32_t s = side_begin_[body]; s < side_begin_[body + 1]; ++s)
-            next_impacts_.push_back(sides_[s].contact);
+        if (moves(bodies, body)) look_again(body);
     }
     std::sort(next_impacts_.begin(), next_impacts_.end());
-    next_impacts_.erase(std::unique(next_impacts_.begin(), next_impacts_.end()), next_impacts_.end());
     std::swap(impacts_, next_impacts_);
+  }
+}
+
+void ContactSolver::look_again(std::uint32_t body) {
+  for (std::uint32_t s = side_begin_[body]; s < side_begin_[body + 1]; ++s) {
+    const std::uint32_t contact = sides_[s].contact;
+    if (waits_[contact] == 0) next_impacts_.push_back(contact), waits_[contact] = 1;
   }
 }
 
 std::size_t ContactSolver::bytes() const {
   return bytes_of(rows_, corrections_, inertia_, side_begin_, sides_, color_, order_, color_begin_, impacts_,
-                  next_impacts_);
+                  next_impacts_, waits_);
 }
 
 }  // namespace souple

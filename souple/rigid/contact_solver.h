@@ -77,6 +77,7 @@ class ContactSolver {
 
   /// Whether a contact's sides hit each other.
   static bool collide(const RigidContact& contact, RigidBodies& bodies, const RigidSubstep& substep);
+  void look_again(std::uint32_t body);
   void color_bodies(std::span<const RigidContact> contacts, const RigidBodies& bodies);
   void linearize(RigidContact& contact, std::span<Row> rows, const RigidBodies& bodies,
                  const RigidSubstep& substep) const;
@@ -98,6 +99,7 @@ class ContactSolver {
   std::vector<std::uint32_t> order_;                   // bodies with contacts, by color
   std::vector<std::uint32_t> color_begin_;             // into order_
   std::vector<std::uint32_t> impacts_, next_impacts_;  // contacts to look at
+  std::vector<std::uint8_t> waits_;                    // per contact: is in next_impacts_
 };
 
 }  // namespace souple
