@@ -94,6 +94,36 @@ void find_masses(Impact& impact, const RigidContact& contact, const RigidBodies&
   impact.normal_mass = reciprocal(normal), impact.tangent_mass = reciprocal(trace(K) - normal);
 }
 
+std::array<BodyVelocity, 2> velocities_of(const RigidContact& contact, const RigidBodies& bodies) {
+  std::array<BodyVelocity, 2> result{};
+  if (contact.a != no_body) result[0] = bodies.velocity[contact.a];
+  if (contact.b != no_body) result[1] = bodies.velocity[contact.b];
+  return result;
+}
+
+/// With friction, Newton's restitution may add energy (Stronge 1990, "Rigid body collisions with friction"). Impulses P
+/// change it by P . (u + u') / 2, where u and u' are the relative velocities before and after: of s times the impulses,
+/// by s P . u + s^2 P . (u' - u) / 2. So s is the largest one, up to 1, that adds none.
+void give_back_energy(std::span<const Impact> impacts, const RigidContact& contact,
+                      const std::array<BodyVelocity, 2>& before, RigidBodies& bodies) {
+  const std::array<BodyVelocity, 2> after = velocities_of(contact, bodies);
+  double linear = 0, square = 0;  // P . u, P . (u' - u)
+  for (std::size_t k = 0; k < contact.count; ++k) {
+    const Impact& impact = impacts[k];
+    const Vec3d P = impact.n * impact.normal + impact.tangent;
+    const Vec3d u = before[0].at(impact.r_a) - before[1].at(impact.r_b);
+    linear += dot(P, u), square += dot(P, after[0].at(impact.r_a) - after[1].at(impact.r_b) - u);
+  }
+  if (!(linear < 0 && linear + square / 2 > 0)) return;
+  const double s = -2 * linear / square;
+  const auto scale = [&](std::uint32_t body, const BodyVelocity& v) {
+    if (body == no_body) return;
+    BodyVelocity& now = bodies.velocity[body];
+    now = {v.linear + (now.linear - v.linear) * s, v.angular + (now.angular - v.angular) * s};
+  };
+  scale(contact.a, before[0]), scale(contact.b, before[1]);
+}
+
 bool moves(const RigidBodies& bodies, std::uint32_t body) {
   return body != no_body && bodies.mass[body].inverse > 0;
 }
@@ -207,28 +237,42 @@ ContactSolver::Push ContactSolver::push_of(const RigidContact& contact, const Ro
   return push;
 }
 
-void ContactSolver::solve_body(std::uint32_t body, std::span<const RigidContact> contacts,
-                               const RigidBodies& bodies, double h) {
+bool ContactSolver::step_body(std::uint32_t body, std::span<const RigidContact> contacts,
+                              const RigidBodies& bodies, double h) {
   Correction& correction = corrections_[body];
   BodyBlock block(1 / bodies.mass[body].inverse, inertia_[body], 1 / (h * h), correction.dx,
                   correction.dtheta);
   bool any = false;
-  for (std::uint32_t s = side_begin_[body]; s < side_begin_[body + 1]; ++s) {
-    const Side side = sides_[s];
-    const RigidContact& contact = contacts[side.contact];
-    for (std::uint32_t k = 0; k < contact.count; ++k) {
-      const Row& row = rows_[side.contact * 4 + k];
-      const Push push = push_of(contact, row);
-      // A contact that has just ceased to push still counts as stiff: of many sweeps, one would undo the other.
-      if (!(push.normal > 0 || row.normal > 0)) continue;
-      any = true;
-      const double sign = side.is_a ? 1 : -1;
-      block.add(side.is_a ? row.r_a : row.r_b, (row.n * push.normal + push.tangent) * sign, row.stiffness);
-    }
-  }
-  if (!any && length_squared(correction.dx) + length_squared(correction.dtheta) == 0) return;
+  const auto for_each_row = [&](const auto& f) {
+    for (std::uint32_t s = side_begin_[body]; s < side_begin_[body + 1]; ++s)
+      for (std::uint32_t k = 0; k < contacts[sides_[s].contact].count; ++k)
+        f(sides_[s], contacts[sides_[s].contact], rows_[sides_[s].contact * 4 + k]);
+  };
+  for_each_row([&](const Side& side, const RigidContact& contact, Row& row) {
+    const Push push = push_of(contact, row);
+    row.pushes = push.normal > 0;
+    // A contact that has just ceased to push still counts as stiff: of many sweeps, one would undo the other.
+    if (!row.pushes && !(row.normal > 0)) return;
+    any = true;
+    const double sign = side.is_a ? 1 : -1;
+    block.add(side.is_a ? row.r_a : row.r_b, (row.n * push.normal + push.tangent) * sign, row.stiffness);
+  });
+  if (!any && length_squared(correction.dx) + length_squared(correction.dtheta) == 0) return false;
   const BodyBlock::Step step = block.step();
   correction.dx += step.dx, correction.dtheta += step.dtheta;
+  bool pulls = false;
+  for_each_row([&](const Side& /*side*/, const RigidContact& contact, const Row& row) {
+    pulls = pulls || (row.pushes && !(push_of(contact, row).normal > 0));
+  });
+  return pulls;
+}
+
+// A step is linear: a contact that pushed before it may have pulled in it. The next step is without it.
+void ContactSolver::solve_body(std::uint32_t body, std::span<const RigidContact> contacts,
+                               const RigidBodies& bodies, double h) {
+  constexpr int most_steps = 4;
+  for (int i = 0; i < most_steps; ++i)
+    if (!step_body(body, contacts, bodies, h)) return;
 }
 
 void ContactSolver::keep(RigidContact& contact, std::span<Row> rows, double h) const {
@@ -291,6 +335,7 @@ bool ContactSolver::collide(const RigidContact& contact, RigidBodies& bodies, co
   }
   if (!closing) return false;
   for (std::uint32_t k = 0; k < contact.count; ++k) find_masses(impacts[k], contact, bodies);
+  const std::array<BodyVelocity, 2> before = velocities_of(contact, bodies);
   const auto e = static_cast<double>(contact.material.restitution);
   constexpr int rounds = 20;  // of at most four points
   for (int round = 0; round < rounds; ++round)
@@ -309,32 +354,41 @@ bool ContactSolver::collide(const RigidContact& contact, RigidBodies& bodies, co
       push_velocity(bodies, contact.b, impact.r_b, -impulse);
       impact.normal = normal, impact.tangent = tangent;
     }
+  give_back_energy(impacts, contact, before, bodies);
   return true;
 }
 
 void ContactSolver::bounce(std::span<const RigidContact> contacts, RigidBodies& bodies,
                            const RigidSubstep& substep) {
   constexpr int most_sweeps = 32;
-  impacts_.resize(contacts.size());
-  for (std::uint32_t c = 0; c < contacts.size(); ++c) impacts_[c] = c;
+  impacts_.clear();
+  impacts_.reserve(contacts.size()), next_impacts_.reserve(contacts.size());
+  waits_.assign(contacts.size(), 1);  // those without points, forever
+  for (std::uint32_t c = 0; c < contacts.size(); ++c)
+    if (contacts[c].count > 0) impacts_.push_back(c);
   for (int sweep = 0; !impacts_.empty() && sweep < most_sweeps; ++sweep) {
     next_impacts_.clear();
+    for (const std::uint32_t c : impacts_) waits_[c] = 0;
     for (const std::uint32_t c : impacts_) {
       if (!collide(contacts[c], bodies, substep)) continue;
       for (const std::uint32_t body : {contacts[c].a, contacts[c].b})
-        if (moves(bodies, body))
-          for (std::uint32_t s = side_begin_[body]; s < side_begin_[body + 1]; ++s)
-            next_impacts_.push_back(sides_[s].contact);
+        if (moves(bodies, body)) look_again(body);
     }
     std::sort(next_impacts_.begin(), next_impacts_.end());
-    next_impacts_.erase(std::unique(next_impacts_.begin(), next_impacts_.end()), next_impacts_.end());
     std::swap(impacts_, next_impacts_);
+  }
+}
+
+void ContactSolver::look_again(std::uint32_t body) {
+  for (std::uint32_t s = side_begin_[body]; s < side_begin_[body + 1]; ++s) {
+    const std::uint32_t contact = sides_[s].contact;
+    if (waits_[contact] == 0) next_impacts_.push_back(contact), waits_[contact] = 1;
   }
 }
 
 std::size_t ContactSolver::bytes() const {
   return bytes_of(rows_, corrections_, inertia_, side_begin_, sides_, color_, order_, color_begin_, impacts_,
-                  next_impacts_);
+                  next_impacts_, waits_);
 }
 
 }  // namespace souple

@@ -56,6 +56,7 @@ class ContactSolver {
     double normal = 0;     ///< force so far [N]
     Vec3d tangent{};       ///< [N]
     float static_friction = 0, kinetic_friction = 0;
+    bool pushes = false;  ///< before the last step of a body
   };
   /// What a row does at the current poses.
   struct Push {
@@ -76,11 +77,15 @@ class ContactSolver {
 
   /// Whether a contact's sides hit each other.
   static bool collide(const RigidContact& contact, RigidBodies& bodies, const RigidSubstep& substep);
+  void look_again(std::uint32_t body);
   void color_bodies(std::span<const RigidContact> contacts, const RigidBodies& bodies);
   void linearize(RigidContact& contact, std::span<Row> rows, const RigidBodies& bodies,
                  const RigidSubstep& substep) const;
   Vec3d correction_at(const RigidContact& contact, const Row& row) const;
   Push push_of(const RigidContact& contact, const Row& row) const;
+  /// One step of Newton's method. Whether a contact pulled in it.
+  bool step_body(std::uint32_t body, std::span<const RigidContact> contacts, const RigidBodies& bodies,
+                 double h);
   void solve_body(std::uint32_t body, std::span<const RigidContact> contacts, const RigidBodies& bodies,
                   double h);
   void keep(RigidContact& contact, std::span<Row> rows, double h) const;
@@ -94,6 +99,7 @@ class ContactSolver {
   std::vector<std::uint32_t> order_;                   // bodies with contacts, by color
   std::vector<std::uint32_t> color_begin_;             // into order_
   std::vector<std::uint32_t> impacts_, next_impacts_;  // contacts to look at
+  std::vector<std::uint8_t> waits_;                    // per contact: is in next_impacts_
 };
 
 }  // namespace souple

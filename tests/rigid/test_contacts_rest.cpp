@@ -1,0 +1,135 @@
+#include "tests/rigid/rigid_scene.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+// What lies or stands: contacts of rigid bodies at rest.
+
+namespace souple::test {
+namespace {
+
+/// Ten boxes, each `ratio` times as large as the one below; the largest is 0.5 m.
+void stack(RigidScene& scene, double ratio) {
+  double size = ratio > 1 ? 0.5 / std::pow(ratio, 9) : 0.5, y = 0;
+  for (int i = 0; i < 10; ++i, size *= ratio) {
+    scene.box(Vec3d{size, size, size} * 0.5, {0, y + size / 2, 0});
+    y += size;
+  }
+  scene.plane();
+}
+
+struct Rest {
+  double sag = 0;    // in the first second, of the uppermost body [m]
+  double drift = 0;  // after the first second, of any body [m]
+  double speed = 0;  // after the first second [m/s]
+};
+
+Rest rest_for(RigidScene& scene, double seconds, std::uint32_t top) {
+  const double height = scene.bodies.pose[top].position.y;
+  scene.run(1);
+  Rest rest{.sag = height - scene.bodies.pose[top].position.y};
+  const std::vector<BodyPose> before = scene.bodies.pose;
+  for (int f = 60; f < std::lround(seconds * 60); ++f) {
+    scene.step();
+    rest.speed = std::max(rest.speed, scene.fastest());
+  }
+  rest.drift = farthest(before, scene.bodies.pose);
+  return rest;
+}
+
+void expect_stack_stands(double ratio, double largest_sag) {
+  RigidScene scene;
+  stack(scene, ratio);
+  const Rest rest = rest_for(scene, 60, 9);
+  EXPECT_LT(rest.sag, largest_sag);
+  EXPECT_LT(rest.drift, 1e-3);
+  EXPECT_LT(rest.speed, 0.01);
+}
+
+TEST(RigidRest, StackOfEqualBoxesStandsForAMinute) {
+  expect_stack_stands(1, 2e-3);
+}
+TEST(RigidRest, StackOfSlightlyGrowingBoxesStandsForAMinute) {
+  expect_stack_stands(std::pow(1.5, 1.0 / 9), 3e-3);
+}
+TEST(RigidRest, StackOfShrinkingBoxesStandsForAMinute) {
+  expect_stack_stands(std::pow(5, -1.0 / 9), 2e-3);
+}
+
+TEST(RigidRest, WallOfAHundredBricksStands) {
+  RigidScene scene;
+  for (int layer = 0; layer < 10; ++layer)
+    for (int k = 0; k < 10; ++k)
+      scene.box({0.2, 0.1, 0.1}, {(k + layer % 2 * 0.5) * 0.402, 0.1 + layer * 0.2, 0});
+  scene.plane();
+  const Rest rest = rest_for(scene, 20, 99);
+  EXPECT_LT(rest.sag, 2e-3);
+  EXPECT_LT(rest.drift, 0.02);
+  EXPECT_LT(rest.speed, 0.05);
+}
+
+TEST(RigidRest, HeavyBoxLiesOnALightOne) {
+  RigidScene scene;
+  const double light = std::cbrt(1.0 / 1000);
+  scene.box(Vec3d{1, 1, 1} * (light / 2), {0, light / 2, 0});
+  scene.box({0.5, 0.5, 0.5}, {0, light + 0.5, 0});
+  scene.plane();
+  const Rest rest = rest_for(scene, 20, 1);
+  EXPECT_LT(rest.sag, 0.02 * light);
+  EXPECT_LT(rest.drift, 1e-3);
+}
+
+TEST(RigidRest, BodiesOfAllMassesAndSizesLie) {
+  for (const double size : {1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0})
+    for (const double mass : {1e-3, 1.0, 1e3, 1e6}) {
+      RigidScene scene;
+      scene.box(Vec3d{1, 1, 1} * (size / 2), {0, size / 2, 0}, {}, mass / (size * size * size));
+      scene.plane();
+      const Rest rest = rest_for(scene, 3, 0);
+      EXPECT_TRUE(scene.finite());
+      EXPECT_LT(std::abs(rest.sag), 1e-4) << "size " << size << " m, mass " << mass << " kg";
+      EXPECT_LT(rest.drift, 1e-4) << "size " << size << " m, mass " << mass << " kg";
+      EXPECT_LT(rest.speed, 0.01) << "size " << size << " m, mass " << mass << " kg";
+    }
+}
+
+TEST(RigidRest, BodiesInsideEachOtherSeparateSlowly) {
+  RigidScene scene;
+  for (int i = 0; i < 3; ++i) {
+    const double x = 0.02 * i;
+    scene.box({0.1, 0.1, 0.1}, {x, 0.1 + 0.01 * i, 0.013 * i}, Quatd::from_axis_angle({0, 1, 0}, 0.3 * i));
+    scene.ball(0.1, {x, 0.15, 0.01 * i});
+    scene.capsule(0.05, 0.1, {x, 0.2, 0.01 * i});
+  }
+  scene.plane();
+  double fastest = 0;
+  for (int f = 0; f < 300; ++f) scene.step(), fastest = std::max(fastest, scene.fastest());
+  EXPECT_TRUE(scene.finite());
+  EXPECT_LT(fastest, 6);
+  EXPECT_LT(scene.deepest(), 2e-3);
+}
+
+TEST(RigidRest, NeedlesThatFallIntoAHeapGainNoEnergy) {
+  RigidScene scene;
+  for (int i = 0; i < 30; ++i) {
+    const double angle = 0.8 * i;
+    scene.box({0.5, 0.005, 0.005}, {0.05 * std::sin(1.0 * i), 0.05 + 0.03 * i, 0.05 * std::cos(1.0 * i)},
+              Quatd::from_axis_angle({0, 1, 0}, angle) *
+                  Quatd::from_axis_angle({0, 0, 1}, 0.1 * std::sin(3.0 * i)));
+  }
+  scene.plane();
+  const double energy = scene.energy();
+  double fastest = 0, highest = energy;
+  for (int f = 0; f < 120; ++f) {
+    scene.step();
+    fastest = std::max(fastest, scene.fastest()), highest = std::max(highest, scene.energy());
+  }
+  EXPECT_TRUE(scene.finite());
+  EXPECT_LE(highest, energy * (1 + 1e-9));
+  EXPECT_LT(fastest, 6);
+}
+
+}  // namespace
+}  // namespace souple::test
