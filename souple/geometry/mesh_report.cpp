@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -16,9 +17,9 @@ using Indices = std::vector<std::uint32_t>;
 
 // A side of a triangle; `slot` = triangle * 3 + side.
 struct Side {
-  std::uint32_t low, high;
-  std::uint64_t slot;
-  bool forward;  // from the lower to the higher vertex
+  std::uint32_t low = 0, high = 0;
+  std::uint64_t slot = 0;
+  bool forward = false;  // from the lower to the higher vertex
   friend bool operator<(const Side& a, const Side& b) {
     if (a.low != b.low) return a.low < b.low;
     if (a.high != b.high) return a.high < b.high;
@@ -32,13 +33,27 @@ struct SideRuns {
   std::vector<std::size_t> begin;
 
   explicit SideRuns(std::span<const Triangle> triangles) {
-    sides.reserve(triangles.size() * 3);
+    // First by the lower vertex, by counting: each has few sides, which are then sorted.
+    std::vector<std::size_t> ends;
+    for (const Triangle& t : triangles)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t low = std::min(t[i], t[(i + 1) % 3]);
+        if (low >= ends.size()) ends.resize(std::max(std::size_t{low} + 1, 2 * ends.size()), 0);
+        ++ends[low];
+      }
+    std::size_t total = 0;
+    for (std::size_t& end : ends) end = std::exchange(total, total + end);
+    sides.resize(total);
     for (std::size_t t = 0; t < triangles.size(); ++t)
       for (std::size_t i = 0; i < 3; ++i) {
         const std::uint32_t a = triangles[t][i], b = triangles[t][(i + 1) % 3];
-        sides.push_back({std::min(a, b), std::max(a, b), t * 3 + i, a < b});
+        sides[ends[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), t * 3 + i, a < b};
       }
-    std::sort(sides.begin(), sides.end());
+    std::size_t first = 0;
+    for (const std::size_t end : ends) {
+      std::sort(sides.begin() + std::ptrdiff_t(first), sides.begin() + std::ptrdiff_t(end));
+      first = end;
+    }
     for (std::size_t s = 0; s < sides.size(); ++s)
       if (s == 0 || sides[s].low != sides[s - 1].low || sides[s].high != sides[s - 1].high)
         begin.push_back(s);
