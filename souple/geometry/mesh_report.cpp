@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -299,15 +301,44 @@ std::vector<ClosedPiece> closed_pieces(const std::vector<Patch>& patches, const 
   return pieces;
 }
 
+// Finds boxes around a box. A tree over the pieces, sorted by the lowest x, holds the highest x of each branch: only those
+// that reach around the box along x are looked at.
+class Surroundings {
+ public:
+  explicit Surroundings(const std::vector<ClosedPiece>& pieces) {
+    for (const ClosedPiece& piece : pieces)
+      if (!std::isnan(piece.box.lo.x) && !std::isnan(piece.box.hi.x)) boxes_.push_back(piece.box);
+    std::sort(boxes_.begin(), boxes_.end(),
+              [](const BoundingBox& s, const BoundingBox& t) { return s.lo.x < t.lo.x; });
+    while (leaves_ < boxes_.size()) leaves_ *= 2;
+    highest_.assign(2 * leaves_, -std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < boxes_.size(); ++i) highest_[leaves_ + i] = boxes_[i].hi.x;
+    for (std::size_t n = leaves_; n-- > 1;) highest_[n] = std::max(highest_[2 * n], highest_[2 * n + 1]);
+  }
+
+  // Whether another piece's box surrounds this one: strictly, so that no box surrounds itself.
+  bool surround(const BoundingBox& box) const { return surround(box, 1, 0, leaves_); }
+
+ private:
+  bool surround(const BoundingBox& box, std::size_t node, std::size_t begin, std::size_t end) const {
+    if (begin >= boxes_.size() || !(boxes_[begin].lo.x < box.lo.x) || !(highest_[node] > box.hi.x))
+      return false;
+    if (end - begin == 1) return lies_within(box, boxes_[begin]);
+    const std::size_t middle = begin + (end - begin) / 2;
+    return surround(box, 2 * node, begin, middle) || surround(box, 2 * node + 1, middle, end);
+  }
+
+  std::vector<BoundingBox> boxes_;
+  std::size_t leaves_ = 1;
+  std::vector<double> highest_;  // [m] of the boxes below each node; node n is over 2 n and 2 n + 1
+};
+
 // Reverses closed pieces that are inside out, except possible walls of cavities.
 std::size_t turn_outward(const std::vector<ClosedPiece>& pieces, std::vector<Triangle>& triangles) {
+  const Surroundings surroundings(pieces);
   std::size_t turned = 0;
   for (const ClosedPiece& piece : pieces) {
-    if (!(piece.volume < 0)) continue;
-    const bool cavity = std::any_of(pieces.begin(), pieces.end(), [&](const ClosedPiece& other) {
-      return &other != &piece && lies_within(piece.box, other.box);
-    });
-    if (cavity) continue;
+    if (!(piece.volume < 0) || surroundings.surround(piece.box)) continue;
     turn_over(triangles, *piece.triangles);
     ++turned;
   }
