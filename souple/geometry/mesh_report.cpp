@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <numeric>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -16,9 +19,9 @@ using Indices = std::vector<std::uint32_t>;
 
 // A side of a triangle; `slot` = triangle * 3 + side.
 struct Side {
-  std::uint32_t low, high;
-  std::uint64_t slot;
-  bool forward;  // from the lower to the higher vertex
+  std::uint32_t low = 0, high = 0;
+  std::uint64_t slot = 0;
+  bool forward = false;  // from the lower to the higher vertex
   friend bool operator<(const Side& a, const Side& b) {
     if (a.low != b.low) return a.low < b.low;
     if (a.high != b.high) return a.high < b.high;
@@ -32,13 +35,27 @@ struct SideRuns {
   std::vector<std::size_t> begin;
 
   explicit SideRuns(std::span<const Triangle> triangles) {
-    sides.reserve(triangles.size() * 3);
+    // First by the lower vertex, by counting: each has few sides, which are then sorted.
+    std::vector<std::size_t> ends;
+    for (const Triangle& t : triangles)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t low = std::min(t[i], t[(i + 1) % 3]);
+        if (low >= ends.size()) ends.resize(std::max(std::size_t{low} + 1, 2 * ends.size()), 0);
+        ++ends[low];
+      }
+    std::size_t total = 0;
+    for (std::size_t& end : ends) end = std::exchange(total, total + end);
+    sides.resize(total);
     for (std::size_t t = 0; t < triangles.size(); ++t)
       for (std::size_t i = 0; i < 3; ++i) {
         const std::uint32_t a = triangles[t][i], b = triangles[t][(i + 1) % 3];
-        sides.push_back({std::min(a, b), std::max(a, b), t * 3 + i, a < b});
+        sides[ends[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), t * 3 + i, a < b};
       }
-    std::sort(sides.begin(), sides.end());
+    std::size_t first = 0;
+    for (const std::size_t end : ends) {
+      std::sort(sides.begin() + std::ptrdiff_t(first), sides.begin() + std::ptrdiff_t(end));
+      first = end;
+    }
     for (std::size_t s = 0; s < sides.size(); ++s)
       if (s == 0 || sides[s].low != sides[s - 1].low || sides[s].high != sides[s - 1].high)
         begin.push_back(s);
@@ -284,15 +301,44 @@ std::vector<ClosedPiece> closed_pieces(const std::vector<Patch>& patches, const 
   return pieces;
 }
 
+// Finds boxes around a box. A tree over the pieces, sorted by the lowest x, holds the highest x of each branch: only those
+// that reach around the box along x are looked at.
+class Surroundings {
+ public:
+  explicit Surroundings(const std::vector<ClosedPiece>& pieces) {
+    for (const ClosedPiece& piece : pieces)
+      if (!std::isnan(piece.box.lo.x) && !std::isnan(piece.box.hi.x)) boxes_.push_back(piece.box);
+    std::sort(boxes_.begin(), boxes_.end(),
+              [](const BoundingBox& s, const BoundingBox& t) { return s.lo.x < t.lo.x; });
+    while (leaves_ < boxes_.size()) leaves_ *= 2;
+    highest_.assign(2 * leaves_, -std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < boxes_.size(); ++i) highest_[leaves_ + i] = boxes_[i].hi.x;
+    for (std::size_t n = leaves_; n-- > 1;) highest_[n] = std::max(highest_[2 * n], highest_[2 * n + 1]);
+  }
+
+  // Whether another piece's box surrounds this one: strictly, so that no box surrounds itself.
+  bool surround(const BoundingBox& box) const { return surround(box, 1, 0, leaves_); }
+
+ private:
+  bool surround(const BoundingBox& box, std::size_t node, std::size_t begin, std::size_t end) const {
+    if (begin >= boxes_.size() || !(boxes_[begin].lo.x < box.lo.x) || !(highest_[node] > box.hi.x))
+      return false;
+    if (end - begin == 1) return lies_within(box, boxes_[begin]);
+    const std::size_t middle = begin + (end - begin) / 2;
+    return surround(box, 2 * node, begin, middle) || surround(box, 2 * node + 1, middle, end);
+  }
+
+  std::vector<BoundingBox> boxes_;
+  std::size_t leaves_ = 1;
+  std::vector<double> highest_;  // [m] of the boxes below each node; node n is over 2 n and 2 n + 1
+};
+
 // Reverses closed pieces that are inside out, except possible walls of cavities.
 std::size_t turn_outward(const std::vector<ClosedPiece>& pieces, std::vector<Triangle>& triangles) {
+  const Surroundings surroundings(pieces);
   std::size_t turned = 0;
   for (const ClosedPiece& piece : pieces) {
-    if (!(piece.volume < 0)) continue;
-    const bool cavity = std::any_of(pieces.begin(), pieces.end(), [&](const ClosedPiece& other) {
-      return &other != &piece && lies_within(piece.box, other.box);
-    });
-    if (cavity) continue;
+    if (!(piece.volume < 0) || surroundings.surround(piece.box)) continue;
     turn_over(triangles, *piece.triangles);
     ++turned;
   }

@@ -16,11 +16,10 @@ namespace {
 constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 using Cell = std::array<std::int64_t, 3>;
 
-// Representatives in cubes no smaller than the tolerance: a partner is in one of 27 cubes, and a cube holds
-// few representatives, because they are more than a tolerance apart.
-class CellGrid {
+// Cubes no smaller than the tolerance: a partner of a position is in one of 27.
+class Cubes {
  public:
-  CellGrid(std::span<const Vec3d> positions, double tolerance) : positions_(positions) {
+  Cubes(std::span<const Vec3d> positions, double tolerance) {
     const BoundingBox bounds = bounding_box(positions);
     lo_ = bounds.lo;
     // Half sizes, because the full extent of extreme coordinates overflows. Cubes are two tolerances wide, so
@@ -29,8 +28,76 @@ class CellGrid {
     for (int i = 0; i < 3; ++i) half_extent = std::max(half_extent, bounds.hi[i] / 2 - bounds.lo[i] / 2);
     half_cell_ = std::max(
         {tolerance, half_extent / double(std::int64_t(1) << 40), std::numeric_limits<double>::min()});
-    for (const Vec3d& p : positions)
-      if (is_finite(p)) cells_.push_back(cell_of(p));
+  }
+
+  Cell cell_of(const Vec3d& p) const {
+    Cell cell{};
+    for (int i = 0; i < 3; ++i)
+      cell[std::size_t(i)] = std::int64_t(std::floor((p[i] / 2 - lo_[i] / 2) / half_cell_));
+    return cell;
+  }
+
+ private:
+  Vec3d lo_;
+  double half_cell_{};
+};
+
+struct Occupant {
+  Cell cell;
+  std::uint32_t vertex;
+  friend bool operator<(const Occupant& a, const Occupant& b) {
+    return a.cell != b.cell ? a.cell < b.cell : a.vertex < b.vertex;
+  }
+};
+
+// Of sorted cubes, each once: those with another one among the 26 around them. One pass, in which the cubes beside the
+// current one are found by pointers that move with it.
+std::vector<char> find_neighbored(const std::vector<Cell>& cells) {
+  std::vector<char> neighbored(cells.size(), 0);
+  // What comes after the current cube.
+  constexpr std::int64_t columns[5][2] = {{0, 0}, {0, 1}, {1, -1}, {1, 0}, {1, 1}};
+  std::size_t beside[5] = {};
+  for (std::size_t k = 0; k < cells.size(); ++k)
+    for (std::size_t c = 0; c < 5; ++c) {
+      const std::int64_t x = cells[k][0] + columns[c][0], y = cells[k][1] + columns[c][1];
+      const Cell from{x, y, cells[k][2] + (c == 0 ? 1 : -1)}, to{x, y, cells[k][2] + 1};
+      std::size_t& at = beside[c];
+      while (at < cells.size() && cells[at] < from) ++at;
+      for (std::size_t other = at; other < cells.size() && cells[other] <= to; ++other)
+        neighbored[k] = neighbored[other] = 1;
+    }
+  return neighbored;
+}
+
+// Whether each vertex has another one in its 27 cubes: in most meshes few have.
+std::vector<char> find_crowded(std::span<const Vec3d> positions, const Cubes& cubes) {
+  std::vector<Occupant> sorted;
+  sorted.reserve(positions.size());
+  for (std::uint32_t v = 0; v < positions.size(); ++v)
+    if (is_finite(positions[v])) sorted.push_back({cubes.cell_of(positions[v]), v});
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<Cell> cells;
+  for (const Occupant& occupant : sorted)
+    if (cells.empty() || cells.back() != occupant.cell) cells.push_back(occupant.cell);
+  const std::vector<char> neighbored = find_neighbored(cells);
+  std::vector<char> crowded(positions.size(), 0);
+  std::size_t cell = 0;
+  for (std::size_t k = 0; k < sorted.size(); ++k) {
+    const bool shares_last = k > 0 && sorted[k].cell == sorted[k - 1].cell;
+    const bool shares_next = k + 1 < sorted.size() && sorted[k].cell == sorted[k + 1].cell;
+    if (k > 0 && !shares_last) ++cell;
+    crowded[sorted[k].vertex] = char(shares_last || shares_next || neighbored[cell] != 0);
+  }
+  return crowded;
+}
+
+// Representatives in their cubes; a cube holds few, because they are more than a tolerance apart.
+class CellGrid {
+ public:
+  CellGrid(std::span<const Vec3d> positions, const Cubes& cubes, const std::vector<char>& crowded)
+      : positions_(positions), cubes_(cubes) {
+    for (std::size_t v = 0; v < positions.size(); ++v)
+      if (crowded[v]) cells_.push_back(cubes.cell_of(positions[v]));
     std::sort(cells_.begin(), cells_.end());
     cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());
     head_.assign(cells_.size(), none);
@@ -38,7 +105,7 @@ class CellGrid {
   }
 
   void insert(std::uint32_t vertex) {
-    const Cell cell = cell_of(positions_[vertex]);
+    const Cell cell = cubes_.cell_of(positions_[vertex]);
     const auto at = std::lower_bound(cells_.begin(), cells_.end(), cell) - cells_.begin();
     next_[vertex] = head_[std::size_t(at)];
     head_[std::size_t(at)] = vertex;
@@ -46,7 +113,7 @@ class CellGrid {
 
   // The lowest inserted vertex within the tolerance of position p, or none.
   std::uint32_t find(const Vec3d& p, double tolerance) const {
-    const Cell center = cell_of(p);
+    const Cell center = cubes_.cell_of(p);
     std::uint32_t best = none;
     for (std::int64_t dx = -1; dx <= 1; ++dx)
       for (std::int64_t dy = -1; dy <= 1; ++dy) {
@@ -61,17 +128,9 @@ class CellGrid {
   }
 
  private:
-  Cell cell_of(const Vec3d& p) const {
-    Cell cell{};
-    for (int i = 0; i < 3; ++i)
-      cell[std::size_t(i)] = std::int64_t(std::floor((p[i] / 2 - lo_[i] / 2) / half_cell_));
-    return cell;
-  }
-
   std::span<const Vec3d> positions_;
-  Vec3d lo_;
-  double half_cell_{};
-  std::vector<Cell> cells_;          // occupied, sorted
+  const Cubes& cubes_;
+  std::vector<Cell> cells_;          // occupied by crowded vertices, sorted
   std::vector<std::uint32_t> head_;  // per cell: its last representative
   std::vector<std::uint32_t> next_;  // per vertex: the previous representative in its cell
 };
@@ -97,11 +156,13 @@ std::vector<std::uint32_t> exact_representatives(std::span<const Vec3d> position
 }
 
 std::vector<std::uint32_t> near_representatives(std::span<const Vec3d> positions, double tolerance) {
-  CellGrid grid(positions, tolerance);
+  const Cubes cubes(positions, tolerance);
+  const std::vector<char> crowded = find_crowded(positions, cubes);
+  CellGrid grid(positions, cubes, crowded);
   std::vector<std::uint32_t> representative(positions.size());
   for (std::uint32_t v = 0; v < positions.size(); ++v) {
     representative[v] = v;
-    if (!is_finite(positions[v])) continue;
+    if (!crowded[v]) continue;
     const std::uint32_t found = grid.find(positions[v], tolerance);
     if (found != none)
       representative[v] = found;

@@ -5,9 +5,12 @@
 #include "souple/geometry/mesh_report.h"
 #include "souple/geometry/reorder.h"
 #include "souple/geometry/weld.h"
+#include "souple/math/fnv1a.h"
 #include "souple/math/limits.h"
 #include "souple/objects/object.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -50,6 +53,27 @@ std::vector<std::uint32_t> identity(std::size_t count) {
   std::vector<std::uint32_t> result(count);
   std::iota(result.begin(), result.end(), 0u);
   return result;
+}
+
+void require_apart(std::span<const Vec3d> points, double width, const std::string& name) {
+  constexpr std::size_t limit = 100;
+  if (points.size() <= limit) return;
+  std::vector<std::pair<std::uint64_t, std::size_t>> cubes;  // hash of each point's cube, point
+  cubes.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    double cube[3];
+    for (int k = 0; k < 3; ++k) cube[k] = std::floor(points[i][k] / width) + 0.0;  // without -0
+    cubes.emplace_back(fnv1a64(std::as_bytes(std::span(cube))), i);
+  }
+  std::sort(cubes.begin(), cubes.end());
+  for (std::size_t begin = 0, end = 0; begin < cubes.size(); begin = end) {
+    while (end < cubes.size() && cubes[end].first == cubes[begin].first) ++end;
+    if (end - begin > limit)
+      throw Error(
+          fmt::format("{}: {} of its points are in one cube of {:.3g} m, the width of a particle (the first "
+                      "is number {}); at most {} may be: spread them, or use smaller particles",
+                      name, end - begin, width, cubes[begin].second, limit));
+  }
 }
 
 void import_points(Object& object, std::vector<Vec3d> points) {

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ void transform_points(std::vector<Vec3d>& points, const Transform& transform, co
 void place(TriangleMesh& mesh, const Transform& transform, const std::string& name);
 
 std::vector<std::uint32_t> identity(std::size_t count);
+/// Throws Error if more than a hundred points are in one cube of this width [m], that of a particle: neighbors
+/// grow with the square of that number. `name`: of the object.
+void require_apart(std::span<const Vec3d> points, double width, const std::string& name);
 /// Particles at these points, in their order.
 void import_points(Object& object, std::vector<Vec3d> points);
 /// Imports the welded vertices of a surface as particles, and its valid triangles over them.

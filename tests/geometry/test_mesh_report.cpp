@@ -4,7 +4,9 @@
 #include "souple/geometry/measures.h"
 #include "souple/geometry/mesh_report.h"
 
+#include <chrono>
 #include <limits>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -54,6 +56,33 @@ TEST(MeshReport, CountsWhatIsBroken) {
     EXPECT_EQ(text.find("duck.obj: a closed surface is needed here, but 1 vertex is not finite"), 0u) << text;
     EXPECT_NE(text.find("3 edges are open (the first is between vertices"), std::string::npos) << text;
   }
+}
+
+// Tetrahedra that are inside out, in rows; every tenth one in a box, as the wall of a cavity.
+TEST(MeshReport, ManyPiecesTakeTimeInProportion) {
+  const auto seconds_for = [](int count) {
+    TriangleMesh mesh;
+    const auto add = [&](const Vec3d& at, double size, bool inside_out) {
+      const std::uint32_t first = std::uint32_t(mesh.positions.size());
+      for (const Vec3d& p : {Vec3d{0, 0, 0}, Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
+        mesh.positions.push_back(at + p * size);
+      for (const auto& [a, b, c] :
+           {Triangle{0, 2, 1}, Triangle{0, 1, 3}, Triangle{0, 3, 2}, Triangle{1, 2, 3}})
+        mesh.triangles.push_back({first + a, first + (inside_out ? c : b), first + (inside_out ? b : c)});
+    };
+    for (int i = 0; i < count; ++i) {
+      const Vec3d at = Vec3d{double(i % 50), double(i / 50 % 50), double(i / 2500)} * 8;
+      add(at, 1, true);
+      if (i % 10 == 0) add(at - Vec3d{1, 1, 1}, 5, false);
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const RepairedSurface repaired = repair(mesh);
+    EXPECT_EQ(repaired.sentences, (std::vector<std::string>{"Reversed " + std::to_string(count - count / 10) +
+                                                            " closed pieces to face outward."}));
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  const double tenth = seconds_for(10000), all = seconds_for(100000);
+  EXPECT_LT(all, 30 * tenth + 0.5);
 }
 
 TEST(MeshReport, NonManifoldEdgesAndZeroArea) {

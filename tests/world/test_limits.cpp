@@ -107,6 +107,24 @@ TEST(Limits, PositionsAndVelocitiesBeyondABillionAreRefused) {
   EXPECT_NE(before, 0u);
 }
 
+// Neighbors grow with the square of the particles at one place: 20,001 took gigabytes.
+TEST(Limits, CrowdsOfFluidParticlesAtOnePlaceAreRefused) {
+  World world;
+  std::vector<Vec3d> points(100, Vec3d{1, 2, 3});
+  const ObjectId few = world.add_fluid(points);
+  EXPECT_TRUE(world.step(0.01).ok());
+  world.remove(few);
+  points.resize(20001, Vec3d{1, 2, 3});
+  expect_error([&] { world.add_fluid(points, {}, {.name = "sea"}); },
+               {"sea", "20001", "0.02 m", "number 0", "smaller particles"});
+  points.clear();
+  for (int i = 0; i < 64000; ++i)
+    points.push_back(Vec3d{double(i % 40), double(i / 40 % 40), double(i / 1600)} * 0.02);
+  EXPECT_NO_THROW(world.add_fluid(points));
+  // The scale brings them together.
+  expect_error([&] { world.add_fluid(points, {}, {.transform = {{}, {}, 0.1}}); }, {"fluid2", "in one cube"});
+}
+
 TEST(Limits, TimesBeyondABillionSecondsAreRefused) {
   World world;
   const ObjectId fluid = world.add_fluid(std::vector<Vec3d>{{0, 3, 0}}, {}, {.max_particles = 10});

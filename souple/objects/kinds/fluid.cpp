@@ -68,6 +68,7 @@ NewObject import_fluid(std::string name, std::span<const Vec3d> centers, const F
   import_points(object, {centers.begin(), centers.end()});
   transform_points(object.rest, options.transform, object.name);
   const auto d = static_cast<double>(material.spacing);
+  require_apart(object.rest, d, object.name);
   fluid.mass.assign(object.rest.size(), static_cast<double>(material.density) * d * d * d);
   finish_object(fluid, options);
   return fluid;

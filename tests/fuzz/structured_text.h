@@ -1,0 +1,16 @@
+#pragma once
+
+#include "random.h"
+
+#include <string>
+
+namespace souple::fuzz {
+
+/// Changes one number, or lines, of the text before `end`: a number takes a value from another line of the
+/// same shape, lines of one shape change places, and a line that comes or goes changes the count before it.
+void change_text(std::string& text, std::size_t end, Random& random);
+
+/// Changes one value of a JSON text, or moves, copies or removes a member.
+void change_json(std::string& text, Random& random);
+
+}  // namespace souple::fuzz
