@@ -42,13 +42,16 @@ std::optional<std::uint64_t> number_like(const NumberedName& model, const std::f
   return std::stoull(name.digits);
 }
 
-std::vector<SequenceFrame> list_frames(const std::filesystem::path& folder, const NumberedName& model) {
+/// The files whose numbers are above `after`, or all.
+std::vector<SequenceFrame> list_frames(const std::filesystem::path& folder, const NumberedName& model,
+                                       std::optional<std::uint64_t> after = {}) {
   std::vector<SequenceFrame> frames;
   std::error_code error;
   std::filesystem::directory_iterator entry(folder.empty() ? "." : folder, error);
   for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
     const auto file = entry->path().filename();
-    if (const auto number = number_like(model, file)) frames.push_back({*number, folder / file});
+    const auto number = number_like(model, file);
+    if (number && (!after || *number > *after)) frames.push_back({*number, folder / file});
   }
   if (error) throw Error(folder.string() + ": cannot be listed: " + error.message());
   // Also by path, because the order of a folder's entries depends on the system.
@@ -167,9 +170,10 @@ void SequenceWriter::drop_after(std::uint64_t frame) {
 }
 
 void SequenceWriter::finish() {
-  for (const SequenceFrame& frame : list_frames(folder_, cut(frame_file_name(name_, 1, extension_)))) {
+  const NumberedName model = cut(frame_file_name(name_, 1, extension_));
+  for (const SequenceFrame& frame : list_frames(folder_, model, frames_)) {
     // Only names that the writer generates: NAME_7.obj is not one of them.
-    if (frame.number <= frames_ || frame.path != file(frame.number)) continue;
+    if (frame.path != file(frame.number)) continue;
     std::error_code ignored;
     std::filesystem::remove(frame.path, ignored);
   }
