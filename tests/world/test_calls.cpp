@@ -41,7 +41,7 @@ struct Handles {
 /// Handles that no object of a world has.
 Handles stale() {
   constexpr std::uint32_t gone = 0x7ffffffe;
-  return {{gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}};
+  return {{gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}};
 }
 
 /// Lines of the table in world.h.
