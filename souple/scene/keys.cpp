@@ -123,7 +123,7 @@ CodecPtr<SceneDescription> scene_codec() {
   keys->key<&S::camera>("camera", camera_codec(), "a good viewpoint for the scene")
       .key<&S::settings, &Settings::wind>("wind", wind_codec(), "moving air")
       .key<&S::objects>("objects", list(object_codec(), 0, 10000),
-                        "cloth, soft bodies, ropes, grains, fluids and obstacles")
+                        "cloth, soft bodies, ropes, grains, fluids, obstacles and rigid bodies")
       .key<&S::colliders>("colliders", list(collider_codec(), 0, 10000), "solids that objects collide with")
       .key<&S::pairs>(
           "pairs", list(pair_codec(), 0, 100000),
