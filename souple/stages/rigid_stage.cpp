@@ -20,8 +20,8 @@ namespace {
 // Where fewer particles are touched, the number that masses are made for falls by this factor in a substep, so that contacts
 // that come and go do not change the masses that others see.
 constexpr double decay_of_shown = 0.95;
-// So many particles may be touched for the first time, as the corners of a box are that lands on one side.
-constexpr double least_shown = 4;
+// So many particles may be touched for the first time: the corners of a box.
+constexpr double least_shown = 8;
 
 RigidShape shape_of(const Collider& collider) {
   if (const auto convex = convex_shape_of(collider.shape)) return {{*convex}, nullptr};

@@ -205,7 +205,6 @@ const RigidBodyMaterial& World::rigid_body_material(ObjectId id) const {
 
 RigidBodyState World::rigid_body(ObjectId id) const {
   const WorldState& world = state();
-  require_readable(*world.calls, "rigid_body");
   const Object& object = world.object(id);
   const RigidDefinition* const body = world.rigid->definition(object.id.value);
   if (!body)

@@ -28,6 +28,9 @@ CONTEXT = {
         "void snippet(World& world, const TriangleMesh& mesh, ObjectId veil) {\n",
     ("docs/embedding.md", "session.post"):
         "#include <souple/host/session.h>\nvoid snippet(souple::host::Session& session, souple::host::Handle cloth) {\n",
+    ("docs/rigid-bodies.md", "add_rigid_body"):
+        "#include <souple/mesh_files/mesh_file.h>\n#include <souple/souple.h>\nusing namespace souple;\n"
+        "void snippet(World& world) {\n",
     ("docs/fluids.md", "FluidSurface"):
         "#include <souple/souple.h>\n#include <souple/threads/threads.h>\n#include <souple/surface/fluid_surface.h>\n"
         "void snippet(souple::World& world, souple::ObjectId water) {\n",
