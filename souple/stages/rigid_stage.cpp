@@ -336,8 +336,24 @@ void RigidStage::solve(const StageView& stage, const Substep& substep) {
   }
 }
 
+// Where nothing can give way, keep_apart holds all particles of what is driven.
+bool RigidStage::is_held(const StageView& stage, std::size_t body) const {
+  const std::vector<Vec4f>& moving = stage.objects.moving();
+  const std::vector<Vec4f>& start = stage.objects.particles.start;
+  const bool moves = bodies_.pose[body].position != bodies_.start[body].position;
+  const std::uint32_t begin = objects_[body]->begin, end = objects_[body]->end;
+  for (std::uint32_t i = begin; moves && i < end; ++i)
+    if (moving[i].xyz() != start[i].xyz()) return false;
+  return moves;
+}
+
 void RigidStage::finish(const StageView& stage, const Substep& substep) {
   if (empty()) return;
+  for (std::size_t k = 0; k < records_.size(); ++k) {
+    if (!is_awake(k) || !is_held(stage, k)) continue;
+    bodies_.pose[k] = predicted_[k] = bodies_.start[k];
+    bodies_.velocity[k] = {};
+  }
   finish_bodies(bodies_, predicted_, static_cast<double>(substep.h));
   Particles& particles = stage.objects.particles;
   for (std::size_t k = 0; k < records_.size(); ++k) {

@@ -96,6 +96,7 @@ class RigidStage {
   void read_velocities(const StageView& stage, std::size_t body);
   void write_velocities(const StageView& stage, std::size_t body) const;
   bool is_awake(std::size_t body) const;
+  bool is_held(const StageView& stage, std::size_t body) const;
 
   std::vector<Record> records_;         // ascending by id
   std::vector<const Object*> objects_;  // per record
