@@ -415,8 +415,8 @@ void RigidStage::load(std::span<const std::byte> in) {
 }
 
 std::size_t RigidStage::bytes() const {
-  std::size_t result = bytes_of(records_, objects_, rows_, colliders_, shapes_, predicted_) +
-                       finder_.bytes() + solver_.bytes();
+  std::size_t result =
+      bytes_of(records_, rows_, shapes_, predicted_, touched_at_) + finder_.bytes() + solver_.bytes();
   for (const Record& record : records_) result += bytes_of(record.definition.particles);
   return result;
 }

@@ -64,7 +64,8 @@ void drop_boxes(RigidScene& scene, int count) {
   for (int i = 0; i < count; ++i) {
     Quatd q;
     q.x = uniform(), q.y = uniform(), q.z = uniform(), q.w = uniform();
-    Vec3d x{i % side - side / 2.0, i / side / side + 1.0, i / side % side - side / 2.0};
+    const int layer = i / side / side, row = i / side % side;
+    Vec3d x{i % side - side / 2.0, layer + 1.0, row - side / 2.0};
     x.x += 0.1 * uniform(), x.z += 0.1 * uniform();
     scene.box({0.1, 0.1, 0.1}, x * 0.4, normalized(q));
   }

@@ -12,7 +12,7 @@ namespace {
 constexpr double h = 1.0 / 600;
 
 /// Complete elliptic integral of the first kind, of modulus k: by the arithmetic-geometric mean.
-double elliptic_K(double k) {
+double complete_elliptic(double k) {
   double a = 1, b = std::sqrt(1 - k * k);
   while (std::abs(a - b) > 1e-15) {
     const double mean = (a + b) / 2;
@@ -31,7 +31,7 @@ double flip_time(const Vec3d& I, const Vec3d& w) {
   if (L2 < E2 * I.y) std::swap(I1, I3);  // the solution about the other axis
   const double rate = std::sqrt((I1 - I.y) * (L2 - E2 * I3) / (I.x * I.y * I.z));
   const double k2 = (I.y - I3) * (E2 * I1 - L2) / ((I1 - I.y) * (L2 - E2 * I3));
-  return 2 * elliptic_K(std::sqrt(k2)) / rate;
+  return 2 * complete_elliptic(std::sqrt(k2)) / rate;
 }
 
 /// Of a wing nut: about the middle axis for 60 s. Times at which the spin about it changes its sign.

@@ -51,6 +51,7 @@ TEST(RigidBodies, AStackStandsAndFallsAsleep) {
   settings.sleeping.enabled = true;
   world.set_settings(settings);
   std::vector<ObjectId> boxes;
+  boxes.reserve(5);
   for (int i = 0; i < 5; ++i) boxes.push_back(world.add_rigid_body(small_box, {}, at(0, 0.1 + 0.2 * i, 0)));
   run(world, 2);
   for (int i = 0; i < 5; ++i) {

@@ -76,6 +76,7 @@ MassProperties mass_of(const Object& object, const std::vector<ConvexHull>& hull
     sentences.push_back("its surface is not closed, so its mass is that of its convex hull");
   }
   std::vector<MassProperties> parts;
+  parts.reserve(hulls.size());
   for (const ConvexHull& hull : hulls)
     parts.push_back(mass_properties(surface_mesh(hull), density, object.name));
   return combined(parts);
@@ -92,6 +93,7 @@ RigidDefinition body_of(const MassProperties& solid) {
 
 ConvexShape shape_of(const ConvexHull& hull, const BodyPose& pose) {
   std::vector<Vec3d> vertices;
+  vertices.reserve(hull.positions.size());
   for (const Vec3d& x : hull.positions) vertices.push_back(pose.local_point(x));
   std::vector<FaceLoop> faces;
   for (const HullFace& face : hull.faces) {
