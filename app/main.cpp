@@ -432,7 +432,8 @@ int main(int argc, char** argv) {
   souple::app::end_when_out_of_memory();
   std::function<int()> action;
   CLI::App app(
-      "Souple simulates cloth, soft bodies, ropes, rigid bodies, grains and fluids from scene files, and writes caches "
+      "Souple simulates cloth, soft bodies, ropes, rigid bodies, grains and fluids from scene files, and "
+      "writes caches "
       "that Blender and Houdini open.",
       "souple");
   app.footer(main_footer);
