@@ -20,6 +20,9 @@ namespace {
 // Where fewer particles are touched, the number that masses are made for falls by this factor in a substep, so that contacts
 // that come and go do not change the masses that others see.
 constexpr double decay_of_shown = 0.95;
+// A body that is held keeps this part of its velocity in a substep: it goes on once what it pinches has moved away, and no
+// force that presses on it makes it faster than in ten substeps of free fall.
+constexpr double held_part = 0.9;
 // So many particles may be touched for the first time: the corners of a box.
 constexpr double least_shown = 8;
 
@@ -349,12 +352,12 @@ bool RigidStage::is_held(const StageView& stage, std::size_t body) const {
 
 void RigidStage::finish(const StageView& stage, const Substep& substep) {
   if (empty()) return;
+  finish_bodies(bodies_, predicted_, static_cast<double>(substep.h));
   for (std::size_t k = 0; k < records_.size(); ++k) {
     if (!is_awake(k) || !is_held(stage, k)) continue;
-    bodies_.pose[k] = predicted_[k] = bodies_.start[k];
-    bodies_.velocity[k] = {};
+    bodies_.pose[k] = bodies_.start[k];
+    bodies_.velocity[k] = {bodies_.velocity[k].linear * held_part, bodies_.velocity[k].angular * held_part};
   }
-  finish_bodies(bodies_, predicted_, static_cast<double>(substep.h));
   Particles& particles = stage.objects.particles;
   for (std::size_t k = 0; k < records_.size(); ++k) {
     if (!is_awake(k)) continue;
