@@ -1,6 +1,7 @@
 #include "souple/rigid/contact_finder.h"
 
 #include "souple/error.h"
+#include "souple/rigid/impulse.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
@@ -17,10 +18,6 @@ namespace {
 constexpr double fast_ratio = 0.25;
 // Contacts begin at this distance even if nothing moves, as a part of the smaller side's inner radius.
 constexpr double margin_ratio = 0.02;
-
-bool moves(const RigidBodies& bodies, std::uint32_t body) {
-  return bodies.mass[body].inverse > 0;
-}
 
 /// An upper bound of the path of a body's points in `dt` seconds [m].
 double motion_of(const RigidBodies& bodies, std::uint32_t body, const RigidShape& shape, double dt,

@@ -124,10 +124,6 @@ void give_back_energy(std::span<const Impact> impacts, const RigidContact& conta
   scale(contact.a, before[0]), scale(contact.b, before[1]);
 }
 
-bool moves(const RigidBodies& bodies, std::uint32_t body) {
-  return body != no_body && bodies.mass[body].inverse > 0;
-}
-
 double lighter_mass(const RigidContact& contact, const RigidBodies& bodies) {
   double largest = 0;
   for (const std::uint32_t body : {contact.a, contact.b})

@@ -13,6 +13,11 @@ namespace souple {
 /// In place of a body: the world, which nothing moves.
 inline constexpr std::uint32_t no_body = ~std::uint32_t{0};
 
+/// Whether forces move a body.
+inline bool moves(const RigidBodies& bodies, std::uint32_t body) {
+  return body != no_body && bodies.mass[body].inverse > 0;
+}
+
 /// [r], the matrix of the cross product: [r] v = r x v.
 inline Mat3d cross_matrix(const Vec3d& r) {
   return {{0, r.z, -r.y}, {-r.z, 0, r.x}, {r.y, -r.x, 0}};

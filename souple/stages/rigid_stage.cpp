@@ -45,6 +45,13 @@ BodyVelocity velocity_between(const BodyPose& from, const BodyPose& to, double h
   return {(to.position - from.position) / h, sine > 0 ? axis * (angle / (sine * h)) : Vec3d{}};
 }
 
+// Contacts that approach more slowly than in a fall of two substeps do not bounce, as those of particles.
+RigidSubstep of_contacts(const StageView& stage, const Substep& substep) {
+  constexpr double depenetration_speed = 1.5;  // of a fall by 11 cm [m/s]
+  const auto h = static_cast<double>(substep.h);
+  return {h, substep.iterations, depenetration_speed, 2 * length(Vec3d(stage.settings.gravity)) * h};
+}
+
 }  // namespace
 
 class RigidStage::Materials final : public RigidMaterials {
@@ -250,9 +257,7 @@ void RigidStage::predict(const StageView& stage, const Substep& substep) {
     read_velocities(stage, k);
     bodies_.velocity[k].linear -= g * h;
   }
-  const double bounce_speed = 2 * length(g) * h;
-  const RigidSubstep of_contacts{h, substep.iterations, 1.5, bounce_speed};
-  solver_.bounce(finder_.contacts(), bodies_, of_contacts);
+  solver_.bounce(finder_.contacts(), bodies_, of_contacts(stage, substep));
   predict_bodies(bodies_, g, h, predicted_);
   for (std::size_t k = 0; k < records_.size(); ++k)
     if (is_awake(k)) write_positions(stage, k, bodies_.pose[k]), write_velocities(stage, k);
@@ -328,9 +333,7 @@ void RigidStage::solve(const StageView& stage, const Substep& substep) {
   gather(stage, true);
   for (Record& record : records_)
     record.shown = max(static_cast<double>(record.touched), record.shown * decay_of_shown);
-  const auto h = static_cast<double>(substep.h);
-  const RigidSubstep of_contacts{h, substep.iterations, 1.5, 2 * length(Vec3d(stage.settings.gravity)) * h};
-  solver_.solve(finder_.contacts(), bodies_, of_contacts, stage.threads);
+  solver_.solve(finder_.contacts(), bodies_, of_contacts(stage, substep), stage.threads);
   for (std::size_t k = 0; k < records_.size(); ++k) {
     if (!is_awake(k)) continue;
     write_positions(stage, k, bodies_.pose[k]);

@@ -91,16 +91,9 @@ RigidDefinition body_of(const MassProperties& solid) {
   return body;
 }
 
+/// In the frame of a body at `pose`.
 ConvexShape shape_of(const ConvexHull& hull, const BodyPose& pose) {
-  std::vector<Vec3d> vertices;
-  vertices.reserve(hull.positions.size());
-  for (const Vec3d& x : hull.positions) vertices.push_back(pose.local_point(x));
-  std::vector<FaceLoop> faces;
-  for (const HullFace& face : hull.faces) {
-    const auto loop = hull.loop(face);
-    faces.emplace_back(loop.begin(), loop.end());
-  }
-  return convex_polyhedron(vertices, faces);
+  return moved(convex_polyhedron(hull), {pose.local_point({}), conjugate(pose.rotation)});
 }
 
 /// Gives particles their places in the body and their part of its mass.
