@@ -63,6 +63,12 @@ struct ShapeText {
   }
 };
 
+void print_joint(const AnyJointDescription& any) {
+  const JointDescription& joint = common(any);
+  std::printf("  %s: %s, %s to %s\n", joint.name.c_str(), std::string(kind_name(any)).c_str(),
+              joint.from.empty() ? "the world" : joint.from.c_str(), joint.to.c_str());
+}
+
 void print_collider(const World& world, const ColliderDescription& collider) {
   const ColliderId id = world.find_collider(collider.name);
   const Shape& shape = world.shape(id);
@@ -117,6 +123,8 @@ int check(const std::string& scene_name, const std::vector<std::string>& setting
   print_totals(world);
   if (!scene.colliders.empty()) std::printf("colliders:\n");
   for (const ColliderDescription& collider : scene.colliders) print_collider(world, collider);
+  if (!scene.joints.empty()) std::printf("joints:\n");
+  for (const AnyJointDescription& joint : scene.joints) print_joint(joint);
   if (!diagnostics.empty()) std::printf("diagnostics:\n");
   for (const std::string& diagnostic : diagnostics) std::printf("  %s\n", diagnostic.c_str());
   std::printf("the scene is valid\n");

@@ -2,6 +2,7 @@
 
 #include "render/body_drawing.h"
 #include "render/constraint_lines.h"
+#include "render/joint_lines.h"
 #include "render/legend.h"
 #include "render/looks.h"
 #include "render/rope_strain.h"
@@ -383,6 +384,7 @@ void SubjectDrawing::Impl::update(const Subject& subject, const DisplayOptions& 
               drawing);
   draw_colliders(subject, options);
   explain(subject, options);
+  if (world) draw_joints(*world, options.constraints != ConstraintDisplay::none, 0.06f * size(), list.lines);
   if (world && options.pins) draw_pins(subject);
   if (world && options.display == Display::lattice) draw_lattice(*world);
   if (world && options.display == Display::contacts) draw_contacts(*world);

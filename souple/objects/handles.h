@@ -13,6 +13,10 @@ struct ColliderId {
   std::uint32_t value = 0;
   friend bool operator==(const ColliderId&, const ColliderId&) = default;
 };
+struct JointId {
+  std::uint32_t value = 0;
+  friend bool operator==(const JointId&, const JointId&) = default;
+};
 struct ProjectorId {
   std::uint32_t value = 0;
 };

@@ -4,6 +4,7 @@
 #include "souple/error.h"
 #include "souple/geometry/mesh_report.h"
 #include "souple/geometry/reorder.h"
+#include "souple/geometry/tet_mesh.h"
 #include "souple/geometry/weld.h"
 #include "souple/math/fnv1a.h"
 #include "souple/math/limits.h"

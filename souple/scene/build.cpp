@@ -1,7 +1,9 @@
 #include "souple/geometry/fill.h"
 #include "souple/geometry/measures.h"
+#include "souple/geometry/tet_mesh.h"
 #include "souple/io/animated_points.h"
 #include "souple/io/recorder.h"
+#include "souple/scene/build_joints.h"
 #include "souple/scene/first_frame.h"
 #include "souple/scene/scene.h"
 #include "souple/world/world.h"
@@ -295,6 +297,8 @@ class Builder {
     for (std::size_t i = 0; i < scene_.connections.size(); ++i) {
       inside(fmt::format("connections[{}]", i), [&] { connect(scene_.connections[i]); });
     }
+    for (std::size_t i = 0; i < scene_.joints.size(); ++i)
+      inside(fmt::format("joints[{}]", i), [&] { add_joint(scene_.joints[i], world_); });
     for (std::size_t i = 0; i < scene_.drains.size(); ++i)
       inside(fmt::format("drains[{}]", i), [&] { add_drain(scene_.drains[i]); });
     if (log_) world_.set_log({});

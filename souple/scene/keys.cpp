@@ -51,6 +51,20 @@ void check_name(const std::string& name, const std::vector<std::string>& known, 
   path.fail("there is no " + std::string(noun) + " called \"" + name + "\"" + suggestion(name, known));
 }
 
+/// `to` is a rigid body, `from` another one, a collider, or the world.
+void check_joints(const SceneDescription& scene, const std::vector<std::string>& bodies,
+                  const JsonPath& path) {
+  std::vector<std::string> sides = bodies;
+  for (const ColliderDescription& collider : scene.colliders) sides.push_back(collider.name);
+  for (std::size_t i = 0; i < scene.joints.size(); ++i) {
+    const JointDescription& joint = common(scene.joints[i]);
+    const JsonPath item = path.item(i);
+    check_name(joint.to, bodies, item.key("to"), "rigid body");
+    if (!joint.from.empty()) check_name(joint.from, sides, item.key("from"), "rigid body or collider");
+    if (joint.from == joint.to) item.fail("\"from\" and \"to\" are the same body");
+  }
+}
+
 void complete_and_check(SceneDescription& scene, const JsonPath& path) {
   std::set<std::string> used;
   complete_names(
@@ -62,8 +76,17 @@ void complete_and_check(SceneDescription& scene, const JsonPath& path) {
       [](ColliderDescription& collider) -> std::string& { return collider.name; },
       [](const ColliderDescription&) { return std::string("collider"); }, used);
 
-  std::vector<std::string> objects;
-  for (const AnyObjectDescription& object : scene.objects) objects.push_back(common(object).name);
+  std::set<std::string> used_by_joints;
+  complete_names(
+      scene.joints, "joints", path,
+      [](AnyJointDescription& joint) -> std::string& { return common(joint).name; },
+      [](const AnyJointDescription& joint) { return std::string(kind_name(joint)); }, used_by_joints);
+
+  std::vector<std::string> objects, bodies;
+  for (const AnyObjectDescription& object : scene.objects) {
+    objects.push_back(common(object).name);
+    if (kind_of(object) == ObjectKind::rigid_body) bodies.push_back(common(object).name);
+  }
   std::vector<std::string> all = objects;
   for (const ColliderDescription& collider : scene.colliders) all.push_back(collider.name);
 
@@ -80,6 +103,7 @@ void complete_and_check(SceneDescription& scene, const JsonPath& path) {
     check_name(scene.connections[i].from.object, objects, from.key("object"), "object");
     check_name(scene.connections[i].to.object, objects, to.key("object"), "object");
   }
+  check_joints(scene, bodies, path.key("joints"));
 }
 
 /// The key "souple": the version of the format.
@@ -130,6 +154,8 @@ CodecPtr<SceneDescription> scene_codec() {
           "friction and restitution between two named objects or colliders, or that they do not collide")
       .key<&S::connections>("connections", list(connection_codec(), 0, 10000),
                             "distance joints between vertices")
+      .key<&S::joints>("joints", list(joint_codec(), 0, 10000),
+                       "joints of rigid bodies: hinges, sliders, ropes over pulleys")
       .key<&S::drains>("drains", list(drain_codec(), 0, 10000), "regions that remove fluid");
   return keys;
 }

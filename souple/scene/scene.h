@@ -12,6 +12,7 @@
 #include "souple/objects/materials.h"
 #include "souple/objects/self_collision.h"
 #include "souple/queries/selector.h"
+#include "souple/scene/joint_description.h"
 #include "souple/stages/settings.h"
 #include "souple/state/warnings.h"
 
@@ -318,6 +319,7 @@ struct SceneDescription {
   std::vector<ColliderDescription> colliders;
   std::vector<PairDescription> pairs;
   std::vector<ConnectionDescription> connections;
+  std::vector<AnyJointDescription> joints;
   std::vector<DrainDescription> drains;
 
   // Origin of the scene; not part of the file.

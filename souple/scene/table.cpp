@@ -191,7 +191,7 @@ void KindsCore::read_kind(const Json& json, const JsonPath& path, void* variant)
     }
   }
   const std::string word = kind->is(Json::Kind::text) ? kind->text : "";
-  path.key("kind").fail("no kind of object is called " + brief(*kind) + suggestion(word, known));
+  path.key("kind").fail("no kind is called " + brief(*kind) + suggestion(word, known));
 }
 
 Json KindsCore::write_kind(const void* variant) const {

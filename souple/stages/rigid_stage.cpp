@@ -58,6 +58,7 @@ class RigidStage::Materials final : public RigidMaterials {
  public:
   explicit Materials(const RigidStage& stage) : stage_(stage) {}
   bool collide(std::uint32_t a, std::uint32_t b) const override {
+    if (stage_.joints_.joined(a, b)) return false;
     if (is_collider(a)) std::swap(a, b);
     if (is_collider(a)) return false;
     if (!is_collider(b)) return may_collide(filter(a), filter(b)) && objects().collide(row(a), row(b));
@@ -195,12 +196,27 @@ void RigidStage::list_bodies(const StageView& stage, const ContactTables& tables
   bodies_.resize(rows_.size());
   predicted_.resize(rows_.size());
   tables_ = &tables;
+  joints_.list([this](const JointSide& side) { return body_of(side); });
   listed_ = true;
+}
+
+void RigidStage::set_colliders(std::vector<ColliderId> ids) {
+  collider_ids_ = std::move(ids);
+  invalidate();
+}
+
+std::uint32_t RigidStage::body_of(const JointSide& side) const {
+  if (side.object()) return static_cast<std::uint32_t>(find(side.object()->value) - records_.data());
+  const auto column = std::find(collider_ids_.begin(), collider_ids_.end(), *side.collider());
+  SOUPLE_ASSERT(column != collider_ids_.end(), "joints of a removed collider are removed");
+  return static_cast<std::uint32_t>(records_.size()) +
+         static_cast<std::uint32_t>(column - collider_ids_.begin());
 }
 
 void RigidStage::begin_step(const StageView& stage, const ContactTables& tables, double dt) {
   if (empty()) return;
   if (!listed_) list_bodies(stage, tables);
+  joints_.begin_step();
   for (std::size_t k = 0; k < records_.size(); ++k) {
     const Record& record = records_[k];
     const Vec3d& I = record.definition.inertia;
@@ -259,6 +275,7 @@ void RigidStage::predict(const StageView& stage, const Substep& substep) {
   }
   solver_.bounce(finder_.contacts(), bodies_, of_contacts(stage, substep));
   predict_bodies(bodies_, g, h, predicted_);
+  joints_.begin_substep(bodies_, h);
   for (std::size_t k = 0; k < records_.size(); ++k)
     if (is_awake(k)) write_positions(stage, k, bodies_.pose[k]), write_velocities(stage, k);
 }
@@ -333,7 +350,10 @@ void RigidStage::solve(const StageView& stage, const Substep& substep) {
   gather(stage, true);
   for (Record& record : records_)
     record.shown = max(static_cast<double>(record.touched), record.shown * decay_of_shown);
+  joints_.project(bodies_);
   solver_.solve(finder_.contacts(), bodies_, of_contacts(stage, substep), stage.threads);
+  joints_.project(bodies_);
+  if (joints_.end_substep()) invalidate();  // what was joined collides
   for (std::size_t k = 0; k < records_.size(); ++k) {
     if (!is_awake(k)) continue;
     write_positions(stage, k, bodies_.pose[k]);
@@ -384,11 +404,14 @@ void RigidStage::gather_velocities(const StageView& stage) {
 
 void RigidStage::keep() {
   for (Record& record : records_) record.kept_pose = record.pose, record.kept_velocity = record.velocity;
+  joints_.keep();
 }
 
 void RigidStage::undo() {
   for (Record& record : records_) record.pose = record.kept_pose, record.velocity = record.kept_velocity;
+  joints_.undo();
   finder_.clear();
+  invalidate();
 }
 
 double RigidStage::deepest() const {
@@ -405,6 +428,7 @@ std::vector<std::byte> RigidStage::save() const {
   };
   if (empty()) return out;
   for (const Record& record : records_) put(record.pose), put(record.velocity), put(record.shown);
+  joints_.save(out);
   finder_.save(out);
   return out;
 }
@@ -417,12 +441,14 @@ void RigidStage::load(std::span<const std::byte> in) {
     in = in.subspan(sizeof value);
   };
   for (Record& record : records_) get(record.pose), get(record.velocity), get(record.shown);
+  joints_.load(in);
   finder_.load(in);
+  invalidate();
 }
 
 std::size_t RigidStage::bytes() const {
-  std::size_t result =
-      bytes_of(records_, rows_, shapes_, predicted_, touched_at_) + finder_.bytes() + solver_.bytes();
+  std::size_t result = bytes_of(records_, rows_, shapes_, predicted_, touched_at_) + finder_.bytes() +
+                       solver_.bytes() + joints_.bytes();
   for (const Record& record : records_) result += bytes_of(record.definition.particles);
   return result;
 }

@@ -3,6 +3,7 @@
 #include "souple/objects/rigid_definition.h"
 #include "souple/rigid/contact_finder.h"
 #include "souple/rigid/contact_solver.h"
+#include "souple/stages/rigid_joints.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -30,8 +31,13 @@ class RigidStage {
   bool empty() const { return records_.empty(); }
   void add(std::uint32_t object, RigidDefinition definition);
   void remove(std::uint32_t object);
-  /// Objects, colliders or materials have changed: call before the next step.
+  /// Objects, materials or joints have changed: call before the next step.
   void invalidate() { listed_ = false; }
+  /// Handles of the colliders, as they stand in the tables.
+  void set_colliders(std::vector<ColliderId> ids);
+  /// Call `invalidate` after a change.
+  RigidJoints& joints() { return joints_; }
+  const RigidJoints& joints() const { return joints_; }
   /// Mass and principal moments, pose and velocity of an object's body; null if the object is none.
   const RigidDefinition* definition(std::uint32_t object) const;
   const BodyPose* pose(std::uint32_t object) const;
@@ -53,7 +59,7 @@ class RigidStage {
   void split_masses(const StageView& stage);
   /// Counts the particles of each body that `contacts` touch in this substep.
   void count_touched(const StageView& stage, std::span<Projector* const> contacts);
-  /// After the solver: gathers, solves the contacts of bodies, and writes the particles, which nothing moves until
+  /// After the solver: gathers, solves the joints and contacts of bodies, and writes the particles, which nothing moves until
   /// `finish`.
   void solve(const StageView& stage, const Substep& substep);
   /// After the new velocities: those of bodies, and particles as the body has them.
@@ -91,6 +97,7 @@ class RigidStage {
   Record* find(std::uint32_t object);
   const Record* find(std::uint32_t object) const;
   void list_bodies(const StageView& stage, const ContactTables& tables);
+  std::uint32_t body_of(const JointSide& side) const;
   void place_colliders(const StageView& stage, const Substep& substep);
   void write_positions(const StageView& stage, std::size_t body, const BodyPose& pose) const;
   void read_velocities(const StageView& stage, std::size_t body);
@@ -102,6 +109,7 @@ class RigidStage {
   std::vector<const Object*> objects_;  // per record
   std::vector<std::uint32_t> rows_;     // per body: row of its object or column of its collider in the tables
   std::vector<const Collider*> colliders_;  // after the records
+  std::vector<ColliderId> collider_ids_;    // as in the tables
   const ContactTables* tables_ = nullptr;
   RigidBodies bodies_;  // records, then colliders
   std::vector<RigidShape> shapes_;
@@ -110,6 +118,7 @@ class RigidStage {
   std::uint64_t counts_ = 0;
   ContactFinder finder_;
   ContactSolver solver_;
+  RigidJoints joints_;
   bool listed_ = false;  // the arrays of bodies are those of the records
   bool fresh_ = true;    // contacts were found at these poses
   double part_ = 1;      // of a step that a substep is

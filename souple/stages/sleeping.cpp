@@ -222,6 +222,7 @@ void find_sleepless(const SleepView& step, bool has_force_fields) {
   for (std::size_t a = 0; a < view.objects.size(); ++a)
     for (const PinnedParticle& pin : view.objects[a]->pins)
       if (pin.target) cannot_sleep[a] = 1;
+  for (const std::uint32_t a : step.sleep.joined.driven) cannot_sleep[a] = 1;
   const ParticleView particles = view.view();
   for (const UserConstraint& user_constraint : step.constraints) {
     if (user_constraint.attachment && user_constraint.target)
@@ -268,6 +269,7 @@ void find_islands(const SleepView& step) {
   }
   find_close_objects(view, step.tables, proximity, step.stage.threads);
   for (const auto& [a, b] : proximity.found) unite(parent, a, b);
+  for (const auto& [a, b] : step.sleep.joined.pairs) unite(parent, a, b);
   for (const UserConstraint& user_constraint : step.constraints)
     for (std::size_t k = 0; user_constraint.distance_joint && user_constraint.is_active &&
                             k < user_constraint.distance_joint->set().size();
@@ -318,6 +320,8 @@ std::size_t wake_disturbed(const SleepView& step, double dt) {
   for (std::size_t c = 0; c < step.colliders.size(); ++c)
     if (!step.colliders[c].options.motion.is_static() && !step.colliders[c].options.sensor)
       step.stage.warnings.guarded("a collider's motion", [&] { wake_near_collider(step, c, dt); });
+  for (const std::uint32_t a : sleep.joined.driven)
+    wake_island(step.stage.objects, *step.stage.objects.objects[a], sleep);
   sleep.woken = false;  // the search for near pairs follows
   return count_sleepers(step);
 }

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 // Objects at rest fall asleep in islands of objects in contact. The inverse masses of a sleeping object are
@@ -17,6 +18,12 @@ struct ColliderRecord;
 struct Object;
 struct UserConstraint;
 
+/// Indices of objects that joints of rigid bodies hold.
+struct JoinedObjects {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  ///< they sleep together
+  std::vector<std::uint32_t> driven;  ///< by a collider that moves: they do not sleep
+};
+
 /// Sleep state that affects a step, and temporary data.
 struct SleepScratch {
   bool woken = false;  ///< an object woke during a step: near pairs must be found again
@@ -24,6 +31,7 @@ struct SleepScratch {
   bool changed =
       true;  ///< an object woke or fell asleep, or constraints changed: `constraints` is out of date
   LeftOut constraints;  ///< of sleeping objects, which move nothing; see leave_out_asleep
+  JoinedObjects joined;
   ProximityQuery proximity;
   std::vector<std::uint32_t> parent;  ///< per object: parent in its island (union-find)
   /// Per object: 1 if it must not sleep; for an island: of its first object.

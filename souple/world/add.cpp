@@ -2,6 +2,7 @@
 
 #include "souple/assert.h"
 #include "souple/fluid/emitter_record.h"
+#include "souple/geometry/tet_mesh.h"
 #include "souple/objects/kinds/kinds.h"
 #include "souple/objects/object.h"
 #include "souple/objects/obstacle_pose.h"
@@ -12,6 +13,7 @@
 #include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
+#include "souple/world/joints.h"
 #include "souple/world/registry.h"
 #include "souple/world/world.h"
 
@@ -154,7 +156,7 @@ void remove_object(WorldState& world, const Object& object) {
     if (other->begin >= end) other->begin -= end - begin, other->end -= end - begin;
   for (UserConstraint& user_constraint : world.constraints.users) user_constraint.erase_particles(begin, end);
   world.contact->contacts.erase_particles(begin, end);
-  if (object.traits().rigid) world.rigid->remove(object.id.value);
+  if (object.traits().rigid) remove_joints_of(world, object.id), world.rigid->remove(object.id.value);
   world.caches->mirrors.erase(object.id.value);
   std::erase_if(world.flow.emitters,
                 [&](const EmitterRecord& record) { return record.fluid == object.id.value; });

@@ -89,10 +89,10 @@ void build_contact_tables(WorldState& world) {
   world.contact->invalidate();
   ContactTables& tables = world.contact->tables;
   world.scratch->sleep->proximity.invalidate();
-  world.rigid->invalidate();
   tables.objects.clear();
   tables.colliders.clear();
   std::vector<NamedContactMaterial> object_materials, collider_materials;
+  std::vector<ColliderId> ids;
   for (const auto& object : world.objects) {
     tables.objects.push_back(contact_object(*object));
     object_materials.push_back({object->name, contact_material_of(object->material), object->collision.filter,
@@ -100,11 +100,13 @@ void build_contact_tables(WorldState& world) {
   }
   for (const ColliderRecord& record : world.colliders) {
     const ContactMaterial material = contact_material_of(record.options);
+    ids.push_back(record.id);
     tables.colliders.push_back(
         {record.options.name, record.shape, record.options.motion, material, !record.options.sensor});
     collider_materials.push_back(
         {record.options.name, material, {record.options.collision_groups, record.options.collision_mask}});
   }
+  world.rigid->set_colliders(std::move(ids));
   tables.against_colliders = ContactMaterialTable(object_materials, collider_materials, world.contact->pairs);
   tables.against_objects = ContactMaterialTable(object_materials, object_materials, world.contact->pairs);
   tables.rope_edges.clear();

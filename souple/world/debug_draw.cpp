@@ -1,7 +1,9 @@
 #include "souple/world/debug_draw.h"
 
 #include "souple/geometry/adjacency.h"
+#include "souple/objects/joint_options.h"
 #include "souple/objects/object.h"
+#include "souple/rigid/joints/joint.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
@@ -41,6 +43,20 @@ void draw_tet_edges(const WorldState& world, const std::function<void(const Vec3
            Vec3f(world.exact_position(object->begin + edge[1])));
 }
 
+void draw_joints(const World& world, const std::function<void(const DebugJoint&)>& draw) {
+  for (const JointId id : world.joints()) {
+    const JointReport report = world.joint_report(id);
+    const joint::Kind& kind = world.joint_kind(id);
+    const Vec3f a(report.point_a), b(report.point_b);
+    std::vector<Vec3f> rope;
+    if (std::holds_alternative<joint::Distance>(kind)) rope = {a, b};
+    if (const auto* pulley = std::get_if<joint::Pulley>(&kind))
+      rope = {a, Vec3f(pulley->wheel_a), Vec3f(pulley->wheel_b), b};
+    draw({report.name, joint::kind_name(kind), a, b, Vec3f(report.axis), rope,
+          length_squared(report.force) > 0, report.broken});
+  }
+}
+
 }  // namespace
 
 void World::debug_draw(const DebugDraw& draw) const {
@@ -48,6 +64,7 @@ void World::debug_draw(const DebugDraw& draw) const {
   std::vector<ContactEvent> events;
   if (draw.contact) events.assign(contacts().begin(), contacts().end());
   const CallScope call(*world.calls, "debug_draw", From::stages);
+  if (draw.joint) draw_joints(*this, draw.joint);
   if (draw.constraint) draw_constraints(world, draw.constraint);
   for (const ContactEvent& event : events) draw.contact({event.point, event.normal, event.impulse});
   if (draw.particle) {

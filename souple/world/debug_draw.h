@@ -37,11 +37,22 @@ struct DebugParticle {
   std::uint32_t object = 0;  ///< ObjectId::value
 };
 
+/// A joint of rigid bodies.
+struct DebugJoint {
+  std::string_view name, kind;    ///< kind: "hinge", "pulley", ...; valid during the call
+  Vec3f point_a{}, point_b{};     ///< m
+  Vec3f axis{};                   ///< the first axis
+  std::span<const Vec3f> rope{};  ///< of a distance joint or pulley: its line; valid during the call [m]
+  bool taut = false;              ///< a rope that pulls
+  bool broken = false;
+};
+
 /// Callbacks for World::debug_draw. Each callback that is set is called once per item, in a fixed order.
 struct DebugDraw {
   std::function<void(const DebugConstraint&)> constraint;
   std::function<void(const DebugContact&)> contact;
   std::function<void(const DebugParticle&)> particle;
+  std::function<void(const DebugJoint&)> joint;
   std::function<void(const Vec3f& a, const Vec3f& b)> tet_edge;  ///< each edge of soft bodies once
 };
 

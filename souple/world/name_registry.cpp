@@ -3,6 +3,7 @@
 #include "souple/error.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 
 #include <fmt/core.h>
@@ -31,8 +32,9 @@ Numbered numbered(std::string_view name) {
 void NameRegistry::require_free(std::string_view name) const {
   const Entry* const entry = find(name);
   if (entry == nullptr) return;
-  throw Error(fmt::format("the name '{}' is taken by {}", name,
-                          entry->owner == Owner::object ? "another object" : "a collider"));
+  constexpr std::array<std::string_view, 3> owners{"another object", "a collider", "another joint"};
+  throw Error(
+      fmt::format("the name '{}' is taken by {}", name, owners[static_cast<std::size_t>(entry->owner)]));
 }
 
 std::string NameRegistry::first_free(std::string_view base) const {

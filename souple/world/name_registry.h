@@ -8,10 +8,10 @@
 
 namespace souple {
 
-/// The names of a world's objects and colliders, each once.
+/// Names, each once: of a world's objects and colliders, or of its joints.
 class NameRegistry {
  public:
-  enum class Owner : std::uint8_t { object, collider };
+  enum class Owner : std::uint8_t { object, collider, joint };
   struct Entry {
     Owner owner = Owner::object;
     std::uint32_t id = 0;

@@ -9,8 +9,9 @@ namespace souple {
 
 /// Handles and names of a world.
 struct Registry {
-  HandleIndex objects, colliders;
-  NameRegistry names;  ///< of objects and colliders
+  HandleIndex objects, colliders, joints;
+  NameRegistry names;        ///< of objects and colliders
+  NameRegistry joint_names;  ///< a joint may have the name of an object
   std::uint32_t next_id = 1;
 };
 

@@ -21,13 +21,13 @@
 // contacts' state, foam count, size of the rigid bodies' state and origin; then per particle position (with inverse mass), offset, velocity and
 // contact margin (how far contacts recently pushed it); then the angular velocities of grains, object by object;
 // the contacts' state (the friction of pairs of particles); per
-// object rest time, island, particle count and imbalance; state of emitters and drains; foam; rigid bodies and their contacts; the poses of the
+// object rest time, island, particle count and imbalance; state of emitters and drains; foam; rigid bodies, their joints and contacts; the poses of the
 // colliders that move_collider moved; a checksum of all preceding bytes.
 
 namespace souple {
 namespace {
 
-constexpr std::uint64_t magic = 0x37304e53504c5553u;  // "SULPSN07"
+constexpr std::uint64_t magic = 0x38304e53504c5553u;  // "SULPSN08"
 
 template <class T>
 void put(std::vector<std::byte>& out, const T* values, std::size_t count) {
@@ -43,7 +43,7 @@ void get(std::span<const std::byte>& in, T* values, std::size_t count) {
 }
 
 /// Properties that must match for a restore: names, kinds and sizes of the objects, in order, and the numbers
-/// of emitters and drains.
+/// of emitters, drains and joints.
 std::uint64_t shape_of(const WorldState& world) {
   std::uint64_t hash = fnv1a64_start;
   for (const auto& object : world.objects) {
@@ -52,8 +52,9 @@ std::uint64_t shape_of(const WorldState& world) {
                                      object->reserved_end()};
     hash = fnv1a64(std::as_bytes(std::span(numbers)), hash);
   }
-  const std::size_t flows[] = {world.flow.emitters.size(), world.flow.drains.size()};
-  return flows[0] + flows[1] > 0 ? fnv1a64(std::as_bytes(std::span(flows)), hash) : hash;
+  const std::size_t counts[] = {world.flow.emitters.size(), world.flow.drains.size(),
+                                world.rigid->joints().records().size()};
+  return counts[0] + counts[1] + counts[2] > 0 ? fnv1a64(std::as_bytes(std::span(counts)), hash) : hash;
 }
 
 struct Header {

@@ -9,6 +9,7 @@
 #include "souple/stages/rigid_stage.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/call_scope.h"
+#include "souple/world/joints.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/step_scratch.h"
 
@@ -186,6 +187,7 @@ void end_report(WorldState& world, bool valid) {
   world.warnings.report_log_failure();
   report_fluids(world);
   report_custom_errors(world);
+  report_joints(world);
   measure(world);
   if (valid) raise_flags(world);
 }

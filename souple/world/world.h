@@ -6,7 +6,6 @@
 #include "souple/fluid/emitter.h"
 #include "souple/fluid/foam_parameters.h"
 #include "souple/geometry/lattice.h"
-#include "souple/geometry/tet_mesh.h"
 #include "souple/geometry/triangle_mesh.h"
 #include "souple/math/transform.h"
 #include "souple/objects/callbacks.h"
@@ -32,12 +31,19 @@
 
 namespace souple {
 
+namespace joint {
+struct Kind;  // souple/rigid/joints/joint.h
+}
 struct DebugDraw;
 class JobSystem;
+struct JointOptions;
+struct JointReport;
+class JointSide;
 struct KindTime;
 struct MemoryReport;
 class Projector;
 struct SolveTime;
+struct TetMesh;  // souple/geometry/tet_mesh.h
 struct WorldState;
 
 /// One vertex of one object.
@@ -89,11 +95,11 @@ struct RigidBodyState {
 /// | function of World                                                                    | stage | others |
 /// |--------------------------------------------------------------------------------------|-------|--------|
 /// | const functions, but for the next two lines                                          | yes   | yes    |
-/// | ray_cast, ray_cast_all, sphere_cast, closest_point, overlap, collider_pose           | yes   | yes, but a motion that one of these asks for a pose may call none of them |
+/// | ray_cast, ray_cast_all, sphere_cast, closest_point, overlap, collider_pose, joint_report | yes   | yes, but a motion that one of these asks for a pose may call none of them |
 /// | contacts, pressures, foam, fluid_force, snapshot, memory, debug_draw, elastic_energy, unconverged_energy | yes | Error |
 /// | before, after, add_force_field, clear_force_fields, remove of these; set_log         | yes   | Error  |
 /// | set_positions, set_velocities, set_angular_velocities, teleport, apply_impulse, wake | yes   | Error  |
-/// | pin, unpin, set_wind_exposure, set_user_data                                         | yes   | Error  |
+/// | pin, unpin, set_wind_exposure, set_user_data, set_joint                              | yes   | Error  |
 /// | all others: what adds, removes or changes objects, colliders, constraints, flows, pairs, settings; move_pins, move_collider, projector, restore, time_projections, time_solve | Error | Error |
 /// | step                                                                                 | does nothing; the report of the step says so | as before |
 /// | moving, assigning to or destroying the world                                         | never | never  |
@@ -169,6 +175,21 @@ class World {
   ObjectId add_obstacle(const TriangleMesh& mesh, const ObstacleMaterial& material = {},
                         ObstacleMotion motion = {}, const ObjectOptions& options = {});
   void remove(ObjectId object);
+
+  // --- joints of rigid bodies: objects/joint_options.h, rigid/joints/joint.h, docs/joints.md -------
+  /// Joins two rigid bodies, or one to a collider or to the world ({}), as they lie now. From the next step on they do not
+  /// collide with each other, unless the options say so or the joint breaks. Throws Error in the name of the joint.
+  JointId add_joint(const JointSide& a, const JointSide& b, const joint::Kind& kind);
+  JointId add_joint(const JointSide& a, const JointSide& b, const joint::Kind& kind,
+                    const JointOptions& options);
+  /// Joints of an object or collider are removed with it.
+  void remove(JointId joint);
+  /// Changes limits, springs, motors and all else of a joint, which stays of its kind.
+  void set_joint(JointId joint, const joint::Kind& kind);
+  const joint::Kind& joint_kind(JointId joint) const;
+  JointReport joint_report(JointId joint) const;
+  std::vector<JointId> joints() const;              ///< in order of addition
+  JointId find_joint(std::string_view name) const;  ///< throws Error with the nearest name
 
   std::vector<ObjectId> objects() const;  ///< in order of addition
   bool contains(ObjectId object) const;

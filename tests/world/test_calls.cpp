@@ -36,12 +36,14 @@ struct Handles {
   ProjectorId projector;
   CallbackId callback;
   ForceFieldId field;
+  JointId joint;
 };
 
 /// Handles that no object of a world has.
 Handles stale() {
   constexpr std::uint32_t gone = 0x7ffffffe;
-  return {{gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}};
+  return {{gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone},
+          {gone}, {gone}, {gone}, {gone}, {gone}, {gone}};
 }
 
 /// Lines of the table in world.h.
@@ -102,6 +104,15 @@ const std::vector<Function>& functions() {
       {"add_rigid_body", Line::nowhere, [](W w, H) { w.add_rigid_body(closed_mesh()); }},
       {"add_rigid_body", Line::nowhere, [](W w, H) { w.add_rigid_body(Sphere{}); }},
       {"remove", Line::nowhere, [](W w, H h) { w.remove(h.cloth); }},
+      {"add_joint", Line::nowhere,
+       [](W w, H h) { w.add_joint({}, h.rigid_body, joint::Hinge{}, {.point = {1, 0, 0}}); }},
+      {"add_joint", Line::nowhere, [](W w, H h) { w.add_joint({}, h.rigid_body, joint::Hinge{}); }},
+      {"remove", Line::nowhere, [](W w, H h) { w.remove(h.joint); }},
+      {"set_joint", Line::stages, [](W w, H h) { w.set_joint(h.joint, joint::Ball{.damping = 1}); }},
+      {"joint_kind", Line::reads, [](W w, H h) { (void)w.joint_kind(h.joint); }},
+      {"joint_report", Line::queries, [](W w, H h) { (void)w.joint_report(h.joint); }},
+      {"joints", Line::reads, [](W w, H) { (void)w.joints(); }},
+      {"find_joint", Line::reads, [](W w, H) { (void)w.find_joint("ball"); }},
       {"objects", Line::reads, [](W w, H) { (void)w.objects(); }},
       {"contains", Line::reads, [](W w, H h) { (void)w.contains(h.cloth); }},
       {"find_object", Line::reads, [](W w, H) { (void)w.find_object("cloth"); }},
@@ -220,6 +231,7 @@ const std::vector<Function>& functions() {
        [](W w, H) {
          w.debug_draw({.constraint = [](const DebugConstraint&) {},
                        .contact = [](const DebugContact&) {},
+                       .joint = [](const DebugJoint&) {},
                        .particle = [](const DebugParticle&) {},
                        .tet_edge = [](const Vec3f&, const Vec3f&) {}});
        }},
@@ -358,6 +370,7 @@ void Meddled::build() {
   ObjectOptions above;
   above.transform.translation = {30, 30, 30};
   handles.rigid_body = world.add_rigid_body(Sphere{}, {}, above);
+  handles.joint = world.add_joint({}, handles.rigid_body, joint::Ball{}, {.point = {30, 31, 30}});
   handles.obstacle = world.add_obstacle(closed_mesh(), {}, std::move(motion_of_obstacle));
   const auto motion_of_collider =
       ColliderMotion::callback([this](double) { return motion(Place::collider); });

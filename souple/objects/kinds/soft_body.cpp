@@ -1,6 +1,7 @@
 #include "souple/error.h"
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/measures.h"
+#include "souple/geometry/tet_mesh.h"
 #include "souple/objects/checks.h"
 #include "souple/objects/constraint_builder.h"
 #include "souple/objects/constraint_groups.h"

@@ -16,7 +16,40 @@ double violation(const RowLaw& law, double value) {
   return std::max({0.0, law.low - value, value - high});
 }
 
+std::array<double, 2> coordinates(const Fixed& /*kind*/, const Ends& /*ends*/) {
+  return {};
+}
+std::array<double, 2> coordinates(const Ball& /*kind*/, const Ends& ends) {
+  return {swing_row(ends).value, twist_row(ends).value};
+}
+std::array<double, 2> coordinates(const Hinge& /*kind*/, const Ends& ends) {
+  return {hinge_angle(ends), 0};
+}
+std::array<double, 2> coordinates(const Slider& /*kind*/, const Ends& ends) {
+  return {row_across(ends, ends.axes_a.column[0]).value, 0};
+}
+std::array<double, 2> coordinates(const Universal& /*kind*/, const Ends& ends) {
+  return universal_angles(ends);
+}
+std::array<double, 2> coordinates(const Distance& /*kind*/, const Ends& ends) {
+  return {distance_row(ends).value, 0};
+}
+std::array<double, 2> coordinates(const Pulley& kind, const Ends& ends) {
+  return {rope_row(kind, ends).value, 0};
+}
+
 }  // namespace
+
+std::string_view kind_name(const Kind& kind) {
+  constexpr std::array<std::string_view, 7> names{"fixed",     "ball",     "hinge", "slider",
+                                                  "universal", "distance", "pulley"};
+  static_assert(names.size() == std::variant_size_v<Kind::variant>);
+  return names[kind.index()];
+}
+
+std::array<double, 2> coordinates_of(const Joint& joint, const Ends& ends) {
+  return std::visit([&](const auto& kind) { return coordinates(kind, ends); }, joint.kind);
+}
 
 std::uint32_t add(Joints& joints, Joint joint, std::size_t body_count) {
   validate(joint, body_count);
@@ -63,9 +96,12 @@ Rows rows_of(const Joint& joint, const Ends& ends) {
 }
 
 JointError error_of(const Joint& joint, const JointState& state, const RigidBodies& bodies) {
+  return state.broken ? JointError{} : error_of(joint, ends_of(joint, state, bodies));
+}
+
+JointError error_of(const Joint& joint, const Ends& ends) {
   JointError error;
-  if (state.broken) return error;
-  const Rows rows = rows_of(joint, ends_of(joint, state, bodies));
+  const Rows rows = rows_of(joint, ends);
   for (std::size_t i = 0; i < static_cast<std::size_t>(rows.count); ++i) {
     const Row& row = rows.row[i];
     const bool linear = length_squared(row.linear_a) + length_squared(row.linear_b) > 0;

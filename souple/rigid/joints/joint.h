@@ -10,12 +10,17 @@
 #include "souple/rigid/joints/universal.h"
 
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
 namespace souple::joint {
 
-using Kind = std::variant<Fixed, Ball, Hinge, Slider, Universal, Distance, Pulley>;
+struct Kind : std::variant<Fixed, Ball, Hinge, Slider, Universal, Distance, Pulley> {
+  using variant::variant;
+};
+/// "fixed", "ball", ...
+std::string_view kind_name(const Kind& kind);
 
 /// A joint between two bodies, or a body and the world: then one of both is no_body, and its frame is in the world.
 struct Joint {
@@ -67,11 +72,17 @@ Ends ends_of(const Joint& joint, const BodyPose& a, const BodyPose& b, const std
 Ends ends_of(const Joint& joint, const JointState& state, const RigidBodies& bodies);
 Rows rows_of(const Joint& joint, const Ends& ends);
 
+/// Where a joint is along what it leaves free: hinge: angle [rad]; slider: shift [m]; universal: both angles [rad]; ball: swing
+/// and twist [rad]; distance: the distance [m]; pulley: length of the rope in use [m]. Else 0.
+std::array<double, 2> coordinates_of(const Joint& joint, const Ends& ends);
+
 /// How far a joint is from what it holds rigidly.
 struct JointError {
   double distance = 0;  ///< m
   double angle = 0;     ///< rad
 };
+JointError error_of(const Joint& joint, const Ends& ends);
+/// 0 for a broken joint.
 JointError error_of(const Joint& joint, const JointState& state, const RigidBodies& bodies);
 
 }  // namespace souple::joint

@@ -219,7 +219,7 @@ Refreshed refresh(const Joint& joint, JointState& state, const RigidBodies& bodi
 
 void report(const Joint& joint, JointState& state, const PreparedJoint& prepared) {
   state.force = state.torque = {};
-  if (!prepared.active) return;
+  if (!prepared.active || !(state.h > 0)) return;  // or its kind was changed within the substep
   Vec3d force_a;
   for (std::size_t i = 0; i < prepared.count(); ++i) {
     const Row& row = prepared.rows.row[i];

@@ -17,11 +17,15 @@ struct Pulley {
   double damping = 0;     ///< N s/m
 };
 
-inline void add_rows(const Pulley& joint, const Ends& ends, Rows& rows) {
+inline Row rope_row(const Pulley& joint, const Ends& ends) {
   const Vec3d da = ends.point_a - joint.wheel_a, db = ends.point_b - joint.wheel_b;
   const Vec3d na = normalized(da), nb = normalized(db) * joint.ratio;
-  rows.add({na, cross(ends.point_a - ends.center_a, na), nb, cross(ends.point_b - ends.center_b, nb),
-            length(da) + joint.ratio * length(db)},
+  return {na, cross(ends.point_a - ends.center_a, na), nb, cross(ends.point_b - ends.center_b, nb),
+          length(da) + joint.ratio * length(db)};
+}
+
+inline void add_rows(const Pulley& joint, const Ends& ends, Rows& rows) {
+  rows.add(rope_row(joint, ends),
            {RowLaw::Kind::range, -unlimited, joint.length, joint.compliance, joint.damping});
 }
 

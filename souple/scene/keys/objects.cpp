@@ -26,30 +26,13 @@ CodecPtr<EnclosedVolumeDescription> enclosed_volume_codec() {
   return keys;
 }
 
-/// The key "kind", which selects the table; already read when the table reads it.
-class KindWord : public Codec<std::string> {
- public:
-  explicit KindWord(std::string kind) : kind_(std::move(kind)) {}
-  void read(const Json&, const JsonPath&, std::string&) const override {}
-  Json write(const std::string&) const override { return Json::of(kind_); }
-  TypeInfo describe(Format&) const override {
-    Json schema = Json::object();
-    schema.set("const", Json::of(kind_));
-    return {"\"" + kind_ + "\"", schema};
-  }
-
- private:
-  std::string kind_;
-};
-
 template <class T>
 std::shared_ptr<Table<T>> object_table(const char* kind, const char* doc) {
   auto keys = table<T>(kind, doc);
   keys->template key<&T::name>(
           "name", name(),
           "unique name, also for its files; if not given: the kind, then the kind with 2, 3, ...")
-      .template required<&T::name>("kind", CodecPtr<std::string>(std::make_shared<KindWord>(kind)),
-                                   "kind of the object");
+      .template required<&T::name>("kind", kind_word(kind), "kind of the object");
   return keys;
 }
 

@@ -35,6 +35,9 @@ CodecPtr<std::uint32_t> groups();
 /// A switch or the word of a SelfCollision, "particles" only where it is possible.
 CodecPtr<SelfCollision> self_collision(bool particles);
 
+/// The key "kind", which selects a table; already read when the table reads it.
+CodecPtr<std::string> kind_word(std::string kind);
+
 /// A struct written as its only field.
 template <class Outer, class Inner, class Access>
 class Wrapped : public Codec<Outer> {
@@ -125,6 +128,11 @@ CodecPtr<AnyObjectDescription> object_codec();
 CodecPtr<ColliderDescription> collider_codec();
 CodecPtr<PairDescription> pair_codec();
 CodecPtr<ConnectionDescription> connection_codec();
+
+// --- joints.cpp ------------------------------------------------------------------------------------------
+
+/// Any joint, by its key "kind".
+CodecPtr<AnyJointDescription> joint_codec();
 
 // --- flow.cpp --------------------------------------------------------------------------------------------
 

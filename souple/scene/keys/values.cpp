@@ -76,6 +76,21 @@ class Groups : public Codec<std::uint32_t> {
   Number<std::uint32_t> group_{within(0, 31)};
 };
 
+class KindWord : public Codec<std::string> {
+ public:
+  explicit KindWord(std::string kind) : kind_(std::move(kind)) {}
+  void read(const Json&, const JsonPath&, std::string&) const override {}
+  Json write(const std::string&) const override { return Json::of(kind_); }
+  TypeInfo describe(Format&) const override {
+    Json schema = Json::object();
+    schema.set("const", Json::of(kind_));
+    return {"\"" + kind_ + "\"", schema};
+  }
+
+ private:
+  std::string kind_;
+};
+
 class SelfCollisionWord : public Codec<SelfCollision> {
  public:
   explicit SelfCollisionWord(bool with_particles) : particles_(with_particles) {}
@@ -118,6 +133,10 @@ CodecPtr<std::array<int, 3>> counts(int max) {
 
 CodecPtr<std::uint32_t> groups() {
   return std::make_shared<Groups>();
+}
+
+CodecPtr<std::string> kind_word(std::string kind) {
+  return std::make_shared<KindWord>(std::move(kind));
 }
 
 CodecPtr<SelfCollision> self_collision(bool particles) {

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "souple/scene/joint_description.h"
+
+namespace souple {
+
+class World;
+
+/// Adds a joint to a world that has what it joins. Throws Error.
+void add_joint(const AnyJointDescription& joint, World& world);
+
+}  // namespace souple
