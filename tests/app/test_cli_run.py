@@ -113,6 +113,15 @@ class Running(Case):
         self.souple("run", scene, "--out", "b", "--write", "pc2,obj")
         self.assert_same_contents("a", "b")
 
+    def test_what_flies_farther_than_floats_reach_is_flagged(self):
+        grains = {"name": "sand", "kind": "grains", "points": [[0, 0, 0]], "velocity": [9e8, 0, 0]}
+        scene = self.scene({"souple": 1, "frames": 90, "substeps": 1, "gravity": [0, 0, 0], "objects": [grains]})
+        said = self.souple("run", scene, "--out", "out").stderr
+        # 1e9 m are passed after 66.7 frames of 1 / 60 s.
+        self.assertIn("in 24 frames: an object is farther than 1e9 m from the origin", said)
+        flagged = [r["frame"] for r in json.loads((self.folder / "out/run.json").read_text())["reports"] if "out_of_range" in r["flags"]]
+        self.assertEqual(flagged, list(range(67, 91)))
+
     def test_simulation_that_goes_bad(self):
         done = self.souple("run", self.scene(EXPLODING), "--out", "out", code=3)
         self.assertRegex(done.stderr, r'diverged in frame \d+: object "\w+", particle \d+')
