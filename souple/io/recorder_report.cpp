@@ -55,7 +55,8 @@ constexpr std::pair<Flag, const char*> flag_names[] = {
     {Flag::non_finite, "non_finite"},       {Flag::large_strain, "large_strain"},
     {Flag::deep_contact, "deep_contact"},   {Flag::callback_failed, "callback_failed"},
     {Flag::intersecting, "tangled"},        {Flag::coarse_substeps, "coarse_substeps"},
-    {Flag::not_converged, "not_converged"}, {Flag::shortened_motion, "shortened_motion"}};
+    {Flag::not_converged, "not_converged"}, {Flag::shortened_motion, "shortened_motion"},
+    {Flag::out_of_range, "out_of_range"}};
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 #include "souple/stages/motion.h"
 
 #include "souple/assert.h"
+#include "souple/math/limits.h"
 #include "souple/objects/object.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/solver/kernels/find_kernels.h"
@@ -21,8 +22,8 @@ bool is_non_finite(const Vec3f& v) {
   return !std::isfinite(v.x + v.y + v.z);
 }
 
-/// The lowest particle that any thread found non-finite.
-class FirstNonFinite {
+/// The lowest particle that any thread noted.
+class LowestParticle {
  public:
   void note(std::size_t i) {
     std::size_t current = lowest_;
@@ -60,7 +61,7 @@ void for_each_awake(const StageView& stage, const Function& f) {
 }
 
 void predict_one(const ExternalForces& forces, std::size_t i, float h, std::vector<Vec4f>& p,
-                 FirstNonFinite& first_non_finite) {
+                 LowestParticle& first_non_finite) {
   Particles& particles = forces.stage.objects.particles;
   particles.start[i] = p[i];
   if (particles.position[i].w == 0) return;
@@ -88,7 +89,7 @@ void predict_one(const ExternalForces& forces, std::size_t i, float h, std::vect
 }
 
 void finish_one(const StageView& stage, std::size_t i, float h, const std::vector<Vec4f>& p,
-                const std::vector<Vec4f>& predicted, FirstNonFinite& first_non_finite) {
+                const std::vector<Vec4f>& predicted, LowestParticle& first_non_finite) {
   Particles& particles = stage.objects.particles;
   // v = v* + (p - p*) / h: a particle without corrections keeps its velocity bitwise. The semi-implicit p* is
   // recomputed from v* with the rounding of the prediction. A pinned particle has no v*: v = (p - x) / h.
@@ -126,7 +127,7 @@ kernels::MotionArrays arrays_of(const ObjectsView& objects, std::span<const Vec4
 
 // The SIMD kernels report only that a value may be non-finite.
 void find_non_finite(const Particles& particles, std::size_t begin, std::size_t end,
-                     FirstNonFinite& first_non_finite) {
+                     LowestParticle& first_non_finite) {
   for (std::size_t i = begin; i < end; ++i)
     if (is_non_finite(particles.velocity[i].xyz()) || is_non_finite(particles.position[i].xyz()))
       return first_non_finite.note(i);
@@ -145,7 +146,7 @@ std::optional<std::size_t> predict_motion(const StageView& stage,
   ExternalForces forces{stage, fields, wind_at(stage.settings, stage.time)};
   if (find_wind_forces(stage, substep.h, scratch.wind)) forces.wind_of_particle = scratch.wind.of_particle;
   std::vector<Vec4f>& p = objects.moving();
-  FirstNonFinite first_non_finite;
+  LowestParticle first_non_finite;
   const auto one_by_one = [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) predict_one(forces, i, substep.h, p, first_non_finite);
   };
@@ -177,7 +178,7 @@ std::optional<std::size_t> finish_motion(const StageView& stage, const Substep& 
   SOUPLE_ASSERT(plain || has_no_mass(objects.particles.offset),
                 "displacements have no mass in their last lane");
   const std::vector<Vec4f>& p = objects.moving();
-  FirstNonFinite first_non_finite;
+  LowestParticle first_non_finite;
   if (const kernels::MotionKernels* kernels = packed(stage.settings)) {
     const kernels::MotionArrays arrays = arrays_of(objects, {});
     const kernels::Finish finish_packed = kernels->finish[plain ? 0 : 1];
@@ -192,6 +193,20 @@ std::optional<std::size_t> finish_motion(const StageView& stage, const Substep& 
     });
   }
   return first_non_finite.found();
+}
+
+std::optional<std::size_t> find_out_of_range(const ObjectsView& objects, Threads& threads) {
+  constexpr auto limit = static_cast<float>(range::coordinate);
+  const std::vector<Vec4f>& position = objects.particles.position;
+  LowestParticle lowest;
+  for (const auto& object : objects.objects)
+    threads.for_each(object->particle_count(), 4 * grain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = object->begin + begin; i < object->begin + end; ++i) {
+        const Vec3f x = position[i].xyz();
+        if (max(abs(x.x), max(abs(x.y), abs(x.z))) > limit) return lowest.note(i);
+      }
+    });
+  return lowest.found();
 }
 
 }  // namespace souple

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-// From velocities to predicted positions, and back. Both functions return the lowest particle with a non-finite value:
+// From velocities to predicted positions, and back. Both directions return the lowest particle with a non-finite value:
 // the origin, because the solver would spread the value within the substep.
 
 namespace souple {
@@ -26,5 +26,8 @@ void keep_prediction(const StageView& stage, MotionScratch& scratch);
 /// v = v* + (p - p*) / h, which is (p - x) / h if p* = x + h v*; x = p.
 std::optional<std::size_t> finish_motion(const StageView& stage, const Substep& substep,
                                          const MotionScratch& scratch);
+
+/// The lowest particle of an object that is farther than range::coordinate from the origin along an axis.
+std::optional<std::size_t> find_out_of_range(const ObjectsView& objects, Threads& threads);
 
 }  // namespace souple

@@ -30,6 +30,9 @@ std::string_view advice(Flag flag) {
     case Flag::shortened_motion:
       return "an object moves too far in a substep for its contacts, or is driven into something that cannot "
              "give way, so its motion was shortened: lower its speed, or raise substeps";
+    case Flag::out_of_range:
+      return "an object is farther than 1e9 m from the origin, where floats are 64 m apart and contacts may "
+             "be missed: check its speed and the forces on it, or remove it";
   }
   return "?";
 }

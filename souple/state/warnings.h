@@ -32,7 +32,10 @@ enum class Flag : std::uint32_t {
   /// Something moves so far in a substep that contacts cannot follow it, or is driven into something that cannot give
   /// way. Its motion was shortened, so it loses speed; what is driven lags behind. Lower the speed, or raise substeps. The
   /// message names the object and its speed.
-  shortened_motion = 1u << 7
+  shortened_motion = 1u << 7,
+  /// A particle is farther than 1e9 m from the origin, along an axis. Floats are 64 m apart there, and contacts may be
+  /// missed. Check speeds, forces and `drag`, or give it a floor. The message names the object, the vertex and its speed.
+  out_of_range = 1u << 8
 };
 /// One line: meaning of the flag and the setting that helps.
 std::string_view advice(Flag flag);

@@ -6,6 +6,7 @@
 #include "souple/math/limits.h"
 #include "souple/objects/object.h"
 #include "souple/solver/custom_constraint.h"
+#include "souple/stages/motion.h"
 #include "souple/stages/rigid_stage.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/call_scope.h"
@@ -81,8 +82,23 @@ std::string_view strain_advice(const WorldState& world) {
          "lower the load";
 }
 
+void flag_out_of_range(WorldState& world) {
+  const std::optional<std::size_t> particle = find_out_of_range(world.objects_view(), *world.threads);
+  if (!particle) return;
+  const Object& object = *world.objects[world.object_of[*particle]];
+  const Vec3f x = world.particles.position[*particle].xyz();
+  world.warnings.warn(
+      Flag::out_of_range,
+      fmt::format("{}, vertex {} is {:.3g} m from the origin, at {:.3g} m/s; floats are 64 m apart beyond "
+                  "{:g} m, and "
+                  "contacts may be missed: check its speed and the forces on it, or remove it",
+                  object.name, object.vertex_of[*particle - object.begin], length(Vec3d(x)),
+                  length(Vec3d(world.particles.velocity[*particle].xyz())), range::coordinate));
+}
+
 void raise_flags(WorldState& world) {
   const StepReport& report = world.report;
+  flag_out_of_range(world);
   flag_not_converged(world);
   if (std::any_of(report.kinds.begin(), report.kinds.end(), [](const KindReport& kind) {
         return kind.kind != NeoHookean::name && kind.largest_strain > large_strain;

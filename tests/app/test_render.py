@@ -12,7 +12,7 @@ import time
 import unittest
 import zlib
 
-from test_cli import EXPLODING, PROGRAM, SMALL, SOURCE, Case
+from cli_case import EXPLODING, PROGRAM, SMALL, SOURCE, Case
 
 QUICK = ["--size", "160x90", "--samples", "1"]
 SCENE = dict(SMALL, camera={"from": [1, 1.5, 3], "to": [0, 1, 0]})

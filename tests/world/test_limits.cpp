@@ -153,6 +153,24 @@ TEST(Limits, AMotionBeyondTheLimitIsReported) {
   EXPECT_NE(world.step(0.01).message.find("a collider's motion threw"), std::string::npos);
 }
 
+// Two grains fly along an axis at 6e8 m/s, one of them from behind the other: only the first leaves the range in two
+// seconds, and the report says so from then on.
+TEST(Limits, WhatLeavesThemIsFlaggedWithItsNameAndSpeed) {
+  World world({.gravity = {}});
+  world.add_cloth(grid(3, 3, 1), {}, {.name = "near"});
+  const ObjectId flying =
+      world.add_grains(std::vector<Vec3d>{{0, -0.9e9, 0}, {0, 0, 0}}, {}, {.name = "flying"});
+  world.set_velocities(flying, std::vector<Vec3f>(2, {0, 6e8f, 0}));
+  EXPECT_FALSE(world.step(1).has(Flag::out_of_range)) << world.report().message;
+  for (int i = 0; i < 2; ++i) {
+    const StepReport& report = world.step(0.8);
+    EXPECT_TRUE(report.ok());
+    ASSERT_TRUE(report.has(Flag::out_of_range)) << report.message;
+    EXPECT_NE(report.message.find("flying, vertex 1 is"), std::string::npos) << report.message;
+    EXPECT_NE(report.message.find("at 6e+08 m/s"), std::string::npos) << report.message;
+  }
+}
+
 // A force field throws everything as far as floats reach, in both directions: no conversion to a cell overflows (the
 // sanitizers check), and what is no number any more is flagged.
 TEST(Limits, SimulationsMayLeaveThem) {

@@ -1,0 +1,133 @@
+#!/usr/bin/env python3
+"""Tests of `souple run`. test_cli_run.py PROGRAM SOURCE_FOLDER [unittest's arguments]."""
+
+import json
+import os
+import pty
+import signal
+import subprocess
+import sys
+import unittest
+
+from cli_case import EXPLODING, PROGRAM, SMALL, Case
+
+
+class Running(Case):
+    def test_summary_in_a_pipe(self):
+        done = self.souple("run", self.scene(SMALL), "--out", "out")
+        self.assert_one_line(done.stdout)
+        self.assertIn("small: 20 frames in ", done.stdout)
+        self.assertIn("ms/frame", done.stdout)
+        self.assertRegex(done.stdout, r"largest strain (\d+(\.\d+)?|less than 0\.01) %, in")
+        self.assertNotIn("\r", done.stdout + done.stderr)
+        self.assertNotIn("left", done.stderr)
+
+    def test_quiet(self):
+        done = self.souple("run", self.scene(SMALL), "--out", "out", "--quiet")
+        self.assertEqual(done.stdout + done.stderr, "")
+
+    def test_progress_on_a_terminal(self):
+        try:
+            main, other = pty.openpty()
+        except OSError as error:  # a chroot without /dev/pts
+            self.skipTest(f"no pseudo terminal here: {error}")
+        run = subprocess.Popen([PROGRAM, "run", self.scene(SMALL), "--out", "out", "--frames", "100000"],
+                               cwd=self.folder, stdout=subprocess.DEVNULL, stderr=other, env=self.environment)
+        os.close(other)
+        seen, stopped = b"", False
+        while True:
+            try:
+                data = os.read(main, 4096)
+            except OSError:
+                break
+            if not data:
+                break
+            seen += data
+            if seen.count(b" left") >= 2 and not stopped:
+                run.send_signal(signal.SIGTERM)
+                stopped = True
+        os.close(main)
+        self.assertEqual(run.wait(60), 130)
+        self.assertRegex(seen.decode(), r"small: frame \d+ of 100000, [\d.]+ ms/frame, .* left")
+
+    def test_default_folder(self):
+        self.souple("run", self.scene(SMALL), "--frames", "2")
+        self.assertTrue((self.folder / "out/small/run.json").is_file())
+        self.assertTrue((self.folder / "out/small/flag.pc2").is_file())
+        self.assertFalse([n for n in self.names() if n.endswith(".part") or "checkpoint" in n])
+
+    def test_formats(self):
+        self.souple("run", self.scene(SMALL), "--frames", "3", "--out", "out", "--write", "pc2,mdd,obj,ply")
+        names = self.names()
+        for name in ["flag.obj", "flag.pc2", "flag.mdd", "flag_0001.obj", "flag_0003.obj", "sand_0003.ply"]:
+            self.assertIn("out/" + name, names)
+        self.assertNotIn("out/flag_0004.obj", names)
+
+    def test_second_run_removes_the_files_of_the_first(self):
+        scene = self.scene(SMALL)
+        self.souple("run", scene, "--frames", "5", "--out", "out", "--write", "pc2,obj")
+        (self.folder / "out/picture.png").write_text("mine")
+        self.souple("run", scene, "--frames", "3", "--out", "out")
+        self.souple("run", scene, "--frames", "3", "--out", "fresh")
+        self.assertEqual(self.contents("out"), {**self.contents("fresh"), "picture.png": b"mine"})
+
+    def test_frames_per_second(self):
+        scene = self.scene(dict(SMALL, substeps=2))
+        self.souple("run", scene, "--out", "a", "--fps", "24")
+        manifest = json.loads((self.folder / "a/run.json").read_text())
+        # 20 frames of 1/60 s are 8 of 1/24; 2 substeps of 1/120 s are 5.
+        self.assertEqual((manifest["frame_rate"], manifest["frames"], manifest["scene"]["substeps"]), (24, 8, 5))
+        self.souple("run", scene, "--out", "b", "--set", "frame_rate=24", "--frames", "8", "--substeps", "5")
+        self.assertEqual(self.contents("a"), self.contents("b"))
+        self.souple("run", scene, "--out", "c", "--fps", "30", "--frames", "3", "--substeps", "7")
+        manifest = json.loads((self.folder / "c/run.json").read_text())
+        self.assertEqual((manifest["frames"], manifest["scene"]["substeps"]), (3, 7))
+        for wrong in "0", "-24", "nan":
+            self.assertIn("--fps", self.souple("run", scene, "--fps", wrong, code=2).stderr)
+
+    def test_settings_reach_the_manifest(self):
+        self.souple("run", self.scene(SMALL), "--out", "out", "--frames", "5", "--substeps", "3", "--threads", "4",
+                    "--set", "objects.flag.material.bending_stiffness=0.125", "--set", "iterations=2")
+        manifest = json.loads((self.folder / "out/run.json").read_text())
+        scene = manifest["scene"]
+        scene = json.loads(scene) if isinstance(scene, str) else scene
+        self.assertEqual((scene["frames"], scene["substeps"], scene["iterations"]), (5, 3, 2))
+        self.assertEqual(scene["objects"][0]["material"]["bending_stiffness"], 0.125)
+        self.assertEqual(manifest["frames"], 5)
+
+    def test_threads_change_nothing(self):
+        scene = self.scene(SMALL)
+        for threads in "1", "3":
+            self.souple("run", scene, "--out", "run" + threads, "--threads", threads)
+        self.assertEqual(self.contents("run1"), self.contents("run3"))
+
+    def test_settings_change_the_result(self):
+        scene = self.scene(SMALL)
+        self.souple("run", scene, "--out", "a")
+        self.souple("run", scene, "--out", "b", "--set", "gravity=[0,-1,0]")
+        self.assertNotEqual(self.contents("a")["flag.pc2"], self.contents("b")["flag.pc2"])
+
+    def test_twice_the_same_bytes(self):
+        scene = self.scene(SMALL)
+        self.souple("run", scene, "--out", "a", "--write", "pc2,obj")
+        self.souple("run", scene, "--out", "b", "--write", "pc2,obj")
+        self.assert_same_contents("a", "b")
+
+    def test_what_flies_farther_than_floats_reach_is_flagged(self):
+        grains = {"name": "sand", "kind": "grains", "points": [[0, 0, 0]], "velocity": [9e8, 0, 0]}
+        scene = self.scene({"souple": 1, "frames": 90, "substeps": 1, "gravity": [0, 0, 0], "objects": [grains]})
+        said = self.souple("run", scene, "--out", "out").stderr
+        # 1e9 m are passed after 66.7 frames of 1 / 60 s.
+        self.assertIn("in 24 frames: an object is farther than 1e9 m from the origin", said)
+        flagged = [r["frame"] for r in json.loads((self.folder / "out/run.json").read_text())["reports"] if "out_of_range" in r["flags"]]
+        self.assertEqual(flagged, list(range(67, 91)))
+
+    def test_simulation_that_goes_bad(self):
+        done = self.souple("run", self.scene(EXPLODING), "--out", "out", code=3)
+        self.assertRegex(done.stderr, r'diverged in frame \d+: object "\w+", particle \d+')
+        self.assert_one_line(done.stderr)
+        self.assertFalse([n for n in self.names() if n.endswith(".part")])
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

@@ -1,0 +1,208 @@
+#!/usr/bin/env python3
+"""Tests of stopped runs: signals, locks, resume. test_cli_stop.py PROGRAM SOURCE_FOLDER [unittest's arguments]."""
+
+import contextlib
+import json
+import signal
+import subprocess
+import sys
+import time
+import unittest
+
+from cli_case import PROGRAM, SMALL, WATER, Case
+
+
+class Stopping(Case):
+    def start(self, scene, *arguments):
+        return subprocess.Popen([PROGRAM, "run", scene, *map(str, arguments)], cwd=self.folder,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment)
+
+    def wait_for(self, condition):
+        for _ in range(2000):
+            if condition():
+                return
+            time.sleep(0.005)
+        self.fail("nothing happened for ten seconds")
+
+    def written(self, folder):
+        """Size in bytes of the cache so far, under its final or its temporary name; a run may rename it meanwhile."""
+        size = 0
+        for file in (self.folder / folder).glob("flag.pc2*"):
+            with contextlib.suppress(FileNotFoundError):
+                size += file.stat().st_size
+        return size
+
+    def growing(self, folder):
+        """True once the run has written a few frames."""
+        return self.written(folder) > 3000
+
+    def test_a_second_run_into_the_folder_is_refused(self):
+        first = self.start("flag", "--frames", 3000, "--write", "pc2", "--out", "busy")
+        self.wait_for(lambda: self.growing("busy"))
+        (self.folder / "alias").symlink_to("busy")
+        for arguments in (["run", "flag", "--out", "busy"], ["run", "drop", "--out", "alias"],
+                          ["run", "--resume", "busy"]):
+            second = self.souple(*arguments, code=2)
+            self.assertIn("another souple is writing there", second.stderr)
+        first.kill()
+        first.communicate()
+        # A killed run leaves no lock behind, and a finished one no file.
+        self.souple("run", "flag", "--frames", 2, "--out", "busy")
+        self.assertEqual([], list((self.folder / "busy").glob(".*")))
+
+    def stopped(self, scene, folder, how, *arguments):
+        run = self.start(scene, "--out", folder, *arguments)
+        self.wait_for(lambda: self.growing(folder) or run.poll() is not None)
+        run.send_signal(how)
+        out, error = run.communicate(timeout=60)
+        return run.returncode, out, error
+
+    def test_interrupt_and_resume(self):
+        scene = self.scene(dict(SMALL, frames=3000, substeps=20))
+        self.souple("run", scene, "--out", "whole", "--write", "pc2,mdd")
+        for how in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
+            folder = f"stopped{int(how)}"
+            code, out, error = self.stopped(scene, folder, how, "--write", "pc2,mdd")
+            self.assertEqual(code, 130, out + error)
+            self.assertRegex(error, rf"interrupted after frame \d+ of 3000; resume with: souple run --resume {folder}\n")
+            self.assertTrue((self.folder / folder / "checkpoint.souple").is_file())
+            self.assertFalse([n for n in self.names() if n.endswith(".part")])
+            self.souple("run", "--resume", folder)
+            self.assert_same_contents("whole", folder)
+
+    def test_interrupted_where_no_checkpoint_can_be_written(self):
+        scene = self.scene(dict(WATER, frames=3000))
+        run = self.start(scene, "--out", "out", "--surface", "anisotropic")
+        self.wait_for(lambda: self.growing("out") or run.poll() is not None)
+        (self.folder / "out/checkpoint.souple.part").mkdir()
+        run.send_signal(signal.SIGINT)
+        out, error = run.communicate(timeout=60)
+        self.assertEqual(run.returncode, 1, out + error)
+        self.assert_one_line(error)
+        self.assertIn("checkpoint.souple.part", error)
+        frames = int.from_bytes((self.folder / "out/flag.pc2").read_bytes()[28:32], "little")
+        for folder in "out", "out_surface":
+            self.assertEqual(json.loads((self.folder / folder / "run.json").read_text())["frames"], frames)
+
+    def test_signals_that_were_ignored_stay_ignored(self):
+        scene = self.scene(dict(SMALL, frames=600, substeps=20))
+        for how in signal.SIGINT, signal.SIGHUP:
+            before = signal.signal(how, signal.SIG_IGN)  # as nohup does, and shells in the background
+            try:
+                code, out, error = self.stopped(scene, f"kept{int(how)}", how)
+            finally:
+                signal.signal(how, before)
+            self.assertEqual(code, 0, out + error)
+
+    def test_limit_of_file_sizes_is_a_failed_write(self):
+        scene = self.scene(dict(SMALL, frames=600))
+        command = f'ulimit -f 8; exec "{PROGRAM}" run {scene} --out limited'
+        run = subprocess.run(["bash", "-c", command], cwd=self.folder, capture_output=True, text=True, timeout=60,
+                             env=self.environment)
+        self.assertEqual(run.returncode, 1, run.stdout + run.stderr)
+        self.assertIn("souple: ", run.stderr)
+
+    def test_resume_writes_a_missing_rest_mesh_again(self):
+        scene = self.scene(dict(SMALL, frames=3000, substeps=20))
+        code, out, error = self.stopped(scene, "out", signal.SIGINT)
+        self.assertEqual(code, 130, out + error)
+        mesh = (self.folder / "out/flag.obj").read_bytes()
+        for name in "flag", "sand":
+            (self.folder / f"out/{name}.obj").unlink()
+        said = self.souple("run", "--resume", "out").stderr
+        for name in "flag", "sand":
+            self.assertIn(f"{name}: its rest mesh was missing", said)
+        self.assertEqual((self.folder / "out/flag.obj").read_bytes(), mesh)
+        self.assertTrue((self.folder / "out/sand.obj").exists())
+
+    def test_interrupted_twice(self):
+        scene = self.scene(dict(SMALL, frames=4000, substeps=20))
+        self.souple("run", scene, "--out", "whole")
+        self.assertEqual(self.stopped(scene, "out", signal.SIGINT)[0], 130)
+        again = subprocess.Popen([PROGRAM, "run", "--resume", "out"], cwd=self.folder, stderr=subprocess.PIPE,
+                                 stdout=subprocess.PIPE, text=True, env=self.environment)
+        size = self.written("out")
+        self.wait_for(lambda: self.written("out") > size + 3000 or again.poll() is not None)
+        again.send_signal(signal.SIGINT)
+        again.communicate(timeout=60)
+        self.assertEqual(again.returncode, 130)
+        self.souple("run", "--resume", "out")
+        self.assert_same_contents("whole", "out")
+
+    def test_killed_and_resumed_from_a_regular_checkpoint(self):
+        scene = self.scene(dict(SMALL, frames=2000, substeps=20))
+        self.souple("run", scene, "--out", "whole", "--checkpoint-every", 50)
+        run = self.start(scene, "--out", "out", "--checkpoint-every", 50)
+        self.wait_for(lambda: (self.folder / "out/checkpoint.souple").exists() or run.poll() is not None)
+        run.send_signal(signal.SIGKILL)
+        run.communicate()
+        self.assertEqual(run.returncode, -signal.SIGKILL)
+        self.souple("run", "--resume", "out")
+        self.assert_same_contents("whole", "out")
+
+    def test_surface_goes_on_with_the_run(self):
+        scene = self.scene(dict(WATER, frames=80))
+        self.souple("run", scene, "--out", "whole", "--surface", "anisotropic")
+        run = self.start(scene, "--out", "out", "--surface", "anisotropic")
+        drop = self.folder / "out_surface/tap_0012.obj"  # more particles than at the start
+        self.wait_for(lambda: drop.exists() or run.poll() is not None)
+        run.send_signal(signal.SIGINT)
+        out, error = run.communicate(timeout=60)
+        self.assertEqual(run.returncode, 130, out + error)
+        self.souple("surface", "out", "--out", "so_far")  # complete files, and a run.json that lists them
+        self.assert_same_contents("out_surface", "so_far")
+        self.assertFalse(json.loads((self.folder / "out_surface/run.json").read_text())["complete"])
+        self.assertIn("--surface", self.souple("run", "--resume", "out", "--surface", "isotropic", code=2).stderr)
+        first = self.folder / "out_surface/block_0001.obj"
+        kept = first.read_bytes()
+        first.unlink()
+        self.assertIn("lacks meshes of \"block\"", self.souple("run", "--resume", "out", code=2).stderr)
+        first.write_bytes(kept)
+        self.souple("run", "--resume", "out")
+        self.assert_same_contents("whole", "out")
+        self.assert_same_contents("whole_surface", "out_surface")
+
+    def test_surface_of_a_killed_run(self):
+        scene = self.scene(dict(WATER, frames=80))
+        arguments = ["--surface", "anisotropic", "--checkpoint-every", 7]
+        self.souple("run", scene, "--out", "whole", *arguments)
+        run = self.start(scene, "--out", "out", *arguments)
+        mesh = self.folder / "out_surface/block_0010.obj"
+        self.wait_for(lambda: mesh.exists() or run.poll() is not None)
+        run.send_signal(signal.SIGKILL)
+        run.communicate()
+        self.assertEqual(run.returncode, -signal.SIGKILL)
+        self.souple("run", "--resume", "out")
+        self.assert_same_contents("whole", "out")
+        self.assert_same_contents("whole_surface", "out_surface")
+
+    def test_resume_with_more_frames(self):
+        scene = self.scene(dict(SMALL, frames=3000, substeps=20))
+        self.assertEqual(self.stopped(scene, "out", signal.SIGINT)[0], 130)
+        self.souple("run", "--resume", "out", "--frames", 3100)
+        self.souple("run", scene, "--out", "whole", "--frames", 3100)
+        self.assert_same_contents("whole", "out")
+
+    def test_fewer_frames_than_there_are(self):
+        scene = self.scene(dict(SMALL, frames=3000, substeps=20))
+        self.assertEqual(self.stopped(scene, "out", signal.SIGINT)[0], 130)
+        self.assertIn("--frames 1", self.souple("run", "--resume", "out", "--frames", 1, code=2).stderr)
+        self.souple("run", "--resume", "out")  # no frame is missing
+
+    def test_second_interrupt_ends_at_once(self):
+        heavy = json.loads(json.dumps(SMALL))
+        heavy["frames"] = 100000
+        heavy["substeps"] = 10000
+        heavy["objects"][0]["mesh"]["grid"] = {"columns": 60, "rows": 60, "size": 1}
+        run = self.start(self.scene(heavy), "--out", "out")
+        self.wait_for(lambda: (self.folder / "out").exists())
+        run.send_signal(signal.SIGINT)
+        time.sleep(0.2)
+        self.assertIsNone(run.poll(), "a frame of this scene takes seconds")
+        run.send_signal(signal.SIGINT)
+        run.communicate(timeout=5)
+        self.assertEqual(run.returncode, -signal.SIGINT)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[3:]])
