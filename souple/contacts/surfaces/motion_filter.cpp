@@ -4,6 +4,7 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
+#include <iterator>
 
 namespace souple {
 
@@ -116,13 +117,26 @@ bool MotionFilter::hold_driven(const ElementPairs& candidates, const ParticleVie
   return !held_particles_.empty();
 }
 
+// Whether all violations are with rigid bodies, which are driven here: particles between such a body and another one, or
+// between two surfaces, can only go back and forth.
+bool MotionFilter::all_are_with_bodies(const ElementPairs& candidates) const {
+  const ElementSurfaces& surfaces = candidates.surfaces();
+  return std::all_of(violations_.begin(), violations_.end(), [&](const PairToi& violation) {
+    const auto& particles = candidates.pair(violation.pair).particle;
+    return std::any_of(std::begin(particles), std::end(particles),
+                       [&](std::uint32_t i) { return surfaces[surfaces.of(i)].rigid; });
+  });
+}
+
 // First correction contacts, which conserve momentum. Then the motions of remaining violations are clamped. A clamped
 // particle may be hit by another one, so at last they are stopped, and driven particles only where they would pass through
 // stopped ones: each pass stops further particles, until no violation is left.
 MotionFilter::Result MotionFilter::apply(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase,
                                          const ParticleView& particles, const Substep& substep,
                                          Threads& threads) {
-  constexpr int correction_passes = 20, clamping_passes = 4, stopping_passes = 100;
+  // Where 4 passes leave violations with rigid bodies, 20 hardly ever mend them (scenes/brick_wall.json: in 30 of 1600
+  // substeps), and a body that pinches a cloth has them in every substep.
+  constexpr int correction_passes = 20, clamping_passes = 4, stopping_passes = 100, passes_with_bodies = 4;
   correction_pair_.clear(), correction_toi_.clear();
   Result result;
   held_ = {};
@@ -130,6 +144,7 @@ MotionFilter::Result MotionFilter::apply(ElementPairs& candidates, SurfaceNarrow
   find_violations(candidates, narrow_phase, particles, threads);
   constexpr int passes = correction_passes + clamping_passes + stopping_passes;
   for (int pass = 0; pass < passes && !violations_.empty(); ++pass) {
+    if (pass == passes_with_bodies && all_are_with_bodies(candidates)) pass = correction_passes;
     if (pass < correction_passes) {
       solve_corrections(candidates, narrow_phase, particles);
     } else if (pass < correction_passes + clamping_passes) {

@@ -33,6 +33,7 @@ class MotionFilter {
                          const ParticleView& particles);
   void clamp_to_toi(const ElementPairs& candidates, const ParticleView& particles);
   bool stop(const ElementPairs& candidates, const ParticleView& particles) const;
+  bool all_are_with_bodies(const ElementPairs& candidates) const;
   bool hold_driven(const ElementPairs& candidates, const ParticleView& particles);
 
   std::vector<PairToi> violations_;
