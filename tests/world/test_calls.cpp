@@ -231,8 +231,8 @@ const std::vector<Function>& functions() {
        [](W w, H) {
          w.debug_draw({.constraint = [](const DebugConstraint&) {},
                        .contact = [](const DebugContact&) {},
-                       .joint = [](const DebugJoint&) {},
                        .particle = [](const DebugParticle&) {},
+                       .joint = [](const DebugJoint&) {},
                        .tet_edge = [](const Vec3f&, const Vec3f&) {}});
        }},
       {"snapshot", Line::reads_results, [](W w, H) { (void)w.snapshot(); }},
