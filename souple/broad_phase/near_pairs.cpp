@@ -94,6 +94,7 @@ bool NearPairFinder::find(const SurfaceElements& elements, std::span<const Bound
   const ActiveScope awake(threads);
   auto start = Clock::now();
   make_boxes(boxes, position_w, threads);
+  find_own_patches();
   milliseconds_.boxes = milliseconds_since(start);
 
   start = Clock::now();
@@ -169,7 +170,7 @@ bool NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::s
   const auto find_one = [&](std::size_t k, Part& part) {
     const std::uint32_t a = moved_patches_[k];
     part.found.clear();
-    hash_.find(patch_boxes_[a], part.found);
+    hash_.find(patch_boxes_[a], skipped(a, compares), part.found);
     for (const std::uint32_t b : part.found) {
       const Marks& of_b = marks_[b];
       const bool seen = b < a && (of_b.vertices | of_b.edges | of_b.triangles) != 0;
@@ -179,6 +180,22 @@ bool NearPairFinder::find_moved(std::span<const std::uint32_t> particles, std::s
   const bool complete = find_in_chunks(moved_patches_.size(), per_chunk, most, out, threads, find_one);
   unmark(particles);
   return complete;
+}
+
+// Objects were added one after the other, so an object's patches follow each other.
+void NearPairFinder::find_own_patches() {
+  const std::span<const SurfacePatch> patches = elements_->patches();
+  own_patches_.resize(patches.size());
+  for (std::uint32_t first = 0, last = 0; first < patches.size(); first = last) {
+    while (last < patches.size() && patches[last].object == patches[first].object) ++last;
+    std::fill(own_patches_.begin() + first, own_patches_.begin() + last, SpatialHash::Skip{first, last});
+  }
+}
+
+// Of an object that is not compared with itself, such as a fluid: its own patches.
+SpatialHash::Skip NearPairFinder::skipped(std::uint32_t patch, const ObjectFilter& compares) const {
+  const std::uint32_t object = elements_->patches()[patch].object;
+  return compares(object, object) ? SpatialHash::Skip{} : own_patches_[patch];
 }
 
 // Finds the patches that contain a given particle, and marks their items that do.
@@ -285,7 +302,7 @@ void NearPairFinder::find_near(std::uint32_t a, const ObjectFilter& compares,
                                std::span<const Vec4f> position_w, Part& part) const {
   constexpr Marks all{~0u, ~0u, ~0u};
   part.found.clear();
-  hash_.find_partners(a, part.found);
+  hash_.find_partners(a, skipped(a, compares), part.found);
   find_between(a, all, a, all, compares, position_w, part);
   for (const std::uint32_t b : part.found) find_between(a, all, b, all, compares, position_w, part);
 }
@@ -349,9 +366,9 @@ void NearPairFinder::join(Piece Chunk::*piece, List Part::*list, std::vector<Nea
 }
 
 std::size_t NearPairFinder::bytes() const {
-  std::size_t sum =
-      bytes_of(clean_boxes_, patch_boxes_, moves_, parts_, chunks_, marks_, is_moving_, moved_patches_) +
-      hash_.bytes();
+  std::size_t sum = bytes_of(clean_boxes_, patch_boxes_, moves_, own_patches_, parts_, chunks_, marks_,
+                             is_moving_, moved_patches_) +
+                    hash_.bytes();
   for (const Boxes* boxes : {&vertex_boxes_, &edge_boxes_, &triangle_boxes_})
     for (std::size_t axis = 0; axis < 3; ++axis) sum += bytes_of(boxes->lo[axis], boxes->hi[axis]);
   for (const Part& part : parts_)

@@ -102,6 +102,8 @@ class NearPairFinder {
   template <class Function>
   bool find_in_chunks(std::size_t count, std::size_t per_chunk, std::size_t most, NearPairs& out,
                       Threads& threads, const Function& find_one);
+  void find_own_patches();
+  SpatialHash::Skip skipped(std::uint32_t patch, const ObjectFilter& compares) const;
   void mark(std::span<const std::uint32_t> particles);
   void unmark(std::span<const std::uint32_t> particles);
   void find_near(std::uint32_t patch, const ObjectFilter& compares, std::span<const Vec4f> position_w,
@@ -119,7 +121,8 @@ class NearPairFinder {
   std::vector<Bounds> clean_boxes_;  // per particle: its box; infinite where it was not finite
   Boxes vertex_boxes_, edge_boxes_, triangle_boxes_;
   std::vector<Bounds> patch_boxes_;
-  std::vector<Moves> moves_;  // per patch
+  std::vector<Moves> moves_;                    // per patch
+  std::vector<SpatialHash::Skip> own_patches_;  // per patch: it and its neighbors in order, of its object
   SpatialHash hash_;
   std::vector<Part> parts_;
   std::vector<Chunk> chunks_;

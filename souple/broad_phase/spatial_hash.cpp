@@ -237,9 +237,22 @@ void SpatialHash::sort_part(std::size_t part) {
   }
 }
 
+// The entries of a bucket, begin and end, before and after those that are left out. They are in order of boxes.
+std::array<std::array<std::size_t, 2>, 2> SpatialHash::entries_of(std::uint32_t bucket, Skip skip) const {
+  const std::size_t begin = end_[bucket], end = end_[bucket + 1];
+  if (skip.first >= skip.last || begin == end) return {{{begin, end}, {end, end}}};
+  const auto first_from = [&](std::size_t from, std::uint32_t box) {
+    const auto at = std::lower_bound(entries_.begin() + static_cast<std::ptrdiff_t>(from),
+                                     entries_.begin() + static_cast<std::ptrdiff_t>(end), box << 3);
+    return static_cast<std::size_t>(at - entries_.begin());
+  };
+  const std::size_t left = first_from(begin, skip.first);
+  return {{{begin, left}, {first_from(left, skip.last), end}}};
+}
+
 // Finds overlapping boxes of one grid with index `first` or higher. The grid's cells must not be smaller than
 // `box`.
-void SpatialHash::find_in(const Bounds& box, const Grid& grid, std::uint32_t first,
+void SpatialHash::find_in(const Bounds& box, const Grid& grid, std::uint32_t first, Skip skip,
                           std::vector<std::uint32_t>& found) const {
   const kernels::BoxColumns columns{
       {lo_[0].data(), lo_[1].data(), lo_[2].data()}, {hi_[0].data(), hi_[1].data(), hi_[2].data()}, {}};
@@ -247,52 +260,54 @@ void SpatialHash::find_in(const Bounds& box, const Grid& grid, std::uint32_t fir
   const Cells cells = cells_of(box, grid);
   for (std::uint32_t which = 0; which < 8; ++which) {
     if ((which & ~cells.spans) != 0) continue;
-    const std::uint32_t bucket = bucket_of(grid, cells, which);
-    const std::size_t begin = end_[bucket], size = end_[bucket + 1] - begin;
-    if (size == 0) continue;
-    std::size_t count = found.size();
-    found.resize(count + size);
-    // A pair counts in the cell where its intersection begins: not where both boxes come from the previous
-    // cell along an axis.
-    const std::size_t hits =
-        kernels_->overlapping(columns, begin, size, corners, entries_.data(), which, found.data() + count);
-    const std::size_t end = count + hits;
-    for (std::size_t hit = count; hit < end; ++hit) {
-      const std::uint32_t b = found[hit] >> 3;
-      found[count] = b;
-      count += b >= first ? 1 : 0;
+    for (const auto& [begin, last] : entries_of(bucket_of(grid, cells, which), skip)) {
+      if (begin == last) continue;
+      std::size_t count = found.size();
+      found.resize(count + last - begin);
+      // A pair counts in the cell where its intersection begins: not where both boxes come from the previous
+      // cell along an axis.
+      const std::size_t hits = kernels_->overlapping(columns, begin, last - begin, corners, entries_.data(),
+                                                     which, found.data() + count);
+      const std::size_t end = count + hits;
+      for (std::size_t hit = count; hit < end; ++hit) {
+        const std::uint32_t b = found[hit] >> 3;
+        found[count] = b;
+        count += b >= first ? 1 : 0;
+      }
+      found.resize(count);
     }
-    found.resize(count);
   }
 }
 
-void SpatialHash::find_from(const Bounds& box, int first_grid, std::vector<std::uint32_t>& found) const {
+void SpatialHash::find_from(const Bounds& box, int first_grid, Skip skip,
+                            std::vector<std::uint32_t>& found) const {
   for (int g = first_grid; g < grid_count; ++g)
     if (grids_[static_cast<std::size_t>(g)].boxes > 0)
-      find_in(box, grids_[static_cast<std::size_t>(g)], 0, found);
+      find_in(box, grids_[static_cast<std::size_t>(g)], 0, skip, found);
 }
 
-void SpatialHash::find_partners(std::uint32_t a, std::vector<std::uint32_t>& found) const {
+void SpatialHash::find_partners(std::uint32_t a, Skip skip, std::vector<std::uint32_t>& found) const {
   const auto before = static_cast<std::ptrdiff_t>(found.size());
   const int grid = grid_[a];
   if (grid == nowhere) return;
-  find_in(boxes_[a], grids_[static_cast<std::size_t>(grid)], a + 1, found);
-  find_from(boxes_[a], grid + 1, found);
+  find_in(boxes_[a], grids_[static_cast<std::size_t>(grid)], a + 1, skip, found);
+  find_from(boxes_[a], grid + 1, skip, found);
   std::sort(found.begin() + before, found.end());
 }
 
-void SpatialHash::find(const Bounds& box, std::vector<std::uint32_t>& found) const {
+void SpatialHash::find(const Bounds& box, Skip skip, std::vector<std::uint32_t>& found) const {
   const auto before = static_cast<std::ptrdiff_t>(found.size());
   const int grid = grid_of(box);
   if (grid == nowhere) return;
   for (int g = 0; g < grid; ++g)
-    if (grids_[static_cast<std::size_t>(g)].boxes > 0) find_in_finer(box, g, found);
-  find_from(box, grid, found);
+    if (grids_[static_cast<std::size_t>(g)].boxes > 0) find_in_finer(box, g, skip, found);
+  find_from(box, grid, skip, found);
   std::sort(found.begin() + before, found.end());
 }
 
 // A large box in a grid of smaller cells: cell by cell, or box by box where boxes are fewer than cells.
-void SpatialHash::find_in_finer(const Bounds& box, int index, std::vector<std::uint32_t>& found) const {
+void SpatialHash::find_in_finer(const Bounds& box, int index, Skip skip,
+                                std::vector<std::uint32_t>& found) const {
   const Grid& grid = grids_[static_cast<std::size_t>(index)];
   std::int32_t lo[3], hi[3];
   double cells = 1;
@@ -301,22 +316,27 @@ void SpatialHash::find_in_finer(const Bounds& box, int index, std::vector<std::u
     hi[axis] = floor_of(std::clamp(box.hi[axis] * grid.inverse, -max_cells, max_cells));
     cells *= double(hi[axis]) - double(lo[axis]) + 1;
   }
-  if (cells > double(boxes_.size())) {
-    for (std::size_t b = 0; b < boxes_.size(); ++b)
-      if (grid_[b] == index && overlap(box, boxes_[b])) found.push_back(static_cast<std::uint32_t>(b));
+  const std::size_t skipped = skip.last > skip.first ? skip.last - skip.first : 0;
+  if (cells > double(boxes_.size() - std::min(skipped, boxes_.size()))) {
+    const auto among = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t b = begin; b < end; ++b)
+        if (grid_[b] == index && overlap(box, boxes_[b])) found.push_back(static_cast<std::uint32_t>(b));
+    };
+    among(0, std::min<std::size_t>(skip.first, boxes_.size()));
+    among(std::max(skip.first, skip.last), boxes_.size());
     return;
   }
   for (std::int32_t k = lo[2]; k <= hi[2]; ++k)
     for (std::int32_t j = lo[1]; j <= hi[1]; ++j)
       for (std::int32_t i = lo[0]; i <= hi[0]; ++i) {
-        const std::uint32_t bucket = bucket_of(grid, i, j, k);
-        for (std::uint32_t e = end_[bucket]; e < end_[bucket + 1]; ++e) {
-          const std::uint32_t b = entries_[e] >> 3;
-          const Cells other = cells_of(boxes_[b], grid);
-          const bool first_here = std::max(lo[0], other.lo[0]) == i && std::max(lo[1], other.lo[1]) == j &&
-                                  std::max(lo[2], other.lo[2]) == k;
-          if (first_here && overlap(box, boxes_[b])) found.push_back(b);
-        }
+        for (const auto& [begin, end] : entries_of(bucket_of(grid, i, j, k), skip))
+          for (std::size_t e = begin; e < end; ++e) {
+            const std::uint32_t b = entries_[e] >> 3;
+            const Cells other = cells_of(boxes_[b], grid);
+            const bool first_here = std::max(lo[0], other.lo[0]) == i && std::max(lo[1], other.lo[1]) == j &&
+                                    std::max(lo[2], other.lo[2]) == k;
+            if (first_here && overlap(box, boxes_[b])) found.push_back(b);
+          }
       }
 }
 

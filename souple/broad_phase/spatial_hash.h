@@ -50,11 +50,21 @@ class SpatialHash {
   /// warm.
   void build(std::span<const Bounds> boxes, float cell_size, Threads& threads);
 
+  /// Boxes [first, last) that a search leaves out. They cost it next to nothing: those of a long thin triangle's own
+  /// surface, whose boxes nearly all overlap, or of the particles of one fluid.
+  struct Skip {
+    std::uint32_t first = 0, last = 0;
+  };
+
   /// Appends the indices of all boxes that overlap `box`, which may have any size, to `found`, ascending.
-  void find(const Bounds& box, std::vector<std::uint32_t>& found) const;
+  void find(const Bounds& box, std::vector<std::uint32_t>& found) const { find(box, {}, found); }
+  void find(const Bounds& box, Skip skip, std::vector<std::uint32_t>& found) const;
   /// Appends the indices of the boxes that overlap box a and are in a coarser grid, or in the same grid with
   /// a higher index, ascending. Called for every a, it finds each pair once.
-  void find_partners(std::uint32_t a, std::vector<std::uint32_t>& found) const;
+  void find_partners(std::uint32_t a, std::vector<std::uint32_t>& found) const {
+    find_partners(a, {}, found);
+  }
+  void find_partners(std::uint32_t a, Skip skip, std::vector<std::uint32_t>& found) const;
 
   std::size_t size() const { return boxes_.size(); }
   /// Number of entries: one per box and cell.
@@ -95,10 +105,11 @@ class SpatialHash {
   void sort_part(std::size_t part);
   template <class Function>
   void for_each_entry(std::size_t chunk, const Function& function) const;
-  void find_from(const Bounds& box, int first_grid, std::vector<std::uint32_t>& found) const;
-  void find_in(const Bounds& box, const Grid& grid, std::uint32_t first,
+  void find_from(const Bounds& box, int first_grid, Skip skip, std::vector<std::uint32_t>& found) const;
+  void find_in(const Bounds& box, const Grid& grid, std::uint32_t first, Skip skip,
                std::vector<std::uint32_t>& found) const;
-  void find_in_finer(const Bounds& box, int index, std::vector<std::uint32_t>& found) const;
+  void find_in_finer(const Bounds& box, int index, Skip skip, std::vector<std::uint32_t>& found) const;
+  std::array<std::array<std::size_t, 2>, 2> entries_of(std::uint32_t bucket, Skip skip) const;
 
   std::span<const Bounds> boxes_;
   const kernels::PatchKernels* kernels_ = nullptr;

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <tuple>
 #include <utility>
 
 #include <fmt/core.h>
@@ -376,14 +376,35 @@ void wind_consistently(RepairedSurface& surface, std::span<const Vec3d> position
 
 // Marks duplicates: all but the first of triangles with equal corners.
 std::vector<char> find_copies(std::span<const Triangle> triangles) {
-  std::vector<Triangle> keys(triangles.begin(), triangles.end());
-  for (Triangle& key : keys) std::sort(key.begin(), key.end());
-  Indices order(triangles.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return keys[a] != keys[b] ? keys[a] < keys[b] : a < b; });
+  struct Key {
+    std::uint32_t middle, high, triangle;
+  };
+  // First by the lowest corner, by counting: each has few triangles, which are then sorted.
+  std::vector<std::size_t> ends;
+  for (const Triangle& t : triangles) {
+    const std::uint32_t low = std::min({t[0], t[1], t[2]});
+    if (low >= ends.size()) ends.resize(std::max(std::size_t{low} + 1, 2 * ends.size()), 0);
+    ++ends[low];
+  }
+  std::size_t total = 0;
+  for (std::size_t& end : ends) end = std::exchange(total, total + end);
+  std::vector<Key> keys(total);
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    Triangle corners = triangles[t];
+    std::sort(corners.begin(), corners.end());
+    keys[ends[corners[0]]++] = {corners[1], corners[2], t};
+  }
+  const auto same = [](const Key& a, const Key& b) { return a.middle == b.middle && a.high == b.high; };
   std::vector<char> copy(triangles.size(), 0);
-  for (std::size_t k = 1; k < order.size(); ++k) copy[order[k]] = keys[order[k]] == keys[order[k - 1]];
+  std::size_t first = 0;
+  for (const std::size_t end : ends) {
+    std::sort(keys.begin() + std::ptrdiff_t(first), keys.begin() + std::ptrdiff_t(end),
+              [&](const Key& a, const Key& b) {
+                return std::tie(a.middle, a.high, a.triangle) < std::tie(b.middle, b.high, b.triangle);
+              });
+    for (std::size_t k = first + 1; k < end; ++k) copy[keys[k].triangle] = same(keys[k], keys[k - 1]);
+    first = end;
+  }
   return copy;
 }
 

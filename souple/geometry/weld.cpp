@@ -46,7 +46,9 @@ struct Occupant {
   Cell cell;
   std::uint32_t vertex;
   friend bool operator<(const Occupant& a, const Occupant& b) {
-    return a.cell != b.cell ? a.cell < b.cell : a.vertex < b.vertex;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      if (a.cell[axis] != b.cell[axis]) return a.cell[axis] < b.cell[axis];
+    return a.vertex < b.vertex;
   }
 };
 

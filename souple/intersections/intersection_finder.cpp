@@ -78,7 +78,9 @@ void IntersectionFinder::set_surfaces(std::span<const ContactSurface> surfaces) 
     const ContactSurface& surface = surfaces[a];
     ranges_.push_back({surface.begin, surface.end});
     std::fill(surface_of_.begin() + surface.begin, surface_of_.begin() + surface.end, a);
+    const auto first = static_cast<std::uint32_t>(elements_.triangles().size());
     elements_.add_triangles(surface.triangles, surface.begin, a);
+    own_triangles_.push_back({first, static_cast<std::uint32_t>(elements_.triangles().size())});
     elements_.add_edges(surface.edges, surface.begin, a);
   }
   find_opposite();
@@ -220,7 +222,8 @@ void IntersectionFinder::find_chunk(const ParticleView& particles, const ObjectF
     const std::size_t before = chunk.edges.size();
     const Bounds box = box_of(particles, edge, edge_surface);
     if (!may_intersect(box, edge_surface, enabled)) continue;
-    hash_.find(box, chunk.near);
+    const bool itself = enabled(edge_surface, edge_surface);
+    hash_.find(box, itself ? SpatialHash::Skip{} : own_triangles_[edge_surface], chunk.near);
     for (const std::uint32_t t : chunk.near) {
       const SurfaceElement& triangle = elements_.triangles()[t];
       if (!enabled(edge_surface, triangle.object) || shares_particle(edge, triangle)) continue;
@@ -335,8 +338,8 @@ Bounds IntersectionFinder::box_of(const ParticleView& particles, const Edge& edg
 }
 
 std::size_t IntersectionFinder::bytes() const {
-  std::size_t sum = bytes_of(excluded_, ranges_, surface_of_, opposite_, closed_, active_, surface_bounds_,
-                             widened_, partners_, boxes_, found_);
+  std::size_t sum = bytes_of(excluded_, ranges_, own_triangles_, surface_of_, opposite_, closed_, active_,
+                             surface_bounds_, widened_, partners_, boxes_, found_);
   for (const Chunk& chunk : chunks_) sum += bytes_of(chunk.edges, chunk.near, chunk.crossed_opposite);
   return sum + elements_.bytes() + hash_.bytes() + sweep_.bytes();
 }

@@ -98,6 +98,7 @@ class IntersectionFinder {
   bool any_pair_ = false;
   std::vector<std::array<std::uint32_t, 2>> excluded_;  // in both orders, sorted
   std::vector<std::array<std::uint32_t, 2>> ranges_;    // per surface: first and end particle
+  std::vector<SpatialHash::Skip> own_triangles_;        // per surface
   std::vector<std::uint32_t> surface_of_;               // per particle
   std::vector<std::array<std::uint32_t, 2>> opposite_;  // per edge: see opposite()
   std::vector<std::uint8_t> closed_, active_;           // per surface

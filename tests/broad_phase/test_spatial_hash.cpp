@@ -65,6 +65,37 @@ TEST(SpatialHash, EachPairHasOneWhoFindsIt) {
   EXPECT_EQ(found, expected);
 }
 
+// Of both searches, in boxes of all sizes: also the first box, the last one, all of them and none.
+TEST(SpatialHash, LeavesOutARangeOfBoxes) {
+  const auto threads = make_threads(Threading::pool, 2);
+  const std::vector<Bounds> boxes = random_boxes(2000, 1, 0.6, 4);
+  SpatialHash hash;
+  hash.build(boxes, SpatialHash::choose_cell_size(boxes), *threads);
+  test::Random random(5);
+  for (std::uint32_t a = 0; a < 400; ++a) {
+    const auto ends = std::minmax({static_cast<std::uint32_t>(random.uniform(0, 2000)),
+                                   static_cast<std::uint32_t>(random.uniform(0, 2000))});
+    std::uint32_t first = ends.first, last = ends.second;
+    if (a % 4 == 1) first = 0;
+    if (a % 4 == 2) last = 2000;
+    const auto without = [&](std::vector<std::uint32_t> found) {
+      found.erase(
+          std::remove_if(found.begin(), found.end(), [&](std::uint32_t b) { return first <= b && b < last; }),
+          found.end());
+      return found;
+    };
+    const double side = std::pow(0.5, a % 12);
+    const Vec3f lo(random.point(-1, 1));
+    const Bounds box{lo, lo + Vec3f(random.point(0, side))};
+    std::vector<std::uint32_t> found, all, partners;
+    hash.find(box, {first, last}, found);
+    ASSERT_EQ(found, without(overlapping(boxes, box)));
+    hash.find_partners(a, all);
+    hash.find_partners(a, {first, last}, partners);
+    ASSERT_EQ(partners, without(all));
+  }
+}
+
 // One huge box costs entries in few cells, and does not add entries of other boxes.
 TEST(SpatialHash, AHugeBoxCostsNothing) {
   const auto threads = make_threads(Threading::serial, 1);

@@ -25,6 +25,25 @@ Vec3d total_momentum(const World& world) {
   return sum;
 }
 
+struct OnTwoTriangles {
+  World world;
+  ObjectId large, fine;
+};
+
+/// A sheet of n x n vertices is pressed with 10 m/s^2 on one of two triangles that can move: each of these has thousands
+/// of contacts.
+OnTwoTriangles on_two_triangles(int n, int threads) {
+  OnTwoTriangles scene{World({.substeps = 2, .gravity = {}, .threads = threads}), {}, {}};
+  scene.large = scene.world.add_cloth(grid(2, 2, 3), {.areal_density = 1});
+  scene.fine = scene.world.add_cloth(grid(n, n, 1), {.areal_density = 1},
+                                     {.transform = {.translation = {0.05, 0.003, 0.02}}});
+  scene.world.add_force_field([](const ForcePoint& point) {
+    const bool is_fine = point.mass < 0.1f;
+    return Vec3f{0, is_fine ? -10 * point.mass : 0, 0};
+  });
+  return scene;
+}
+
 // Test of the checker: crumpled sheets, counted with its grid and pair by pair.
 TEST(Crossings, GridCountsWhatAllPairsCount) {
   for (const int n : {2, 7, 20, 40}) {
@@ -257,6 +276,23 @@ TEST(SurfaceContacts, SheetsThatBeginInOnePlaneComeApart) {
 }
 
 // Finer segments would be near thousands of others each.
+// More colors than the 1024 that are searched for the lowest one.
+TEST(SurfaceContacts, ThousandsOfContactsOfOneTriangle) {
+  OnTwoTriangles one = on_two_triangles(48, 1), four = on_two_triangles(48, 4);
+  std::size_t most = 0;
+  for (int frame = 0; frame < 6; ++frame) {
+    const StepReport& report = one.world.step(1.0 / 60);
+    ASSERT_TRUE(report.ok()) << report.message;
+    most = std::max(most, report.contacts);
+    four.world.step(1.0 / 60);
+  }
+  EXPECT_GT(most, 2000u);
+  EXPECT_EQ(one.world.hash(), four.world.hash());
+  EXPECT_EQ(crossing_counter_of(one.world).crossings(), 0u);
+  EXPECT_NEAR(total_momentum(one.world).y, -1, 1e-3);  // 1 kg, 10 m/s^2, 0.1 s
+  EXPECT_LT(one.world.momentum(one.large).y, -0.5);
+}
+
 TEST(RopeOnItself, NeedsSegmentsOfAFifthOfItsRadius) {
   World world;
   const std::vector<Vec3d> line{{0, 0, 0}, {1, 0, 0}};

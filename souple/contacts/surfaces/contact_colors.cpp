@@ -12,12 +12,13 @@
 namespace souple {
 namespace {
 
-constexpr std::uint16_t no_color = std::numeric_limits<std::uint16_t>::max();
+constexpr std::uint32_t no_color = std::numeric_limits<std::uint32_t>::max();
+constexpr std::size_t max_words = 16;  // of 64 colors each, per particle
 
 }  // namespace
 
 void ContactColors::set_count(std::size_t particles) {
-  used_.reserve(3 * particles);
+  used_.reserve(3 * particles), first_free_.reserve(particles), next_.reserve(particles);
   begin_.reserve(512), next_slot_.reserve(512);
 }
 
@@ -25,29 +26,47 @@ void ContactColors::extend(std::size_t first_new, const ElementPairs& pairs) {
   const std::size_t old_size = first_new == 0 ? 0 : color_.size();
   resize_with_spare(color_, pairs.size());
   std::fill(color_.begin() + static_cast<std::ptrdiff_t>(old_size), color_.end(), no_color);
-  if (first_new == 0) used_.assign(pairs.surfaces().particle_count(), 0);
+  if (first_new != 0) return;
+  for (auto* per_particle : {&first_free_, &next_})
+    per_particle->assign(pairs.surfaces().particle_count(), 0);
+  used_.assign(pairs.surfaces().particle_count(), 0);
 }
 
 // The lowest color that none of its movable particles has.
-std::uint16_t ContactColors::color_of(const NearPair& pair, const ParticleView& particles, std::size_t n) {
-  for (std::size_t round = 0;; ++round) {
-    if (used_.size() == round * n) used_.resize(used_.size() + n, 0);
-    std::uint64_t* const used = used_.data() + round * n;
+std::uint32_t ContactColors::color_of(const NearPair& pair, const ParticleView& particles, std::size_t n) {
+  std::size_t word = 0;
+  for (const std::uint32_t i : pair.particle)
+    if (particles.inverse_mass(i) > 0) word = std::max<std::size_t>(word, first_free_[i]);
+  for (; word < max_words; ++word) {
+    if (used_.size() == word * n) used_.resize(used_.size() + n, 0);
+    std::uint64_t* const used = used_.data() + word * n;
     std::uint64_t occupied = 0;
     for (const std::uint32_t i : pair.particle)
       if (particles.inverse_mass(i) > 0) occupied |= used[i];
     if (occupied == ~std::uint64_t{0}) continue;
     const int bit = std::countr_one(occupied);
-    for (const std::uint32_t i : pair.particle) used[i] |= std::uint64_t{1} << bit;
-    return static_cast<std::uint16_t>(64 * round + static_cast<std::size_t>(bit));
+    for (const std::uint32_t i : pair.particle) {
+      used[i] |= std::uint64_t{1} << bit;
+      if (used[i] == ~std::uint64_t{0} && first_free_[i] == word) ++first_free_[i];
+    }
+    return static_cast<std::uint32_t>(64 * word + static_cast<std::size_t>(bit));
   }
+  return next_color_of(pair, particles);
+}
+
+std::uint32_t ContactColors::next_color_of(const NearPair& pair, const ParticleView& particles) {
+  std::uint32_t color = 64 * max_words;
+  for (const std::uint32_t i : pair.particle)
+    if (particles.inverse_mass(i) > 0) color = std::max(color, next_[i]);
+  for (const std::uint32_t i : pair.particle) next_[i] = color + 1;
+  return color;
 }
 
 void ContactColors::sort(std::span<const PairToi> contacts, const ElementPairs& pairs,
                          const ParticleView& particles) {
   next_slot_.assign(next_slot_.capacity() > 0 ? 2 : 256, 0);
   for (const PairToi& contact : contacts) {
-    std::uint16_t& color = color_[contact.pair];
+    std::uint32_t& color = color_[contact.pair];
     if (color == no_color)
       color = color_of(pairs.pair(contact.pair), particles, pairs.surfaces().particle_count());
     const std::size_t kind = 2 * std::size_t{color} + (pairs.are_edges(contact.pair) ? 1 : 0);
@@ -91,7 +110,7 @@ bool ContactColors::are_independent(const ElementPairs& pairs, const ParticleVie
 }
 
 std::size_t ContactColors::bytes() const {
-  return bytes_of(color_, used_, pair_, toi_);
+  return bytes_of(color_, used_, first_free_, next_, pair_, toi_);
 }
 
 }  // namespace souple

@@ -11,7 +11,9 @@
 namespace souple {
 
 /// Colors of surface contacts: those of one color share no particle that can move. The coloring is greedy, grows as new
-/// pairs come into contact, and lasts until the next search of all pairs.
+/// pairs come into contact, and lasts until the next search of all pairs. A particle in thousands of contacts, of a large
+/// triangle under a fine mesh, needs as many colors: from color 1024 on a contact gets the next color of its
+/// particles, so that time and memory stay in proportion to the contacts.
 class ContactColors {
  public:
   ContactColors() { clear_contacts(); }
@@ -31,15 +33,18 @@ class ContactColors {
   std::size_t bytes() const;
 
  private:
-  std::uint16_t color_of(const NearPair& pair, const ParticleView& particles, std::size_t particle_count);
+  std::uint32_t color_of(const NearPair& pair, const ParticleView& particles, std::size_t particle_count);
+  std::uint32_t next_color_of(const NearPair& pair, const ParticleView& particles);
   bool are_independent(const ElementPairs& pairs, const ParticleView& particles) const;
 
   /// Per pair that has made a contact since the last search of all pairs: its color. It keeps the color until
   /// the next such search.
-  std::vector<std::uint16_t> color_;
+  std::vector<std::uint32_t> color_;
   /// Bits of the colors that contacts of each particle have: a word of 64 colors for all particles, then the
   /// next 64.
   std::vector<std::uint64_t> used_;
+  std::vector<std::uint32_t> first_free_;  // per particle: its first word of `used_` that is not full
+  std::vector<std::uint32_t> next_;        // per particle: one more than its highest color from 1024 on
   std::vector<std::uint32_t> pair_;
   std::vector<float> toi_;
   std::vector<std::size_t> begin_, next_slot_;
