@@ -2,6 +2,7 @@
 
 #include "souple/collision/collider_motion.h"
 #include "souple/math/transform.h"
+#include "souple/objects/rigid_options.h"
 #include "souple/objects/self_collision.h"
 
 #include <cstdint>
@@ -30,6 +31,7 @@ struct ObjectOptions {
   /// Fluids only: upper limit of the particle count for emitters. Memory for them is reserved at once, and
   /// the fluid may start with no particle. 0: emitters add none.
   std::uint32_t max_particles = 0;
+  GivenMass given_mass{};  ///< rigid bodies only
   /// Bit masks: the groups (of 32) to which the object belongs, and the groups with which it collides.
   /// Objects or colliders a and b collide if a.collision_groups & b.collision_mask and b.collision_groups &
   /// a.collision_mask are both non-zero.
