@@ -130,10 +130,13 @@ host::Handle PhysicsSystem::add(const Index& render_object, host::Kind kind, hos
     case host::Kind::obstacle:
       object = session_.add_obstacle(soup, options);
       break;
+    case host::Kind::rigid_body:
+      object = session_.add_rigid_body(soup, options);
+      break;
     case host::Kind::rope:
     case host::Kind::grains:
     case host::Kind::fluid:
-      throw Error(options.name + ": a mesh becomes a cloth, a soft body or an obstacle");
+      throw Error(options.name + ": a mesh becomes a cloth, a soft body, a rigid body or an obstacle");
   }
   std::vector<float> normals = mesh.normals();
   show({options.name, host::Drawable(session_, object), std::move(mesh), false, transform,

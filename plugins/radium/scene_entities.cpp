@@ -77,6 +77,8 @@ std::array<float, 3> color_of(host::Kind kind) {
       return {0.85f, 0.72f, 0.45f};
     case host::Kind::fluid:
       return {0.25f, 0.56f, 0.82f};
+    case host::Kind::rigid_body:
+      return {0.72f, 0.53f, 0.36f};
     case host::Kind::obstacle:
       break;
   }

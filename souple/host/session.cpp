@@ -13,7 +13,8 @@ static_assert(static_cast<int>(Kind::cloth) == static_cast<int>(ObjectKind::clot
               static_cast<int>(Kind::rope) == static_cast<int>(ObjectKind::rope) &&
               static_cast<int>(Kind::grains) == static_cast<int>(ObjectKind::grains) &&
               static_cast<int>(Kind::obstacle) == static_cast<int>(ObjectKind::obstacle) &&
-              static_cast<int>(Kind::fluid) == static_cast<int>(ObjectKind::fluid));
+              static_cast<int>(Kind::fluid) == static_cast<int>(ObjectKind::fluid) &&
+              static_cast<int>(Kind::rigid_body) == static_cast<int>(ObjectKind::rigid_body));
 
 const char* kind_name(Kind kind) {
   return souple::kind_name(static_cast<ObjectKind>(kind)).data();  // a literal
@@ -57,6 +58,9 @@ Handle Session::add_soft_body(const TriangleSoup& soup, const MeshOptions& optio
 }
 Handle Session::add_obstacle(const TriangleSoup& soup, const MeshOptions& options) {
   return impl_->add(Kind::obstacle, soup, options);
+}
+Handle Session::add_rigid_body(const TriangleSoup& soup, const MeshOptions& options) {
+  return impl_->add(Kind::rigid_body, soup, options);
 }
 
 void Session::remove(Handle object) {

@@ -20,7 +20,7 @@ namespace souple::host {
 /// 0: no object.
 using Handle = std::uint32_t;
 
-enum class Kind { cloth, soft_body, rope, grains, obstacle, fluid };
+enum class Kind { cloth, soft_body, rope, grains, obstacle, fluid, rigid_body };
 const char* kind_name(Kind kind);
 
 struct ObjectInfo {
@@ -110,6 +110,9 @@ class Session {
   Handle add_soft_body(const TriangleSoup& soup, const MeshOptions& options = {});
   /// Adds an obstacle: other objects collide with it, and no contact moves it. It has no preset.
   Handle add_obstacle(const TriangleSoup& soup, const MeshOptions& options = {});
+  /// Adds a rigid body: it collides as the convex hull of each connected piece, and with cloth, ropes and grains by its
+  /// triangles. It has no preset.
+  Handle add_rigid_body(const TriangleSoup& soup, const MeshOptions& options = {});
   /// Removes an object, at any time, with its attachments and grabs. A reset does not restore it.
   void remove(Handle object);
   bool contains(Handle object) const;

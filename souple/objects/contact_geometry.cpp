@@ -75,7 +75,7 @@ ContactSurface contact_surface(const Object& object, std::uint32_t index, std::s
       .vertex_balls = object.collision.itself == SelfCollision::particles && matrix.collide(index, index),
       .groups = object.collision.filter.groups,
       .mask = object.collision.filter.mask,
-      .immovable = kind.driven,
+      .immovable = object.is_driven(),
       .layer = object.collision.layer,
       .rigid = kind.rigid,
       .rest = object.rest,

@@ -60,6 +60,10 @@ NewObject start_object(std::string name, const Material& material, const ObjectO
   if (!object.traits().flows && options.max_particles > 0)
     throw Error(fmt::format("{}: max_particles is {}: only fluids gain particles; leave it 0", object.name,
                             options.max_particles));
+  const GivenMass& given = options.given_mass;
+  if (!object.traits().rigid && (given.mass || given.center || given.inertia))
+    throw Error(fmt::format("{}: given_mass does not apply to a {}: its density says its mass", object.name,
+                            object.traits().name));
   if (options.max_particles > max_fluid_particles)
     throw Error(fmt::format("{}: max_particles is {}, expected at most {}", object.name,
                             options.max_particles, max_fluid_particles));

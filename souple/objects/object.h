@@ -72,9 +72,10 @@ struct ObjectSleep {
   std::uint32_t island = 0;  ///< id of the sleeping island: that of one of its objects; 0: awake
 };
 
-/// Of an obstacle.
+/// Of an obstacle, or of a kinematic rigid body.
 struct PlacedMotion : ObstacleMotion {
-  Transform placement{};  ///< of the mesh sequence
+  Transform placement{};   ///< of the mesh sequence
+  bool kinematic = false;  ///< a rigid body that nothing pushes
 };
 
 struct ConstraintSets;
@@ -110,7 +111,7 @@ struct Object {
   ObjectGas gas;
   ObjectSleep sleep;
   Imbalance imbalance;      ///< of cloths, soft bodies and ropes
-  PlacedMotion motion;      ///< of obstacles
+  PlacedMotion motion;      ///< of obstacles and kinematic rigid bodies
   float wind_exposure = 1;  ///< share of the wind's velocity
   std::uint64_t user_data = 0;
 
@@ -120,6 +121,8 @@ struct Object {
   ~Object();
 
   const KindTraits& traits() const { return traits_of(kind); }
+  /// Whether only its prescribed motion moves it.
+  bool is_driven() const { return traits().driven || motion.kinematic; }
   std::uint32_t reserved_end() const { return begin + capacity; }
   std::uint32_t particle_count() const { return static_cast<std::uint32_t>(rest.size()); }
   std::size_t vertex_count() const { return embedding ? mesh.positions.size() : particle_of.size(); }

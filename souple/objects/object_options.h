@@ -1,6 +1,8 @@
 #pragma once
 
 #include "souple/collision/collider_motion.h"
+#include "souple/collision/shapes.h"
+#include "souple/math/mat3.h"
 #include "souple/math/transform.h"
 #include "souple/objects/self_collision.h"
 
@@ -10,6 +12,22 @@
 #include <vector>
 
 namespace souple {
+
+/// Mass properties of a rigid body that replace those of its solid.
+struct GivenMass {
+  std::optional<double> mass{};   ///< kg; none: from the density
+  std::optional<Vec3d> center{};  ///< of mass, in the frame of the mesh or shape, before its transform [m]
+  /// Inertia tensor about the center of mass, in the axes of that frame [kg m^2]; none: that of the solid, for its mass.
+  /// The scale of the transform does not change it.
+  std::optional<Mat3d> inertia{};
+};
+
+/// A shape of a rigid body of several.
+struct RigidPart {
+  Shape shape;
+  Transform pose{};                 ///< in the body's frame, with scale 1
+  std::optional<double> density{};  ///< kg/m^3; none: the material's
+};
 
 /// Options common to all kinds of objects.
 struct ObjectOptions {
@@ -30,6 +48,7 @@ struct ObjectOptions {
   /// Fluids only: upper limit of the particle count for emitters. Memory for them is reserved at once, and
   /// the fluid may start with no particle. 0: emitters add none.
   std::uint32_t max_particles = 0;
+  GivenMass given_mass{};  ///< rigid bodies only
   /// Bit masks: the groups (of 32) to which the object belongs, and the groups with which it collides.
   /// Objects or colliders a and b collide if a.collision_groups & b.collision_mask and b.collision_groups &
   /// a.collision_mask are both non-zero.

@@ -436,14 +436,32 @@ class Builder {
   }
 
   ObjectId add(const RigidBodyDescription& body) {
-    const ObjectOptions options = options_of(body);
+    ObjectOptions options = options_of(body);
+    options.given_mass.mass = body.mass;
+    options.given_mass.center = body.center_of_mass;
+    if (body.inertia) options.given_mass.inertia = Mat3d::diagonal(*body.inertia);
+    const ObjectId object = add_solid(body, options);
+    if (!body.keyframes.empty()) {
+      world_.set_motion(object, {.pose = motion_of(body.keyframes, body.loop)});
+    } else if (body.kinematic) {
+      world_.set_kinematic(object, true);
+    }
+    return object;
+  }
+
+  ObjectId add_solid(const RigidBodyDescription& body, const ObjectOptions& options) {
+    const ShapeMaker maker{scene_.folder};
     if (const auto* mesh = std::get_if<MeshDescription>(&body.solid)) {
       const TriangleMesh surface = surface_of(*mesh, scene_.folder);
       mesh_ = surface.positions;
       return world_.add_rigid_body(surface, body.material, options);
     }
-    const Shape shape = std::visit(ShapeMaker{scene_.folder}, std::get<ShapeDescription>(body.solid));
-    return world_.add_rigid_body(shape, body.material, options);
+    if (const auto* shape = std::get_if<ShapeDescription>(&body.solid))
+      return world_.add_rigid_body(std::visit(maker, *shape), body.material, options);
+    std::vector<RigidPart> parts;
+    for (const RigidPartDescription& part : std::get<std::vector<RigidPartDescription>>(body.solid))
+      parts.push_back({std::visit(maker, part.shape), transform_of(part.transform), part.density});
+    return world_.add_rigid_body(parts, body.material, options);
   }
 
   ObjectId add(const ObstacleDescription& obstacle) {

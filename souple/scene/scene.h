@@ -243,10 +243,23 @@ struct ObstacleDescription : ObjectDescription {
   std::optional<ObstacleSequenceDescription> sequence;
 };
 
-/// It is the convex hull of each connected piece of a mesh, or an analytic shape.
+/// A shape of a rigid body of several.
+struct RigidPartDescription {
+  ShapeDescription shape{};
+  TransformDescription transform;  ///< with scale 1
+  std::optional<double> density;   ///< kg/m^3; if not given, that of the material
+};
+/// It is the convex hull of each connected piece of a mesh, an analytic shape, or several of these.
 struct RigidBodyDescription : ObjectDescription {
-  std::variant<MeshDescription, ShapeDescription> solid;
+  std::variant<MeshDescription, ShapeDescription, std::vector<RigidPartDescription>> solid;
   RigidBodyMaterial material;
+  std::optional<double> mass;           ///< kg; if not given, from the density
+  std::optional<Vec3d> center_of_mass;  ///< in the frame of the mesh or shape [m]; if not given, of the solid
+  std::optional<Vec3d>
+      inertia;  ///< moments about the axes of that frame [kg m^2]; if not given, of the solid
+  bool kinematic = false;
+  std::vector<KeyframeDescription> keyframes;  ///< of a kinematic body
+  bool loop = false;
 };
 
 /// The alternatives are in the order of ObjectKind.

@@ -6,6 +6,7 @@
 #include "souple/error.h"
 #include "souple/objects/object.h"
 #include "souple/rigid/free_motion.h"
+#include "souple/stages/body_motion.h"
 #include "souple/stages/stage_view.h"
 #include "souple/state/bytes.h"
 
@@ -26,6 +27,11 @@ constexpr double held_part = 0.9;
 // So many particles may be touched for the first time: the corners of a box.
 constexpr double least_shown = 8;
 
+/// 0 without mass: of kinematic bodies.
+float inverse_mass(float mass) {
+  return mass > 0 ? 1 / mass : 0;
+}
+
 RigidShape shape_of(const Collider& collider) {
   if (const auto convex = convex_shape_of(collider.shape)) return {{*convex}, nullptr};
   return {{}, &collider.shape};
@@ -33,16 +39,6 @@ RigidShape shape_of(const Collider& collider) {
 
 BodyPose pose_of(const Transform& transform) {
   return {transform.translation, transform.rotation};
-}
-
-/// The velocity that leads from one pose to the other in h seconds.
-BodyVelocity velocity_between(const BodyPose& from, const BodyPose& to, double h) {
-  const Quatd turn = to.rotation * conjugate(from.rotation);
-  const double sign = turn.w < 0 ? -1 : 1;
-  const Vec3d axis{turn.x * sign, turn.y * sign, turn.z * sign};
-  const double sine = length(axis);
-  const double angle = 2 * std::atan2(sine, turn.w * sign);
-  return {(to.position - from.position) / h, sine > 0 ? axis * (angle / (sine * h)) : Vec3d{}};
 }
 
 // Contacts that approach more slowly than in a fall of two substeps do not bounce, as those of particles.
@@ -61,6 +57,7 @@ class RigidStage::Materials final : public RigidMaterials {
     if (stage_.joints_.joined(a, b)) return false;
     if (is_collider(a)) std::swap(a, b);
     if (is_collider(a)) return false;
+    if (is_driven(a) && is_driven(b)) return false;
     if (!is_collider(b)) return may_collide(filter(a), filter(b)) && objects().collide(row(a), row(b));
     return stage_.tables_->colliders[row(b)].enabled &&
            stage_.tables_->against_colliders.collide(row(a), row(b));
@@ -72,6 +69,7 @@ class RigidStage::Materials final : public RigidMaterials {
 
  private:
   bool is_collider(std::uint32_t body) const { return body >= stage_.records_.size(); }
+  bool is_driven(std::uint32_t body) const { return is_collider(body) || stage_.records_[body].drive; }
   std::size_t row(std::uint32_t body) const { return stage_.rows_[body]; }
   const CollisionFilter& filter(std::uint32_t body) const { return stage_.objects_[body]->collision.filter; }
   const ContactMaterialTable& objects() const { return stage_.tables_->against_objects; }
@@ -123,7 +121,10 @@ const BodyVelocity* RigidStage::velocity(std::uint32_t object) const {
 }
 
 void RigidStage::place(std::uint32_t object, const BodyPose& pose) {
-  if (Record* const record = find(object)) record->pose = pose;
+  Record* const record = find(object);
+  if (!record) return;
+  record->pose = pose;
+  if (record->drive) record->drive->to = pose;
 }
 
 void RigidStage::set_velocity(std::uint32_t object, const BodyVelocity& velocity) {
@@ -219,9 +220,7 @@ void RigidStage::begin_step(const StageView& stage, const ContactTables& tables,
   joints_.begin_step();
   for (std::size_t k = 0; k < records_.size(); ++k) {
     const Record& record = records_[k];
-    const Vec3d& I = record.definition.inertia;
-    bodies_.mass[k] =
-        is_awake(k) ? BodyMass{1 / record.definition.mass, {1 / I.x, 1 / I.y, 1 / I.z}} : BodyMass{};
+    bodies_.mass[k] = mass_of(k);
     bodies_.pose[k] = record.pose;
     bodies_.velocity[k] = is_awake(k) ? record.velocity : BodyVelocity{};
     bodies_.inverse_inertia[k] = world_inverse_inertia(bodies_.mass[k], record.pose.rotation);
@@ -264,6 +263,7 @@ void RigidStage::predict(const StageView& stage, const Substep& substep) {
   const auto h = static_cast<double>(substep.h);
   const Vec3d g(stage.settings.gravity);
   place_colliders(stage, substep);
+  place_kinematic(stage, substep);
   if (!fresh_) finder_.refresh(bodies_, shapes_, part_, stage.threads);
   fresh_ = false;
   for (std::size_t k = 0; k < records_.size(); ++k) {
@@ -275,6 +275,7 @@ void RigidStage::predict(const StageView& stage, const Substep& substep) {
   }
   solver_.bounce(finder_.contacts(), bodies_, of_contacts(stage, substep));
   predict_bodies(bodies_, g, h, predicted_);
+  end_kinematic(stage, substep);
   joints_.begin_substep(bodies_, h);
   for (std::size_t k = 0; k < records_.size(); ++k)
     if (is_awake(k)) write_positions(stage, k, bodies_.pose[k]), write_velocities(stage, k);
@@ -315,7 +316,7 @@ void RigidStage::gather(const StageView& stage, bool in_contact) {
 
 void RigidStage::split_masses(const StageView& stage) {
   for (std::size_t k = 0; k < records_.size(); ++k) {
-    if (!is_awake(k)) continue;
+    if (!is_awake(k) || records_[k].drive) continue;
     const Vec3d& inverse_inertia = bodies_.mass[k].inverse_inertia;
     const double turning = max(inverse_inertia.x, max(inverse_inertia.y, inverse_inertia.z));
     const double count = max(records_[k].shown, least_shown);
@@ -347,6 +348,7 @@ void RigidStage::count_touched(const StageView& stage, std::span<Projector* cons
 
 void RigidStage::solve(const StageView& stage, const Substep& substep) {
   if (empty()) return;
+  h_ = static_cast<double>(substep.h);
   gather(stage, true);
   for (Record& record : records_)
     record.shown = max(static_cast<double>(record.touched), record.shown * decay_of_shown);
@@ -386,7 +388,7 @@ void RigidStage::finish(const StageView& stage, const Substep& substep) {
     if (!is_awake(k)) continue;
     write_velocities(stage, k);
     for (std::uint32_t i = objects_[k]->begin; i < objects_[k]->end; ++i)
-      particles.position[i].w = 1 / particles.mass[i];
+      particles.position[i].w = inverse_mass(particles.mass[i]);
     records_[k].pose = bodies_.pose[k], records_[k].velocity = bodies_.velocity[k];
   }
 }
@@ -398,7 +400,7 @@ void RigidStage::gather_velocities(const StageView& stage) {
     write_velocities(stage, k);
     records_[k].velocity = bodies_.velocity[k];
     for (std::uint32_t i = objects_[k]->begin; i < objects_[k]->end; ++i)
-      stage.objects.particles.position[i].w = 1 / stage.objects.particles.mass[i];
+      stage.objects.particles.position[i].w = inverse_mass(stage.objects.particles.mass[i]);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/collision/collider_motion.h"
 #include "souple/objects/rigid_definition.h"
 #include "souple/rigid/contact_finder.h"
 #include "souple/rigid/contact_solver.h"
@@ -7,14 +8,18 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace souple {
 
 struct Collider;
+struct ContactPush;
 struct ContactTables;
 struct Object;
+struct Particles;
 class Projector;
 struct StageView;
 struct Substep;
@@ -45,6 +50,27 @@ class RigidStage {
   /// The object's particles have been moved as one, or given velocities: the body follows at the next step.
   void place(std::uint32_t object, const BodyPose& pose);
   void set_velocity(std::uint32_t object, const BodyVelocity& velocity);
+  /// The velocity with what has been done to the velocities of the object's particles since the last step.
+  BodyVelocity velocity_now(const Particles& particles, const Object& object) const;
+  /// Changes the body's velocity and those of its particles, also during a step.
+  void change_velocity(Particles& particles, const Object& object, const BodyVelocity& change);
+  /// Applies an impulse [N s] at a point [m], and an angular impulse [N m s].
+  void apply_impulse(Particles& particles, const Object& object, const Vec3d& point, const Vec3d& impulse,
+                     const Vec3d& angular_impulse);
+
+  // --- kinematic bodies, which prescribed motion moves
+
+  bool is_kinematic(std::uint32_t object) const;
+  /// Without a path a kinematic body stays where it is, or moves as `move` says.
+  void set_kinematic(std::uint32_t object, bool kinematic);
+  /// Moves the pose at which the body was added along a path.
+  void set_path(std::uint32_t object, ColliderMotion path);
+  /// The pose at the end of the next step.
+  void move(std::uint32_t object, const BodyPose& pose);
+  /// The pose on the path at a time [s]; else the current one.
+  BodyPose path_pose(std::uint32_t object, double time) const;
+  /// Before a step of dt: velocities of kinematic bodies and of their particles.
+  void aim(const StageView& stage, double dt);
 
   // --- a step
 
@@ -73,6 +99,10 @@ class RigidStage {
 
   /// The largest overlap of two bodies, or of a body and a collider [m].
   double deepest() const;
+  /// Number of contact points that pushed in the last substep.
+  std::size_t push_count() const;
+  /// These points. A body is named by its particle that is nearest to the point, or if `nearest` is false by its first.
+  void append_pushes(const StageView& stage, bool nearest, std::vector<ContactPush>& out) const;
 
   /// State that one step passes to the next.
   std::vector<std::byte> save() const;
@@ -81,6 +111,12 @@ class RigidStage {
   std::size_t bytes() const;
 
  private:
+  /// Of a kinematic body.
+  struct Drive {
+    std::shared_ptr<const ColliderMotion> path;  ///< null: from `from` to `to`
+    BodyPose from{}, to{};
+    double start = 0, length = 0;  ///< of the current step [s]
+  };
   struct Record {
     std::uint32_t object = 0;  ///< id
     RigidDefinition definition;
@@ -89,7 +125,8 @@ class RigidStage {
     BodyPose kept_pose;
     BodyVelocity kept_velocity;
     double shown = 0;  ///< number of touched particles that their masses are made for: it falls slowly
-    std::uint32_t touched = 0;  ///< in this substep
+    std::uint32_t touched = 0;   ///< in this substep
+    std::optional<Drive> drive;  ///< of a kinematic body
   };
   /// The body of a record, or of a collider, as the contacts see it.
   class Materials;
@@ -99,6 +136,11 @@ class RigidStage {
   void list_bodies(const StageView& stage, const ContactTables& tables);
   std::uint32_t body_of(const JointSide& side) const;
   void place_colliders(const StageView& stage, const Substep& substep);
+  static BodyPose pose_at(const Record& record, double time);
+  BodyMass mass_of(std::size_t body) const;
+  void place_kinematic(const StageView& stage, const Substep& substep);
+  void end_kinematic(const StageView& stage, const Substep& substep);
+  bool pushes(const RigidContact& contact) const;
   void write_positions(const StageView& stage, std::size_t body, const BodyPose& pose) const;
   void read_velocities(const StageView& stage, std::size_t body);
   void write_velocities(const StageView& stage, std::size_t body) const;
@@ -122,6 +164,7 @@ class RigidStage {
   bool listed_ = false;  // the arrays of bodies are those of the records
   bool fresh_ = true;    // contacts were found at these poses
   double part_ = 1;      // of a step that a substep is
+  double h_ = 0;         // length of the last substep [s]
 };
 
 }  // namespace souple

@@ -28,7 +28,7 @@ constexpr float carrier_speed_ratio = 0.01f;
 constexpr std::size_t chunk = 2048;  // particles
 
 bool is_obstacle(const Object& object) {
-  return object.traits().driven;
+  return object.is_driven();
 }
 
 // --- state of objects

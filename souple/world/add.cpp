@@ -243,6 +243,14 @@ ObjectId World::add_rigid_body(const Shape& shape, const RigidBodyMaterial& mate
   return add(world, import_rigid_body(std::move(name), shape, material, options), options);
 }
 
+ObjectId World::add_rigid_body(std::span<const RigidPart> parts, const RigidBodyMaterial& material,
+                               const ObjectOptions& options) {
+  WorldState& world = state();
+  const CallScope call(*world.calls, "add_rigid_body");
+  std::string name = new_name(world, ObjectKind::rigid_body, options);
+  return add(world, import_rigid_body(std::move(name), parts, material, options), options);
+}
+
 ObjectId World::add_obstacle(const TriangleMesh& mesh, const ObstacleMaterial& material,
                              ObstacleMotion motion, const ObjectOptions& options) {
   WorldState& world = state();

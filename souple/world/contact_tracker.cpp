@@ -5,6 +5,8 @@
 #include "souple/queries/caches.h"
 #include "souple/queries/overlap.h"
 #include "souple/queries/query_view.h"
+#include "souple/stages/rigid_stage.h"
+#include "souple/stages/stage_view.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/state.h"
 
@@ -18,6 +20,7 @@ void ContactTracker::end_substep(WorldState& world) {
   const ParticleView view = world.view();
   pushes_.clear();
   world.contact->contacts.events(view, pushes_);
+  world.rigid->append_pushes(world.stage_view(), false, pushes_);
   add_pushes(world);
   merge();
 }
@@ -94,7 +97,7 @@ void ContactTracker::keep_sleepers(const WorldState& world) {
   const auto pushing = static_cast<std::ptrdiff_t>(touching_.size());
   const auto rests = [&](std::uint32_t id) {
     const Object* const object = world.find_object({id});
-    return object != nullptr && (object->sleep.island != 0 || object->traits().driven);
+    return object != nullptr && (object->sleep.island != 0 || object->is_driven());
   };
   for (const Touch& touch : last_) {
     if (touch.is_sensor || !rests(touch.key.object)) continue;

@@ -11,6 +11,7 @@
 #include "souple/stages/body_restitution.h"
 #include "souple/stages/obstacles.h"
 #include "souple/stages/rigid_stage.h"
+#include "souple/stages/stage_view.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/call_scope.h"
@@ -139,7 +140,7 @@ bool may_intersect(const WorldState& world) {
   if (world.steps % interval != 0) return false;
   bool driven = false, pinned = false;
   for (const auto& object : world.objects) {
-    driven = driven || (object->traits().driven && !is_static(object->motion));
+    driven = driven || object->motion.kinematic || (object->traits().driven && !is_static(object->motion));
     for (const PinnedParticle& pin : object->pins)
       driven = driven || pin.target || pin.arrival, pinned = true;
   }
@@ -178,6 +179,7 @@ void find_candidates(WorldState& world, double dt) {
   ContactTables& tables = world.contact->tables;
   Particles& particles = world.particles;
   predict_obstacles(world.stage_view(), dt);
+  world.warnings.guarded("a rigid body's motion", [&] { world.rigid->aim(world.stage_view(), dt); });
   wake_disturbed(world, dt);
   particles.start = world.settings.form == Form::plain ? particles.position : particles.offset;
   const ParticleView view = world.view();
@@ -222,7 +224,7 @@ void apply_restitution(WorldState& world, const Substep& substep) {
 
 void report_contacts(WorldState& world) {
   const ContactReport report = world.contact->contacts.report();
-  world.report.contacts = report.count;
+  world.report.contacts = report.count + world.rigid->push_count();
   world.report.deepest_contact = max(static_cast<double>(report.deepest), world.rigid->deepest());
   const ShortenedMotion shortened = world.contact->contacts.shortened();
   if (shortened.speed > 0 && shortened.limit == 0)
@@ -250,6 +252,7 @@ std::span<const ContactEvent> World::contacts() const {
   if (!world.contact->valid && !world.current.running) return world.contact->events;
   std::vector<ContactPush> pushes;
   world.contact->contacts.events(world.view(), pushes);
+  world.rigid->append_pushes(world.stage_view(), true, pushes);
   for (const ContactPush& push : pushes) append_event(world, push, world.contact->events);
   world.contact->events_valid = !world.current.running;
   return world.contact->events;

@@ -9,8 +9,10 @@
 #include "souple/queries/overlap.h"
 #include "souple/queries/search.h"
 #include "souple/solver/solver.h"
+#include "souple/stages/rigid_stage.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/impl.h"
+#include "souple/world/rigid_bodies.h"
 #include "souple/world/world.h"
 
 #include <algorithm>
@@ -114,22 +116,30 @@ std::size_t World::count_crossings(ObjectId id) const {
 
 double World::kinetic_energy(ObjectId id) const {
   const WorldState& world = state();
-  return souple::kinetic_energy(world.query_view(), world.object(id));
+  const Object& object = world.object(id);
+  if (object.traits().rigid) return kinetic_energy_of_body(world, object);
+  return souple::kinetic_energy(world.query_view(), object);
 }
 
 double World::potential_energy(ObjectId id) const {
   const WorldState& world = state();
-  return souple::potential_energy(world.query_view(), world.object(id), world.settings.gravity);
+  const Object& object = world.object(id);
+  if (object.traits().rigid) return potential_energy_of_body(world, object);
+  return souple::potential_energy(world.query_view(), object, world.settings.gravity);
 }
 
 Vec3d World::momentum(ObjectId id) const {
   const WorldState& world = state();
-  return souple::momentum(world.query_view(), world.object(id));
+  const Object& object = world.object(id);
+  if (object.traits().rigid) return momentum_of_body(world, object);
+  return souple::momentum(world.query_view(), object);
 }
 
 Vec3d World::center_of_mass(ObjectId id) const {
   const WorldState& world = state();
-  return souple::center_of_mass(world.query_view(), world.object(id));
+  const Object& object = world.object(id);
+  if (object.traits().rigid) return world.rigid->pose(id.value)->position;
+  return souple::center_of_mass(world.query_view(), object);
 }
 
 }  // namespace souple

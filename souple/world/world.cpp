@@ -9,10 +9,8 @@
 #include "souple/objects/new_object.h"
 #include "souple/objects/object.h"
 #include "souple/objects/obstacle_pose.h"
-#include "souple/objects/rigid_definition.h"
 #include "souple/queries/nearest_name.h"
 #include "souple/simd/instruction_set.h"
-#include "souple/stages/rigid_stage.h"
 #include "souple/world/add.h"
 #include "souple/world/arrivals.h"
 #include "souple/world/build.h"
@@ -23,6 +21,7 @@
 #include "souple/world/joints.h"
 #include "souple/world/recover.h"
 #include "souple/world/registry.h"
+#include "souple/world/rigid_bodies.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/validate.h"
 
@@ -204,18 +203,6 @@ const RigidBodyMaterial& World::rigid_body_material(ObjectId id) const {
   return material_of<RigidBodyMaterial>(state(), id);
 }
 
-RigidBodyState World::rigid_body(ObjectId id) const {
-  const WorldState& world = state();
-  const Object& object = world.object(id);
-  const RigidDefinition* const body = world.rigid->definition(object.id.value);
-  if (!body)
-    throw Error(
-        fmt::format("rigid_body: {} is a {}, expected a rigid_body", object.name, object.traits().name));
-  const BodyPose& pose = *world.rigid->pose(object.id.value);
-  const BodyVelocity& velocity = *world.rigid->velocity(object.id.value);
-  return {{pose.position, pose.rotation, 1}, velocity.linear, velocity.angular, body->mass, body->inertia};
-}
-
 const ObstacleMaterial& World::obstacle_material(ObjectId id) const {
   return material_of<ObstacleMaterial>(state(), id);
 }
@@ -255,6 +242,7 @@ void World::set_motion(ObjectId id, ObstacleMotion motion) {
   WorldState& world = state();
   const CallScope call(*world.calls, "set_motion");
   Object& object = world.object(id);
+  if (object.traits().rigid) return set_body_motion(world, object, std::move(motion));
   require_obstacle(object, "set_motion");
   validate(motion, object.vertex_count(), object.name);
   std::swap<ObstacleMotion>(object.motion, motion);
@@ -276,7 +264,7 @@ void World::set_motion(ObjectId id, ObstacleMotion motion) {
 
 const ObstacleMotion& World::motion(ObjectId id) const {
   const Object& object = state().object(id);
-  require_obstacle(object, "motion");
+  if (!object.traits().rigid) require_obstacle(object, "motion");
   return object.motion;
 }
 
@@ -379,6 +367,7 @@ void World::set_velocities(ObjectId id, std::span<const Vec3f> velocities) {
   const CallScope call(*world.calls, "set_velocities", From::stages);
   const Object& object = world.object(id);
   require_settable(object, velocities, range::speed, "set_velocities");
+  require_dynamic(object, "set_velocities");
   wake_island(world, object);
   for (std::uint32_t i = object.begin; i < object.end; ++i)
     world.particles.velocity[i].set_xyz(velocities[object.vertex_of[i - object.begin]]);
@@ -401,22 +390,12 @@ void World::set_angular_velocities(ObjectId id, std::span<const Vec3f> angular_v
   ++world.version;
 }
 
-namespace {
-
-void teleport_body(RigidStage& rigid, std::uint32_t object, const Transform& transform) {
-  const BodyPose pose = *rigid.pose(object);
-  const BodyVelocity velocity = *rigid.velocity(object);
-  rigid.place(object, {transform.point(pose.position), normalized(transform.rotation * pose.rotation)});
-  rigid.set_velocity(object, {transform.direction(velocity.linear), transform.direction(velocity.angular)});
-}
-
-}  // namespace
-
 void World::teleport(ObjectId id, const Transform& transform) {
   WorldState& world = state();
   const CallScope call(*world.calls, "teleport", From::stages);
   const Object& object = world.object(id);
   require_movable(object, "teleport");
+  require_no_motion(object, "teleport");
   validate(transform, "teleport");
   if (transform.scale != 1)
     throw Error(fmt::format("teleport: the scale is {}, expected 1", transform.scale));
@@ -425,7 +404,7 @@ void World::teleport(ObjectId id, const Transform& transform) {
       throw Error(fmt::format("teleport: {} would be more than {:g} m from the origin", object.name,
                               range::coordinate));
   wake_island(world, object);
-  if (object.traits().rigid) teleport_body(*world.rigid, object.id.value, transform);
+  if (object.traits().rigid) teleport_body(world, object, transform);
   const bool rolls = object.traits().rolls;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const Vec3d x = world.exact_position(i);
@@ -444,6 +423,7 @@ void World::apply_impulse(ObjectId id, const Selector& selector, const Vec3f& im
   const CallScope call(*world.calls, "apply_impulse", From::stages);
   const Object& object = world.object(id);
   require_movable(object, "apply_impulse");
+  require_dynamic(object, "apply_impulse");
   if (!is_finite(impulse)) throw Error("apply_impulse: the impulse on " + object.name + " is not finite");
   const std::vector<std::uint32_t> chosen = particles_of(object, select(id, selector));
   wake_island(world, object);

@@ -80,6 +80,7 @@ struct RigidBodyState {
   Vec3d angular_velocity{};  ///< in world axes [rad/s]
   double mass = 0;           ///< kg
   Vec3d inertia{};           ///< about the principal axes [kg m^2]
+  bool kinematic = false;    ///< see World::set_kinematic
 };
 
 /// Objects, colliders and the simulation loop. Meters, kilograms, seconds; Y up, right-handed.
@@ -99,8 +100,9 @@ struct RigidBodyState {
 /// | contacts, pressures, foam, fluid_force, snapshot, memory, debug_draw, elastic_energy, unconverged_energy | yes | Error |
 /// | before, after, add_force_field, clear_force_fields, remove of these; set_log         | yes   | Error  |
 /// | set_positions, set_velocities, set_angular_velocities, teleport, apply_impulse, wake | yes   | Error  |
+/// | set_body_velocity, apply_angular_impulse                                             | yes   | Error  |
 /// | pin, unpin, set_wind_exposure, set_user_data, set_joint                              | yes   | Error  |
-/// | all others: what adds, removes or changes objects, colliders, constraints, flows, pairs, settings; move_pins, move_collider, projector, restore, time_projections, time_solve | Error | Error |
+/// | all others: what adds, removes or changes objects, colliders, constraints, flows, pairs, settings; move_pins, move_collider, move_body, projector, restore, time_projections, time_solve | Error | Error |
 /// | step                                                                                 | does nothing; the report of the step says so | as before |
 /// | moving, assigning to or destroying the world                                         | never | never  |
 ///
@@ -170,8 +172,21 @@ class World {
   /// A rigid sphere, box, capsule or cylinder. Throws Error for other shapes.
   ObjectId add_rigid_body(const Shape& shape, const RigidBodyMaterial& material = {},
                           const ObjectOptions& options = {});
+  /// A rigid body of several shapes, each of them a sphere, box, capsule or cylinder. What they share counts in the mass of
+  /// each. Throws Error without shapes.
+  ObjectId add_rigid_body(std::span<const RigidPart> parts, const RigidBodyMaterial& material = {},
+                          const ObjectOptions& options = {});
   /// Pose, velocity and mass of a rigid body. Throws Error for other objects.
   RigidBodyState rigid_body(ObjectId object) const;
+  /// A kinematic body pushes others and is pushed by none: `move_body` or `set_motion` moves it. It has no energy and
+  /// momentum. A body that is kinematic no more goes on at the velocity that it had.
+  void set_kinematic(ObjectId body, bool kinematic);
+  bool is_kinematic(ObjectId body) const;
+  /// Moves a kinematic body so that its frame (RigidBodyState::pose) arrives at the pose at the end of the next step,
+  /// straight and turning at constant speed; without another call it then stays. Replaces its motion.
+  void move_body(ObjectId body, const Transform& pose);
+  /// Sets the velocity of the center of mass [m/s] and the angular velocity [rad/s] of a rigid body.
+  void set_body_velocity(ObjectId body, const Vec3f& velocity, const Vec3f& angular_velocity);
   ObjectId add_obstacle(const TriangleMesh& mesh, const ObstacleMaterial& material = {},
                         ObstacleMotion motion = {}, const ObjectOptions& options = {});
   void remove(ObjectId object);
@@ -216,7 +231,8 @@ class World {
   /// As in ObjectOptions. Layer violations are resolved from the next step on.
   void set_layer(ObjectId object, int layer);
   int layer(ObjectId object) const;
-  /// Sets the motion of an obstacle and moves it there at once. The jump gives it no velocity.
+  /// Sets the motion of an obstacle and moves it there at once. The jump gives it no velocity. A rigid body becomes
+  /// kinematic, and `motion.pose` moves the body as it was added; a sequence does not apply.
   void set_motion(ObjectId object, ObstacleMotion motion);
   const ObstacleMotion& motion(ObjectId object) const;
 
@@ -247,7 +263,8 @@ class World {
   float particle_radius(ObjectId object) const;
 
   /// These setters need an object whose vertices are particles; values are in user order. They throw for
-  /// obstacles, and so do teleport, apply_impulse, pin and attach: only an obstacle's motion moves it.
+  /// obstacles, and so do teleport, apply_impulse, pin and attach: only an obstacle's motion moves it. A kinematic rigid
+  /// body has no set_velocities, apply_impulse, set_body_velocity either, and with a motion no teleport.
   void set_positions(ObjectId object, std::span<const Vec3f> positions);
   void set_velocities(ObjectId object, std::span<const Vec3f> velocities);
   /// Grains only; in user order [rad/s].
@@ -256,6 +273,11 @@ class World {
   void teleport(ObjectId object, const Transform& transform);
   /// Total impulse [N s], distributed over the selected vertices in proportion to their mass.
   void apply_impulse(ObjectId object, const Selector& selector, const Vec3f& impulse);
+  /// An impulse [N s] on a rigid body at a point of the world [m], inside it or not; a force F during a step of dt is the
+  /// impulse F dt. Throws for kinematic bodies and other objects.
+  void apply_impulse(ObjectId body, const Vec3f& impulse, const Vec3f& point);
+  /// An angular impulse on a rigid body [N m s]; a torque during a step of dt is torque dt.
+  void apply_angular_impulse(ObjectId body, const Vec3f& impulse);
 
   /// The vertices that a selector selects: user order, ascending. Throws if there is none.
   std::vector<std::uint32_t> select(ObjectId object, const Selector& selector) const;
@@ -390,7 +412,7 @@ class World {
   /// Number of edges of an object that pass through its own triangles: what SelfCollision::particles let through. A
   /// search of its whole surface, some 30 ms for 20,000 triangles; 0 for objects without triangles of their own.
   std::size_t count_crossings(ObjectId object) const;
-  double kinetic_energy(ObjectId object) const;    ///< with the rotation of grains [J]
+  double kinetic_energy(ObjectId object) const;    ///< with the rotation of grains and rigid bodies [J]
   double potential_energy(ObjectId object) const;  ///< of its weight; 0 at the origin [J]
   /// 1/2 C^T alpha^-1 C of all constraints with compliance > 0 [J].
   double elastic_energy() const;

@@ -62,6 +62,17 @@ TEST_F(Radium, MeshesAreWhatTheSessionSays) {
   EXPECT_NEAR(world_vertex(soft, 0).y(), 0.2f - 0.5f * 9.81f / 9, 0.02f);  // a third of a second
 }
 
+TEST_F(Radium, AMeshBecomesARigidBody) {
+  const Index crate = show("box", box({0.2f, 0.2f, 0.2f}));
+  const Handle body = system->add(crate, Kind::rigid_body);
+  EXPECT_EQ(session().object(body).kind, Kind::rigid_body);
+  const float before = world_vertex(crate, 0).y();
+  system->play();
+  frames(20);
+  EXPECT_EQ(mesh(crate).positions(), drawn(session(), body));
+  EXPECT_NEAR(world_vertex(crate, 0).y(), before - 0.5f * 9.81f / 9, 0.02f);  // a third of a second
+}
+
 /// A mesh that is turned and scaled by its entity moves as one that lies there to begin with.
 TEST_F(Radium, TransformsAreRespected) {
   Transform turned = moved(1, 2, 3);
@@ -132,7 +143,8 @@ TEST_F(Radium, WhatCannotBecomeAnObjectIsRefusedInWords) {
   expect_error([&] { system->add(points, Kind::cloth); }, {"points mesh", "triangles"});
   const Index open = show("open", sheet(2, 1));
   expect_error([&] { system->add(open, Kind::soft_body); }, {"open mesh"});
-  expect_error([&] { system->add(open, Kind::rope); }, {"open mesh", "a cloth, a soft body or an obstacle"});
+  expect_error([&] { system->add(open, Kind::rope); },
+               {"open mesh", "a cloth, a soft body, a rigid body or an obstacle"});
   expect_error([&] { system->remove(cloth + 7); }, {"no object"});
   EXPECT_EQ(session().hash(), hash);
   EXPECT_EQ(system->object_of(open), 0u);

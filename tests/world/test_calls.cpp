@@ -29,7 +29,7 @@ namespace {
 
 /// What of a world its functions are called with.
 struct Handles {
-  ObjectId cloth, grains, fluid, obstacle, rigid_body, closed;
+  ObjectId cloth, grains, fluid, obstacle, rigid_body, closed, kinematic;
   ColliderId collider;
   EmitterId emitter;
   DrainId drain;
@@ -43,7 +43,7 @@ struct Handles {
 Handles stale() {
   constexpr std::uint32_t gone = 0x7ffffffe;
   return {{gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone},
-          {gone}, {gone}, {gone}, {gone}, {gone}, {gone}};
+          {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}};
 }
 
 /// Lines of the table in world.h.
@@ -127,6 +127,12 @@ const std::vector<Function>& functions() {
        [](W w, H h) { w.contains(h.cloth) ? (void)0 : (void)w.rope_material(h.cloth); }},
       {"grains_material", Line::reads, [](W w, H h) { (void)w.grains_material(h.grains); }},
       {"obstacle_material", Line::reads, [](W w, H h) { (void)w.obstacle_material(h.obstacle); }},
+      {"add_rigid_body", Line::nowhere,
+       [](W w, H) { w.add_rigid_body(std::vector<RigidPart>{{Sphere{}, {}, {}}}); }},
+      {"set_kinematic", Line::nowhere, [](W w, H h) { w.set_kinematic(h.rigid_body, false); }},
+      {"is_kinematic", Line::reads, [](W w, H h) { (void)w.is_kinematic(h.rigid_body); }},
+      {"move_body", Line::nowhere, [](W w, H h) { w.move_body(h.kinematic, at({0, 9, 0})); }},
+      {"set_body_velocity", Line::stages, [](W w, H h) { w.set_body_velocity(h.rigid_body, {}, {}); }},
       {"rigid_body", Line::reads, [](W w, H h) { (void)w.rigid_body(h.rigid_body); }},
       {"rigid_body_material", Line::reads, [](W w, H h) { (void)w.rigid_body_material(h.rigid_body); }},
       {"fluid_material", Line::reads, [](W w, H h) { (void)w.fluid_material(h.fluid); }},
@@ -156,6 +162,9 @@ const std::vector<Function>& functions() {
        [](W w, H h) { w.set_angular_velocities(h.grains, std::vector<Vec3f>(some(w, h.grains).size())); }},
       {"teleport", Line::stages, [](W w, H h) { w.teleport(h.cloth, at({0, 0.01, 0})); }},
       {"apply_impulse", Line::stages, [](W w, H h) { w.apply_impulse(h.cloth, vertices({1}), {}); }},
+      {"apply_impulse", Line::stages, [](W w, H h) { w.apply_impulse(h.rigid_body, Vec3f{}, Vec3f{}); }},
+      {"apply_angular_impulse", Line::stages,
+       [](W w, H h) { w.apply_angular_impulse(h.rigid_body, Vec3f{}); }},
       {"select", Line::reads, [](W w, H h) { (void)w.select(h.cloth, vertices({1})); }},
       {"pin", Line::stages, [](W w, H h) { w.pin(h.cloth, vertices({2})); }},
       {"unpin", Line::stages, [](W w, H h) { w.unpin(h.cloth, vertices({2, 3})); }},
@@ -371,6 +380,9 @@ void Meddled::build() {
   above.transform.translation = {30, 30, 30};
   handles.rigid_body = world.add_rigid_body(Sphere{}, {}, above);
   handles.joint = world.add_joint({}, handles.rigid_body, joint::Ball{}, {.point = {30, 31, 30}});
+  above.transform.translation = {60, 30, 30};
+  handles.kinematic = world.add_rigid_body(Sphere{}, {}, above);
+  world.set_kinematic(handles.kinematic, true);
   handles.obstacle = world.add_obstacle(closed_mesh(), {}, std::move(motion_of_obstacle));
   const auto motion_of_collider =
       ColliderMotion::callback([this](double) { return motion(Place::collider); });

@@ -1,6 +1,5 @@
-#include "souple/geometry/builders.h"
-#include "souple/world/world.h"
 #include "tests/expect_error.h"
+#include "tests/world/rigid_bodies.h"
 
 #include <cmath>
 #include <vector>
@@ -10,14 +9,6 @@
 namespace souple {
 namespace {
 
-ObjectOptions at(double x, double y, double z) {
-  ObjectOptions options;
-  options.transform.translation = {x, y, z};
-  return options;
-}
-
-const Box small_box{{}, {0.1f, 0.1f, 0.1f}};
-
 World on_the_ground(int threads = 1) {
   World world;
   Settings settings = world.settings();
@@ -25,10 +16,6 @@ World on_the_ground(int threads = 1) {
   world.set_settings(settings);
   world.add_collider(Plane{});
   return world;
-}
-
-void run(World& world, double seconds) {
-  for (int frame = 0; frame < seconds * 60; ++frame) world.step(1.0f / 60);
 }
 
 TEST(RigidBodies, HaveTheMassOfTheirShape) {

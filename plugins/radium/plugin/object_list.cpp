@@ -54,6 +54,7 @@ void ObjectList::add_buttons() {
   auto* buttons = new QHBoxLayout;
   const std::pair<const char*, host::Kind> kinds[] = {{"Make cloth", host::Kind::cloth},
                                                       {"Soft body", host::Kind::soft_body},
+                                                      {"Rigid body", host::Kind::rigid_body},
                                                       {"Collider", host::Kind::obstacle}};
   for (const auto& [label, kind] : kinds) {
     auto* button = new QPushButton(tr(label));
@@ -63,7 +64,9 @@ void ObjectList::add_buttons() {
   }
   makers_[0]->setToolTip(tr("The selected mesh becomes cloth: its edges resist stretching and bending."));
   makers_[1]->setToolTip(tr("The selected mesh, which has to be closed, becomes elastic."));
-  makers_[2]->setToolTip(tr("Others touch the selected mesh; it moves only when you move it in Radium."));
+  makers_[2]->setToolTip(
+      tr("The selected mesh falls and collides as it is: each of its pieces as its convex hull."));
+  makers_[3]->setToolTip(tr("Others touch the selected mesh; it moves only when you move it in Radium."));
   remover_->setToolTip(tr("Takes the selected object out of the world; a mesh lies again as it was loaded."));
   connect(remover_, &QPushButton::clicked, this, [this] { remove(); });
   buttons->addWidget(remover_);

@@ -24,6 +24,8 @@ ObjectId add_to(World& world, const Item& item) {
     case Kind::soft_body:
       return world.add_soft_body(mesh, std::get<SoftBodyMaterial>(item.material),
                                  {.cells = host.lattice_tets}, options);
+    case Kind::rigid_body:
+      return world.add_rigid_body(mesh, std::get<RigidBodyMaterial>(item.material), options);
     default:
       break;
   }

@@ -52,5 +52,8 @@ NewObject import_rigid_body(std::string name, const TriangleMesh& mesh, const Ri
 /// A sphere, box, capsule or cylinder, exactly.
 NewObject import_rigid_body(std::string name, const Shape& shape, const RigidBodyMaterial& material,
                             const ObjectOptions& options);
+/// Several of these.
+NewObject import_rigid_body(std::string name, std::span<const RigidPart> parts,
+                            const RigidBodyMaterial& material, const ObjectOptions& options);
 
 }  // namespace souple

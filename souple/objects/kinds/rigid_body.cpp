@@ -82,6 +82,25 @@ MassProperties mass_of(const Object& object, const std::vector<ConvexHull>& hull
   return combined(parts);
 }
 
+/// The solid with what is given of its mass. `placement`: of the frame in which that is given.
+MassProperties with_given(MassProperties solid, const GivenMass& given, const Transform& placement,
+                          const std::string& name) {
+  if (given.mass) {
+    check_all(name, {{"mass", *given.mass, range::positive, range::finite}});
+    solid = with_mass(solid, *given.mass);
+  }
+  if (given.center) {
+    require_within(name, "the center of mass", *given.center, range::coordinate);
+    solid.center = placement.point(*given.center);
+  }
+  if (given.inertia) {
+    require_inertia(*given.inertia, name + ": inertia");
+    const Mat3d R = rotation_matrix(placement.rotation);
+    solid.inertia = R * *given.inertia * transpose(R);
+  }
+  return solid;
+}
+
 /// The body of a solid, without a shape.
 RigidDefinition body_of(const MassProperties& solid) {
   const PrincipalFrame frame = principal_frame(solid.inertia);
@@ -161,7 +180,8 @@ NewObject import_rigid_body(std::string name, const TriangleMesh& mesh, const Ri
   import_surface(made, mesh, options.transform);
   const std::vector<ConvexHull> hulls = hulls_of(*made.object, made.sentences);
   RigidDefinition body =
-      body_of(mass_of(*made.object, hulls, static_cast<double>(material.density), made.sentences));
+      body_of(with_given(mass_of(*made.object, hulls, static_cast<double>(material.density), made.sentences),
+                         options.given_mass, options.transform, made.object->name));
   for (const ConvexHull& hull : hulls) body.shape.parts.push_back(shape_of(hull, body.pose));
   finish_body(made, std::move(body), options);
   return made;
@@ -179,11 +199,61 @@ NewObject import_rigid_body(std::string name, const Shape& shape, const RigidBod
   Transform centered = placement;
   centered.translation = placement.point(solid.center);
   import_surface(made, solid.mesh, centered);
-  RigidDefinition body = body_of(moved(solid.solid, centered));
+  RigidDefinition body =
+      body_of(with_given(moved(solid.solid, centered), options.given_mass, options.transform, owner));
   // In the body's frame: the shape's frame, seen from the body's.
   const BodyPose frame{body.pose.local_point(placement.translation),
                        conjugate(body.pose.rotation) * placement.rotation};
   body.shape.parts.push_back(moved(*convex_shape_of(sized), frame));
+  finish_body(made, std::move(body), options);
+  return made;
+}
+
+namespace {
+
+void append(TriangleMesh& mesh, const TriangleMesh& part, const Transform& placement) {
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  for (const Vec3d& x : part.positions) mesh.positions.push_back(placement.point(x));
+  for (const Triangle& t : part.triangles)
+    mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+}
+
+}  // namespace
+
+NewObject import_rigid_body(std::string name, std::span<const RigidPart> parts,
+                            const RigidBodyMaterial& material, const ObjectOptions& options) {
+  NewObject made = start_object(std::move(name), material, options);
+  const std::string& owner = made.object->name;
+  require_rigid_options(options, owner);
+  if (parts.empty()) throw Error(owner + ": there are no shapes; a rigid body needs at least one");
+  TriangleMesh mesh;
+  std::vector<MassProperties> solids;
+  std::vector<std::pair<Shape, Transform>> placed;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const std::string part = fmt::format("{}, shape {}", owner, k);
+    validate(parts[k].shape, part);
+    validate(parts[k].pose, part);
+    if (parts[k].pose.scale != 1)
+      throw Error(
+          fmt::format("{}: the scale is {}, expected 1: scale the whole body", part, parts[k].pose.scale));
+    const double density = parts[k].density.value_or(static_cast<double>(material.density));
+    check_all(part, {{"density", density, range::positive, range::finite}});
+    const Shape sized = scaled(parts[k].shape, options.transform.scale, part);
+    const Analytic solid = analytic(sized, density);
+    const Transform placement{options.transform.point(parts[k].pose.translation),
+                              normalized(options.transform.rotation * parts[k].pose.rotation), 1};
+    Transform centered = placement;
+    centered.translation = placement.point(solid.center);
+    append(mesh, solid.mesh, centered);
+    solids.push_back(moved(solid.solid, centered));
+    placed.emplace_back(sized, placement);
+  }
+  import_surface(made, mesh, Transform{});
+  RigidDefinition body = body_of(with_given(combined(solids), options.given_mass, options.transform, owner));
+  for (const auto& [shape, placement] : placed)
+    body.shape.parts.push_back(moved(
+        *convex_shape_of(shape),
+        {body.pose.local_point(placement.translation), conjugate(body.pose.rotation) * placement.rotation}));
   finish_body(made, std::move(body), options);
   return made;
 }

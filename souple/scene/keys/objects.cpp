@@ -245,6 +245,16 @@ void add_foreign(const Table<A>& other, const std::string& owner, const Table<B>
   }
 }
 
+CodecPtr<RigidPartDescription> rigid_part_codec() {
+  using P = RigidPartDescription;
+  auto keys = table<P>("rigid_body_part", "A shape of a rigid body of several.");
+  keys->required<&P::shape>("shape", shape_codec(), "a sphere, box, capsule or cylinder")
+      .key<&P::transform>("transform", pose_codec(), "position and rotation in the body's own frame")
+      .key<&P::density>("density", maybe(number<double>(positive(1e6))),
+                        "density of this shape [kg/m^3]; if not given: that of `material`");
+  return keys;
+}
+
 std::shared_ptr<Table<RigidBodyDescription>> rigid_body_table() {
   using T = RigidBodyDescription;
   auto keys = object_table<T>("rigid_body", "A solid that does not deform: a box, a ball, a bone.");
@@ -253,12 +263,38 @@ std::shared_ptr<Table<RigidBodyDescription>> rigid_body_table() {
       {alternative<V>("shape", shape_codec(), "a sphere, box, capsule or cylinder"),
        alternative<V>(
            "mesh", mesh_codec(MeshUse::surface),
-           "a surface; it collides with rigid bodies and colliders as the convex hull of each piece")});
+           "a surface; it collides with rigid bodies and colliders as the convex hull of each piece"),
+       alternative<V>("shapes", list(rigid_part_codec(), 1, 1000),
+                      "several shapes that form one body; what they share counts in the mass of each")});
   keys->key<&T::material>("material", rigid_body_material_codec(), "density and contact properties")
       .key<&T::transform>("transform", transform_codec(), "initial position, rotation and scale")
       .key<&T::velocity>("velocity", vector3<float>(signed_range(fast)), "initial velocity [m/s]")
       .key<&T::angular_velocity>("angular_velocity", vector3<float>(signed_range(fast)),
                                  "initial angular velocity about the center of mass [rad/s]")
+      .key<&T::mass>("mass", maybe(number<double>(positive(1e12))),
+                     "mass [kg], instead of that of the solid of `material.density`")
+      .key<&T::center_of_mass>("center_of_mass", maybe(vector3<double>(meters)),
+                               "center of mass in the frame of the mesh or shape, before `transform` [m]; if "
+                               "not given: of the solid")
+      .key<&T::inertia>(
+          "inertia", maybe(vector3<double>(positive(1e12))),
+          "moments of inertia about the axes of that frame through the center of mass [kg m^2]; if "
+          "not given: of the solid, for its mass")
+      .key<&T::kinematic>("kinematic", boolean(),
+                          "true: nothing pushes the body; it pushes others, stands or follows `keyframes`")
+      .key<&T::keyframes>(
+          "keyframes", keyframes_codec(),
+          "motion of a kinematic body after `transform`: rotated about the origin first, then "
+          "translated")
+      .key<&T::loop>("loop", boolean(), "repeats the keyframes after the last")
+      .needs("keyframes", "kinematic")
+      .needs("loop", "keyframes")
+      .check([](const T& body, const JsonPath& path) {
+        check_times(body.keyframes, path);
+        if (!body.keyframes.empty() && !body.kinematic)
+          path.key("kinematic")
+              .fail("is false, but \"keyframes\" move only a kinematic body: set it to true");
+      })
       .key<&T::color>("color", maybe(color()), "color in pictures, as in HTML; if not given: one of eight")
       .key<&T::attachments>("attachments", list(attachment_codec(), 0, 10000),
                             "vertices attached by springs");
