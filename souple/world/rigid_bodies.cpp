@@ -93,12 +93,12 @@ void set_body_motion(WorldState& world, Object& object, ObstacleMotion motion) {
 }
 
 void teleport_body(WorldState& world, const Object& object, const Transform& transform) {
-  RigidStage& rigid = *world.rigid;
+  RigidStage& bodies = *world.rigid;
   const std::uint32_t id = object.id.value;
-  const BodyPose pose = *rigid.pose(id);
-  const BodyVelocity velocity = *rigid.velocity(id);
-  rigid.place(id, {transform.point(pose.position), normalized(transform.rotation * pose.rotation)});
-  rigid.set_velocity(id, {transform.direction(velocity.linear), transform.direction(velocity.angular)});
+  const BodyPose pose = *bodies.pose(id);
+  const BodyVelocity velocity = *bodies.velocity(id);
+  bodies.place(id, {transform.point(pose.position), normalized(transform.rotation * pose.rotation)});
+  bodies.set_velocity(id, {transform.direction(velocity.linear), transform.direction(velocity.angular)});
 }
 
 double kinetic_energy_of_body(const WorldState& world, const Object& object) {

@@ -31,6 +31,9 @@ CONTEXT = {
     ("docs/rigid-bodies.md", "add_rigid_body"):
         "#include <souple/mesh_files/mesh_file.h>\n#include <souple/souple.h>\nusing namespace souple;\n"
         "void snippet(World& world) {\n",
+    ("docs/rigid-bodies.md", "set_kinematic"):
+        "#include <souple/souple.h>\nusing namespace souple;\n"
+        "void snippet(World& world, ObjectId crate, ObjectId bone, const std::vector<PoseKey>& keys) {\n",
     ("docs/fluids.md", "FluidSurface"):
         "#include <souple/souple.h>\n#include <souple/threads/threads.h>\n#include <souple/surface/fluid_surface.h>\n"
         "void snippet(souple::World& world, souple::ObjectId water) {\n",
