@@ -1,12 +1,11 @@
 #include "souple/rigid/contact_solver.h"
 
 #include "souple/contacts/contact_law.h"
-#include "souple/rigid/body_block.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
 #include <array>
-#include <bit>
+#include <cmath>
 
 namespace souple {
 namespace {
@@ -14,303 +13,379 @@ namespace {
 Vec3d world_point(std::span<const BodyPose> poses, std::uint32_t body, const Vec3d& local) {
   return body == no_body ? local : poses[body].point(local);
 }
-Vec3d world_direction(std::span<const BodyPose> poses, std::uint32_t body, const Vec3d& local) {
-  return body == no_body ? local : poses[body].direction(local);
-}
 Vec3d local_point(std::span<const BodyPose> poses, std::uint32_t body, const Vec3d& world) {
   return body == no_body ? world : poses[body].local_point(world);
 }
 Vec3d center(std::span<const BodyPose> poses, std::uint32_t body) {
   return body == no_body ? Vec3d{} : poses[body].position;
 }
-
-/// A contact at given poses.
-struct Placed {
-  Vec3d n{};     // from b to a
-  Vec3d x{};     // where the sides touch [m]
-  double C = 0;  // [m]
-};
-
-Placed place(const RigidContact& contact, const RigidContactPoint& point, std::span<const BodyPose> poses) {
-  const Vec3d core_a = world_point(poses, contact.a, point.core_a);
-  const Vec3d core_b = world_point(poses, contact.b, point.core_b);
-  Vec3d n =
-      world_direction(poses, contact.owner == NormalOwner::face_of_b ? contact.b : contact.a, contact.normal);
-  if (contact.normal_between_points) {
-    const Vec3d between = normalized(core_a - core_b);
-    if (length_squared(between) > 0) n = between;
-  }
-  const Vec3d x_a = core_a - n * contact.radius_a, x_b = core_b + n * contact.radius_b;
-  const double C = dot(n, x_a - x_b);
-  // Sides that slide leave the point of a face behind: a corner of the other side says where they touch.
-  const Vec3d from_a = x_a - n * (C / 2), from_b = x_b + n * (C / 2);
-  switch (contact.owner) {
-    case NormalOwner::face_of_a:
-      return {n, from_b, C};
-    case NormalOwner::face_of_b:
-      return {n, from_a, C};
-    case NormalOwner::edges:
-      break;
-  }
-  return {n, (from_a + from_b) * 0.5, C};
-}
-
 double reciprocal(double x) {
   return x > 0 ? 1 / x : 0;
 }
 
-Vec3d tangential(const Vec3d& v, const Vec3d& n) {
-  return v - n * dot(n, v);
+Vec3d any_tangent(const Vec3d& n) {
+  const Vec3d axis = std::abs(n.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  return normalized(tangential(axis, n));
 }
 
-/// A point of a contact before the substep's motion.
-struct Impact {
-  Vec3d n{}, r_a{}, r_b{};
-  double approach = 0;                       // [m/s]
-  double normal_mass = 0, tangent_mass = 0;  // the latter is the least of all tangential directions [kg]
-  bool closes = false;                       // within the substep
-  bool bounces = false;                      // and fast enough
-  double normal = 0;                         // impulse [N s]
-  Vec3d tangent{};
-};
-
-/// Whether the point is nearer than its sides approach each other within the substep.
-Impact impact_at(const RigidContact& contact, const RigidContactPoint& point, const RigidBodies& bodies,
-                 const RigidSubstep& substep) {
-  const Placed at = place(contact, point, bodies.pose);
-  Impact impact{
-      .n = at.n, .r_a = at.x - center(bodies.pose, contact.a), .r_b = at.x - center(bodies.pose, contact.b)};
-  const Vec3d u = velocity_at(bodies, contact.a, impact.r_a) - velocity_at(bodies, contact.b, impact.r_b);
-  impact.approach = -dot(at.n, u);
-  impact.bounces = impact.approach > substep.bounce_speed && at.C <= impact.approach * substep.h;
-  impact.closes = at.C <= max(impact.approach, substep.bounce_speed) * substep.h;
-  return impact;
+double response(const ContactBlock& block, const ContactRow& row, const ContactBody& a, const ContactBody& b,
+                const Vec3d& s, const Vec3d& t) {
+  const Vec3d a_s = cross(row.r_a, s), a_t = cross(row.r_a, t), b_s = cross(row.r_b, s), b_t = cross(row.r_b, t);
+  (void)block;
+  return (a.inverse_mass + b.inverse_mass) * dot(s, t) + dot(a_s, a.spin_of(a_t)) + dot(b_s, b.spin_of(b_t));
 }
 
-void find_masses(Impact& impact, const RigidContact& contact, const RigidBodies& bodies) {
-  const Mat3d K =
-      inverse_mass_at(bodies, contact.a, impact.r_a) + inverse_mass_at(bodies, contact.b, impact.r_b);
-  const double normal = dot(impact.n, K * impact.n);
-  impact.normal_mass = reciprocal(normal), impact.tangent_mass = reciprocal(trace(K) - normal);
-}
-
-std::array<BodyVelocity, 2> velocities_of(const RigidContact& contact, const RigidBodies& bodies) {
-  std::array<BodyVelocity, 2> result{};
-  if (contact.a != no_body) result[0] = bodies.velocity[contact.a];
-  if (contact.b != no_body) result[1] = bodies.velocity[contact.b];
-  return result;
-}
-
-/// With friction, Newton's restitution may add energy (Stronge 1990, "Rigid body collisions with friction"). Impulses P
-/// change it by P . (u + u') / 2, where u and u' are the relative velocities before and after: of s times the impulses,
-/// by s P . u + s^2 P . (u' - u) / 2. So s is the largest one, up to 1, that adds none.
-void give_back_energy(std::span<const Impact> impacts, const RigidContact& contact,
-                      const std::array<BodyVelocity, 2>& before, RigidBodies& bodies) {
-  const std::array<BodyVelocity, 2> after = velocities_of(contact, bodies);
-  double linear = 0, square = 0;  // P . u, P . (u' - u)
-  for (std::size_t k = 0; k < contact.count; ++k) {
-    const Impact& impact = impacts[k];
-    const Vec3d P = impact.n * impact.normal + impact.tangent;
-    const Vec3d u = before[0].at(impact.r_a) - before[1].at(impact.r_b);
-    linear += dot(P, u), square += dot(P, after[0].at(impact.r_a) - after[1].at(impact.r_b) - u);
+/// One pass over the points of a contact. The largest change of a relative position [m].
+double sweep_block(ContactBlock& block, std::span<ContactBody> bodies, int rounds) {
+  ContactBody a = bodies[block.a], b = bodies[block.b];
+  double change = 0;
+  for (int round = 0; round < rounds; ++round) {
+  double here = 0;
+  for (std::uint32_t k = 0; k < block.count; ++k) {
+    ContactRow& row = block.rows[k];
+    Vec3d u = a.correction_at(row.r_a) - b.correction_at(row.r_b);
+    const double residual = row.C + dot(block.n, u) + (row.normal - row.last[0]) * row.normal_softness;
+    const double normal = max(row.normal - residual * row.normal_mass, 0.0);
+    if (normal == 0 && row.normal == 0) continue;
+    const double dn = normal - row.normal;
+    row.normal = normal;
+    {
+      const Vec3d P = block.n * dn;
+      a.push(row.r_a, P), b.push(row.r_b, -P);
+      u = a.correction_at(row.r_a) - b.correction_at(row.r_b);
+    }
+    const double s0 = row.slip[0] + dot(block.t0, u) + (row.tangent[0] - row.last[1]) * row.tangent_softness;
+    const double s1 = row.slip[1] + dot(block.t1, u) + (row.tangent[1] - row.last[2]) * row.tangent_softness;
+    double p0 = row.tangent[0] - (row.tangent_00 * s0 + row.tangent_01 * s1);
+    double p1 = row.tangent[1] - (row.tangent_01 * s0 + row.tangent_11 * s1);
+    const double size2 = p0 * p0 + p1 * p1, limit = block.static_friction * normal;
+    if (size2 > limit * limit) {
+      const double scale = block.kinetic_friction * normal / std::sqrt(size2);
+      p0 *= scale, p1 *= scale;
+    }
+    const double d0 = p0 - row.tangent[0], d1 = p1 - row.tangent[1];
+    row.tangent = {p0, p1};
+    const Vec3d P = block.t0 * d0 + block.t1 * d1;
+    a.push(row.r_a, P), b.push(row.r_b, -P);
+    here = max(here, max(std::abs(dn) / row.normal_mass, max(std::abs(d0), std::abs(d1)) * row.tangent_inverse));
   }
-  if (!(linear < 0 && linear + square / 2 > 0)) return;
-  const double s = -2 * linear / square;
-  const auto scale = [&](std::uint32_t body, const BodyVelocity& v) {
-    if (body == no_body) return;
-    BodyVelocity& now = bodies.velocity[body];
-    now = {v.linear + (now.linear - v.linear) * s, v.angular + (now.angular - v.angular) * s};
-  };
-  scale(contact.a, before[0]), scale(contact.b, before[1]);
+  if (round == 0) change = here;
+  if (here == 0) break;
+  }
+  if (block.moves_a) bodies[block.a].dx = a.dx, bodies[block.a].dtheta = a.dtheta;
+  if (block.moves_b) bodies[block.b].dx = b.dx, bodies[block.b].dtheta = b.dtheta;
+  return change;
 }
-
-double lighter_mass(const RigidContact& contact, const RigidBodies& bodies) {
-  double largest = 0;
-  for (const std::uint32_t body : {contact.a, contact.b})
-    if (moves(bodies, body)) largest = max(largest, bodies.mass[body].inverse);
-  return reciprocal(largest);
-}
-
-// Stiffness of the augmented Lagrangian, in units of the lighter body's m / h^2: so stiff that one sweep leaves little,
-// and well above the stiffness of inertia that a stack of bodies has to pass on.
-constexpr double stiffness_ratio = 80;
-// Part of an older overlap, or of the slip of a contact that sticks, that a substep removes.
-constexpr double recovery = 0.01;
-// Part of a substep's forces that the next one begins with: below 1, else an error would travel through a stack.
-constexpr double decay = 0.99;
 
 }  // namespace
 
 void ContactSolver::prepare(std::span<const RigidContact> contacts, const RigidBodies& bodies) {
-  side_begin_.assign(bodies.size() + 1, 0);
-  const auto for_each_side = [&](const auto& f) {
-    for (std::uint32_t c = 0; c < contacts.size(); ++c)
-      for (const bool is_a : {true, false}) {
-        const std::uint32_t body = is_a ? contacts[c].a : contacts[c].b;
-        if (moves(bodies, body)) f(body, Side{c, is_a});
-      }
-  };
-  for_each_side([&](std::uint32_t body, Side) { ++side_begin_[body + 1]; });
-  for (std::size_t i = 0; i < bodies.size(); ++i) side_begin_[i + 1] += side_begin_[i];
-  sides_.resize(side_begin_.back());
-  color_.assign(side_begin_.begin(), side_begin_.end());  // where the next side goes
-  for_each_side([&](std::uint32_t body, Side side) { sides_[color_[body]++] = side; });
-  color_bodies(contacts, bodies);
+  impacts_.prepare(contacts, bodies);
 }
 
-// Bodies of one color share no contact. In the order of bodies, each takes the first color that no earlier neighbor has.
-void ContactSolver::color_bodies(std::span<const RigidContact> contacts, const RigidBodies& bodies) {
-  constexpr std::uint32_t none = ~std::uint32_t{0};
-  constexpr std::uint32_t most = 63;  // the last color may hold neighbors: it is solved by one thread
-  color_.assign(bodies.size(), none);
-  color_begin_.assign(most + 2, 0);
-  for (std::uint32_t i = 0; i < bodies.size(); ++i) {
-    if (side_begin_[i] == side_begin_[i + 1]) continue;
-    std::uint64_t taken = 0;
-    for (std::uint32_t k = side_begin_[i]; k < side_begin_[i + 1]; ++k) {
-      const RigidContact& contact = contacts[sides_[k].contact];
-      const std::uint32_t other = sides_[k].is_a ? contact.b : contact.a;
-      if (other != no_body && color_[other] != none) taken |= std::uint64_t{1} << color_[other];
-    }
-    color_[i] = std::min(static_cast<std::uint32_t>(std::countr_one(taken)), most);
-    ++color_begin_[color_[i] + 1];
+void ContactSolver::bounce(std::span<const RigidContact> contacts, RigidBodies& bodies,
+                           const RigidSubstep& substep) {
+  impacts_.bounce(contacts, bodies, substep);
+  begun_ = false;
+}
+
+void ContactSolver::read_bodies(const RigidBodies& bodies) {
+  states_.assign(bodies.size() + 1, {});
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    ContactBody& s = states_[i];
+    const Mat3d& I = bodies.inverse_inertia[i];
+    s.inverse_mass = bodies.mass[i].inverse;
+    s.inertia_diagonal = {I(0, 0), I(1, 1), I(2, 2)};
+    s.inertia_rest = {I(1, 2), I(0, 2), I(0, 1)};
+    if (!(s.inverse_mass > 0)) s.inertia_diagonal = {}, s.inertia_rest = {};
   }
-  for (std::uint32_t c = 0; c <= most; ++c) color_begin_[c + 1] += color_begin_[c];
-  order_.resize(color_begin_.back());
-  std::array<std::uint32_t, most + 1> next;
-  std::copy_n(color_begin_.begin(), next.size(), next.begin());
-  for (std::uint32_t i = 0; i < bodies.size(); ++i)
-    if (color_[i] != none) order_[next[color_[i]]++] = i;
 }
 
-void ContactSolver::linearize(RigidContact& contact, std::span<Row> rows, const RigidBodies& bodies,
+void ContactSolver::linearize(RigidContact& contact, ContactBlock& block, const RigidBodies& bodies,
                               const RigidSubstep& substep) const {
-  const double inverse_h2 = 1 / (substep.h * substep.h);
-  const double stiffness = stiffness_ratio * lighter_mass(contact, bodies) * inverse_h2;
+  const auto index = [&](std::uint32_t body) {
+    return body == no_body ? static_cast<std::uint32_t>(bodies.size()) : body;
+  };
+  block.a = index(contact.a), block.b = index(contact.b);
+  block.moves_a = moves(bodies, contact.a), block.moves_b = moves(bodies, contact.b);
+  block.static_friction = static_cast<double>(contact.material.static_friction);
+  block.kinetic_friction = static_cast<double>(contact.material.kinetic_friction);
+  block.count = contact.count;
+  const ContactBody &a = states_[block.a], &b = states_[block.b];
   for (std::uint32_t k = 0; k < contact.count; ++k) {
     RigidContactPoint& point = contact.points[k];
-    const Placed before = place(contact, point, bodies.start), now = place(contact, point, bodies.pose);
-    Row& row = rows[k];
+    const PlacedContact before = place(contact, point, bodies.start), now = place(contact, point, bodies.pose);
+    ContactRow& row = block.rows[k];
     if (!point.anchored || point.slid || contact.radius_a + contact.radius_b > 0) {
       point.anchor_a = local_point(bodies.start, contact.a, before.x);
       point.anchor_b = local_point(bodies.start, contact.b, before.x);
       point.anchored = true, point.slid = false;
     }
+    if (k == 0) {
+      block.n = before.n, block.t0 = any_tangent(before.n), block.t1 = cross(block.n, block.t0);
+    }
     const auto slip = [&](std::span<const BodyPose> poses) {
       return world_point(poses, contact.a, point.anchor_a) - world_point(poses, contact.b, point.anchor_b);
     };
-    row.n = now.n;
-    row.r_a = now.x - center(bodies.pose, contact.a), row.r_b = now.x - center(bodies.pose, contact.b);
-    const double overlap = max(-before.C, 0.0);
+    row.r_a = before.x - center(bodies.start, contact.a), row.r_b = before.x - center(bodies.start, contact.b);
+    const double knn = response(block, row, a, b, block.n, block.n);
+    double k00 = response(block, row, a, b, block.t0, block.t0);
+    const double k01 = response(block, row, a, b, block.t0, block.t1);
+    double k11 = response(block, row, a, b, block.t1, block.t1);
+    row.normal_softness = knn / kappa, row.tangent_softness = (k00 + k11) / kappa_t;
+    row.normal_mass = reciprocal(knn + row.normal_softness);
+    k00 += row.tangent_softness, k11 += row.tangent_softness;
+    const double d = reciprocal(k00 * k11 - k01 * k01);
+    row.tangent_00 = k11 * d, row.tangent_01 = -k01 * d, row.tangent_11 = k00 * d;
+    row.tangent_inverse = k00 + k11;
+    row.normal = point.normal_impulse;
+    row.tangent = {dot(point.tangent_impulse, block.t0), dot(point.tangent_impulse, block.t1)};
+    const double overlap = max(-(before.C + row.normal_softness * row.normal), 0.0);
     const double removed = min(overlap * recovery, substep.depenetration_speed * substep.h);
     row.C = now.C + (overlap - removed);
-    row.slip = tangential(slip(bodies.pose) - slip(bodies.start) * (1 - recovery), row.n);
-    row.stiffness = stiffness;
-    row.normal = point.normal_impulse * (decay * inverse_h2);
-    row.tangent = tangential(point.tangent_impulse, row.n) * (decay * inverse_h2);
-    row.static_friction = contact.material.static_friction;
-    row.kinetic_friction = contact.material.kinetic_friction;
+    const Vec3d unstrained = slip(bodies.start) + (block.t0 * row.tangent[0] + block.t1 * row.tangent[1]) * row.tangent_softness;
+    const Vec3d slipped = slip(bodies.pose) - unstrained * (1 - recovery);
+    row.slip = {dot(block.t0, slipped), dot(block.t1, slipped)};
   }
 }
 
-/// dx_a + dtheta_a x r_a - dx_b - dtheta_b x r_b.
-Vec3d ContactSolver::correction_at(const RigidContact& contact, const Row& row) const {
-  const auto at = [this](std::uint32_t body, const Vec3d& r) {
-    if (body == no_body) return Vec3d{};
-    return corrections_[body].dx + cross(corrections_[body].dtheta, r);
+void ContactSolver::find_islands() {
+  root_.resize(states_.size());
+  for (std::uint32_t i = 0; i < root_.size(); ++i) root_[i] = i;
+  const auto find = [this](std::uint32_t i) {
+    while (root_[i] != i) i = root_[i] = root_[root_[i]];
+    return i;
   };
-  return at(contact.a, row.r_a) - at(contact.b, row.r_b);
+  for (const ContactBlock& block : blocks_) {
+    if (!block.moves_a || !block.moves_b) continue;
+    const std::uint32_t a = find(block.a), b = find(block.b);
+    root_[std::max(a, b)] = std::min(a, b);
+  }
+  constexpr std::uint32_t none = ~std::uint32_t{0};
+  island_of_.assign(states_.size(), none);
+  island_begin_.assign(1, 0);
+  const auto body_of = [&](const ContactBlock& block) { return find(block.moves_a ? block.a : block.b); };
+  for (const ContactBlock& block : blocks_) {
+    std::uint32_t& island = island_of_[body_of(block)];
+    if (island == none) island = static_cast<std::uint32_t>(island_begin_.size() - 1), island_begin_.push_back(0);
+    ++island_begin_[island + 1];
+  }
+  for (std::size_t i = 1; i < island_begin_.size(); ++i) island_begin_[i] += island_begin_[i - 1];
+  island_blocks_.resize(blocks_.size());
+  std::vector<std::uint32_t> next(island_begin_.begin(), island_begin_.end());
+  for (std::uint32_t c = 0; c < blocks_.size(); ++c) island_blocks_[next[island_of_[body_of(blocks_[c])]]++] = c;
 }
 
-ContactSolver::Push ContactSolver::push_of(const RigidContact& contact, const Row& row) const {
-  const Vec3d correction = correction_at(contact, row);
-  Push push;
-  push.normal = max(row.normal - row.stiffness * (row.C + dot(row.n, correction)), 0.0);
-  push.sticking = row.tangent - (row.slip + tangential(correction, row.n)) * row.stiffness;
-  push.tangent = within_friction(push.sticking, static_cast<double>(row.static_friction),
-                                 static_cast<double>(row.kinetic_friction), push.normal);
-  push.slides = length_squared(push.tangent) < length_squared(push.sticking);
-  return push;
+double ContactSolver::sweep(std::size_t island, bool forward) {
+  const std::uint32_t begin = island_begin_[island], end = island_begin_[island + 1];
+  double change = 0;
+  if (forward)
+    for (std::uint32_t k = begin; k < end; ++k)
+      change = max(change, sweep_block(blocks_[island_blocks_[k]], states_, inner));
+  else
+    for (std::uint32_t k = end; k-- > begin;)
+      change = max(change, sweep_block(blocks_[island_blocks_[k]], states_, inner));
+  return change;
 }
 
-bool ContactSolver::step_body(std::uint32_t body, std::span<const RigidContact> contacts,
-                              const RigidBodies& bodies, double h) {
-  Correction& correction = corrections_[body];
-  BodyBlock block(1 / bodies.mass[body].inverse, inertia_[body], 1 / (h * h), correction.dx,
-                  correction.dtheta);
-  bool any = false;
-  const auto for_each_row = [&](const auto& f) {
-    for (std::uint32_t s = side_begin_[body]; s < side_begin_[body + 1]; ++s)
-      for (std::uint32_t k = 0; k < contacts[sides_[s].contact].count; ++k)
-        f(sides_[s], contacts[sides_[s].contact], rows_[sides_[s].contact * 4 + k]);
+void add6(double* A, const Vec3d& r, const Vec3d& n, const Vec3d& s, const Vec3d& m, double k) {
+  const Vec3d c = cross(r, n), d = cross(s, m);
+  const double v[6] = {n.x, n.y, n.z, c.x, c.y, c.z}, w[6] = {m.x, m.y, m.z, d.x, d.y, d.z};
+  for (int i = 0; i < 6; ++i)
+    for (int j = 0; j < 6; ++j) A[i * 6 + j] += k * v[i] * w[j];
+}
+void add6(double* x, const Vec3d& r, const Vec3d& f) {
+  const Vec3d c = cross(r, f);
+  x[0] += f.x, x[1] += f.y, x[2] += f.z, x[3] += c.x, x[4] += c.y, x[5] += c.z;
+}
+
+bool ContactSolver::newton(std::size_t island) {
+  ++n_newton;
+  const std::uint32_t begin = island_begin_[island], end = island_begin_[island + 1];
+  Work& w = work_[island];
+  auto& M = w.matrix;
+  const std::size_t n = w.bodies.size();
+  M.clear(), w.x.assign(n * 6, 0.0);
+  const auto for_each = [&](const auto& f) {
+    for (std::uint32_t k = begin; k < end; ++k) {
+      ContactBlock& block = blocks_[island_blocks_[k]];
+      for (std::uint32_t r = 0; r < block.count; ++r) f(block, block.rows[r]);
+    }
   };
-  for_each_row([&](const Side& side, const RigidContact& contact, Row& row) {
-    const Push push = push_of(contact, row);
-    row.pushes = push.normal > 0;
-    // A contact that has just ceased to push still counts as stiff: of many sweeps, one would undo the other.
-    if (!row.pushes && !(row.normal > 0)) return;
-    any = true;
-    const double sign = side.is_a ? 1 : -1;
-    block.add(side.is_a ? row.r_a : row.r_b, (row.n * push.normal + push.tangent) * sign, row.stiffness);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    double* D = M.at(M.place(i, i).offset);
+    for (int k = 0; k < 3; ++k) D[k * 7] = 1 / states_[w.bodies[i]].inverse_mass;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) D[(r + 3) * 6 + c + 3] = inertia_[w.bodies[i]](r, c);
+  }
+  const auto sticks = [](const ContactBlock& block, const ContactRow& row) {
+    const double l = block.kinetic_friction * row.normal * (1 - 1e-9);
+    return row.tangent[0] * row.tangent[0] + row.tangent[1] * row.tangent[1] < l * l;
+  };
+  for (std::uint32_t k = begin; k < end; ++k) {
+    ContactBlock& block = blocks_[island_blocks_[k]];
+    const ContactBody &a = states_[block.a], &b = states_[block.b];
+    double* DA = block.moves_a ? M.at(M.place(local_[block.a], local_[block.a]).offset) : nullptr;
+    double* DB = block.moves_b ? M.at(M.place(local_[block.b], local_[block.b]).offset) : nullptr;
+    joint::BlockCholesky::Place place{};
+    if (DA && DB) place = M.place(local_[block.a], local_[block.b]);
+    for (std::uint32_t r = 0; r < block.count; ++r) {
+      ContactRow& row = block.rows[r];
+      row.base = {row.normal, row.tangent[0], row.tangent[1]}, row.du = {};
+      if (!(row.normal > 0)) continue;
+      const Vec3d u = a.correction_at(row.r_a) - b.correction_at(row.r_b);
+      row.u = {row.C + dot(block.n, u) + (row.normal - row.last[0]) * row.normal_softness,
+               row.slip[0] + dot(block.t0, u) + (row.tangent[0] - row.last[1]) * row.tangent_softness,
+               row.slip[1] + dot(block.t1, u) + (row.tangent[1] - row.last[2]) * row.tangent_softness};
+      const auto add = [&](const Vec3d& d, double stiffness, double residual) {
+        if (DA) add6(DA, row.r_a, d, row.r_a, d, stiffness), add6(&w.x[local_[block.a] * 6], row.r_a, d * (-stiffness * residual));
+        if (DB) add6(DB, row.r_b, d, row.r_b, d, stiffness), add6(&w.x[local_[block.b] * 6], row.r_b, d * (stiffness * residual));
+        if (DA && DB) {
+          double* O = M.at(place.offset);
+          if (place.swapped) add6(O, row.r_b, d, row.r_a, d, -stiffness);
+          else add6(O, row.r_a, d, row.r_b, d, -stiffness);
+        }
+      };
+      add(block.n, (1 / row.normal_softness), row.u[0]);
+      if (sticks(block, row)) {
+        const double kt = 1 / row.tangent_softness;
+        add(block.t0, kt, row.u[1]), add(block.t1, kt, row.u[2]);
+      }
+    }
+  }
+  M.factorize();
+  M.solve(w.x);
+  const auto vec = [](const double* x) { return Vec3d{x[0], x[1], x[2]}; };
+  double ratio = 1;
+  for_each([&](ContactBlock& block, ContactRow& row) {
+    if (!(row.normal > 0)) return;
+    Vec3d u{};
+    if (block.moves_a) u += vec(&w.x[local_[block.a] * 6]) + cross(vec(&w.x[local_[block.a] * 6 + 3]), row.r_a);
+    if (block.moves_b) u -= vec(&w.x[local_[block.b] * 6]) + cross(vec(&w.x[local_[block.b] * 6 + 3]), row.r_b);
+    row.du[0] = -1 / row.normal_softness * (row.u[0] + dot(block.n, u));
+    if (row.du[0] < 0) ratio = min(ratio, -row.normal / row.du[0]);
+    if (!sticks(block, row)) return;
+    const double kt = 1 / row.tangent_softness;
+    row.du[1] = -kt * (row.u[1] + dot(block.t0, u)), row.du[2] = -kt * (row.u[2] + dot(block.t1, u));
   });
-  if (!any && length_squared(correction.dx) + length_squared(correction.dtheta) == 0) return false;
-  const BodyBlock::Step step = block.step();
-  correction.dx += step.dx, correction.dtheta += step.dtheta;
-  bool pulls = false;
-  for_each_row([&](const Side& /*side*/, const RigidContact& contact, const Row& row) {
-    pulls = pulls || (row.pushes && !(push_of(contact, row).normal > 0));
-  });
-  return pulls;
+  const auto apply = [&](double alpha) {
+    for (const std::uint32_t body : w.bodies) states_[body].dx = states_[body].dtheta = {};
+    double f = 0;
+    for_each([&](ContactBlock& block, ContactRow& row) {
+      const double normal = max(row.base[0] + alpha * row.du[0], 0.0);
+      double p0 = row.base[1] + alpha * row.du[1], p1 = row.base[2] + alpha * row.du[2];
+      const double size2 = p0 * p0 + p1 * p1, limit = block.static_friction * normal;
+      if (size2 > limit * limit) {
+        const double scale = block.kinetic_friction * normal / std::sqrt(size2);
+        p0 *= scale, p1 *= scale;
+      }
+      row.normal = normal, row.tangent = {p0, p1};
+      const Vec3d P = block.n * normal + block.t0 * p0 + block.t1 * p1;
+      if (block.moves_a) states_[block.a].push(row.r_a, P);
+      if (block.moves_b) states_[block.b].push(row.r_b, -P);
+      const double d0 = normal - row.last[0], d1 = p0 - row.last[1], d2 = p1 - row.last[2];
+      f += row.C * normal + row.slip[0] * p0 + row.slip[1] * p1 + 0.5 * (d0 * d0 * row.normal_softness + (d1 * d1 + d2 * d2) * row.tangent_softness);
+    });
+    for (const std::uint32_t body : w.bodies) {
+      const ContactBody& s = states_[body];
+      f += 0.5 * (length_squared(s.dx) / s.inverse_mass + dot(s.dtheta, inertia_[body] * s.dtheta));
+    }
+    return f;
+  };
+  const double before = apply(0);
+  double alpha = 1;
+  for (int trial = 0; trial < trials; ++trial, alpha *= 0.4)
+    if (apply(alpha) < before) return true;
+  ++n_failed;
+  if (apply(ratio * 0.99) < before) return true;
+  apply(0);
+  return false;
 }
 
-// A step is linear: a contact that pushed before it may have pulled in it. The next step is without it.
-void ContactSolver::solve_body(std::uint32_t body, std::span<const RigidContact> contacts,
-                               const RigidBodies& bodies, double h) {
-  constexpr int most_steps = 4;
-  for (int i = 0; i < most_steps; ++i)
-    if (!step_body(body, contacts, bodies, h)) return;
+void ContactSolver::solve_island(std::size_t island, const RigidSubstep& substep) {
+  const std::uint32_t begin = island_begin_[island], end = island_begin_[island + 1];
+  const double limit = tolerance * substep.bounce_speed * substep.h / 2;
+  long count = 0;
+  double change = 0;
+  const auto sweeps = [&](long n) {
+    for (long i = 0; i < n; ++i) {
+      ++count;
+      change = sweep(island, i % 2 == 0);
+      if (change <= limit) break;
+    }
+  };
+  sweeps(pre);
+  if (change > limit && newtons > 0) {
+    Work& w = work_[island];
+    w.bodies.clear(), w.pairs.clear();
+    const auto add = [&](std::uint32_t body) {
+      if (local_[body] == ~0u) local_[body] = static_cast<std::uint32_t>(w.bodies.size()), w.bodies.push_back(body);
+    };
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const ContactBlock& block = blocks_[island_blocks_[k]];
+      if (block.moves_a) add(block.a);
+      if (block.moves_b) add(block.b);
+      if (block.moves_a && block.moves_b) w.pairs.push_back(std::minmax(local_[block.a], local_[block.b]));
+    }
+    std::sort(w.pairs.begin(), w.pairs.end());
+    w.pairs.erase(std::unique(w.pairs.begin(), w.pairs.end()), w.pairs.end());
+    if (w.bodies.size() <= 256) {
+      w.matrix.analyze(std::vector<int>(w.bodies.size(), 6), w.pairs);
+      if (w.matrix.cost() <= cost_limit)
+        for (long i = 0; i < newtons && change > limit; ++i) {
+          const double before = change;
+          (void)newton(island);
+          sweeps(post);
+          if (getenv("DBG")) printf("newton %ld: change %.3e -> %.3e limit %.3e\n", i, before, change, limit);
+        }
+    }
+  }
+  while (change > limit && count < cap) sweeps(2);
+  long points = 0;
+  for (std::uint32_t k = begin; k < end; ++k) points += blocks_[island_blocks_[k]].count;
+  n_sweeps += count, max_sweeps = std::max(max_sweeps, count), ++n_islands, n_points += points, n_sweep_points += points * count;
 }
 
-void ContactSolver::keep(RigidContact& contact, std::span<Row> rows, double h) const {
+void ContactSolver::keep(RigidContact& contact, const ContactBlock& block) const {
   for (std::uint32_t k = 0; k < contact.count; ++k) {
-    Row& row = rows[k];
-    const Push push = push_of(contact, row);
-    row.normal = push.normal, row.tangent = push.normal > 0 ? push.tangent : Vec3d{};
+    const ContactRow& row = block.rows[k];
     RigidContactPoint& point = contact.points[k];
-    point.normal_impulse = push.normal * h * h;
-    point.tangent_impulse = row.tangent * (h * h);
-    point.slid = !(push.normal > 0) || push.slides;
+    point.normal_impulse = row.normal;
+    const bool pushes = row.normal > 0;
+    point.tangent_impulse = pushes ? block.t0 * row.tangent[0] + block.t1 * row.tangent[1] : Vec3d{};
+    const double size2 = row.tangent[0] * row.tangent[0] + row.tangent[1] * row.tangent[1];
+    const double edge = block.kinetic_friction * row.normal * (1 - 1e-9);
+    point.slid = !pushes || size2 >= edge * edge;
   }
 }
 
 void ContactSolver::solve(std::span<RigidContact> contacts, RigidBodies& bodies, const RigidSubstep& substep,
                           Threads& threads) {
-  rows_.resize(contacts.size() * 4);
-  corrections_.assign(bodies.size(), {});
-  inertia_.resize(bodies.size());
-  const auto rows_of = [this](std::size_t c) { return std::span(rows_).subspan(c * 4, 4); };
-  threads.for_each(order_.size(), 64, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k)
-      inertia_[order_[k]] = inverse(bodies.inverse_inertia[order_[k]]);
-  });
-  threads.for_each(contacts.size(), 16, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) linearize(contacts[c], rows_of(c), bodies, substep);
-  });
-  for (int i = 0; i < substep.iterations; ++i) {
-    for (std::size_t c = 0; c + 1 < color_begin_.size(); ++c) {
-      const std::size_t first = color_begin_[c], count = color_begin_[c + 1] - first;
-      const std::size_t grain = c + 2 == color_begin_.size() ? count : 8;
-      threads.for_each(count, std::max<std::size_t>(grain, 1), [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) solve_body(order_[first + k], contacts, bodies, substep.h);
-      });
-    }
-    threads.for_each(contacts.size(), 16, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t c = begin; c < end; ++c) keep(contacts[c], rows_of(c), substep.h);
-    });
+  (void)threads;
+  read_bodies(bodies);
+  blocks_.clear();
+  for (std::uint32_t c = 0; c < contacts.size(); ++c) {
+    if (contacts[c].count == 0) continue;
+    blocks_.emplace_back().contact = c;
   }
-  for (const std::uint32_t i : order_) {
-    bodies.pose[i].position += corrections_[i].dx;
-    bodies.pose[i].rotation = turned(bodies.pose[i].rotation, corrections_[i].dtheta);
+  for (ContactBlock& block : blocks_) linearize(contacts[block.contact], block, bodies, substep);
+  find_islands();
+  for (ContactBlock& block : blocks_)
+    for (std::uint32_t k = 0; k < block.count; ++k) {
+      ContactRow& row = block.rows[k];
+      const Vec3d P = block.n * row.normal + block.t0 * row.tangent[0] + block.t1 * row.tangent[1];
+      if (block.moves_a) states_[block.a].push(row.r_a, P);
+      if (block.moves_b) states_[block.b].push(row.r_b, -P);
+    }
+  ++n_substeps;
+  work_.resize(std::max(work_.size(), island_begin_.size())); local_.assign(states_.size(), ~0u); inertia_.resize(states_.size());
+  for (std::size_t i = 0; i < bodies.size(); ++i) if (bodies.mass[i].inverse > 0) inertia_[i] = inverse(bodies.inverse_inertia[i]);
+  for (std::size_t i = 0; i + 1 < island_begin_.size(); ++i) solve_island(i, substep);
+  for (const ContactBlock& block : blocks_) keep(contacts[block.contact], block);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!(bodies.mass[i].inverse > 0)) continue;
+    bodies.pose[i].position += states_[i].dx;
+    bodies.pose[i].rotation = turned(bodies.pose[i].rotation, states_[i].dtheta);
   }
 }
 
@@ -322,69 +397,8 @@ double ContactSolver::deepest(std::span<const RigidContact> contacts, const Rigi
   return result;
 }
 
-bool ContactSolver::collide(const RigidContact& contact, RigidBodies& bodies, const RigidSubstep& substep) {
-  std::array<Impact, 4> impacts;
-  bool closing = false;
-  for (std::uint32_t k = 0; k < contact.count; ++k) {
-    impacts[k] = impact_at(contact, contact.points[k], bodies, substep);
-    closing = closing || impacts[k].bounces;
-  }
-  if (!closing) return false;
-  for (std::uint32_t k = 0; k < contact.count; ++k) find_masses(impacts[k], contact, bodies);
-  const std::array<BodyVelocity, 2> before = velocities_of(contact, bodies);
-  const auto e = static_cast<double>(contact.material.restitution);
-  constexpr int rounds = 20;  // of at most four points
-  for (int round = 0; round < rounds; ++round)
-    for (std::uint32_t k = 0; k < contact.count; ++k) {
-      Impact& impact = impacts[k];
-      if (!impact.closes) continue;
-      const Vec3d u = velocity_at(bodies, contact.a, impact.r_a) - velocity_at(bodies, contact.b, impact.r_b);
-      const double target = impact.bounces ? e * impact.approach : 0.0;
-      const double normal = max(impact.normal + (target - dot(impact.n, u)) * impact.normal_mass, 0.0);
-      const Vec3d slip = tangential(u, impact.n);
-      const Vec3d tangent = within_friction(tangential(impact.tangent, impact.n) - slip * impact.tangent_mass,
-                                            static_cast<double>(contact.material.static_friction),
-                                            static_cast<double>(contact.material.kinetic_friction), normal);
-      const Vec3d impulse = impact.n * (normal - impact.normal) + (tangent - impact.tangent);
-      push_velocity(bodies, contact.a, impact.r_a, impulse);
-      push_velocity(bodies, contact.b, impact.r_b, -impulse);
-      impact.normal = normal, impact.tangent = tangent;
-    }
-  give_back_energy(impacts, contact, before, bodies);
-  return true;
-}
-
-void ContactSolver::bounce(std::span<const RigidContact> contacts, RigidBodies& bodies,
-                           const RigidSubstep& substep) {
-  constexpr int most_sweeps = 32;
-  impacts_.clear();
-  impacts_.reserve(contacts.size()), next_impacts_.reserve(contacts.size());
-  waits_.assign(contacts.size(), 1);  // those without points, forever
-  for (std::uint32_t c = 0; c < contacts.size(); ++c)
-    if (contacts[c].count > 0) impacts_.push_back(c);
-  for (int sweep = 0; !impacts_.empty() && sweep < most_sweeps; ++sweep) {
-    next_impacts_.clear();
-    for (const std::uint32_t c : impacts_) waits_[c] = 0;
-    for (const std::uint32_t c : impacts_) {
-      if (!collide(contacts[c], bodies, substep)) continue;
-      for (const std::uint32_t body : {contacts[c].a, contacts[c].b})
-        if (moves(bodies, body)) look_again(body);
-    }
-    std::sort(next_impacts_.begin(), next_impacts_.end());
-    std::swap(impacts_, next_impacts_);
-  }
-}
-
-void ContactSolver::look_again(std::uint32_t body) {
-  for (std::uint32_t s = side_begin_[body]; s < side_begin_[body + 1]; ++s) {
-    const std::uint32_t contact = sides_[s].contact;
-    if (waits_[contact] == 0) next_impacts_.push_back(contact), waits_[contact] = 1;
-  }
-}
-
 std::size_t ContactSolver::bytes() const {
-  return bytes_of(rows_, corrections_, inertia_, side_begin_, sides_, color_, order_, color_begin_, impacts_,
-                  next_impacts_, waits_);
+  return impacts_.bytes() + bytes_of(states_, blocks_, root_, island_of_, island_begin_, island_blocks_);
 }
 
 }  // namespace souple
