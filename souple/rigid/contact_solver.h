@@ -1,8 +1,8 @@
 #pragma once
 
-#include "souple/rigid/contact_block.h"
+#include "souple/rigid/contact_islands.h"
+#include "souple/rigid/contact_newton.h"
 #include "souple/rigid/impacts.h"
-#include "souple/rigid/joints/block_cholesky.h"
 #include "souple/threads/threads.h"
 
 #include <cstddef>
@@ -14,8 +14,12 @@ namespace souple {
 
 /// Contacts between rigid bodies, in a substep:
 ///
-///   bounce      before the prediction: velocities of bodies that hit each other and bounce
-///   solve       after the prediction: poses; as often as one likes
+///   bounce      before the prediction: velocities of bodies that bounce off each other
+///   solve       after the prediction: poses. Again after others have moved bodies, as often as one likes.
+///
+/// `solve` finds impulses, equal and opposite, so momentum and angular momentum are exact. It begins with those of the last
+/// substep and sweeps over contacts (projected Gauss-Seidel: Moreau and Jean 1996; Catto 2005) until they change little.
+/// Where two sweeps are not enough, Newton's method solves all contacts of an island at once, if it is not too large.
 class ContactSolver {
  public:
   /// Call when the list of contacts has changed.
@@ -28,29 +32,23 @@ class ContactSolver {
   static double deepest(std::span<const RigidContact> contacts, const RigidBodies& bodies);
   std::size_t bytes() const;
 
- //private:
-  void read_bodies(const RigidBodies& bodies);
-  void linearize(RigidContact& contact, ContactBlock& block, const RigidBodies& bodies,
-                 const RigidSubstep& substep) const;
-  void find_islands();
-  void solve_island(std::size_t island, const RigidSubstep& substep);
-  bool newton(std::size_t island);
-  double sweep(std::size_t island, bool forward);
-  void keep(RigidContact& contact, const ContactBlock& block) const;
+ private:
+  void begin(std::span<RigidContact> contacts, const RigidBodies& bodies, const RigidSubstep& substep,
+             Threads& threads);
+  void apply_last_impulses();
+  void solve_island(std::size_t island, const RigidSubstep& substep, Threads& threads);
+  double sweep(const ContactIslands::Island& island, bool forward, Threads& threads);
+  double sweep_colors(const ContactIslands::Island& island, bool forward, Threads& threads);
 
   Impacts impacts_;
-  bool begun_ = false;                 // blocks are those of this substep
-  std::vector<ContactBody> states_;    // per body, and one for no_body
-  std::vector<ContactBlock> blocks_;   // of contacts with points
-  std::vector<std::uint32_t> root_;    // per body
-  std::vector<std::uint32_t> island_of_;
-  std::vector<std::uint32_t> island_begin_, island_blocks_;
-  struct Work { joint::BlockCholesky matrix; std::vector<std::uint32_t> bodies; std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs; std::vector<double> x, q, mq, md, g; };
-  std::vector<Work> work_; std::vector<std::uint32_t> local_; std::vector<Mat3d> inertia_;
- public:
-  static inline long n_sweeps = 0, n_substeps = 0, max_sweeps = 0, n_islands = 0, n_points = 0, n_sweep_points = 0;
-  static inline double tolerance = 1e-3; static inline long cap = 200; static inline int inner = 2; static inline bool ncg = false;
-  static inline double recovery = 0.01; static inline double kappa = 1e3, kappa_t = 1e3; static inline long n_newton = 0, n_slopes = 0, n_failed = 0; static inline int trials = 4; static inline long pre = 2, post = 1, newtons = 6; static inline double cost_limit = 1e7;
+  bool begun_ = false;                // blocks_ are those of this substep
+  std::vector<ContactBody> states_;   // per body, and one that does not move
+  std::vector<ContactBody> before_;   // when `solve` was called
+  std::vector<ContactBlock> blocks_;  // of contacts with points
+  std::vector<double> changes_;       // per block: in the last sweep, in a large island [m]
+  ContactIslands islands_;
+  std::vector<ContactNewton> newton_;  // per island
+  std::vector<std::uint32_t> local_;   // per body: scratch memory of newton_
 };
 
 }  // namespace souple

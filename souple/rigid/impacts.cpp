@@ -35,8 +35,10 @@ struct Impact {
 Impact impact_at(const RigidContact& contact, const RigidContactPoint& point, const RigidBodies& bodies,
                  const RigidSubstep& substep) {
   const PlacedContact at = place(contact, point, bodies.pose);
-  Impact impact{
-      .n = at.n, .r_a = at.x - center(bodies.pose, contact.a), .r_b = at.x - center(bodies.pose, contact.b), .C = at.C};
+  Impact impact{.n = at.n,
+                .r_a = at.x - center(bodies.pose, contact.a),
+                .r_b = at.x - center(bodies.pose, contact.b),
+                .C = at.C};
   const Vec3d u = velocity_at(bodies, contact.a, impact.r_a) - velocity_at(bodies, contact.b, impact.r_b);
   impact.approach = -dot(at.n, u);
   impact.bounces = impact.approach > substep.bounce_speed && at.C <= impact.approach * substep.h;
@@ -142,7 +144,7 @@ bool Impacts::collide(const RigidContact& contact, RigidBodies& bodies, const Ri
 }
 
 void Impacts::bounce(std::span<const RigidContact> contacts, RigidBodies& bodies,
-                           const RigidSubstep& substep) {
+                     const RigidSubstep& substep) {
   constexpr int most_sweeps = 32;
   impacts_.clear();
   impacts_.reserve(contacts.size()), next_impacts_.reserve(contacts.size());
