@@ -89,7 +89,7 @@ class RigidScene {
     solver_.prepare(finder_.contacts(), bodies);
     for (int s = 0; s < substeps; ++s) {
       if (s > 0) finder_.refresh(bodies, shapes_, 1.0 / substeps, *threads_);
-      const RigidSubstep substep{h, 1, 1.5, 2 * strength * h};
+      const RigidSubstep substep{h, 1, 1.5, 2 * strength * h, gravity};
       solver_.bounce(finder_.contacts(), bodies, substep);
       predict_bodies(bodies, gravity, h, predicted_);
       solver_.solve(finder_.contacts(), bodies, substep, *threads_);

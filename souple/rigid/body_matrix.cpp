@@ -1,0 +1,161 @@
+#include "souple/rigid/body_matrix.h"
+
+#include "souple/assert.h"
+#include "souple/state/bytes.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace souple {
+namespace {
+
+constexpr std::size_t n = BodyMatrix::rows;
+
+void factorize_block(BodyMatrix::Block& A) {
+  for (std::size_t j = 0; j < n; ++j) {
+    double d = A[j * n + j];
+    for (std::size_t k = 0; k < j; ++k) d -= A[j * n + k] * A[j * n + k];
+    const double pivot = std::sqrt(d);
+    A[j * n + j] = pivot;
+    for (std::size_t i = j + 1; i < n; ++i) {
+      double s = A[i * n + j];
+      for (std::size_t k = 0; k < j; ++k) s -= A[i * n + k] * A[j * n + k];
+      A[i * n + j] = s / pivot;
+    }
+  }
+}
+
+/// x := L^-1 x.
+void forward(const BodyMatrix::Block& L, double* x) {
+  for (std::size_t i = 0; i < n; ++i) {
+    double s = x[i];
+    for (std::size_t k = 0; k < i; ++k) s -= L[i * n + k] * x[k];
+    x[i] = s / L[i * n + i];
+  }
+}
+
+/// x := L^-T x.
+void backward(const BodyMatrix::Block& L, double* x) {
+  for (std::size_t i = n; i-- > 0;) {
+    double s = x[i];
+    for (std::size_t k = i + 1; k < n; ++k) s -= L[k * n + i] * x[k];
+    x[i] = s / L[i * n + i];
+  }
+}
+
+BodyMatrix::Block transposed(const BodyMatrix::Block& A) {
+  BodyMatrix::Block T;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j) T[j * n + i] = A[i * n + j];
+  return T;
+}
+
+/// C -= A B.
+void subtract_product(const BodyMatrix::Block& A, const BodyMatrix::Block& B, BodyMatrix::Block& C) {
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = 0; k < n; ++k) {
+      const double a = A[i * n + k];
+      for (std::size_t j = 0; j < n; ++j) C[i * n + j] -= a * B[k * n + j];
+    }
+}
+
+}  // namespace
+
+// Minimum degree; among equal degrees the first body.
+void BodyMatrix::analyze(std::uint32_t bodies,
+                         std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs) {
+  SOUPLE_ASSERT(bodies <= most_bodies, "a larger matrix costs too much");
+  const std::size_t words = (bodies + 63) / 64;
+  neighbors_.assign(bodies * words, 0);
+  const auto set = [&](std::uint32_t i, std::uint32_t j) {
+    neighbors_[i * words + j / 64] |= std::uint64_t{1} << (j % 64);
+  };
+  for (const auto& [i, j] : pairs) set(i, j), set(j, i);
+  position_.assign(bodies, bodies);
+  order_.clear(), below_.clear(), column_begin_.assign(1, 0), cost_ = 0;
+  while (order_.size() < bodies) {
+    std::uint32_t best = 0;
+    int least = static_cast<int>(bodies);
+    for (std::uint32_t i = 0; i < bodies; ++i) {
+      if (position_[i] != bodies) continue;
+      int degree = 0;
+      for (std::size_t w = 0; w < words; ++w) degree += std::popcount(neighbors_[i * words + w]);
+      if (degree < least) best = i, least = degree;
+    }
+    position_[best] = static_cast<std::uint32_t>(order_.size());
+    order_.push_back(best);
+    for (std::uint32_t j = 0; j < bodies; ++j) {
+      if (!(neighbors_[best * words + j / 64] >> (j % 64) & 1)) continue;
+      below_.push_back(j);
+      for (std::size_t w = 0; w < words; ++w) neighbors_[j * words + w] |= neighbors_[best * words + w];
+      neighbors_[j * words + j / 64] &= ~(std::uint64_t{1} << (j % 64));
+      neighbors_[j * words + best / 64] &= ~(std::uint64_t{1} << (best % 64));
+    }
+    const double below = static_cast<double>(below_.size() - column_begin_.back());
+    cost_ += (below * (below + 1) / 2 + below / 2 + 0.5) * static_cast<double>(n * n * n);
+    column_begin_.push_back(static_cast<std::uint32_t>(below_.size()));
+  }
+  for (std::uint32_t& row : below_) row = position_[row];
+  for (std::uint32_t c = 0; c < bodies; ++c)
+    std::sort(below_.begin() + column_begin_[c], below_.begin() + column_begin_[c + 1]);
+  diagonal_.resize(bodies), lower_.resize(below_.size());
+}
+
+void BodyMatrix::clear() {
+  std::fill(diagonal_.begin(), diagonal_.end(), Block{});
+  std::fill(lower_.begin(), lower_.end(), Block{});
+}
+
+std::size_t BodyMatrix::find(std::uint32_t row, std::uint32_t column) const {
+  const auto at = std::lower_bound(below_.begin() + column_begin_[column],
+                                   below_.begin() + column_begin_[column + 1], row);
+  return static_cast<std::size_t>(at - below_.begin());
+}
+
+std::pair<BodyMatrix::Block*, bool> BodyMatrix::beside(std::uint32_t i, std::uint32_t j) {
+  const std::uint32_t p = position_[i], q = position_[j];
+  return {&lower_[find(std::max(p, q), std::min(p, q))], p < q};
+}
+
+void BodyMatrix::factorize() {
+  for (std::uint32_t c = 0; c < order_.size(); ++c) {
+    factorize_block(diagonal_[c]);
+    const std::uint32_t begin = column_begin_[c], end = column_begin_[c + 1];
+    for (std::uint32_t p = begin; p < end; ++p)
+      for (std::size_t i = 0; i < n; ++i) forward(diagonal_[c], &lower_[p][i * n]);
+    for (std::uint32_t q = begin; q < end; ++q) {
+      const Block T = transposed(lower_[q]);
+      const std::uint32_t column = below_[q];
+      subtract_product(lower_[q], T, diagonal_[column]);
+      // All later rows of this column are rows of that one too.
+      std::size_t target = column_begin_[column];
+      for (std::uint32_t p = q + 1; p < end; ++p) {
+        while (below_[target] != below_[p]) ++target;
+        subtract_product(lower_[p], T, lower_[target]);
+      }
+    }
+  }
+}
+
+void BodyMatrix::solve(std::span<double> x) const {
+  const auto at = [&](std::uint32_t position) { return &x[order_[position] * n]; };
+  for (std::uint32_t c = 0; c < order_.size(); ++c) {
+    forward(diagonal_[c], at(c));
+    for (std::uint32_t p = column_begin_[c]; p < column_begin_[c + 1]; ++p)
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t k = 0; k < n; ++k) at(below_[p])[i] -= lower_[p][i * n + k] * at(c)[k];
+  }
+  for (auto c = static_cast<std::uint32_t>(order_.size()); c-- > 0;) {
+    for (std::uint32_t p = column_begin_[c]; p < column_begin_[c + 1]; ++p)
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t k = 0; k < n; ++k) at(c)[k] -= lower_[p][i * n + k] * at(below_[p])[i];
+    backward(diagonal_[c], at(c));
+  }
+}
+
+std::size_t BodyMatrix::bytes() const {
+  return bytes_of(position_, order_, column_begin_, below_, neighbors_, diagonal_, lower_);
+}
+
+}  // namespace souple

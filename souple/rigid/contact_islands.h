@@ -1,0 +1,50 @@
+#pragma once
+
+#include "souple/rigid/contact_block.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace souple {
+
+/// Groups of contacts that share no body which moves. Contacts of a large island have colors: those of one color share no
+/// such body either.
+class ContactIslands {
+ public:
+  struct Range {
+    std::uint32_t begin = 0, end = 0;  ///< in order()
+    std::uint32_t size() const { return end - begin; }
+  };
+  struct Island {
+    Range contacts;
+    Range colors;  ///< in colors(); empty in a small island
+  };
+  /// Islands with more contacts are large.
+  static constexpr std::uint32_t small = 400;
+
+  /// `bodies`: number of bodies.
+  void find(std::span<const ContactBlock> blocks, std::size_t bodies);
+  std::span<const Island> islands() const { return islands_; }
+  std::span<const std::uint32_t> contacts(const Range& range) const {
+    return std::span(order_).subspan(range.begin, range.size());
+  }
+  std::span<const Range> colors(const Island& island) const {
+    return std::span(colors_).subspan(island.colors.begin, island.colors.size());
+  }
+  std::size_t bytes() const;
+
+ private:
+  std::uint32_t root(std::uint32_t body);
+  void color(Island& island, std::span<const ContactBlock> blocks);
+
+  std::vector<std::uint32_t> parent_, island_of_;  // per body
+  std::vector<std::uint64_t> taken_;               // per body: colors of its contacts
+  std::vector<std::uint32_t> order_, sorted_;      // contacts, by island and color
+  std::vector<std::uint8_t> color_;                // per contact
+  std::vector<Island> islands_;
+  std::vector<Range> colors_;
+};
+
+}  // namespace souple
