@@ -92,7 +92,7 @@ void ContactFinder::append_pairs(std::uint32_t a, std::uint32_t b, std::span<con
   if (shapes[a].collider) return;
   Pair pair;
   pair.a = a, pair.b = b;
-  pair.fast = motion_[a] + motion_[b] > fast_ratio * min(shapes[a].inner_radius(), shapes[b].inner_radius());
+  pair.fast = motion_[a] + motion_[b] > fast_ratio * min(inner_[a], inner_[b]);
   const Shape* collider = shapes[b].collider;
   const bool several = collider && !std::holds_alternative<Plane>(*collider);
   for (pair.part_a = 0; pair.part_a < shapes[a].parts.size(); ++pair.part_a)
@@ -103,10 +103,11 @@ void ContactFinder::append_pairs(std::uint32_t a, std::uint32_t b, std::span<con
 
 void ContactFinder::find_pairs(const RigidBodies& bodies, std::span<const RigidShape> shapes,
                                const RigidMaterials& materials, double dt, double gravity) {
-  motion_.resize(bodies.size()), boxes_.resize(bodies.size());
+  motion_.resize(bodies.size()), boxes_.resize(bodies.size()), inner_.resize(bodies.size());
   for (std::uint32_t i = 0; i < bodies.size(); ++i) {
     motion_[i] = motion_of(bodies, i, shapes[i], dt, gravity);
-    const double rest = shapes[i].collider ? 0 : margin_ratio * shapes[i].inner_radius();
+    inner_[i] = shapes[i].inner_radius();
+    const double rest = shapes[i].collider ? 0 : margin_ratio * inner_[i];
     boxes_[i] = box_of(bodies.pose[i], shapes[i], motion_[i] + rest);
   }
   std::swap(pairs_, last_pairs_);
@@ -132,6 +133,10 @@ void ContactFinder::find_contact(std::size_t p, const RigidBodies& bodies, std::
   const ConvexShape& a = shapes[pair.a].parts[pair.part_a];
   const BodyPose &pose_a = bodies.pose[pair.a], &pose_b = bodies.pose[pair.b];
   const auto set = [&](std::size_t at, const Manifold& manifold) {
+    if (manifold.count == 0) {
+      contacts_[at].count = 0;
+      return;
+    }
     RigidContact contact = contact_of(manifold, pose_a, pose_b);
     contact.a = pair.a, contact.b = pair.b, contact.material = contacts_[at].material;
     keep_impulses(contact, contacts_[at]);
@@ -170,7 +175,7 @@ void ContactFinder::begin_step(const RigidBodies& bodies, std::span<const RigidS
   threads.for_each(pairs_.size(), 8, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       const Pair& pair = pairs_[p];
-      const double inner = min(shapes[pair.a].inner_radius(), shapes[pair.b].inner_radius());
+      const double inner = min(inner_[pair.a], inner_[pair.b]);
       find_contact(p, bodies, shapes, motion_[pair.a] + motion_[pair.b] + margin_ratio * inner);
     }
   });
@@ -182,7 +187,7 @@ void ContactFinder::refresh(const RigidBodies& bodies, std::span<const RigidShap
     for (std::size_t p = begin; p < end; ++p) {
       const Pair& pair = pairs_[p];
       if (!pair.fast) continue;
-      const double inner = min(shapes[pair.a].inner_radius(), shapes[pair.b].inner_radius());
+      const double inner = min(inner_[pair.a], inner_[pair.b]);
       find_contact(p, bodies, shapes, (motion_[pair.a] + motion_[pair.b]) * 2 * part + margin_ratio * inner);
     }
   });
@@ -238,7 +243,7 @@ void ContactFinder::clear() {
 }
 
 std::size_t ContactFinder::bytes() const {
-  return sweep_.bytes() + bytes_of(boxes_, motion_, pairs_, last_pairs_, contacts_, last_contacts_);
+  return sweep_.bytes() + bytes_of(boxes_, motion_, inner_, pairs_, last_pairs_, contacts_, last_contacts_);
 }
 
 }  // namespace souple

@@ -65,6 +65,7 @@ class ContactFinder {
   BoxSweep sweep_;
   std::vector<Bounds> boxes_;   // per body, of its motion in the step
   std::vector<double> motion_;  // per body: largest path of its points in the step [m]
+  std::vector<double> inner_;   // per body: inner radius [m]
   std::vector<Pair> pairs_, last_pairs_;
   std::vector<RigidContact> contacts_, last_contacts_;  // one per pair
 };
