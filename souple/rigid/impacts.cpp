@@ -100,8 +100,8 @@ void give_back_energy(std::span<const Impact> impacts, const RigidContact& conta
 
 /// Normal speed after an impact. The sides turn round where they are, at the distance C, but rise from it as if they had
 /// met at C = 0 and come back: v'^2 + 2 g C = e^2 (v^2 + 2 g C), with g the acceleration at which they approach.
-double rebound(double e, const Impact& impact, const RigidContact& contact, const RigidBodies& bodies,
-               const RigidSubstep& substep) {
+double restitution_speed(double e, const Impact& impact, const RigidContact& contact,
+                         const RigidBodies& bodies, const RigidSubstep& substep) {
   const double sides = (moves(bodies, contact.a) ? 1 : 0) - (moves(bodies, contact.b) ? 1 : 0);
   const double gain = -2 * sides * dot(impact.n, substep.gravity) * max(impact.C, 0.0);
   const double v = impact.approach;
@@ -142,7 +142,7 @@ bool Impacts::collide(const RigidContact& contact, RigidBodies& bodies, const Ri
       Impact& impact = impacts[k];
       if (!impact.closes) continue;
       const Vec3d u = velocity_at(bodies, contact.a, impact.r_a) - velocity_at(bodies, contact.b, impact.r_b);
-      const double target = impact.bounces ? rebound(e, impact, contact, bodies, substep) : 0.0;
+      const double target = impact.bounces ? restitution_speed(e, impact, contact, bodies, substep) : 0.0;
       const double normal = max(impact.normal + (target - dot(impact.n, u)) * impact.normal_mass, 0.0);
       const Vec3d slip = tangential(u, impact.n);
       const Vec3d tangent = within_friction(tangential(impact.tangent, impact.n) - slip * impact.tangent_mass,

@@ -84,6 +84,44 @@ TEST(RigidRest, WallOfBricksStands) {
   EXPECT_LT(rest.speed, 2e-3);
 }
 
+/// Cards of 14 cm lean against each other in pairs, on floors of cards.
+void build_card_house(RigidScene& scene, int storeys) {
+  constexpr double lean = 0.35, half = 0.07, thick = 0.001, depth = 0.05;
+  const double sine = std::sin(lean), cosine = std::cos(lean);
+  const double width = 4 * (half * sine + thick * cosine) + 0.004;
+  double y = 0;
+  for (int storey = storeys; storey > 0; --storey) {
+    for (int k = 0; k < storey; ++k)
+      for (const int side : {-1, 1})
+        scene.box({thick, half, depth},
+                  {(k - (storey - 1) / 2.0) * width + side * (half * sine + thick * cosine),
+                   y + half * cosine + thick * sine, 0},
+                  Quatd::from_axis_angle({0, 0, 1}, side * lean), 700);
+    y += 2 * (half * cosine + thick * sine);
+    for (int k = 0; k + 1 < storey; ++k)
+      scene.box({width * 0.49, thick, depth}, {(k - (storey - 2) / 2.0) * width, y + thick, 0}, {}, 700);
+    y += 2 * thick;
+  }
+  scene.plane();
+}
+
+TEST(RigidRest, CardHouseStands) {
+  RigidScene scene;
+  scene.material.friction = 0.6f;
+  build_card_house(scene, 4);
+  const Rest rest = rest_for(scene, 20, static_cast<std::uint32_t>(scene.bodies.size() - 2));
+  EXPECT_LT(rest.sag, 1e-5);
+  EXPECT_LT(rest.drift, 1e-5);
+  EXPECT_LT(rest.speed, 1e-3);
+}
+
+TEST(RigidRest, CardHouseFallsWithoutFriction) {
+  RigidScene scene;
+  scene.material.friction = 0.1f;
+  build_card_house(scene, 2);
+  EXPECT_GT(rest_for(scene, 2, 5).drift, 0.05);
+}
+
 TEST(RigidRest, HeavyBoxLiesOnALightOne) {
   RigidScene scene;
   const double light = std::cbrt(1.0 / 1000);
