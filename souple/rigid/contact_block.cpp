@@ -48,6 +48,8 @@ void find_masses(ContactRow& row, const ContactBlock& block, const ContactBody& 
   row.normal_mass = 1 / (k + row.normal_softness);
   const double S = ss + row.tangent_softness, T = tt + row.tangent_softness, d = 1 / (S * T - st * st);
   row.mass_00 = T * d, row.mass_01 = -st * d, row.mass_11 = S * d;
+  const double half = (S - T) / 2;
+  row.sliding_mass = 1 / ((S + T) / 2 + std::sqrt(half * half + st * st));
 }
 
 }  // namespace
@@ -140,8 +142,13 @@ double sweep_block(ContactBlock& block, std::span<ContactBody> states) {
     const Vec3d u = a.motion_at(row.r_a) - b.motion_at(row.r_b);
     const double slip_s = row.gap[1] + dot(s, u) + row.tangent_softness * last[1];
     const double slip_t = row.gap[2] + dot(t, u) + row.tangent_softness * last[2];
-    row.impulse = block.within_limits({normal, last[1] - (row.mass_00 * slip_s + row.mass_01 * slip_t),
-                                       last[2] - (row.mass_01 * slip_s + row.mass_11 * slip_t)});
+    const ContactVector sticking{normal, last[1] - (row.mass_00 * slip_s + row.mass_01 * slip_t),
+                                 last[2] - (row.mass_01 * slip_s + row.mass_11 * slip_t)};
+    row.impulse = block.within_limits(sticking);
+    // Friction is opposite to the motion of a contact that slides, not to what would stop it.
+    if (row.impulse[1] != sticking[1] || row.impulse[2] != sticking[2])
+      row.impulse = block.within_limits(
+          {normal, last[1] - row.sliding_mass * slip_s, last[2] - row.sliding_mass * slip_t});
     const double ds = row.impulse[1] - last[1], dt = row.impulse[2] - last[2];
     const Vec3d drag = s * ds + t * dt;
     a.push(row.r_a, drag), b.push(row.r_b, -drag);

@@ -47,6 +47,7 @@ struct ContactRow {
   double normal_softness = 0, tangent_softness = 0;  ///< [1/kg]
   double normal_mass = 0;                            ///< 1 / (J M^-1 J^T + softness) [kg]
   double mass_00 = 0, mass_01 = 0, mass_11 = 0;      ///< likewise of the tangents
+  double sliding_mass = 0;                           ///< their least along any direction [kg]
 };
 
 /// A contact.

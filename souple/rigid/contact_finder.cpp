@@ -16,16 +16,23 @@ namespace {
 // A pair is fast if its sides may move against each other in a step by more than this part of the smaller side's inner
 // radius.
 constexpr double fast_ratio = 0.25;
+// A fast pair's contact is found again when its sides may have moved by more than this part of that radius.
+constexpr double moved_ratio = 0.02;
 // Contacts begin at this distance even if nothing moves, as a part of the smaller side's inner radius.
 constexpr double margin_ratio = 0.02;
+
+/// An upper bound of the path of a body's points about its center in `dt` seconds [m].
+double turn_of(const BodyVelocity& velocity, const RigidShape& shape, double dt) {
+  const double speed = length(velocity.angular);
+  return speed > 0 ? speed * dt * shape.radius() : 0;
+}
 
 /// An upper bound of the path of a body's points in `dt` seconds [m].
 double motion_of(const RigidBodies& bodies, std::uint32_t body, const RigidShape& shape, double dt,
                  double gravity) {
   const BodyVelocity& v = bodies.velocity[body];
   const double fall = moves(bodies, body) ? gravity * dt * dt : 0;
-  const double turn = length(v.angular);
-  return length(v.linear) * dt + fall + (turn > 0 ? turn * dt * shape.radius() : 0);
+  return length(v.linear) * dt + fall + turn_of(v, shape, dt);
 }
 
 Bounds box_of(const BodyPose& pose, const RigidShape& shape, double margin) {
@@ -92,7 +99,7 @@ void ContactFinder::append_pairs(std::uint32_t a, std::uint32_t b, std::span<con
   if (shapes[a].collider) return;
   Pair pair;
   pair.a = a, pair.b = b;
-  pair.fast = motion_[a] + motion_[b] > fast_ratio * min(shapes[a].inner_radius(), shapes[b].inner_radius());
+  pair.fast = motion_[a] + motion_[b] > fast_ratio * min(inner_[a], inner_[b]);
   const Shape* collider = shapes[b].collider;
   const bool several = collider && !std::holds_alternative<Plane>(*collider);
   for (pair.part_a = 0; pair.part_a < shapes[a].parts.size(); ++pair.part_a)
@@ -103,10 +110,12 @@ void ContactFinder::append_pairs(std::uint32_t a, std::uint32_t b, std::span<con
 
 void ContactFinder::find_pairs(const RigidBodies& bodies, std::span<const RigidShape> shapes,
                                const RigidMaterials& materials, double dt, double gravity) {
-  motion_.resize(bodies.size()), boxes_.resize(bodies.size());
+  motion_.resize(bodies.size()), boxes_.resize(bodies.size()), inner_.resize(bodies.size());
+  turn_.resize(bodies.size());
   for (std::uint32_t i = 0; i < bodies.size(); ++i) {
     motion_[i] = motion_of(bodies, i, shapes[i], dt, gravity);
-    const double rest = shapes[i].collider ? 0 : margin_ratio * shapes[i].inner_radius();
+    inner_[i] = shapes[i].inner_radius(), turn_[i] = turn_of(bodies.velocity[i], shapes[i], dt);
+    const double rest = shapes[i].collider ? 0 : margin_ratio * inner_[i];
     boxes_[i] = box_of(bodies.pose[i], shapes[i], motion_[i] + rest);
   }
   std::swap(pairs_, last_pairs_);
@@ -132,6 +141,10 @@ void ContactFinder::find_contact(std::size_t p, const RigidBodies& bodies, std::
   const ConvexShape& a = shapes[pair.a].parts[pair.part_a];
   const BodyPose &pose_a = bodies.pose[pair.a], &pose_b = bodies.pose[pair.b];
   const auto set = [&](std::size_t at, const Manifold& manifold) {
+    if (manifold.count == 0) {
+      contacts_[at].count = 0;
+      return;
+    }
     RigidContact contact = contact_of(manifold, pose_a, pose_b);
     contact.a = pair.a, contact.b = pair.b, contact.material = contacts_[at].material;
     keep_impulses(contact, contacts_[at]);
@@ -154,6 +167,7 @@ void ContactFinder::find_contact(std::size_t p, const RigidBodies& bodies, std::
 
 void ContactFinder::begin_step(const RigidBodies& bodies, std::span<const RigidShape> shapes,
                                const RigidMaterials& materials, double dt, double gravity, Threads& threads) {
+  dt_ = dt;
   find_pairs(bodies, shapes, materials, dt, gravity);
   std::swap(contacts_, last_contacts_);
   contacts_.assign(pairs_.size(), {});
@@ -170,19 +184,29 @@ void ContactFinder::begin_step(const RigidBodies& bodies, std::span<const RigidS
   threads.for_each(pairs_.size(), 8, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       const Pair& pair = pairs_[p];
-      const double inner = min(shapes[pair.a].inner_radius(), shapes[pair.b].inner_radius());
+      const double inner = min(inner_[pair.a], inner_[pair.b]);
       find_contact(p, bodies, shapes, motion_[pair.a] + motion_[pair.b] + margin_ratio * inner);
     }
   });
 }
 
+double ContactFinder::relative_motion(const Pair& pair, const RigidBodies& bodies) const {
+  const Vec3d u = bodies.velocity[pair.a].linear - bodies.velocity[pair.b].linear;
+  return length(u) * dt_ + turn_[pair.a] + turn_[pair.b];
+}
+
 void ContactFinder::refresh(const RigidBodies& bodies, std::span<const RigidShape> shapes, double part,
                             Threads& threads) {
-  threads.for_each(pairs_.size(), 8, [&](std::size_t begin, std::size_t end) {
+  for (std::size_t i = 0; i < bodies.size(); ++i) turn_[i] = turn_of(bodies.velocity[i], shapes[i], dt_);
+  threads.for_each(pairs_.size(), 32, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
-      const Pair& pair = pairs_[p];
+      Pair& pair = pairs_[p];
       if (!pair.fast) continue;
-      const double inner = min(shapes[pair.a].inner_radius(), shapes[pair.b].inner_radius());
+      const double inner = min(inner_[pair.a], inner_[pair.b]);
+      // The velocities are those at the end of the substep that has passed.
+      pair.moved += relative_motion(pair, bodies) * part;
+      if (pair.moved < moved_ratio * inner) continue;
+      pair.moved = 0;
       find_contact(p, bodies, shapes, (motion_[pair.a] + motion_[pair.b]) * 2 * part + margin_ratio * inner);
     }
   });
@@ -238,7 +262,8 @@ void ContactFinder::clear() {
 }
 
 std::size_t ContactFinder::bytes() const {
-  return sweep_.bytes() + bytes_of(boxes_, motion_, pairs_, last_pairs_, contacts_, last_contacts_);
+  return sweep_.bytes() +
+         bytes_of(boxes_, motion_, inner_, turn_, pairs_, last_pairs_, contacts_, last_contacts_);
 }
 
 }  // namespace souple

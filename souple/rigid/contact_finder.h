@@ -47,6 +47,7 @@ class ContactFinder {
     std::uint32_t a = 0, part_a = 0, b = 0, part_b = 0;
     std::uint32_t manifold = 0;  ///< of several with a signed distance field
     bool fast = false;           ///< moves far in a step
+    double moved = 0;            ///< at most, against each other since the contact was found [m]
     AxisCache axis{};
     auto key() const { return std::tuple(a, b, part_a, part_b, manifold); }
   };
@@ -55,6 +56,7 @@ class ContactFinder {
 
   void find_pairs(const RigidBodies& bodies, std::span<const RigidShape> shapes,
                   const RigidMaterials& materials, double dt, double gravity);
+  double relative_motion(const Pair& pair, const RigidBodies& bodies) const;
   void append_pairs(std::uint32_t a, std::uint32_t b, std::span<const RigidShape> shapes);
   void take_over(std::size_t pair);
   template <class AnyPair, class AnyContact, class Function>
@@ -65,6 +67,9 @@ class ContactFinder {
   BoxSweep sweep_;
   std::vector<Bounds> boxes_;   // per body, of its motion in the step
   std::vector<double> motion_;  // per body: largest path of its points in the step [m]
+  std::vector<double> inner_;   // per body: inner radius [m]
+  std::vector<double> turn_;    // per body: path of its points by its spin in the step [m]
+  double dt_ = 0;               // of the step [s]
   std::vector<Pair> pairs_, last_pairs_;
   std::vector<RigidContact> contacts_, last_contacts_;  // one per pair
 };

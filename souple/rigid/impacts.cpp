@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace souple {
 namespace {
@@ -31,6 +32,18 @@ struct Impact {
   Vec3d tangent{};
 };
 
+// Without restitution, contacts stop what approaches them by less than this part of its size in a substep: what turns
+// faster by an impact than its linearization holds is left to velocities.
+constexpr double fast_part = 0.25;
+
+/// From the point to the nearer center of a side that moves [m].
+double shorter_arm(const Impact& impact, const RigidContact& contact, const RigidBodies& bodies) {
+  double square = std::numeric_limits<double>::infinity();
+  if (moves(bodies, contact.a)) square = length_squared(impact.r_a);
+  if (moves(bodies, contact.b)) square = min(square, length_squared(impact.r_b));
+  return std::sqrt(square);
+}
+
 /// Whether the point is nearer than its sides approach each other within the substep.
 Impact impact_at(const RigidContact& contact, const RigidContactPoint& point, const RigidBodies& bodies,
                  const RigidSubstep& substep) {
@@ -41,7 +54,9 @@ Impact impact_at(const RigidContact& contact, const RigidContactPoint& point, co
                 .C = at.C};
   const Vec3d u = velocity_at(bodies, contact.a, impact.r_a) - velocity_at(bodies, contact.b, impact.r_b);
   impact.approach = -dot(at.n, u);
-  impact.bounces = impact.approach > substep.bounce_speed && at.C <= impact.approach * substep.h;
+  impact.bounces = impact.approach > substep.bounce_speed && at.C <= impact.approach * substep.h &&
+                   (contact.material.restitution > 0 ||
+                    impact.approach * substep.h > fast_part * shorter_arm(impact, contact, bodies));
   impact.closes = at.C <= max(impact.approach, substep.bounce_speed) * substep.h;
   return impact;
 }
@@ -85,8 +100,8 @@ void give_back_energy(std::span<const Impact> impacts, const RigidContact& conta
 
 /// Normal speed after an impact. The sides turn round where they are, at the distance C, but rise from it as if they had
 /// met at C = 0 and come back: v'^2 + 2 g C = e^2 (v^2 + 2 g C), with g the acceleration at which they approach.
-double rebound(double e, const Impact& impact, const RigidContact& contact, const RigidBodies& bodies,
-               const RigidSubstep& substep) {
+double restitution_speed(double e, const Impact& impact, const RigidContact& contact,
+                         const RigidBodies& bodies, const RigidSubstep& substep) {
   const double sides = (moves(bodies, contact.a) ? 1 : 0) - (moves(bodies, contact.b) ? 1 : 0);
   const double gain = -2 * sides * dot(impact.n, substep.gravity) * max(impact.C, 0.0);
   const double v = impact.approach;
@@ -99,7 +114,6 @@ void Impacts::prepare(std::span<const RigidContact> contacts, const RigidBodies&
   side_begin_.assign(bodies.size() + 1, 0);
   const auto for_each_side = [&](const auto& f) {
     for (std::uint32_t c = 0; c < contacts.size(); ++c) {
-      if (!(contacts[c].material.restitution > 0)) continue;
       for (const std::uint32_t body : {contacts[c].a, contacts[c].b})
         if (moves(bodies, body)) f(body, c);
     }
@@ -128,7 +142,7 @@ bool Impacts::collide(const RigidContact& contact, RigidBodies& bodies, const Ri
       Impact& impact = impacts[k];
       if (!impact.closes) continue;
       const Vec3d u = velocity_at(bodies, contact.a, impact.r_a) - velocity_at(bodies, contact.b, impact.r_b);
-      const double target = impact.bounces ? rebound(e, impact, contact, bodies, substep) : 0.0;
+      const double target = impact.bounces ? restitution_speed(e, impact, contact, bodies, substep) : 0.0;
       const double normal = max(impact.normal + (target - dot(impact.n, u)) * impact.normal_mass, 0.0);
       const Vec3d slip = tangential(u, impact.n);
       const Vec3d tangent = within_friction(tangential(impact.tangent, impact.n) - slip * impact.tangent_mass,
@@ -150,7 +164,7 @@ void Impacts::bounce(std::span<const RigidContact> contacts, RigidBodies& bodies
   impacts_.reserve(contacts.size()), next_impacts_.reserve(contacts.size());
   waits_.assign(contacts.size(), 1);  // those without points, forever
   for (std::uint32_t c = 0; c < contacts.size(); ++c)
-    if (contacts[c].count > 0 && contacts[c].material.restitution > 0) impacts_.push_back(c);
+    if (contacts[c].count > 0) impacts_.push_back(c);
   for (int sweep = 0; !impacts_.empty() && sweep < most_sweeps; ++sweep) {
     next_impacts_.clear();
     for (const std::uint32_t c : impacts_) waits_[c] = 0;

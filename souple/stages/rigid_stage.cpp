@@ -45,7 +45,8 @@ BodyPose pose_of(const Transform& transform) {
 RigidSubstep of_contacts(const StageView& stage, const Substep& substep) {
   constexpr double depenetration_speed = 1.5;  // of a fall by 11 cm [m/s]
   const auto h = static_cast<double>(substep.h);
-  return {h, substep.iterations, depenetration_speed, 2 * length(Vec3d(stage.settings.gravity)) * h};
+  const Vec3d gravity(stage.settings.gravity);
+  return {h, substep.iterations, depenetration_speed, 2 * length(gravity) * h, gravity};
 }
 
 }  // namespace

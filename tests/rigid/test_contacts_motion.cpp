@@ -138,9 +138,7 @@ double rise_again(const Kind& kind, double restitution) {
 }
 
 TEST_P(Bounce, RisesToTheSquareOfTheRestitution) {
-  // It turns round above the plane, up to one substep's way too early: at e = 0.3, 2.1 % of the height.
-  EXPECT_NEAR(rise_again(GetParam(), 0.3) / 0.09, 1, 0.025);
-  for (const double e : {0.5, 0.8, 1.0})
+  for (const double e : {0.3, 0.5, 0.8, 1.0})
     EXPECT_NEAR(rise_again(GetParam(), e) / (e * e), 1, 0.02) << "e " << e;
 }
 
@@ -169,8 +167,6 @@ TEST(RigidImpact, FreeBodiesThatHitOffCenterKeepTheirMomenta) {
   for (const float e : {0.0f, 0.5f, 1.0f})
     for (const float friction : {0.0f, 0.5f})
       for (int k = 0; k < 5; ++k) {
-        // Without restitution and friction they keep touching and slide: the solver keeps momentum approximately.
-        const bool slides = e == 0 && friction == 0;
         RigidScene scene;
         scene.gravity = {};
         scene.material.friction = friction, scene.material.restitution = e;
@@ -185,7 +181,6 @@ TEST(RigidImpact, FreeBodiesThatHitOffCenterKeepTheirMomenta) {
         for (int f = 0; f < 60; ++f) scene.step(), highest = std::max(highest, scene.energy());
         EXPECT_LT(scene.bodies.velocity[0].linear.x, 3) << "they hit";
         EXPECT_LT(highest / energy - 1, 2e-4);
-        if (slides) continue;
         EXPECT_LT(length(scene.momentum() - momentum), 1e-9 * length(momentum));
         EXPECT_LT(length(scene.angular_momentum() - turn), 1e-9 * length(turn));
       }

@@ -48,6 +48,28 @@ TEST(RigidBodies, AStackStandsAndFallsAsleep) {
   }
 }
 
+TEST(RigidBodies, ACardHouseAndAWallFallAsleep) {
+  World world = on_the_ground();
+  Settings settings = world.settings();
+  settings.sleeping.enabled = true;
+  world.set_settings(settings);
+  std::vector<ObjectId> bodies;
+  // Cards of 14 cm that lean against each other by 0.35 rad.
+  for (const int side : {-1, 1}) {
+    ObjectOptions options = at(side * 0.024943, 0.066099, 0);
+    options.transform.rotation = Quatd::from_axis_angle({0, 0, 1}, side * 0.35);
+    bodies.push_back(world.add_rigid_body(Box{{}, {0.001f, 0.07f, 0.05f}}, {}, options));
+  }
+  for (int layer = 0; layer < 6; ++layer)
+    for (int k = 0; k < 4; ++k)
+      bodies.push_back(world.add_rigid_body(Box{{}, {0.2f, 0.1f, 0.1f}}, {},
+                                            at(2 + 0.402 * k + 0.19 * (layer % 2), 0.1 + 0.2 * layer, 0)));
+  run(world, 3);
+  for (const ObjectId body : bodies) EXPECT_TRUE(world.is_asleep(body)) << body.value;
+  EXPECT_NEAR(world.rigid_body(bodies[0]).pose.translation.y, 0.066099, 1e-4);
+  EXPECT_NEAR(world.rigid_body(bodies.back()).pose.translation.y, 1.1, 1e-4);
+}
+
 TEST(RigidBodies, TheirVerticesMoveWithThem) {
   World world;
   ObjectOptions options = at(0, 5, 0);
