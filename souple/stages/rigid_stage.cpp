@@ -24,6 +24,9 @@ constexpr double decay_of_shown = 0.95;
 // A body that is held keeps this part of its velocity in a substep: it goes on once what it pinches has moved away, and no
 // force that presses on it makes it faster than in ten substeps of free fall.
 constexpr double held_part = 0.9;
+// Contacts and joints take turns, joints last. A crate on a bridge of planks sinks into it by 1.7 mm after one turn, 0.4 mm
+// after two, 0.05 mm after four.
+constexpr int rounds_with_joints = 4;
 // So many particles may be touched for the first time: the corners of a box.
 constexpr double least_shown = 8;
 
@@ -354,8 +357,10 @@ void RigidStage::solve(const StageView& stage, const Substep& substep) {
   for (Record& record : records_)
     record.shown = max(static_cast<double>(record.touched), record.shown * decay_of_shown);
   joints_.project(bodies_);
-  solver_.solve(finder_.contacts(), bodies_, of_contacts(stage, substep), stage.threads);
-  joints_.project(bodies_);
+  for (int round = 0; round < (joints_.empty() ? 1 : rounds_with_joints); ++round) {
+    solver_.solve(finder_.contacts(), bodies_, of_contacts(stage, substep), stage.threads);
+    joints_.project(bodies_);
+  }
   if (joints_.end_substep()) invalidate();  // what was joined collides
   for (std::size_t k = 0; k < records_.size(); ++k) {
     if (!is_awake(k)) continue;

@@ -173,6 +173,32 @@ TEST(WorldJoints, AMovingColliderTakesABodyAlong) {
   EXPECT_LT(length(world.rigid_body(load).pose.translation - Vec3d{1, 0, 0}), 1.001);
 }
 
+// Planks between two banks, and a crate that lies on them.
+TEST(WorldJoints, ABridgeCarriesACrate) {
+  World world = on_the_ground();
+  constexpr int planks = 8;
+  JointSide before;
+  for (int i = 0; i < planks; ++i) {
+    const double x = -0.7 + 0.2 * i;
+    const ObjectId plank = world.add_rigid_body(Box{{}, {0.095f, 0.02f, 0.3f}}, {}, at(x, 1, 0));
+    const joint::Hinge hinge{
+        .rotation = {.spring = joint::Spring{.compliance = joint::unlimited, .damping = 0.5}}};
+    world.add_joint(before, plank, hinge, {.point = {x - 0.1, 1, 0}, .axis = {0, 0, 1}});
+    before = plank;
+  }
+  // 5 % longer than straight, so that the planks hang through.
+  world.add_joint(before, {}, joint::Distance{.longest = 0.08},
+                  {.point = {0.8, 1, 0}, .point_b = Vec3d{0.86, 1, 0}});
+  const ObjectId crate = world.add_rigid_body(Box{{}, {0.1f, 0.1f, 0.1f}}, {}, at(0, 1.13, 0));
+  run(world, 8);
+  const RigidBodyState state = world.rigid_body(crate);
+  EXPECT_GT(state.pose.translation.y, 0.7);
+  EXPECT_LT(state.pose.translation.y, 1.13);
+  EXPECT_LT(length(state.velocity), 0.1);
+  EXPECT_LT(world.report().deepest_contact, 2e-4);
+  EXPECT_LT(largest_error(world), 1e-4 * 0.2);
+}
+
 TEST(WorldJoints, AnIslandOfJointsFallsAsleepTogether) {
   World world = on_the_ground();
   Settings settings = world.settings();
