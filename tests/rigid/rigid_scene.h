@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -38,6 +39,8 @@ class RigidScene {
   RigidBodies bodies;
   OneMaterial material;
   Vec3d gravity{0, -g, 0};
+  /// If set, moves bodies after contacts were solved, which are then solved again.
+  std::function<void(RigidBodies&)> between;
 
   /// Mass 0: forces do not move the body.
   std::uint32_t add(ConvexShape shape, double mass, const Vec3d& inertia, const Vec3d& position,
@@ -93,6 +96,10 @@ class RigidScene {
       solver_.bounce(finder_.contacts(), bodies, substep);
       predict_bodies(bodies, gravity, h, predicted_);
       solver_.solve(finder_.contacts(), bodies, substep, *threads_);
+      if (between) {
+        between(bodies);
+        solver_.solve(finder_.contacts(), bodies, substep, *threads_);
+      }
       finish_bodies(bodies, predicted_, h);
     }
   }

@@ -186,6 +186,32 @@ TEST(RigidImpact, FreeBodiesThatHitOffCenterKeepTheirMomenta) {
       }
 }
 
+TEST(RigidImpact, ContactsAreSolvedAgainWhereTheyWereLeft) {
+  RigidScene once, twice;
+  twice.between = [](RigidBodies&) {};
+  for (RigidScene* scene : {&once, &twice}) {
+    scene->box({0.1, 0.1, 0.1}, {0, 0.1, 0});
+    scene->box({0.1, 0.1, 0.1}, {0.02, 0.32, 0});
+    scene->plane();
+    scene->bodies.velocity[1].linear = {0.5, 0, 0};
+    scene->run(1);
+  }
+  EXPECT_LT(farthest(once.bodies.pose, twice.bodies.pose), 1e-4);
+}
+
+TEST(RigidImpact, ContactsTakeBackWhatOthersMovedBetweenTheirSolves) {
+  RigidScene scene;
+  scene.box({0.1, 0.1, 0.1}, {0, 0.1, 0});
+  scene.box({0.1, 0.1, 0.1}, {0, 0.3, 0});
+  scene.plane();
+  scene.run(0.5);
+  // As by a joint that pulls with 100 times the weight of a box.
+  scene.between = [](RigidBodies& bodies) { bodies.pose[1].position.y -= 100 * RigidScene::g / 360000; };
+  scene.run(0.5);
+  EXPECT_LT(scene.deepest(), 1e-4);
+  EXPECT_NEAR(scene.bodies.pose[1].position.y, 0.3, 1e-4);
+}
+
 TEST(RigidImpact, NothingFallsThroughAPlaneAt500MetersPerSecond) {
   for (const Kind& kind : {box, ball, standing_cylinder, lying_capsule})
     for (int k = 0; k < 8; ++k) {
