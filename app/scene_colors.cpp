@@ -16,6 +16,14 @@ void color(Items& items, std::string_view name, const std::optional<std::uint32_
   }
 }
 
+/// Makes the item of this name glass if the scene says so.
+template <class Items>
+void set_look(Items& items, std::string_view name, SurfaceLook look) {
+  for (auto& item : items) {
+    if (item.name == name) item.glass = look == SurfaceLook::glass;
+  }
+}
+
 void remove_collider(std::vector<render::ColliderBody>& colliders, std::string_view name) {
   const auto has_name = [&](const auto& collider) { return collider.name == name; };
   colliders.erase(std::remove_if(colliders.begin(), colliders.end(), has_name), colliders.end());
@@ -24,10 +32,14 @@ void remove_collider(std::vector<render::ColliderBody>& colliders, std::string_v
 }  // namespace
 
 void add_colors(const SceneDescription& scene, render::Subject& subject) {
-  for (const AnyObjectDescription& object : scene.objects)
+  for (const AnyObjectDescription& object : scene.objects) {
     color(subject.bodies, common(object).name, common(object).color);
+    if (const auto* obstacle = std::get_if<ObstacleDescription>(&object))
+      set_look(subject.bodies, obstacle->name, obstacle->look);
+  }
   for (const ColliderDescription& collider : scene.colliders) {
     color(subject.colliders, collider.name, collider.color);
+    set_look(subject.colliders, collider.name, collider.look);
     if (!collider.show) remove_collider(subject.colliders, collider.name);
   }
 }

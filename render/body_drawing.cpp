@@ -174,8 +174,8 @@ void BodyDrawing::set_colors(const Body& body, std::span<const float> rope_strai
 
 void BodyDrawing::draw_surface(const Body& body, std::uint32_t pick, const DrawContext& context) {
   const Look seen = look(context);
-  if (seen.checker_size > 0 && traits().shape == ObjectShape::surface && !traits().driven &&
-      checker_.texture.empty() && body.rest.size() == vertices_) {
+  const bool woven = traits().shape == ObjectShape::surface && !traits().driven && !traits().rigid;
+  if (seen.checker_size > 0 && woven && checker_.texture.empty() && body.rest.size() == vertices_) {
     checker_ = cloth_checker(body.rest, body.triangles);
     ++topology_;
   }
@@ -189,7 +189,7 @@ void BodyDrawing::draw_surface(const Body& body, std::uint32_t pick, const DrawC
   surface.triangles = creased ? creased_.triangles() : body.triangles;
   surface.texture = checker_.texture;
   surface.colors = colors_;
-  surface.look = seen;
+  surface.look = body.glass && context.options.display <= Display::wireframe ? glass_look(chosen_) : seen;
   if (checker_.texture.empty()) surface.look.checker_size = 0;
   surface.wireframe = context.options.wireframe || context.options.display == Display::wireframe;
   surface.pick = pick;
@@ -236,8 +236,8 @@ void BodyDrawing::draw_liquid(const Body& body, std::uint32_t pick, const DrawCo
   foam.key = key_;
   foam.version = version_;
   foam.centers = body.foam;
-  foam.radius = 0.2f * spacing;
-  foam.opacity = 0.4f;
+  foam.radius = 0.16f * spacing;
+  foam.opacity = 0.38f;
   context.list.foams.push_back(foam);
 }
 

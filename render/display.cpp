@@ -101,9 +101,12 @@ Value value_of(const std::array<std::string_view, n>& names, std::string_view na
   throw Error(missing + (" '" + std::string(name)) + "'; expected one of: " + known);
 }
 
-/// Half a meter for scenes of a few meters; larger and smaller scenes in powers of two.
+/// Edge of the floor's slabs: 1, 2 or 5 times a power of ten, so that it gives scale; 0.5 m for scenes of a few
+/// meters.
 float tile_for(float radius) {
-  return 0.5f * std::exp2(std::round(std::log2(std::clamp(radius, 1e-3f, 1e4f) / 2)));
+  const float wanted = 0.3f * std::clamp(radius, 1e-3f, 1e4f);
+  const float ten = std::pow(10.0f, std::floor(std::log10(wanted))), part = wanted / ten;
+  return ten * (part < 1.5f ? 1.0f : (part < 3.5f ? 2.0f : (part < 7.5f ? 5.0f : 10.0f)));
 }
 
 }  // namespace
@@ -242,7 +245,7 @@ void SubjectDrawing::Impl::draw_collider(const ColliderBody& collider, std::uint
   surface.normals = drawing.mesh.normals;
   surface.triangles = drawing.mesh.triangles;
   surface.pose = collider.pose;
-  surface.look = collider_look(collider.color);
+  surface.look = collider.glass ? glass_look(collider.color) : collider_look(collider.color);
   // A tank's walls are seen from inside only: the front walls do not hide its content.
   surface.one_sided = std::holds_alternative<Plane>(*collider.shape);
   surface.pick = pick;

@@ -17,14 +17,22 @@
 
 namespace souple::render {
 
+/// A print of two colors on fields of Look::checker_size; shaders/pattern.glsl draws it.
+enum class Pattern { checker, stripes, plaid, dots, strands };
+
 /// Appearance of a surface.
 struct Look {
   Color color = srgb(0xc8c8c8);
-  Color second = srgb(0xc8c8c8);  ///< color of every other field of the checker
-  float checker_size = 0;         ///< edge of a field, in units of Surface::texture [m]; 0: only `color`
-  float roughness = 0.55f;        ///< GGX, in (0, 1]
-  float metalness = 0;            ///< in [0, 1]
-  float sheen = 0;                ///< light scattered at grazing angles, as by cloth, in [0, 1]
+  Color second = srgb(0xc8c8c8);  ///< second color of the pattern
+  Pattern pattern = Pattern::checker;
+  float checker_size = 0;   ///< edge of a field, in units of Surface::texture [m]; 0: only `color`
+  float weave = 0;          ///< contrast of woven threads over the pattern, in [0, 1]
+  float roughness = 0.55f;  ///< GGX, in (0, 1]
+  float metalness = 0;      ///< in [0, 1]
+  float sheen = 0;          ///< light scattered at grazing angles, as by cloth, in [0, 1]
+  float translucency =
+      0;  ///< light spread under the surface, as in jelly, in [0, 1]; excludes sheen and metalness
+  bool glass = false;  ///< transparent, tinted by `color`, without shadow
 };
 
 /// Triangles, two-sided by default. The renderer keeps their buffers on the GPU between pictures, under
@@ -111,17 +119,21 @@ struct Label {
 /// The infinite floor y = height.
 struct Ground {
   bool shown = true;
-  float height = 0;  ///< m
-  Color color = srgb(0xc2c6cb), second = srgb(0xb8bdc3);
-  float tile = 0.5f;  ///< m
+  float height = 0;                                       ///< m
+  Color color = srgb(0x80786d), second = srgb(0x5f5a52);  ///< range of the concrete's colors
+  float tile = 0.5f;                                      ///< edge of a slab [m]
 };
 
-/// The sun and the sky.
+/// Color of sunlight: warmer than the sky, so shadows look cool. As sun_color in lighting.glsl.
+inline constexpr Color sun_color{1.10f, 1.0f, 0.86f};
+
+/// The sun and the sky. Sunlight is about four times the light of the sky on a level surface.
 struct Light {
-  Vec3f to_sun{-0.35f, 0.85f, 0.5f};  ///< need not be a unit vector
-  float sun = 3.0f;                   ///< irradiance, relative to the exposure
-  float sun_size = 2.5f;              ///< apparent radius [degrees]: the softness of shadows
-  Color sky = srgb(0xbfd4ee), horizon = srgb(0xeef2f6), floor = srgb(0x9a9894);
+  Vec3f to_sun{-0.45f, 0.8f, 0.5f};  ///< need not be a unit vector
+  float sun = 4.0f;                  ///< irradiance, relative to the exposure
+  float sun_size = 2.5f;             ///< apparent radius [degrees]: the softness of shadows
+  Color sky{0.12f, 0.25f, 0.52f}, horizon{0.92f, 0.80f, 0.66f};  ///< radiance at zenith and horizon
+  Color floor{0.12f, 0.11f, 0.10f};  ///< radiance below the horizon where there is no floor
 };
 
 struct DrawList {

@@ -10,6 +10,9 @@ namespace {
 
 const Color linen = srgb(0xf4ede0), hemp = srgb(0xe8d9bd);
 
+/// The prints of cloths, by their index in the palette.
+constexpr std::array prints{Pattern::checker, Pattern::stripes, Pattern::plaid, Pattern::dots};
+
 /// Hash of an index as a number in [0, 1), equal on every machine. The mixing is that of SplitMix64.
 float noise(std::uint64_t index) {
   std::uint64_t z = (index + 1) * 0x9e3779b97f4a7c15u;
@@ -22,13 +25,14 @@ struct LiquidKind {
   Color left;        // white light after a typical path through the liquid
   Color particles;   // color of particles drawn individually
   float cloudiness;  // approximate fraction of light scattered on that path
+  float strength;    // 1 over the length of that path, in halves of the edge of the liquid's cube
   float refractive_index;
 };
 
 // Refractive indices: CRC handbook.
-const LiquidKind water{srgb(0x9cd3ec), srgb(0x3f8fd0), 0, 1.333f};
-const LiquidKind oil{srgb(0xefc94a), srgb(0xd9ae2b), 0.1f, 1.47f};
-const LiquidKind honey{srgb(0xe3a23a), srgb(0xc07a1a), 0.25f, 1.49f};
+const LiquidKind water{srgb(0x9cd3ec), srgb(0x3f8fd0), 0.05f, 1, 1.333f};
+const LiquidKind oil{srgb(0xefc94a), srgb(0xd9ae2b), 0.1f, 1, 1.47f};
+const LiquidKind honey{srgb(0xf0a526), srgb(0xc07a1a), 0.18f, 3, 1.49f};
 
 const LiquidKind& liquid_kind(float density) {
   if (density > 1200) return honey;
@@ -53,14 +57,21 @@ Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Color>&
     const Color blue = chosen.value_or(water.particles);
     return {.color = blue, .second = blue, .roughness = 0.2f};
   }
+  if (traits.rigid) return {.color = color, .second = color, .roughness = 0.35f};
   switch (traits.shape) {
     case ObjectShape::surface:
-      return {.color = color, .second = mix(color, linen, 0.86f), .roughness = 0.8f, .sheen = 0.4f};
+      return {.color = color,
+              .second = mix(color, linen, 0.86f),
+              .pattern = prints.at(index % prints.size()),
+              .weave = 1,
+              .roughness = 0.8f,
+              .sheen = 0.4f};
     case ObjectShape::solid:
-      return {.color = color, .second = color, .roughness = 0.3f};
+      return {.color = color, .second = color, .roughness = 0.22f, .translucency = 0.7f};
     case ObjectShape::line:
       return {.color = chosen.value_or(hemp),
               .second = mix(color, hemp, 0.15f),
+              .pattern = Pattern::strands,
               .roughness = 0.7f,
               .sheen = 0.2f};
     case ObjectShape::balls:
@@ -74,8 +85,8 @@ LiquidLook liquid_look(float density, float path_length, const std::optional<Col
   const LiquidKind& kind = liquid_kind(density);
   const Color left = chosen.value_or(kind.left);
   LiquidLook look;
-  look.absorption = absorption_of(left, path_length);
-  look.scattering = Vec3f{left.r, left.g, left.b} * (kind.cloudiness / path_length);
+  look.absorption = absorption_of(left, path_length / kind.strength);
+  look.scattering = Vec3f{left.r, left.g, left.b} * (kind.cloudiness * kind.strength / path_length);
   look.refractive_index = kind.refractive_index;
   return look;
 }
@@ -97,6 +108,11 @@ Look measured_look() {
 Look collider_look(const std::optional<Color>& chosen) {
   const Color color = chosen.value_or(srgb(0xcfd1d3));
   return {.color = color, .second = color, .roughness = 0.6f};
+}
+
+Look glass_look(const std::optional<Color>& chosen) {
+  const Color tint = mix(chosen.value_or(srgb(0xd8ece6)), {1, 1, 1}, 0.75f);
+  return {.color = tint, .second = tint, .roughness = 0.2f, .glass = true};
 }
 
 Look pin_look() {

@@ -19,6 +19,8 @@ Look pale(const Look& look);
 /// For objects with colors per vertex: a neutral look, so that only these colors show.
 Look measured_look();
 Look collider_look(const std::optional<Color>& chosen = {});
+/// `chosen` tints the glass.
+Look glass_look(const std::optional<Color>& chosen = {});
 Look pin_look();
 
 /// The look of a liquid through which light travels about `path_length` meters. `chosen` is the color of

@@ -15,6 +15,7 @@
 #include "render/passes/shadow.h"
 #include "render/passes/spheres.h"
 #include "render/passes/surfaces.h"
+#include "render/sky.h"
 #include "souple/error.h"
 
 #include <algorithm>
@@ -30,6 +31,7 @@ namespace souple::render {
 namespace {
 
 constexpr int max_side = 8192;
+constexpr float haze_reach = 20;  ///< distance at which haze hides the floor, in radii of the scene
 
 void require_extensions() {
   const int version = epoxy_gl_version();
@@ -117,6 +119,14 @@ Vec4 vec4(const Color& c, float scale) {
   return {c.r * scale, c.g * scale, c.b * scale, scale};
 }
 
+void set_sky(Frame& frame, const Sky& sky, float exposure) {
+  frame.sky = vec4(sky.zenith * exposure, exposure);
+  frame.horizon = vec4(sky.horizon * exposure, exposure);
+  frame.floor_light = vec4(sky.floor * exposure, exposure);
+  frame.irradiance = sky_irradiance(sky);
+  for (Vec4& c : frame.irradiance) c = {c.x * exposure, c.y * exposure, c.z * exposure, 0};
+}
+
 void require_size(int width, int height) {
   if (width >= 1 && height >= 1 && width <= max_side && height <= max_side) return;
   throw Error(
@@ -170,6 +180,7 @@ struct Renderer::Impl {
   PassContext begin_picking(const DrawList& list, const Camera& camera, int width, int height);
   void draw_material(const DrawList& list, const PassContext& context);
   void draw_lighting();
+  void draw_glass(PassContext context);
   void draw_lines(const DrawList& list, const PassContext& context);
   void draw_sample(const DrawList& list, const PassContext& context, const Frame& frame,
                    const RenderOptions& options);
@@ -214,15 +225,14 @@ Frame Renderer::Impl::frame(const DrawList& list, const Camera& camera, const Re
   f.eye = vec4(camera.from, 1);
   f.size = {w, h, 1 / w, 1 / h};
   f.to_sun = vec4(normalized(list.light.to_sun), list.light.sun * options.exposure);
-  f.sky = vec4(list.light.sky, options.exposure);
-  f.horizon = vec4(list.light.horizon, options.exposure);
-  f.floor_light = vec4(list.light.floor, options.exposure);
+  set_sky(f, sky_of(list.light, list.ground), options.exposure);
   const float reach = std::max(bounds.radius(), camera.distance());
   f.ground = {list.ground.height, std::max(list.ground.tile, 1e-6f), list.ground.shown ? 1.0f : 0.0f,
-              8 * reach};
+              haze_reach * reach};
   f.ground_color = vec4(list.ground.color, 1);
   f.ground_second = vec4(list.ground.second, 1);
   f.sun_size.y = options.samples > 1 ? 1.5f / std::sqrt(float(options.samples)) : 1.0f;
+  f.sun_size.z = options.tone_curve ? 1.0f : 0.0f;
   f.sample_info = {float(sample), float(options.samples), options.samples > 1 ? offset[0] : 0.0f, 0};
   OcclusionPass::aim(f, bounds, options.ambient_occlusion);
   return f;
@@ -265,6 +275,18 @@ void Renderer::Impl::draw_lighting() {
   glDepthMask(GL_TRUE);
 }
 
+void Renderer::Impl::draw_glass(PassContext context) {
+  context.target = Target::glass;
+  context.over_liquids = !liquid_splats.empty();
+  if (context.over_liquids) liquids.bind_surface();
+  targets->lighting.bind();
+  glDepthMask(GL_FALSE);
+  glEnable(GL_DEPTH_TEST);
+  surfaces.draw(context);
+  glDisable(GL_DEPTH_TEST);
+  glDepthMask(GL_TRUE);
+}
+
 void Renderer::Impl::draw_lines(const DrawList& list, const PassContext& context) {
   targets->lighting.bind();
   glDepthMask(GL_FALSE);
@@ -287,6 +309,8 @@ void Renderer::Impl::draw_sample(const DrawList& list, const PassContext& contex
   if (!liquid_splats.empty())
     liquids.draw(liquid_splats, bounds_of_liquids(list), {targets->normal, targets->depth, targets->lighting},
                  context, options, shadow, empty_array, clock);
+  if (surfaces.has_glass()) draw_glass(context);
+  clock.done("glass");
   draw_lines(list, context);
   clock.done("lines");
 }

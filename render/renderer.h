@@ -33,6 +33,8 @@ struct RenderOptions {
   /// 1 for a window, 16 and more for a still image without aliasing. Deterministic.
   int samples = 1;
   float exposure = 1;
+  /// The filmic curve; without it pixels are linear up to radiance 1, for measurements.
+  bool tone_curve = true;
   LiquidFilter liquid_filter = LiquidFilter::narrow_range;
   /// Steps of curvature flow, or passes of the narrow-range filter; 0: 40 or 2. The amount of smoothing does
   /// not depend on it, nor on the size of the picture: more steps are only more accurate.

@@ -27,6 +27,7 @@ struct Body {
   float density = 0;             ///< of fluids; 0: unknown [kg/m^3]
   std::span<const Vec3f> foam;   ///< set for the first fluid only: spray, foam and bubbles of all fluids [m]
   std::optional<Color> color{};  ///< empty: a color of the palette
+  bool glass = false;            ///< of obstacles: transparent
 };
 
 struct ColliderBody {
@@ -35,6 +36,7 @@ struct ColliderBody {
   const Shape* shape = nullptr;
   Transform pose{};              ///< current pose
   std::optional<Color> color{};  ///< empty: light gray
+  bool glass = false;            ///< transparent
 };
 
 /// Content of a picture. Spans refer to the world or the cache, which must stay unchanged until the picture

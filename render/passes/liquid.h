@@ -30,6 +30,8 @@ class LiquidPass {
             const PassContext& context, const RenderOptions& options, const ShadowPass& shadow,
             const gl::VertexArray& empty_array, PassClock& clock);
 
+  /// Binds the surface of the last `draw`.
+  void bind_surface() const { targets_->surface.bind(gl::Unit::liquid_depth); }
   /// Results of the last `draw`, as in LiquidImage.
   std::vector<float> read_depth() const;
   std::vector<float> read_thickness() const;

@@ -6,6 +6,8 @@ std::string target_define(Target target) {
   switch (target) {
     case Target::material:
       return "TARGET_MATERIAL";
+    case Target::glass:
+      return "TARGET_GLASS";
     case Target::depth:
       return "TARGET_DEPTH";
     case Target::pick:

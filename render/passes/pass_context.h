@@ -5,6 +5,7 @@
 #include "render/gl/program.h"
 #include "render/mat4.h"
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@
 //              tone-maps it                                      -> color (linear)
 //   liquids    over that color, if there are any: the depth of their particles, smoothed; their thickness;
 //              shading with the image behind (see liquid.h; their shadow is drawn after the other shadows)
+//   glass      over that color, behind liquids only where these are farther
 //   lines      over that color, hidden by that depth
 // Finally the samples' mean (or, for one sample, the color with smoothed edges) is sRGB-encoded into the
 // caller's framebuffer, and labels are drawn over it. A pass that draws geometry has one fragment
@@ -27,10 +29,11 @@ namespace souple::render {
 /// Render targets.
 enum class Target {
   material,  ///< TARGET_MATERIAL: write_material() of material.glsl
+  glass,     ///< TARGET_GLASS: transparent surfaces, blended over the lit picture
   depth,     ///< TARGET_DEPTH: depth only, seen from the sun
   pick       ///< TARGET_PICK: layout(location = 0) out uvec2 of pick and element
 };
-inline constexpr int target_count = 3;
+inline constexpr int target_count = 4;
 std::string target_define(Target target);
 
 /// The uniform block of frame.glsl (std140), shared by all shaders of a pass: the renderer binds it before
@@ -43,13 +46,15 @@ struct Frame {
   Vec4 eye;                        ///< world; w: 1
   Vec4 size;                       ///< width, height, 1 / width, 1 / height [pixels]
   Vec4 to_sun;                     ///< unit; w: irradiance times exposure
-  Vec4 sky, horizon, floor_light;  ///< light from above, from the sides and from below, times exposure
+  Vec4 sky, horizon, floor_light;  ///< radiance of zenith, horizon and floor, times exposure
   Vec4 shadow_size;  ///< edge of the cube that the map covers [m], 0, width of a texel [m], 1: on
-  Vec4 sun_size;     ///< tangent of the sun's apparent radius; fraction of the softness that is blurred
-  Vec4 ground;       ///< height, edge of a tile [m], 1: shown, distance at which haze hides it [m]
+  Vec4
+      sun_size;  ///< tangent of the sun's apparent radius; fraction of the softness that is blurred; 1: tone curve on
+  Vec4 ground;  ///< height, edge of a tile [m], 1: shown, distance at which haze hides it [m]
   Vec4 ground_color, ground_second;
   Vec4 sample_info;  ///< index, count, a number in [0, 1) that differs between samples, 1: occlusion on
   Vec4 occlusion;    ///< radius [m], strength
+  std::array<Vec4, 9> irradiance;  ///< of sky and floor, see sky.h; times exposure
 };
 
 /// Arguments of passes, in addition to the uniform block.
@@ -58,6 +63,7 @@ struct PassContext {
   Target target = Target::material;
   Mat4 view, projection;  ///< as in Frame
   Vec3f eye{};
+  bool over_liquids = false;  ///< target glass: liquids are drawn, and their depth is bound
 };
 
 /// Draws a triangle that covers the screen; the vertex shader is screen.vert.glsl.

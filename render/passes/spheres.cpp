@@ -3,6 +3,7 @@
 #include "render/gl/vertex_array.h"
 #include "render/srgb.h"
 
+#include <algorithm>
 #include <array>
 #include <unordered_map>
 #include <vector>
@@ -80,8 +81,12 @@ struct SpheresPass::Impl {
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, item.buffers->count);
   }
 
-  std::array<gl::Program, target_count> programs{make(Target::material), make(Target::depth),
-                                                 make(Target::pick)};
+  static constexpr std::array targets{Target::material, Target::depth, Target::pick};
+  const gl::Program& program_for(Target target) const {
+    return programs.at(std::size_t(std::find(targets.begin(), targets.end(), target) - targets.begin()));
+  }
+
+  std::array<gl::Program, targets.size()> programs{make(targets[0]), make(targets[1]), make(targets[2])};
   std::unordered_map<std::uint64_t, Buffers> buffers;  // by key
   std::vector<Item> items;
   std::uint64_t frame = 0;
@@ -104,7 +109,7 @@ void SpheresPass::update(std::span<const Spheres> spheres) {
 }
 
 void SpheresPass::draw(const PassContext& context) {
-  const gl::Program& program = impl_->programs.at(std::size_t(context.target));
+  const gl::Program& program = impl_->program_for(context.target);
   program.use();
   for (const Item& item : impl_->items) {
     if (is_drawn(*item.spheres, context.target)) Impl::draw(item, program);

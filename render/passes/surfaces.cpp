@@ -105,7 +105,9 @@ void upload_changes(Buffers& buffers, const Surface& surface) {
 }
 
 bool is_drawn(const Surface& surface, Target target) {
-  if (target == Target::depth) return surface.casts_shadow;
+  if (target == Target::glass) return surface.look.glass;
+  if (target == Target::material) return !surface.look.glass;
+  if (target == Target::depth) return surface.casts_shadow && !surface.look.glass;
   if (target == Target::pick) return surface.pick != 0;
   return true;
 }
@@ -114,8 +116,8 @@ bool is_drawn(const Surface& surface, Target target) {
 
 struct SurfacesPass::Impl {
   // By target, then without and with wireframe.
-  std::array<std::array<gl::Program, 2>, target_count> programs{make(Target::material), make(Target::depth),
-                                                                make(Target::pick)};
+  std::array<std::array<gl::Program, 2>, target_count> programs{make(Target::material), make(Target::glass),
+                                                                make(Target::depth), make(Target::pick)};
   std::unordered_map<std::uint64_t, Buffers> buffers;  // by key
   std::vector<Item> items;
   std::uint64_t frame = 0;
@@ -155,9 +157,9 @@ void SurfacesPass::Impl::draw(const Item& item, const gl::Program& program) cons
   program.set("color_second", look.second);
   const float checker = item.buffers->has_texture ? look.checker_size : 0;
   program.set("look", Vec4{look.roughness, look.metalness, look.sheen, checker});
+  program.set("fabric", Vec4{static_cast<float>(look.pattern), look.weave, look.translucency, 0});
   program.set("has_colors", item.buffers->has_colors ? 1.0f : 0.0f);
   program.set("has_normals", item.buffers->has_normals ? 1.0f : 0.0f);
-  (surface.one_sided ? glEnable : glDisable)(GL_CULL_FACE);
   item.buffers->array.bind();
   if (item.buffers->expanded) {
     glDrawArrays(GL_TRIANGLES, 0, item.buffers->count);
@@ -166,7 +168,36 @@ void SurfacesPass::Impl::draw(const Item& item, const gl::Program& program) cons
   }
 }
 
+bool SurfacesPass::has_glass() const {
+  return std::any_of(impl_->items.begin(), impl_->items.end(),
+                     [](const Item& item) { return item.surface->look.glass; });
+}
+
+/// First the sides that face away, then those that face the eye, each over the picture behind it.
+void SurfacesPass::draw_glass(const PassContext& context) {
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_ONE, GL_SRC_ALPHA);
+  glEnable(GL_CULL_FACE);
+  for (const GLenum hidden : {GL_FRONT, GL_BACK}) {
+    glCullFace(hidden);
+    for (const bool expanded : {false, true}) {
+      const gl::Program& program = impl_->programs.at(std::size_t(Target::glass)).at(expanded ? 1 : 0);
+      program.use();
+      program.set("has_liquids", context.over_liquids ? 1.0f : 0.0f);
+      for (const Item& item : impl_->items) {
+        const bool side = hidden == GL_BACK || !item.surface->one_sided;
+        if (side && item.buffers->expanded == expanded && is_drawn(*item.surface, context.target))
+          impl_->draw(item, program);
+      }
+    }
+  }
+  glDisable(GL_CULL_FACE);
+  glDisable(GL_BLEND);
+  glBindVertexArray(0);
+}
+
 void SurfacesPass::draw(const PassContext& context) {
+  if (context.target == Target::glass) return draw_glass(context);
   const auto& programs = impl_->programs.at(std::size_t(context.target));
   for (const bool expanded : {false, true}) {
     const gl::Program& program = programs.at(expanded ? 1 : 0);
@@ -174,6 +205,7 @@ void SurfacesPass::draw(const PassContext& context) {
     program.set("wire_width", 1.1f);
     for (const Item& item : impl_->items) {
       if (item.buffers->expanded == expanded && is_drawn(*item.surface, context.target)) {
+        (item.surface->one_sided ? glEnable : glDisable)(GL_CULL_FACE);
         impl_->draw(item, program);
       }
     }

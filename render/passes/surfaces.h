@@ -19,8 +19,11 @@ class SurfacesPass {
   /// Draws the surfaces of the last `update`. Target depth includes only those that cast a shadow, target
   /// pick those that can be picked: their fragments write (pick, 0), and the CPU finds the vertex.
   void draw(const PassContext& context);
+  bool has_glass() const;  ///< target glass would draw something
 
  private:
+  void draw_glass(const PassContext& context);
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

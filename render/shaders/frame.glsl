@@ -18,4 +18,5 @@ layout(std140) uniform Frame {
   vec4 ground_second;
   vec4 sample_info;
   vec4 occlusion;
+  vec4 irradiance[9];
 } frame;

@@ -25,8 +25,10 @@ void main() {
   Material material;
   material.albedo = albedo.rgb * albedo.rgb;
   material.roughness = albedo.a;
-  material.metalness = surface.kind == kind_surface ? floor(surface.code - 1.0) / 15.0 : 0.0;
-  material.sheen = surface.kind == kind_surface ? fract(surface.code) / 0.9 : 0.0;
+  bool translucent = surface.code >= 17.0, solid = surface.kind == kind_surface && !translucent;
+  material.metalness = solid ? floor(surface.code - 1.0) / 15.0 : 0.0;
+  material.sheen = solid ? fract(surface.code) / 0.9 : 0.0;
+  material.translucency = translucent ? surface.code - 17.0 : 0.0;
 
   float open = sky_visibility(gl_FragCoord.xy, surface.normal, ray, surface.depth);
   vec3 sun = vec3(sun_visibility(surface));

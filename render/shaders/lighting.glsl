@@ -1,33 +1,14 @@
 // Reflection of light.
+#include "sky.glsl"
 
 struct Material {
   vec3 albedo;
-  float roughness, metalness, sheen;
+  float roughness, metalness, sheen, translucency;
 };
 
 const float pi = 3.14159265;
-// The sky gives less light than it shows, like a photographer's backdrop: otherwise shadows would be pale.
-const float ambient_strength = 0.5;
-// A little warmer than the sky: shadows look cool and lit surfaces neutral.
-const vec3 sun_color = vec3(1.05, 1.0, 0.92);
-
-// Radiance of the sky in a direction (unit).
-vec3 sky_light(vec3 direction) {
-  float h = max(direction.y, 0.0);
-  vec3 color = mix(frame.sky.rgb, frame.horizon.rgb, 1.0 / (1.0 + h * (3.0 + 4.5 * h)));  // about exp(-3 h)
-  // The sun itself is not drawn, but the air around it glows.
-  float cosine = max(dot(direction, frame.to_sun.xyz), 0.0);
-  float c2 = cosine * cosine, c6 = c2 * c2 * c2, c12 = c6 * c6, c24 = c12 * c12;
-  color += frame.horizon.rgb * (0.10 * c6 + 0.18 * c24 * c24);
-  return color;
-}
-
-// Mean radiance from sky and floor on a rough surface with this normal.
-vec3 ambient_light(vec3 normal) {
-  float up = normal.y;
-  vec3 above = mix(frame.horizon.rgb, frame.sky.rgb, clamp(0.5 + 0.5 * up, 0.0, 1.0));
-  return mix(frame.floor_light.rgb * 0.75, above, smoothstep(-1.0, 0.8, up));
-}
+// Warmer than the sky: shadows look cool. As sun_color in draw_list.h.
+const vec3 sun_color = vec3(1.10, 1.0, 0.86);
 
 // Visibility of the floor through the haze, in which it ends before the horizon.
 float ground_visibility(vec3 point) {
@@ -63,16 +44,20 @@ vec3 lit(Material m, vec3 normal, vec3 to_eye, vec3 sun, float open) {
   float sheen = m.sheen * (2.0 + 2.0) * sine2 / (2.0 * pi) / (4.0 * (nl + nv - nl * nv) + 1e-4);
   vec3 sheen_color = mix(vec3(1.0), m.albedo, 0.6);
 
-  vec3 direct = (diffuse_albedo / pi + specular + sheen_color * sheen) * (frame.to_sun.w * nl) * sun * sun_color;
+  // In a translucent material light spreads around the terminator, most where little is absorbed (wrapped
+  // diffuse lighting, Green 2004, "Real-Time Approximations to Subsurface Scattering").
+  vec3 wrap = m.translucency * (0.1 + 0.6 * m.albedo);
+  vec3 wrapped = clamp((dot(normal, to_sun) + wrap) / ((1.0 + wrap) * (1.0 + 0.5 * wrap)), 0.0, 1.0);
+  vec3 reflected = diffuse_albedo / pi * wrapped + (specular + sheen_color * sheen) * nl;
+  vec3 direct = reflected * frame.to_sun.w * sun * sun_color;
 
   // The sky: diffuse, and a rough mirror (Karis 2014, the analytic fit for mobile).
   vec4 r = m.roughness * vec4(-1.0, -0.0275, -0.572, 0.022) + vec4(1.0, 0.0425, 1.04, -0.04);
   float a004 = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
   vec2 fit = vec2(-1.04, 1.04) * a004 + r.zw;
   vec3 mirrored = reflect(-to_eye, normal);
-  vec3 around = mix(mirrored.y > 0.0 ? sky_light(mirrored) : frame.floor_light.rgb * 0.75, ambient_light(mirrored),
-                    m.roughness);
+  vec3 around = mix(sky_light(mirrored), ambient_light(mirrored), m.roughness);
   vec3 rim = sheen_color * (m.sheen * 0.35 * (1.0 - nv) * (1.0 - nv) * (1.0 - nv));
-  vec3 ambient = ambient_strength * (ambient_light(normal) * (diffuse_albedo + rim) + around * (f0 * fit.x + fit.y));
+  vec3 ambient = ambient_light(normal) * (diffuse_albedo + rim) + around * (f0 * fit.x + fit.y);
   return direct + ambient * open;
 }

@@ -41,6 +41,14 @@ vec2 slope_of_thickness(vec2 uv, float reach) {
   return (t.xz - t.yw) / (2.0 * reach);
 }
 
+// Change of the opacity of foam over two pixels.
+vec2 slope_of_foam(vec2 uv) {
+  vec2 x = vec2(1.5 * frame.size.z, 0.0), y = vec2(0.0, 1.5 * frame.size.w);
+  vec4 f = exp(-vec4(texture(liquid_glow_map, uv + x).a, texture(liquid_glow_map, uv - x).a,
+                     texture(liquid_glow_map, uv + y).a, texture(liquid_glow_map, uv - y).a));
+  return f.yw - f.xz;
+}
+
 // Unit normal towards the eye, at depth z with this change per pixel.
 vec3 normal_of(float z, vec2 slope) {
   vec3 dx = dFdx(ray), dy = dFdy(ray);
@@ -54,17 +62,6 @@ float fresnel(float cosine, float index) {
   float a = (g - cosine) / max(g + cosine, 1e-4);
   float b = (cosine * (g + cosine) - 1.0) / (cosine * (g - cosine) + 1.0);
   return 0.5 * a * a * (1.0 + b * b);
-}
-
-// Radiance from a direction: sky above, floor below. Without a floor there is sky all around, as in the image
-// behind the liquid.
-vec3 environment(vec3 direction) {
-  if (direction.y > 0.0 || frame.ground.z < 0.5) return sky_light(direction);
-  vec3 up = vec3(0.0, 1.0, 0.0);
-  vec3 albedo = mix(frame.ground_color.rgb, frame.ground_second.rgb, 0.5);
-  vec3 floor_light = albedo * (ambient_strength * ambient_light(up) + sun_color * (frame.to_sun.w * max(frame.to_sun.y, 0.0) / pi));
-  vec3 horizon = sky_light(normalize(vec3(direction.x, 0.0, direction.z)));
-  return mix(horizon, floor_light, 1.0 - exp(9.0 * direction.y));  // haze ends the floor
 }
 
 vec2 uv_of(vec4 clip) {
@@ -119,13 +116,14 @@ Refraction refraction_at(SurfacePoint surface, vec2 slope, float thickness, vec4
   vec4 end = start + whole * part;
   refraction.exit_uv = uv_of(end);
 
-  // Otherwise the light leaves through the back (Wyman 2005), at depth plus thickness; or the back reflects
-  // it totally.
-  float reach = clamp(2.5 * look.z / pixel_size(surface.depth), 2.0, 32.0);
+  // Otherwise the light leaves through the back (Wyman 2005), at depth plus thickness.
+  float reach = clamp(5.0 * look.z / pixel_size(surface.depth), 2.0, 64.0);
   vec2 back_slope = slope + slope_of_thickness(gl_FragCoord.xy * frame.size.zw, reach) * along_view;
   vec3 back = normal_of(surface.depth + thickness * along_view, back_slope);
   vec3 out_ = refract(bent, back, look.x);
-  refraction.direction = dot(out_, out_) < 0.5 ? reflect(bent, back) : out_;
+  // Total reflection is mostly an error of this normal: beyond the critical angle the light leaves along the back.
+  vec3 along = bent - back * dot(bent, back);
+  refraction.direction = dot(out_, out_) < 0.5 ? along / max(length(along), 1e-4) : out_;
   // Continue to the objects behind, over a limited distance: otherwise small waves would distort the image
   // too much.
   float gap = clamp((opaque_depth_at(uv_of(end)) - end.w) / along_view, 0.0, 2.0 * path + 20.0 * look.z);
@@ -183,7 +181,9 @@ void main() {
     float cosine = clamp(dot(normal, to_eye), 0.0, 1.0);
     float mirrors = fresnel(cosine, look.x);
     Refraction refraction = refraction_at(surface, slope, optics.a, look);
-    vec3 through = refraction.shown ? scene_light(texture(color_map, refraction.uv).rgb) : environment(refraction.direction);
+    // Where there is nothing behind, the sky in the light's direction is exact.
+    bool only_sky = texelFetch(normal_map, ivec2(refraction.uv * frame.size.xy), 0).w == 0.0;
+    vec3 through = refraction.shown && !only_sky ? scene_light(texture(color_map, refraction.uv).rgb) : sky_light(refraction.direction);
     // The attenuated image is that at the exit point, so thickness is looked up there.
     if (depth_at(ivec2(refraction.exit_uv * frame.size.xy)) > 0.0) {
       optics = texture(liquid_optics_map, refraction.exit_uv);
@@ -193,17 +193,20 @@ void main() {
     vec3 left = exp(-depth);
     vec3 cloudy = glow.rgb / max(optics.rgb, vec3(1e-9)) * (1.0 - left);
     float facing = 0.5 + 0.5 * dot(normal, frame.to_sun.xyz);
-    vec3 scattered = cloudy * (ambient_strength * ambient_light(normal) + sunlight * (facing * facing / pi));
-    vec3 mirrored = environment(reflect(-to_eye, normal));
+    vec3 scattered = cloudy * (ambient_light(normal) + sunlight * (facing * facing / pi));
+    vec3 mirrored = sky_light(reflect(-to_eye, normal));
     // At the shore the layer is thinner than the particles' radius: its edge fades.
     mirrors *= smoothstep(0.0, 0.6, (opaque - z) / look.z);
     vec3 halfway = normalize(frame.to_sun.xyz + to_eye);
     float spark = sun_mirrored(normal, to_eye, look.y) * fresnel(max(dot(halfway, to_eye), 0.0), look.x);
     seen = tone_mapped(mix(through * left + scattered, mirrored, mirrors) + sun_color * (spark * sun));
   }
-  float hides = 1.0 - exp(-glow.a);
-  vec3 around = normalize(mix(normal, vec3(0.0, 1.0, 0.0), 0.5));
-  float lit_ = max(0.35 + 0.65 * dot(around, frame.to_sun.xyz), 0.0);
-  vec3 white = 0.85 * (ambient_strength * ambient_light(around) + sunlight * (lit_ / pi));
+  // Foam: the gradient of its density tilts the normal, so that lumps and streaks show.
+  float hides = 0.92 * (1.0 - exp(-glow.a));
+  vec2 lumps = slope_of_foam(uv);
+  vec3 to_right = normalize(dFdx(ray)), to_top = normalize(dFdy(ray));
+  vec3 around = normalize(mix(normal, vec3(0.0, 1.0, 0.0), 0.5) - clamp(2.0 * lumps.x, -1.2, 1.2) * to_right - clamp(2.0 * lumps.y, -1.2, 1.2) * to_top);
+  float lit_ = max(0.2 + 0.8 * dot(around, frame.to_sun.xyz), 0.0);
+  vec3 white = 0.85 * (ambient_light(around) + sunlight * (lit_ / pi));
   out_color = vec4(mix(seen, tone_mapped(white), hides), 1.0);
 }

@@ -9,6 +9,12 @@ void write_material(vec3 albedo, vec3 normal, float roughness, float metalness, 
   out_normal = vec4(normal, 1.0 + floor(clamp(metalness, 0.0, 1.0) * 15.0 + 0.5) + 0.9 * clamp(sheen, 0.0, 1.0));
 }
 
+// As write_material, for a material in which light spreads.
+void write_translucent(vec3 albedo, vec3 normal, float roughness, float translucency) {
+  out_albedo = vec4(sqrt(clamp(albedo, 0.0, 1.0)), roughness);
+  out_normal = vec4(normal, 17.0 + clamp(translucency, 0.0, 1.0));
+}
+
 // The floor. lighting.frag.glsl reconstructs its point without the depth buffer, whose range ends earlier.
 void write_ground(vec3 albedo) {
   out_albedo = vec4(sqrt(clamp(albedo, 0.0, 1.0)), 0.9);

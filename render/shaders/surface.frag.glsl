@@ -13,17 +13,24 @@ uniform uint pick;
 void main() { picked = uvec2(pick, 0u); }
 #endif
 
+#ifdef TARGET_GLASS
+#include "lighting.glsl"
+#include "tone.glsl"
+#include "glass.glsl"
+#endif
+
 #ifdef TARGET_DEPTH
 void main() {}
 #endif
 
 #ifdef TARGET_MATERIAL
 #include "material.glsl"
-#include "checker.glsl"
+#include "pattern.glsl"
 
 uniform vec4 color_first;
 uniform vec4 color_second;
-uniform vec4 look;          // roughness, metalness, sheen, edge of a checker's field or 0
+uniform vec4 look;          // roughness, metalness, sheen, edge of a pattern's field or 0
+uniform vec4 fabric;        // Pattern, strength of the weave, translucency
 uniform float has_colors;  // 1 where vertices have colors
 uniform float has_normals;
 
@@ -51,11 +58,21 @@ void main() {
   if (side < 0.0) normal = -normal;
 
   vec3 albedo = color_first.rgb;
-  if (look.w > 0.0) albedo = mix(color_second.rgb, albedo, checker(checker_point / look.w));
+  if (look.w > 0.0) {
+    vec3 p = checker_point / look.w;
+    int pattern = int(fabric.x + 0.5);
+    albedo = mix(color_second.rgb, albedo, printed(pattern, p));
+    if (pattern == pattern_strands) albedo *= strands(p.x);
+    if (fabric.y > 0.0) albedo *= mix(1.0, weave(p), fabric.y);
+  }
   if (has_colors > 0.5) albedo = vertex_color.rgb;
 #ifdef WIREFRAME
   albedo = mix(albedo, albedo * 0.08, wire());
 #endif
-  write_material(albedo, normal, look.x, look.y, look.z);
+  if (fabric.z > 0.0) {
+    write_translucent(albedo, normal, look.x, fabric.z);
+  } else {
+    write_material(albedo, normal, look.x, look.y, look.z);
+  }
 }
 #endif

@@ -11,7 +11,7 @@ struct SurfacePoint {
   vec3 point;   // in the world
   vec3 normal;  // unit, to the eye
   float depth;  // along the view
-  float code;  // encodes metalness and sheen
+  float code;  // encodes metalness and sheen, or translucency
 };
 
 // `ray` is the varying of ray.vert.glsl.

@@ -1,24 +1,19 @@
-// Maps scene light to screen colors: colors below 0.76 are unchanged; brighter ones are compressed at
-// constant hue and slowly turn white (after Khronos' PBR neutral tone mapper).
+// Maps scene light to linear screen colors by a filmic curve, W x^p / (x^p + c), p = 5/4 (the response of
+// Naka and Rushton 1966): the exponent gives a toe that leaves blacks black, the sum a shoulder. c and W
+// follow from f(0.18) = 0.18, middle gray, and f(5) = 1.
+const float tone_c = 0.58508;
+const float tone_w = 1.07825;
+
 vec3 tone_mapped(vec3 color) {
-  const float start = 0.76;
-  const float desaturation = 0.15;
-  float peak = max(color.r, max(color.g, color.b));
-  if (peak < start) return color;
-  float d = 1.0 - start;
-  float new_peak = 1.0 - d * d / (peak + d - start);
-  color *= new_peak / peak;
-  float g = 1.0 - 1.0 / (desaturation * (peak - new_peak) + 1.0);
-  return mix(color, vec3(new_peak), g);
+  if (frame.sun_size.z < 0.5) return color;
+  color = max(color, vec3(0.0));
+  vec3 power = color * sqrt(sqrt(color));
+  return min(tone_w * power / (power + tone_c), vec3(1.0));
 }
 
 // The inverse: scene light from a screen color.
 vec3 scene_light(vec3 mapped) {
-  const float start = 0.76;
-  const float desaturation = 0.15;
-  float new_peak = min(max(mapped.r, max(mapped.g, mapped.b)), 0.995);
-  float d = 1.0 - start;
-  float peak = d * d / (1.0 - new_peak) + start - d;
-  float g = 1.0 - 1.0 / (desaturation * (peak - new_peak) + 1.0);
-  return new_peak < start ? mapped : (mapped - new_peak * g) / (1.0 - g) * (peak / new_peak);
+  if (frame.sun_size.z < 0.5) return mapped;
+  mapped = clamp(mapped, vec3(0.0), vec3(0.998));
+  return pow(tone_c * mapped / (tone_w - mapped), vec3(0.8));
 }

@@ -231,6 +231,9 @@ struct SignedDistanceFieldDescription {
 /// The alternatives of Shape, with equal names.
 using ShapeDescription = std::variant<Plane, Sphere, Box, Capsule, Cylinder, SignedDistanceFieldDescription>;
 
+/// Material of a collider or obstacle in pictures.
+enum class SurfaceLook { solid, glass };
+
 struct ObstacleSequenceDescription : SequenceDescription {
   bool loop = false;
 };
@@ -238,6 +241,7 @@ struct ObstacleSequenceDescription : SequenceDescription {
 struct ObstacleDescription : ObjectDescription {
   MeshDescription mesh;
   ObstacleMaterial material;
+  SurfaceLook look = SurfaceLook::solid;  ///< in pictures
   std::vector<KeyframeDescription> keyframes;
   bool loop = false;
   std::optional<ObstacleSequenceDescription> sequence;
@@ -280,6 +284,7 @@ struct ColliderDescription {
   float restitution = 0;
   CollisionFilter collision{};                 ///< collision groups and mask
   std::optional<std::uint32_t> color;          ///< 0xRRGGBB (sRGB), for viewers and pictures
+  SurfaceLook look = SurfaceLook::solid;       ///< in pictures
   bool show = true;                            ///< in pictures; a hidden collider still collides
   bool sensor = false;                         ///< pushes nothing, see ColliderOptions
   TransformDescription transform;              ///< with scale 1

@@ -340,8 +340,9 @@ class LiquidAndBall : public LiquidTest {
       liquid.look.absorption = absorption;
       list.liquids.push_back(liquid);
     }
-    const Image image =
-        renderer().picture(list, camera_, filtered(LiquidFilter::narrow_range), width, height);
+    RenderOptions options = filtered(LiquidFilter::narrow_range);
+    options.tone_curve = false;
+    const Image image = renderer().picture(list, camera_, options, width, height);
     const std::uint8_t* pixel = image.at(width / 2, height / 2);
     return {linear(pixel[0]), linear(pixel[1]), linear(pixel[2])};
   }
@@ -409,7 +410,7 @@ TEST_F(LiquidTest, ThrowsALightShadowInItsColor) {
   list.ground.second = list.ground.color;
   list.light.to_sun = {0.8f, 1, 0};
   const Camera camera = camera_at({-0.4f, 2.5f, 2.5f}, {-0.4f, -0.6f, 0}, 40);
-  const RenderOptions options{.ambient_occlusion = false};
+  const RenderOptions options{.ambient_occlusion = false, .tone_curve = false};
   const auto color_at = [&](const Image& image, const Vec3f& point) {
     const auto at = camera.project(point, width, height);
     const std::uint8_t* p = image.at(int(at->x), int(at->y));

@@ -21,6 +21,10 @@ CodecPtr<SignedDistanceFieldDescription> signed_distance_field_codec() {
 
 }  // namespace
 
+CodecPtr<SurfaceLook> surface_look() {
+  return enumeration<SurfaceLook>({{"solid", SurfaceLook::solid}, {"glass", SurfaceLook::glass}});
+}
+
 CodecPtr<ShapeDescription> shape_codec() {
   using S = ShapeDescription;
   const CodecPtr<Vec3f> center = vector3<float>(meters);
@@ -76,6 +80,8 @@ CodecPtr<ColliderDescription> collider_codec() {
                             "coefficient of restitution, the fraction of the speed that a bounce keeps; a "
                             "contact uses the larger of both sides")
       .key<&C::color>("color", maybe(color()), "color in pictures, as in HTML; if not given: light gray")
+      .key<&C::look>("look", surface_look(),
+                     "material in pictures; `glass` is transparent, best with thin walls")
       .key<&C::show>("show", boolean(), "false: hidden in pictures; it still collides")
       .key<&C::sensor>("sensor", boolean(),
                        "true: pushes nothing and stops no fluid; programs ask which objects overlap it")

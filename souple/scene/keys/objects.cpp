@@ -224,6 +224,8 @@ std::shared_ptr<Table<ObstacleDescription>> obstacle_table() {
       .key<&T::material>("material", obstacle_material_codec(), "contact properties")
       .key<&T::transform>("transform", transform_codec(), "position, rotation and scale")
       .key<&T::color>("color", maybe(color()), "color in pictures, as in HTML; if not given: light gray")
+      .key<&T::look>("look", surface_look(),
+                     "material in pictures; `glass` is transparent, best with thin walls")
       .key<&T::keyframes>("keyframes", keyframes_codec(),
                           "moves the mesh after `transform`: rotated about the origin first, then translated")
       .key<&T::loop>("loop", boolean(), "repeats the keyframes after the last")

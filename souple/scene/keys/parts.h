@@ -122,6 +122,7 @@ CodecPtr<RigidBodyMaterial> rigid_body_material_codec();
 // --- objects.cpp, colliders.cpp, connections.cpp -----------------------------------------------------------
 
 /// The solid of a collider, or the region of a drain.
+CodecPtr<SurfaceLook> surface_look();
 CodecPtr<ShapeDescription> shape_codec();
 /// Any object, by its key "kind".
 CodecPtr<AnyObjectDescription> object_codec();

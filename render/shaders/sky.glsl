@@ -1,0 +1,23 @@
+// The procedural sky; render/sky.cpp contains the same model.
+
+// Radiance from a unit direction: a blue zenith, a warm horizon, and the floor below it.
+vec3 sky_light(vec3 direction) {
+  bool above = direction.y > 0.0;
+  float h = above ? direction.y : -direction.y * (frame.ground.z > 0.5 ? 3.0 : 1.0);
+  vec3 color = mix(above ? frame.sky.rgb : frame.floor_light.rgb, frame.horizon.rgb, 1.0 / (1.0 + h * (9.0 + 40.0 * h)));
+  // The sun is not drawn, but the air around it glows.
+  float cosine = above ? max(dot(direction, frame.to_sun.xyz), 0.0) : 0.0;
+  float c2 = cosine * cosine, c4 = c2 * c2, c8 = c4 * c4, c16 = c8 * c8, c32 = c16 * c16;
+  return color + frame.horizon.rgb * (0.12 * c4 + 0.5 * c32 * c32);
+}
+
+// Light of sky and floor that a white, diffuse surface with this unit normal reflects: irradiance / pi, from
+// second-order spherical harmonics (Ramamoorthi and Hanrahan 2001).
+vec3 ambient_light(vec3 n) {
+  vec3 sum = 0.282095 * frame.irradiance[0].rgb;
+  sum += 0.488603 * (n.y * frame.irradiance[1].rgb + n.z * frame.irradiance[2].rgb + n.x * frame.irradiance[3].rgb);
+  sum += 1.092548 * (n.x * n.y * frame.irradiance[4].rgb + n.y * n.z * frame.irradiance[5].rgb + n.x * n.z * frame.irradiance[7].rgb);
+  sum += 0.315392 * (3.0 * n.z * n.z - 1.0) * frame.irradiance[6].rgb;
+  sum += 0.546274 * (n.x * n.x - n.y * n.y) * frame.irradiance[8].rgb;
+  return max(sum, vec3(0.0));
+}
