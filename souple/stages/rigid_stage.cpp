@@ -7,6 +7,7 @@
 #include "souple/objects/object.h"
 #include "souple/rigid/free_motion.h"
 #include "souple/stages/body_motion.h"
+#include "souple/stages/rigid_joints.h"
 #include "souple/stages/stage_view.h"
 #include "souple/state/bytes.h"
 
@@ -58,7 +59,7 @@ class RigidStage::Materials final : public RigidMaterials {
  public:
   explicit Materials(const RigidStage& stage) : stage_(stage) {}
   bool collide(std::uint32_t a, std::uint32_t b) const override {
-    if (stage_.joints_.joined(a, b)) return false;
+    if (stage_.joints_->joined(a, b)) return false;
     if (is_collider(a)) std::swap(a, b);
     if (is_collider(a)) return false;
     if (is_driven(a) && is_driven(b)) return false;
@@ -80,6 +81,9 @@ class RigidStage::Materials final : public RigidMaterials {
 
   const RigidStage& stage_;
 };
+
+RigidStage::RigidStage() : joints_(std::make_unique<RigidJoints>()) {}
+RigidStage::~RigidStage() = default;
 
 // --- bodies by object
 
@@ -201,7 +205,7 @@ void RigidStage::list_bodies(const StageView& stage, const ContactTables& tables
   bodies_.resize(rows_.size());
   predicted_.resize(rows_.size());
   tables_ = &tables;
-  joints_.list([this](const JointSide& side) { return body_of(side); });
+  joints_->list([this](const JointSide& side) { return body_of(side); });
   listed_ = true;
 }
 
@@ -221,7 +225,7 @@ std::uint32_t RigidStage::body_of(const JointSide& side) const {
 void RigidStage::begin_step(const StageView& stage, const ContactTables& tables, double dt) {
   if (empty()) return;
   if (!listed_) list_bodies(stage, tables);
-  joints_.begin_step();
+  joints_->begin_step();
   for (std::size_t k = 0; k < records_.size(); ++k) {
     const Record& record = records_[k];
     bodies_.mass[k] = mass_of(k);
@@ -280,7 +284,7 @@ void RigidStage::predict(const StageView& stage, const Substep& substep) {
   solver_.bounce(finder_.contacts(), bodies_, of_contacts(stage, substep));
   predict_bodies(bodies_, g, h, predicted_);
   end_kinematic(stage, substep);
-  joints_.begin_substep(bodies_, h);
+  joints_->begin_substep(bodies_, h);
   for (std::size_t k = 0; k < records_.size(); ++k)
     if (is_awake(k)) write_positions(stage, k, bodies_.pose[k]), write_velocities(stage, k);
 }
@@ -356,12 +360,12 @@ void RigidStage::solve(const StageView& stage, const Substep& substep) {
   gather(stage, true);
   for (Record& record : records_)
     record.shown = max(static_cast<double>(record.touched), record.shown * decay_of_shown);
-  joints_.project(bodies_);
-  for (int round = 0; round < (joints_.empty() ? 1 : rounds_with_joints); ++round) {
+  joints_->project(bodies_);
+  for (int round = 0; round < (joints_->empty() ? 1 : rounds_with_joints); ++round) {
     solver_.solve(finder_.contacts(), bodies_, of_contacts(stage, substep), stage.threads);
-    joints_.project(bodies_);
+    joints_->project(bodies_);
   }
-  if (joints_.end_substep()) invalidate();  // what was joined collides
+  if (joints_->end_substep()) invalidate();  // what was joined collides
   for (std::size_t k = 0; k < records_.size(); ++k) {
     if (!is_awake(k)) continue;
     write_positions(stage, k, bodies_.pose[k]);
@@ -412,12 +416,12 @@ void RigidStage::gather_velocities(const StageView& stage) {
 
 void RigidStage::keep() {
   for (Record& record : records_) record.kept_pose = record.pose, record.kept_velocity = record.velocity;
-  joints_.keep();
+  joints_->keep();
 }
 
 void RigidStage::undo() {
   for (Record& record : records_) record.pose = record.kept_pose, record.velocity = record.kept_velocity;
-  joints_.undo();
+  joints_->undo();
   finder_.clear();
   invalidate();
 }
@@ -436,7 +440,7 @@ std::vector<std::byte> RigidStage::save() const {
   };
   if (empty()) return out;
   for (const Record& record : records_) put(record.pose), put(record.velocity), put(record.shown);
-  joints_.save(out);
+  joints_->save(out);
   finder_.save(out);
   return out;
 }
@@ -449,14 +453,14 @@ void RigidStage::load(std::span<const std::byte> in) {
     in = in.subspan(sizeof value);
   };
   for (Record& record : records_) get(record.pose), get(record.velocity), get(record.shown);
-  joints_.load(in);
+  joints_->load(in);
   finder_.load(in);
   invalidate();
 }
 
 std::size_t RigidStage::bytes() const {
   std::size_t result = bytes_of(records_, rows_, shapes_, predicted_, touched_at_) + finder_.bytes() +
-                       solver_.bytes() + joints_.bytes();
+                       solver_.bytes() + joints_->bytes();
   for (const Record& record : records_) result += bytes_of(record.definition.particles);
   return result;
 }

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "souple/collision/collider_motion.h"
+#include "souple/objects/handles.h"
 #include "souple/objects/rigid_definition.h"
 #include "souple/rigid/contact_finder.h"
 #include "souple/rigid/contact_solver.h"
-#include "souple/stages/rigid_joints.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -21,6 +21,8 @@ struct ContactTables;
 struct Object;
 struct Particles;
 class Projector;
+class RigidJoints;
+class JointSide;
 struct StageView;
 struct Substep;
 
@@ -33,6 +35,11 @@ struct Substep;
 /// jitter-free parallel rigid body simulation"). So all together push the body no farther than each of them was pushed.
 class RigidStage {
  public:
+  RigidStage();
+  ~RigidStage();
+  RigidStage(const RigidStage&) = delete;
+  RigidStage& operator=(const RigidStage&) = delete;
+
   bool empty() const { return records_.empty(); }
   void add(std::uint32_t object, RigidDefinition definition);
   void remove(std::uint32_t object);
@@ -41,8 +48,8 @@ class RigidStage {
   /// Handles of the colliders, as they stand in the tables.
   void set_colliders(std::vector<ColliderId> ids);
   /// Call `invalidate` after a change.
-  RigidJoints& joints() { return joints_; }
-  const RigidJoints& joints() const { return joints_; }
+  RigidJoints& joints() { return *joints_; }
+  const RigidJoints& joints() const { return *joints_; }
   /// Mass and principal moments, pose and velocity of an object's body; null if the object is none.
   const RigidDefinition* definition(std::uint32_t object) const;
   const BodyPose* pose(std::uint32_t object) const;
@@ -160,7 +167,7 @@ class RigidStage {
   std::uint64_t counts_ = 0;
   ContactFinder finder_;
   ContactSolver solver_;
-  RigidJoints joints_;
+  std::unique_ptr<RigidJoints> joints_;
   bool listed_ = false;  // the arrays of bodies are those of the records
   bool fresh_ = true;    // contacts were found at these poses
   double part_ = 1;      // of a step that a substep is

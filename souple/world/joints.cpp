@@ -4,6 +4,7 @@
 #include "souple/objects/object.h"
 #include "souple/queries/nearest_name.h"
 #include "souple/rigid/joints/joint.h"
+#include "souple/stages/rigid_joints.h"
 #include "souple/stages/rigid_stage.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/impl.h"

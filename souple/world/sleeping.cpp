@@ -2,6 +2,7 @@
 
 #include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
+#include "souple/stages/rigid_joints.h"
 #include "souple/stages/rigid_stage.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/user_constraint.h"

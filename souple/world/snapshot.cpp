@@ -3,6 +3,7 @@
 #include "souple/math/fnv1a.h"
 #include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
+#include "souple/stages/rigid_joints.h"
 #include "souple/stages/rigid_stage.h"
 #include "souple/stages/sleeping.h"
 #include "souple/world/arrivals.h"
