@@ -50,7 +50,9 @@ Vec3f sky_radiance(const Sky& sky, const Vec3f& direction) {
   const bool above = direction.y > 0;
   const float height = above ? direction.y : -direction.y * (sky.has_floor ? 3.0f : 1.0f);
   const Vec3f far = above ? sky.zenith : sky.floor;
-  Vec3f light = far + (sky.horizon - far) * haze(height);
+  // Haze ends higher for blue light than for red: the sky is blue, not gray, above the horizon.
+  const Vec3f share{haze(1.6f * height), haze(height), haze(0.55f * height)};
+  Vec3f light = far + scaled(sky.horizon - far, share);
   // The sun is not drawn, but the air around it glows.
   const float cosine = above ? std::max(dot(direction, sky.to_sun), 0.0f) : 0.0f;
   const float c2 = cosine * cosine, c4 = c2 * c2, c8 = c4 * c4, c16 = c8 * c8, c32 = c16 * c16;

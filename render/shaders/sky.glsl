@@ -4,7 +4,9 @@
 vec3 sky_light(vec3 direction) {
   bool above = direction.y > 0.0;
   float h = above ? direction.y : -direction.y * (frame.ground.z > 0.5 ? 3.0 : 1.0);
-  vec3 color = mix(above ? frame.sky.rgb : frame.floor_light.rgb, frame.horizon.rgb, 1.0 / (1.0 + h * (9.0 + 40.0 * h)));
+  // Haze ends higher in the sky for blue light than for red: the sky is blue, not gray, above the horizon.
+  vec3 height = h * vec3(1.6, 1.0, 0.55);
+  vec3 color = mix(above ? frame.sky.rgb : frame.floor_light.rgb, frame.horizon.rgb, 1.0 / (1.0 + height * (9.0 + 40.0 * height)));
   // The sun is not drawn, but the air around it glows.
   float cosine = above ? max(dot(direction, frame.to_sun.xyz), 0.0) : 0.0;
   float c2 = cosine * cosine, c4 = c2 * c2, c8 = c4 * c4, c16 = c8 * c8, c32 = c16 * c16;
