@@ -1,5 +1,7 @@
 #include "golden_file.h"
 #include "souple/error.h"
+#include "souple/objects/joint_options.h"
+#include "souple/rigid/joints/joint.h"
 #include "souple/scene/scene.h"
 #include "souple/world/world.h"
 #include "tests/paths.h"
@@ -90,6 +92,7 @@ class Energies {
     for (std::size_t i = 0; i < std::min(driven_.size(), before.size()); ++i)
       driven_speed_ = std::max(driven_speed_, length(driven_[i] - before[i]) / dt);
     emitted_ += static_cast<double>(world_.report().fluid.emitted);
+    watch_motors();
   }
 
   double kinetic() const { return sum().kinetic; }
@@ -97,11 +100,11 @@ class Energies {
   /// No motion can hold more kinetic energy [J] than what was there at the start (kinetic and elastic), what
   /// the fallen weight has given, pressure times the largest volume it can have made, and what moving objects
   /// can lend a mass: twice their speed (an elastic bounce) from pins and colliders, the wind's own from
-  /// wind. Emitters bring what they bring.
+  /// wind. Emitters bring what they bring, and motors of joints their largest force times the way.
   double bound() const {
     const Sum now = sum();
     const double gust = length(Vec3d(wind_.velocity)) * (1 + static_cast<double>(wind_.gust));
-    return start_.kinetic + start_.elastic + emitted_ * kinetic_share_ +
+    return start_.kinetic + start_.elastic + motor_work_ + emitted_ * kinetic_share_ +
            std::max(0.0, start_.potential + emitted_ * potential_share_ - now.potential) + pressure_work() +
            0.5 * now.mass * (4 * driven_speed_ * driven_speed_ + gust * gust);
   }
@@ -149,6 +152,17 @@ class Energies {
     return work;
   }
 
+  /// Of hinges, the only motors in shipped scenes.
+  void watch_motors() {
+    for (const JointId id : world_.joints()) {
+      const auto* hinge = std::get_if<joint::Hinge>(&world_.joint_kind(id));
+      if (!hinge || !hinge->rotation.motor) continue;
+      const double angle = world_.joint_report(id).coordinate[0];
+      motor_work_ += hinge->rotation.motor->max_force * std::abs(angle - angles_[id.value]);
+      angles_[id.value] = angle;
+    }
+  }
+
   /// Where pins and colliders are; of a turning collider also a point a meter off its center.
   void remember() {
     driven_.clear();
@@ -168,6 +182,8 @@ class Energies {
   Sum start_;
   std::map<std::string, double> pressures_;
   std::vector<Vec3d> driven_;
+  std::map<std::uint32_t, double> angles_;          ///< of motors [rad]
+  double motor_work_ = 0;                           ///< at most [J]
   double driven_speed_ = 0;                         ///< the largest so far [m/s]
   double emitted_ = 0;                              ///< particles so far
   double kinetic_share_ = 0, potential_share_ = 0;  ///< of each [J]

@@ -25,7 +25,7 @@ Vec3f at(const std::vector<float>& values, std::size_t v) {
 class DrawableOfAScene : public testing::Test {
  protected:
   DrawableOfAScene() {
-    session.open_scene(source_path("scenes/everything_together.json"));
+    session.open_scene(source_path("scenes/one_room.json"));
     for (int frame = 1; frame <= 10; ++frame) session.advance(frame, 1.0 / 60);
   }
 

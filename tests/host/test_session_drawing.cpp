@@ -72,7 +72,7 @@ TEST(Session, AMeshThatTheHostMovesIsDrawnWhereItsParticlesAre) {
 TEST(Session, TrianglesAreOverTheVerticesThatAreWritten) {
   const Corners sheet(grid(5, 5, 1.0));
   Session s;
-  s.open_scene(scenes + "everything_together.json");
+  s.open_scene(scenes + "one_room.json");
   EXPECT_EQ(s.triangles(s.add_cloth(sheet.soup())), sheet.indices);
   for (const ObjectInfo& info : s.objects()) {
     const std::vector<std::uint32_t> triangles = s.triangles(info.handle);
@@ -126,7 +126,7 @@ TEST(Session, GrainsAreDrawnAsBallsWithTheirRadius) {
 TEST(Session, ColorsAreThoseOfTheSceneFile) {
   Player host;
   Session& s = host.session;
-  s.open_scene(scenes + "everything_together.json");
+  s.open_scene(scenes + "one_room.json");
   const std::array<float, 3> crimson{184 / 255.0f, 50 / 255.0f, 74 / 255.0f};
   const std::array<float, 3> wood{169 / 255.0f, 133 / 255.0f, 95 / 255.0f};
   std::size_t colored = 0;
@@ -176,8 +176,8 @@ TEST(Session, SegmentsLeadAlongARopeFromEndToEnd) {
 /// Also those that move.
 TEST(Session, CollidersAreDrawnWhereTheyAre) {
   Player host;
-  host.session.open_scene(scenes + "everything_together.json");
-  World world = build_world(load_scene(scenes + "everything_together.json"));
+  host.session.open_scene(scenes + "one_room.json");
+  World world = build_world(load_scene(scenes + "one_room.json"));
   const std::vector<ColliderShape> shapes = host.session.colliders(3);
   ASSERT_EQ(shapes.size(), world.colliders().size());
   ASSERT_FALSE(shapes.empty());

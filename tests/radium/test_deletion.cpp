@@ -89,7 +89,7 @@ TEST_P(DeletedInRadium, WhatIsHeldIsLetGo) {
 }
 
 TEST_P(DeletedInRadium, ASceneLosesAnObject) {
-  system->open_scene(scenes + "everything_together.json");
+  system->open_scene(scenes + "one_room.json");
   system->play();
   frames(3);
   const std::size_t objects = session().objects().size();
@@ -140,7 +140,7 @@ TEST_P(DeletedInRadium, TheUserMayRemoveItBeforeTheNextFrame) {
 }
 
 TEST_P(DeletedInRadium, AColliderOfASceneGoesOnUnseen) {
-  system->open_scene(scenes + "everything_together.json");
+  system->open_scene(scenes + "one_room.json");
   system->play();
   frames(2);
   auto* roller = engine->getEntityManager()->getEntity("roller");
@@ -168,7 +168,7 @@ TEST_F(Radium, EmptyingRadiumsSceneEmptiesTheWorld) {
 }
 
 TEST_F(Radium, ItIsClosedWhileItRuns) {
-  system->open_scene(scenes + "everything_together.json");
+  system->open_scene(scenes + "one_room.json");
   const Index index = show("sheet", sheet(3, 1));
   system->add(index, Kind::cloth);
   system->play();

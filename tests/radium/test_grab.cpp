@@ -89,7 +89,7 @@ TEST_F(Radium, APickedVertexOfEitherSideOfAScenesClothIsTheCloths) {
 }
 
 TEST_F(Radium, APickedSplatIsAGrainOrTheNearestVertexOfARope) {
-  system->open_scene(scenes + "everything_together.json");
+  system->open_scene(scenes + "one_room.json");
   const auto shown = [&](const char* name) {
     return engine->getEntityManager()->getEntity(name)->getComponents().front()->getRenderObjects().front();
   };

@@ -29,7 +29,7 @@ class Scene : public Radium {
 
 TEST_F(Scene, ItsObjectsAndCollidersAreEntities) {
   const std::size_t before = entity_count();
-  system->open_scene(scenes + "everything_together.json");
+  system->open_scene(scenes + "one_room.json");
   for (const char* name : {"flag", "tablecloth", "duck", "block", "line", "sand", "floor", "table", "roller"})
     ASSERT_TRUE(engine->getEntityManager()->entityExists(name)) << name;
   EXPECT_EQ(entity_count(), before + 9);
@@ -43,7 +43,7 @@ TEST_F(Scene, ItsObjectsAndCollidersAreEntities) {
 }
 
 TEST_F(Scene, ItsColorsAreLinearLight) {
-  system->open_scene(scenes + "everything_together.json");
+  system->open_scene(scenes + "one_room.json");
   const auto object = engine->getRenderObjectManager()->getRenderObject(shown("duck"));
   const auto* material = dynamic_cast<Ra::Engine::Data::BlinnPhongMaterial*>(object->getMaterial().get());
   ASSERT_NE(material, nullptr);
@@ -70,7 +70,7 @@ TEST_F(Scene, NeighboringGrainsDifferInColor) {
 
 /// What the issue asks for: bit for bit what the library alone makes of it.
 TEST_F(Scene, AfterAHundredFramesItIsWhereAPureRunIs) {
-  const std::string file = scenes + "everything_together.json";
+  const std::string file = scenes + "one_room.json";
   system->open_scene(file);
   first_frame();
   system->play();
@@ -102,9 +102,9 @@ TEST_F(Scene, AfterAHundredFramesItIsWhereAPureRunIs) {
 }
 
 TEST_F(Scene, RadiumShowsWhatASessionWithoutRadiumDraws) {
-  system->open_scene(scenes + "everything_together.json");
+  system->open_scene(scenes + "one_room.json");
   host::Session alone;
-  alone.open_scene(scenes + "everything_together.json");
+  alone.open_scene(scenes + "one_room.json");
   first_frame();
   system->play();
   frames(30);
@@ -120,7 +120,7 @@ TEST_F(Scene, RadiumShowsWhatASessionWithoutRadiumDraws) {
 }
 
 TEST_F(Scene, AColliderThatMovesIsShownWhereItIs) {
-  system->open_scene(scenes + "everything_together.json");
+  system->open_scene(scenes + "one_room.json");
   const Vector3 before = bounding_box(shown("roller")).center();
   first_frame();
   system->play();
@@ -136,7 +136,7 @@ TEST_F(Scene, AColliderThatMovesIsShownWhereItIs) {
 
 TEST_F(Scene, AnotherOneTakesItsPlace) {
   const std::size_t before = entity_count();
-  system->open_scene(scenes + "everything_together.json");
+  system->open_scene(scenes + "one_room.json");
   system->play();
   frames(3);
   system->open_scene(scenes + "sand_pile.json");
