@@ -22,7 +22,7 @@ float concrete(vec2 p, float width) {
   float stain = (value_noise(p * 2.3) - 0.5) * (1.0 - smoothstep(0.15, 0.5, width));
   float patch_ = (value_noise(p * 9.1 + 31.0) - 0.5) * (1.0 - smoothstep(0.04, 0.12, width));
   float grain = (value_noise(p * 67.0 + 7.0) - 0.5) * (1.0 - smoothstep(0.006, 0.018, width));
-  return slab * 0.16 + stain * 0.18 + patch_ * 0.12 + grain * 0.20;
+  return slab * 0.16 + stain * 0.18 + patch_ * 0.10 + grain * 0.06;
 }
 
 void main() {
