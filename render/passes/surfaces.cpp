@@ -178,7 +178,7 @@ void SurfacesPass::draw_glass(const PassContext& context) {
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_SRC_ALPHA);
   glEnable(GL_CULL_FACE);
-  for (const GLenum hidden : {GL_FRONT, GL_BACK}) {
+  for (const GLenum hidden : {GLenum{GL_FRONT}, GLenum{GL_BACK}}) {
     glCullFace(hidden);
     for (const bool expanded : {false, true}) {
       const gl::Program& program = impl_->programs.at(std::size_t(Target::glass)).at(expanded ? 1 : 0);

@@ -34,6 +34,9 @@ CONTEXT = {
     ("docs/rigid-bodies.md", "set_kinematic"):
         "#include <souple/souple.h>\nusing namespace souple;\n"
         "void snippet(World& world, ObjectId crate, ObjectId bone, const std::vector<PoseKey>& keys) {\n",
+    ("docs/joints.md", "joint::Hinge"):
+        "#include <souple/souple.h>\nusing namespace souple;\n"
+        "void snippet(World& world, ObjectId post, ObjectId door) {\n",
     ("docs/fluids.md", "FluidSurface"):
         "#include <souple/souple.h>\n#include <souple/threads/threads.h>\n#include <souple/surface/fluid_surface.h>\n"
         "void snippet(souple::World& world, souple::ObjectId water) {\n",

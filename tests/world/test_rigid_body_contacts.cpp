@@ -46,9 +46,12 @@ TEST(RigidBodyContacts, ABodyCarriesTheNext) {
   const ObjectId above = world.add_rigid_body(Sphere{{}, 0.1f}, {}, at(0, 0.3, 0));
   run(world, 1);
   const double h = 1.0 / 60 / world.settings().substeps;
-  double between = 0;
+  double between = 0, floor = 0;
   for (const ContactEvent& event : world.contacts()) {
-    if (event.other_is_collider) continue;
+    if (event.other_is_collider) {
+      floor += static_cast<double>(event.impulse) / h;
+      continue;
+    }
     EXPECT_EQ(event.object_id, below);
     EXPECT_EQ(event.other_id, above);
     EXPECT_NEAR(event.normal.y, -1, 1e-3);
@@ -57,6 +60,8 @@ TEST(RigidBodyContacts, ABodyCarriesTheNext) {
   }
   const double weight = world.rigid_body(above).mass * g;
   EXPECT_NEAR(between, weight, 0.01 * weight);
+  const double both = weight + world.rigid_body(below).mass * g;
+  EXPECT_NEAR(floor, both, 0.01 * both);
 }
 
 TEST(RigidBodyContacts, PairsBeginAndEnd) {
