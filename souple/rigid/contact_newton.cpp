@@ -83,8 +83,8 @@ void ContactNewton::add_row(const ContactBlock& block, const ContactRow& row,
       add_product(*beside, swapped ? J_b : J_a, swapped ? J_a : J_b, -k);
     }
     for (std::size_t i = 0; i < 6; ++i) {
-      if (a) motion_[local[block.a] * 6 + i] -= J_a[i] * k * residual[axis];
-      if (b) motion_[local[block.b] * 6 + i] += J_b[i] * k * residual[axis];
+      if (a) motion_[std::size_t{local[block.a]} * 6 + i] -= J_a[i] * k * residual[axis];
+      if (b) motion_[std::size_t{local[block.b]} * 6 + i] += J_b[i] * k * residual[axis];
     }
   }
 }
@@ -110,7 +110,7 @@ void ContactNewton::assemble(std::span<const ContactBlock> blocks, std::span<con
 void ContactNewton::find_changes(std::span<const ContactBlock> blocks, std::span<const std::uint32_t> island,
                                  std::span<const std::uint32_t> local, std::span<const ContactBody> states) {
   const auto motion_at = [&](std::uint32_t body, const Vec3d& r) {
-    const double* const q = &motion_[local[body] * 6];
+    const double* const q = &motion_[std::size_t{local[body]} * 6];
     return Vec3d{q[0], q[1], q[2]} + cross(Vec3d{q[3], q[4], q[5]}, r);
   };
   changes_.assign(island.size() * 4, {});
