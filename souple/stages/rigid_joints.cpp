@@ -41,11 +41,11 @@ void RigidJoints::remove(std::size_t index) {
   kept_.erase(kept_.begin() + at);
 }
 
-void RigidJoints::set_kind(std::size_t index, joint::Kind kind) {
+void RigidJoints::set_kind(std::size_t index, const joint::Kind& kind) {
   joint::Joint& joint = joints_.joint[index];
   SOUPLE_ASSERT(joint.kind.index() == kind.index(), "a joint keeps its kind");
   const int before = rows_of(joint, {}).count;
-  joint.kind = std::move(kind);
+  joint.kind = kind;
   if (rows_of(joint, {}).count == before) return;
   // Impulses belong to rows that are others now.
   joint::JointState& state = joints_.state[index];

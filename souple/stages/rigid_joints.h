@@ -32,7 +32,7 @@ class RigidJoints {
   void add(JointRecord record, joint::Joint joint);
   void remove(std::size_t index);
   /// The kind keeps its alternative.
-  void set_kind(std::size_t index, joint::Kind kind);
+  void set_kind(std::size_t index, const joint::Kind& kind);
 
   /// `body_of`: index of the body at a side that is not the world.
   void list(const std::function<std::uint32_t(const JointSide&)>& body_of);

@@ -330,5 +330,24 @@ TEST(Joints, AUniversalJointTurnsTheSecondShaftAsCardanSays) {
   EXPECT_LT(world.worst.angle, 1e-4);
 }
 
+// A horizontal top in steady precession, W = m g l / (I_3 w_3): Goldstein, "Classical Mechanics", section 5.7.
+TEST(Joints, AHeavySymmetricTopPrecesses) {
+  JointWorld world;
+  const double m = 1, l = 0.1, spin = 100, moment = 0.002;
+  const std::uint32_t top = world.add_body(m, {moment, 0.0012, 0.0012}, {l, 0, 0});
+  world.add_joint(joint::Ball{}, no_body, top, {});
+  const double precession = m * 9.81 * l / (moment * spin);
+  world.bodies.velocity[top] = {{0, 0, -precession * l}, {spin, precession, 0}};
+  double turned = 0, before = 0;
+  world.run(3, [&] {
+    const Vec3d x = world.bodies.pose[top].position;
+    const double angle = std::atan2(-x.z, x.x);
+    turned += std::remainder(angle - before, 2 * pi), before = angle;
+    EXPECT_LT(std::abs(x.y), 0.02 * l);
+  });
+  EXPECT_NEAR(turned, precession * 3, 0.02 * precession * 3);
+  EXPECT_LT(world.worst.distance, 1e-4 * l);
+}
+
 }  // namespace
 }  // namespace souple
