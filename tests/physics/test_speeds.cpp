@@ -160,6 +160,7 @@ struct Thrown {
   const char *scene, *object;
 };
 
+// NOLINTNEXTLINE(readability-identifier-naming): GoogleTest looks for this name
 void PrintTo(const Thrown& thrown, std::ostream* out) {
   *out << thrown.scene;
 }
