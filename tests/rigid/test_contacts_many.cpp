@@ -44,12 +44,17 @@ class Fall {
   std::vector<std::size_t> order_;
 };
 
-TEST(ManyRigidBodies, DominoesFallInOneOrderWithAnyNumberOfThreads) {
-  RigidScene one(1), two(2), eight(8);
-  Fall fall(one), fall_of_two(two), fall_of_eight(eight);
-  fall.run(120), fall_of_two.run(120);
+TEST(ManyRigidBodies, DominoesFallTheSameWithTwoThreads) {
+  RigidScene one(1), two(2);
+  Fall fall(one), fall_of_two(two);
+  fall.run(60), fall_of_two.run(60);
   EXPECT_TRUE(same_bits(two.bodies, one.bodies));
-  fall.run(1080), fall_of_eight.run(1200);
+}
+
+TEST(ManyRigidBodies, DominoesFallInOneOrderWithAnyNumberOfThreadsSlow) {
+  RigidScene one(1), eight(8);
+  Fall fall(one), fall_of_eight(eight);
+  fall.run(1200), fall_of_eight.run(1200);
   EXPECT_TRUE(same_bits(eight.bodies, one.bodies));
   EXPECT_EQ(fall_of_eight.order(), fall.order());
   ASSERT_EQ(fall.order().size(), std::size_t{dominoes});
