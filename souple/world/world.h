@@ -161,9 +161,6 @@ class World {
   /// Fills a closed surface with fluid particles; see fill in geometry/fill.h.
   ObjectId add_fluid(const TriangleMesh& surface, const FluidMaterial& material = {},
                      const ObjectOptions& options = {});
-  /// Adds a mesh with prescribed motion: static, driven by poses, or deforming. Other objects collide with it
-  /// but cannot move it. It may be open or closed; both sides are solid. It has no mass, so its energies and
-  /// momentum are 0. Throws if the options contain velocities, a stiffness_map or self_collision.
   /// A rigid body in the shape of a mesh: it collides with rigid bodies and colliders as the convex hull of each connected piece, and
   /// with everything else by its triangles. Its mass is that of the solid inside the mesh, or of the hulls if the mesh is
   /// not closed. Throws Error for a flat mesh.
@@ -187,6 +184,9 @@ class World {
   void move_body(ObjectId body, const Transform& pose);
   /// Sets the velocity of the center of mass [m/s] and the angular velocity [rad/s] of a rigid body.
   void set_body_velocity(ObjectId body, const Vec3f& velocity, const Vec3f& angular_velocity);
+  /// Adds a mesh with prescribed motion: static, driven by poses, or deforming. Other objects collide with it
+  /// but cannot move it. It may be open or closed; both sides are solid. It has no mass, so its energies and
+  /// momentum are 0. Throws if the options contain velocities, a stiffness_map or self_collision.
   ObjectId add_obstacle(const TriangleMesh& mesh, const ObstacleMaterial& material = {},
                         ObstacleMotion motion = {}, const ObjectOptions& options = {});
   void remove(ObjectId object);
