@@ -118,8 +118,7 @@ TEST(Limits, CrowdsOfFluidParticlesAtOnePlaceAreRefused) {
   expect_error([&] { world.add_fluid(points, {}, {.name = "sea"}); },
                {"sea", "20001", "0.02 m", "number 0", "smaller particles"});
   points.clear();
-  for (int i = 0; i < 64000; ++i)
-    points.push_back(Vec3d(Vec3<int>{i % 40, i / 40 % 40, i / 1600}) * 0.02);
+  for (int i = 0; i < 64000; ++i) points.push_back(Vec3d(Vec3<int>{i % 40, i / 40 % 40, i / 1600}) * 0.02);
   EXPECT_NO_THROW(world.add_fluid(points));
   // The scale brings them together.
   expect_error([&] { world.add_fluid(points, {}, {.transform = {{}, {}, 0.1}}); }, {"fluid2", "in one cube"});
