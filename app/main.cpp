@@ -72,15 +72,17 @@ constexpr const char* render_footer = R"(Examples:
   souple render flag --out flag.png --frames 120 --size 1920x1080 --samples 64
   souple render out/flag --out flag.mp4                      a film of all frames of a run
   souple render flag --out flag.gif --frames 1-120 --size 320x180
+  souple render flag --out flag.webp --frames 1-last/4 --film-bytes 500000
   souple render jelly_armada --out pictures --frames 10-100/10
   souple render tablecloth --sheet 4x3 --display strain
   souple render flag --camera "from 3,2,4 to 0,1.5,0 fov 30" --set substeps=40
 
 A scene is simulated while it is rendered; the folder of a run (or its run.json) is read. --out selects the output: a
-picture .png, a film .mp4 or .gif (made by the program ffmpeg), or else a folder of pictures NAME_0001.png, numbered
-by frame. The default is a picture of the last frame; --frames, --sheet or --out select more. A .gif shows at most
-50 pictures a second: of faster runs every second or third frame. Rendering needs EGL, but no screen; the same frame
-gives the same file each time. Ctrl-C finishes the picture and the film so far.
+picture .png, a film .mp4, .gif or .webp (made by the program ffmpeg), or else a folder of pictures NAME_0001.png,
+numbered by frame. The default is a picture of the last frame; --frames, --sheet or --out select more. A .gif and a
+.webp repeat forever, and show at most 50 and 60 pictures a second: of faster runs every second or third frame.
+Rendering needs EGL, but no screen; the same frame gives the same file each time. Ctrl-C finishes the picture and the
+film so far.
 
 displays:     shaded, plain, wireframe, strain, speed, particles, lattice, normals, contacts
 constraints:  none, kind, color, strain, residual)";
@@ -182,8 +184,8 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       ->required();
   command
       .add_option("--out", request->out,
-                  "a picture .png, a film .mp4 or .gif, or a folder [out/NAME.png; out/NAME.mp4 if --frames "
-                  "selects several]")
+                  "a picture .png, a film .mp4, .gif or .webp, or a folder [out/NAME.png; out/NAME.mp4 if "
+                  "--frames selects several]")
       ->type_name("PATH");
   command
       .add_option("--frames", request->frames,
@@ -193,7 +195,7 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       ->type_name("COLUMNSxROWS");
   command
       .add_option("--size", request->size,
-                  "of a picture, in pixels [1280x720; .gif 640x360; each of a sheet 480x270]")
+                  "of a picture, in pixels [1280x720; .gif and .webp 640x360; each of a sheet 480x270]")
       ->type_name("WIDTHxHEIGHT");
   command.add_option("--samples", request->samples, "pictures averaged into one [16; films and folders 4]")
       ->type_name("N");
@@ -201,6 +203,14 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       .add_option("--colors", request->colors,
                   "reduce pictures to this number of colors, at most 256: a third of the size")
       ->type_name("N");
+  command
+      .add_option("--film-rate", request->film_rate,
+                  "pictures a second of a film [those of the run: at the speed of the simulation]")
+      ->type_name("RATE");
+  command
+      .add_option("--film-bytes", request->film_bytes,
+                  "largest size of a .webp: its quality is chosen to fit [quality 75, any size]")
+      ->type_name("BYTES");
   command
       .add_option("--camera", request->camera,
                   "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it, or auto: frame all objects [the "
