@@ -282,7 +282,7 @@ struct Film::Impl {
 
   /// Bytes of the film at a quality from 0 to 100.
   std::uint64_t encode_webp(const fs::path& webp, int quality) {
-    run_to_end({"-i", file_argument(part), "-c:v", "libwebp_anim", "-quality", std::to_string(quality),
+    run_to_end({"-i", file_argument(part), "-c:v", "libwebp_anim", "-quality", fmt::format("{}", quality),
                 "-compression_level", "4", "-loop", "0", "-fflags", "+bitexact", "-f", "webp",
                 file_argument(webp)});
     std::error_code error;

@@ -57,9 +57,10 @@ class Films : public ::testing::Test {
 #define NEEDS_FFMPEG \
   if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed"
 
-#define NEEDS_WEBP                                                                                         \
-  if (std::system("webpinfo -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "install the Debian package " \
-                                                                             "webp"
+#define NEEDS_WEBP                                           \
+  if (std::system("webpinfo -version >/dev/null 2>&1") != 0) \
+  GTEST_SKIP() << "install the Debian package "              \
+                  "webp"
 
 std::string output_of(const std::string& command) {
   std::string text;
