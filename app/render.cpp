@@ -269,11 +269,11 @@ class Rendering {
   void choose_camera() {
     if (job_.frames.size() < 2 || !is_automatic(job_.camera, source_.camera())) return;
     Progress progress(source_.name() + ", framing", job_.frames.back(), 0, job_.quiet);
-    const render::Bounds bounds = source_.covered(job_.frames, [&](std::uint64_t frame) {
+    const render::ExtremePoints extent = source_.covered(job_.frames, [&](std::uint64_t frame) {
       progress.frame_done(frame);
       return !interrupt_requested();
     });
-    if (!bounds.empty()) camera_ = camera_for(job_.camera, source_.camera(), bounds, job_.style.aspect());
+    if (!extent.empty()) camera_ = camera_for(job_.camera, source_.camera(), extent, job_.style.aspect());
   }
 
   /// After the first picture: how long all will take.
@@ -291,7 +291,7 @@ class Rendering {
   void render_one() {
     const render::Subject& subject = source_.subject();
     if (!camera_)
-      camera_ = camera_for(job_.camera, source_.camera(), bounds_of(subject), job_.style.aspect());
+      camera_ = camera_for(job_.camera, source_.camera(), extent_of(subject), job_.style.aspect());
     const Clock::time_point start = Clock::now();
     const std::string label = job_.kind == OutputKind::sheet ? label_of(source_) : "";
     sink_.add(maker_.picture(subject, *camera_, job_.style, label), source_.frame());
