@@ -296,17 +296,15 @@ struct Film::Impl {
     constexpr int usual = 75, highest = 90;
     fs::path webp = part_of(file, ".webp");
     temporary_files.push_back(webp);
-    if (max_bytes == 0) {
-      encode_webp(webp, usual);
-      return webp;
-    }
+    const int first = max_bytes == 0 ? usual : highest;
+    if (encode_webp(webp, first) <= max_bytes || max_bytes == 0) return webp;
     if (const std::uint64_t least = encode_webp(webp, 0); least > max_bytes) {
       throw Error(fmt::format(
           "{}: {} pictures of {} have {} bytes at the lowest quality, more than the {} allowed: choose "
           "fewer pictures, a smaller size or more bytes",
           file.string(), added, size_text(width, height), least, max_bytes));
     }
-    int fits = 0, encoded = 0, too_many = highest + 1;
+    int fits = 0, encoded = 0, too_many = highest;
     while (fits + 1 < too_many) {
       encoded = (fits + too_many) / 2;
       (encode_webp(webp, encoded) <= max_bytes ? fits : too_many) = encoded;
