@@ -174,6 +174,33 @@ void add_run(CLI::App& app, std::function<int()>& action) {
   command.callback([options, &action] { action = [options] { return souple::app::run(*options); }; });
 }
 
+void add_film_options(CLI::App& command, RenderRequest& request) {
+  command
+      .add_option("--film-rate", request.film_rate,
+                  "pictures a second of a film [those of the run: at the speed of the simulation]")
+      ->type_name("RATE");
+  command
+      .add_option("--film-bytes", request.film_bytes,
+                  "largest size of a .webp: its quality is chosen to fit [quality 75, any size]")
+      ->type_name("BYTES");
+}
+
+void add_liquid_options(CLI::App& command, RenderRequest& request) {
+  command
+      .add_option("--liquid-splats", request.liquid_splats,
+                  "shape of each particle of a fluid: spheres, ellipsoids [ellipsoids]")
+      ->type_name("SPLATS");
+  command
+      .add_option(
+          "--liquid-filter", request.liquid_filter,
+          "how the surface of fluids is smoothed: narrow-range, curvature-flow or none [narrow-range]")
+      ->type_name("FILTER");
+  command
+      .add_option("--liquid-steps", request.liquid_steps,
+                  "steps of curvature flow or passes of the narrow-range filter [40; 2]")
+      ->type_name("N");
+}
+
 void add_render(CLI::App& app, std::function<int()>& action) {
   auto request = std::make_shared<RenderRequest>();
   CLI::App& command = *app.add_subcommand("render", "make pictures and films of a scene or of a run");
@@ -203,14 +230,7 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       .add_option("--colors", request->colors,
                   "reduce pictures to this number of colors, at most 256: a third of the size")
       ->type_name("N");
-  command
-      .add_option("--film-rate", request->film_rate,
-                  "pictures a second of a film [those of the run: at the speed of the simulation]")
-      ->type_name("RATE");
-  command
-      .add_option("--film-bytes", request->film_bytes,
-                  "largest size of a .webp: its quality is chosen to fit [quality 75, any size]")
-      ->type_name("BYTES");
+  add_film_options(command, *request);
   command
       .add_option("--camera", request->camera,
                   "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it, or auto: frame all objects [the "
@@ -220,19 +240,7 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       ->type_name("DISPLAY");
   command.add_option("--constraints", request->constraints, "how constraints are colored, see below [none]")
       ->type_name("CONSTRAINTS");
-  command
-      .add_option("--liquid-splats", request->liquid_splats,
-                  "shape of each particle of a fluid: spheres, ellipsoids [ellipsoids]")
-      ->type_name("SPLATS");
-  command
-      .add_option(
-          "--liquid-filter", request->liquid_filter,
-          "how the surface of fluids is smoothed: narrow-range, curvature-flow or none [narrow-range]")
-      ->type_name("FILTER");
-  command
-      .add_option("--liquid-steps", request->liquid_steps,
-                  "steps of curvature flow or passes of the narrow-range filter [40; 2]")
-      ->type_name("N");
+  add_liquid_options(command, *request);
   add_settings(command, request->settings);
   command.add_flag("--quiet", request->quiet, "print nothing but errors");
   command.callback(
