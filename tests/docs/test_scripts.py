@@ -62,12 +62,13 @@ class Gallery(unittest.TestCase):
         (pictures / "left_over.webp").write_bytes(bytes(12_000_000))
         readme = self.tree / "README.md"
         readme.write_text(readme.read_text().replace("souple view brick_wall", "souple view brick"))
-        found = "\n".join(sorted(self.complaints() - before))
+        after = self.complaints()
+        found = "\n".join(sorted(after))
         for words in ("constraints_color.png: its scene changed", "display_lattice.png: its scene changed",
                       "sheet.png: the file itself changed", "display_plain.png: is missing",
                       "left_over.webp: is not in script/gallery", "docs/pictures: has", "README.md: its gallery is not"):
             self.assertIn(words, found)
-        self.assertNotIn("display_contacts.png", found, "the tablecloth has not changed")
+        self.assertNotIn("display_contacts.png", "\n".join(after - before), "the tablecloth has not changed")
 
 
 class Presets(unittest.TestCase):
