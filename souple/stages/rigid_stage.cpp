@@ -374,14 +374,25 @@ void RigidStage::solve(const StageView& stage, const Substep& substep) {
   }
 }
 
-// Where nothing can give way, keep_apart holds all particles of what is driven.
+// Where nothing can give way, keep_apart holds all particles of what is driven: they are at the start of their ways.
 bool RigidStage::is_held(const StageView& stage, std::size_t body) const {
-  const std::vector<Vec4f>& moving = stage.objects.moving();
-  const std::vector<Vec4f>& start = stage.objects.particles.start;
-  const bool moves = bodies_.pose[body].position != bodies_.start[body].position;
-  const std::uint32_t begin = objects_[body]->begin, end = objects_[body]->end;
-  for (std::uint32_t i = begin; moves && i < end; ++i)
-    if (moving[i].xyz() != start[i].xyz()) return false;
+  constexpr double rounding = 1e-6;  // of positions
+  const ParticleView view = stage.objects.view();
+  const bool plain = stage.objects.form == Form::plain;
+  const BodyPose &from = bodies_.start[body], &to = bodies_.pose[body];
+  const Mat3d R_from = rotation_matrix(from.rotation), R_to = rotation_matrix(to.rotation);
+  std::size_t i = objects_[body]->begin;
+  bool moves = false;
+  for (const Vec3d& local : records_[body].definition.particles) {
+    const Vec3d start = from.position + R_from * local;
+    const double way = length(to.position + R_to * local - start);
+    const Vec3d x =
+        plain ? Vec3d(view.moving[i].xyz()) : Vec3d(view.position[i].xyz()) + Vec3d(view.moving[i].xyz());
+    ++i;
+    if (way <= rounding * (1 + length(start))) continue;
+    if (length(x - start) > way / 2) return false;
+    moves = true;
+  }
   return moves;
 }
 
