@@ -338,7 +338,7 @@ void expect_calm_and_unchanged(const std::string& name, const SceneDescription& 
     if (is_hashed(frame)) run.hashes[frame] = world.hash();
     if (is_hashed(frame) || frame == last || updating()) run.codes[frame] = codes_of(world);
   }
-  RecordProperty("largest_share_of_energy_bound", std::to_string(worst));
+  testing::Test::RecordProperty("largest_share_of_energy_bound", std::to_string(worst));
   if (updating()) {
     update_golden(name, run);
   } else {
