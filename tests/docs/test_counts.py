@@ -125,7 +125,9 @@ RESOLVER = "souple/intersections/intersection_resolver.cpp"
 # Page, pattern with one group for the number (a space stands for any white space), the truth.
 COUNTS = [
     ("CONTRIBUTING.md", r"the fuzzers and ([\d,]+) mutated files", lambda: find("script/fuzz", r"count=\$\(\(\((\d+) \+")),
-    ("CONTRIBUTING.md", r"test \((\d+) frames\), clang", lambda: constant("tests/golden/test_golden.cpp", "all_frames")),
+    ("CONTRIBUTING.md", r"test \((\d+) frames, ", lambda: constant("tests/golden/test_golden.cpp", "usual_frames")),
+    ("CONTRIBUTING.md", r"frames, (\d+) with fluids\)", lambda: constant("tests/golden/test_golden.cpp", "usual_fluid_frames")),
+    ("CONTRIBUTING.md", r"slow \((\d+)\), clang", lambda: constant("tests/golden/test_golden.cpp", "all_frames")),
     ("CONTRIBUTING.md", r"clang and bits \((\d+)\)", lambda: find(".ci/run", r"lane_clang\(\)[^}]*?GOLDEN_FRAMES=(\d+)")),
     ("CONTRIBUTING.md", r"asan and debug \((\d+)\)", lambda: find(".ci/run", r"lane_debug\(\)[^}]*?GOLDEN_FRAMES=(\d+)")),
     ("README.md", r"(\w+) visible, timed stages", lambda: len(STAGES)),
