@@ -176,7 +176,8 @@ void LiquidPass::copy(const gl::Framebuffer& color) {
                     GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
-void LiquidPass::shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& empty_array) {
+void LiquidPass::shade(const LiquidSplats& splats, const LitScene& scene, const ShadowPass& shadow,
+                       const gl::VertexArray& empty_array) {
   scene.color.bind();
   glDepthMask(GL_FALSE);
   targets_->behind.bind(gl::Unit::color);
@@ -188,6 +189,7 @@ void LiquidPass::shade(const LitScene& scene, const ShadowPass& shadow, const gl
   scene.depth.bind(gl::Unit::depth);
   shadow.bind();
   shade_.use();
+  shade_.set("extinction", splats.extinction());
   empty_array.bind();
   draw_screen();
   glDepthMask(GL_TRUE);
@@ -236,7 +238,7 @@ void LiquidPass::draw(const LiquidSplats& splats, const Bounds& bounds, const Li
   glDisable(GL_SCISSOR_TEST);
   copy(scene.color);
   keep_within(window, 1);
-  shade(scene, shadow, empty_array);
+  shade(splats, scene, shadow, empty_array);
   glDisable(GL_SCISSOR_TEST);
   clock.done("liquid shading");
 }

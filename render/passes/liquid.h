@@ -52,7 +52,8 @@ class LiquidPass {
   void step();
   void sum_thickness(const LiquidSplats& splats, const gl::Texture& depth);
   void copy(const gl::Framebuffer& color);
-  void shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& empty_array);
+  void shade(const LiquidSplats& splats, const LitScene& scene, const ShadowPass& shadow,
+             const gl::VertexArray& empty_array);
 
   gl::Program curvature_flow_{"screen.vert.glsl", "curvature_flow.frag.glsl"};
   gl::Program narrow_range_{"screen.vert.glsl", "narrow_range.frag.glsl"};
