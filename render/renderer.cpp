@@ -5,6 +5,7 @@
 #include "render/gl/program.h"
 #include "render/gl/vertex_array.h"
 #include "render/passes/finish.h"
+#include "render/passes/glass.h"
 #include "render/passes/labels.h"
 #include "render/passes/lines.h"
 #include "render/passes/liquid.h"
@@ -112,6 +113,13 @@ Bounds bounds_of_liquids(const DrawList& list) {
   return liquids.bounds();
 }
 
+Bounds bounds_of_glass(const DrawList& list) {
+  DrawList glass;
+  for (const Surface& surface : list.surfaces)
+    if (surface.look.glass) glass.surfaces.push_back(surface);
+  return glass.bounds();
+}
+
 Vec4 vec4(const Vec3f& v, float w) {
   return {v.x, v.y, v.z, w};
 }
@@ -163,6 +171,7 @@ struct Renderer::Impl {
   SpheresPass spheres;
   LiquidSplats liquid_splats;
   LiquidPass liquids;
+  GlassPass glass;
   LinesPass lines;
   ShadowPass shadow;
   OcclusionPass occlusion;
@@ -174,13 +183,14 @@ struct Renderer::Impl {
   std::optional<Canvas> canvas;
 
   Targets& targets_of(int width, int height);
+  bool filters_sunlight() const { return liquid_splats.casts_shadow() || surfaces.glass_casts_shadow(); }
   Frame frame(const DrawList& list, const Camera& camera, const RenderOptions& options, const Bounds& bounds,
               int width, int height, int sample) const;
   void bind(const Frame& frame);
   PassContext begin_picking(const DrawList& list, const Camera& camera, int width, int height);
   void draw_material(const DrawList& list, const PassContext& context);
   void draw_lighting();
-  void draw_glass(PassContext context);
+  void draw_clear(const DrawList& list, const PassContext& context, const RenderOptions& options);
   void draw_lines(const DrawList& list, const PassContext& context);
   void draw_sample(const DrawList& list, const PassContext& context, const Frame& frame,
                    const RenderOptions& options);
@@ -269,22 +279,28 @@ void Renderer::Impl::draw_lighting() {
   targets->depth.bind(gl::Unit::depth);
   shadow.bind();
   occlusion.bind(targets->normal);
-  (liquid_splats.casts_shadow() ? lighting_with_liquids : lighting).use();
+  (filters_sunlight() ? lighting_with_liquids : lighting).use();
   empty_array.bind();
   draw_screen();
   glDepthMask(GL_TRUE);
 }
 
-void Renderer::Impl::draw_glass(PassContext context) {
-  context.target = Target::glass;
-  context.over_liquids = !liquid_splats.empty();
-  if (context.over_liquids) liquids.bind_surface();
-  targets->lighting.bind();
-  glDepthMask(GL_FALSE);
-  glEnable(GL_DEPTH_TEST);
-  surfaces.draw(context);
-  glDisable(GL_DEPTH_TEST);
-  glDepthMask(GL_TRUE);
+/// Liquids and glass.
+void Renderer::Impl::draw_clear(const DrawList& list, const PassContext& context,
+                                const RenderOptions& options) {
+  const LitScene scene{targets->normal, targets->depth, targets->lighting};
+  const Bounds walls = surfaces.has_glass() ? bounds_of_glass(list) : Bounds{};
+  const auto draw_glass = [&](GlassPart part) {
+    if (!surfaces.has_glass()) return;
+    if (part != GlassPart::all) liquids.bind_surface();
+    glass.draw(part, scene, walls, surfaces, context, empty_array);
+    clock.done("glass");
+  };
+  if (liquid_splats.empty()) return draw_glass(GlassPart::all);
+  liquids.find_surface(liquid_splats, bounds_of_liquids(list), scene, context, options, empty_array, clock);
+  draw_glass(GlassPart::behind_liquids);
+  liquids.draw(liquid_splats, scene, shadow, empty_array, clock);
+  draw_glass(GlassPart::before_liquids);
 }
 
 void Renderer::Impl::draw_lines(const DrawList& list, const PassContext& context) {
@@ -306,11 +322,7 @@ void Renderer::Impl::draw_sample(const DrawList& list, const PassContext& contex
   clock.done("occlusion");
   draw_lighting();
   clock.done("lighting");
-  if (!liquid_splats.empty())
-    liquids.draw(liquid_splats, bounds_of_liquids(list), {targets->normal, targets->depth, targets->lighting},
-                 context, options, shadow, empty_array, clock);
-  if (surfaces.has_glass()) draw_glass(context);
-  clock.done("glass");
+  draw_clear(list, context, options);
   draw_lines(list, context);
   clock.done("lines");
 }
@@ -337,7 +349,7 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
     m.shadow.aim(frame, list.light, options.shadows ? casters : Bounds{}, sun[0], sun[1]);
     m.shadow.draw(frame, m.surfaces, m.spheres);
     m.clock.done("shadow");
-    if (frame.shadow_size.w != 0 && m.liquid_splats.casts_shadow()) m.shadow.draw_liquids(m.liquid_splats);
+    if (frame.shadow_size.w != 0 && m.filters_sunlight()) m.shadow.draw_light(m.liquid_splats, m.surfaces);
     m.clock.done("liquid shadow");
     m.bind(frame);
     const PassContext context{width, height, Target::material, frame.view, frame.projection, camera.from};

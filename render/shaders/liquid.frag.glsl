@@ -7,6 +7,7 @@
 #include "sunlight.glsl"
 #include "tone.glsl"
 #include "liquid.glsl"
+#include "fresnel.glsl"
 
 in vec3 ray;
 layout(location = 0) out vec4 out_color;
@@ -61,14 +62,6 @@ vec3 normal_of(float z, vec2 slope) {
   vec3 dx = dFdx(ray), dy = dFdy(ray);
   vec3 normal = normalize(cross((ray + dx) * (z + slope.x) - ray * z, (ray + dy) * (z + slope.y) - ray * z));
   return dot(normal, ray) > 0.0 ? -normal : normal;
-}
-
-// Reflected fraction of unpolarized light (Fresnel).
-float fresnel(float cosine, float index) {
-  float g = sqrt(max(index * index - 1.0 + cosine * cosine, 0.0));
-  float a = (g - cosine) / max(g + cosine, 1e-4);
-  float b = (cosine * (g + cosine) - 1.0) / (cosine * (g - cosine) + 1.0);
-  return 0.5 * a * a * (1.0 + b * b);
 }
 
 vec2 uv_of(vec4 clip) {
