@@ -35,7 +35,8 @@ struct RenderRequest {
   std::string frames, sheet, size, camera;
   std::string display = "shaded", constraints = "none", liquid_splats, liquid_filter;
   std::optional<std::uint32_t> samples, colors, liquid_steps;
-  std::vector<std::string> settings;  ///< path=value
+  std::optional<double> focus, aperture, shutter;  ///< m, m, fraction of a frame
+  std::vector<std::string> settings;               ///< path=value
   bool quiet = false;
 };
 int render_frames(const RenderRequest& request);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/color.h"
+#include "souple/collision/collider_motion.h"
 #include "souple/collision/shapes.h"
 #include "souple/world/world.h"
 
@@ -34,9 +35,11 @@ struct ColliderBody {
   std::uint32_t id = 0;
   std::string_view name;
   const Shape* shape = nullptr;
-  Transform pose{};              ///< current pose
-  std::optional<Color> color{};  ///< empty: light gray
-  bool glass = false;            ///< transparent
+  Transform pose{};                        ///< current pose
+  std::optional<Color> color{};            ///< empty: light gray
+  bool glass = false;                      ///< transparent
+  const ColliderMotion* motion = nullptr;  ///< nullptr: unknown, or it stands still
+  double time = 0;                         ///< of `pose` in `motion` [s]
 };
 
 /// Content of a picture. Spans refer to the world or the cache, which must stay unchanged until the picture

@@ -77,7 +77,7 @@ void main() {
   vec3 spark = min(lit(clear, normal, to_eye, vec3(1.0), 0.0), vec3(8.0));  // without diffuse reflection
   vec3 mirrored = sky_light(reflect(along, normal)) * (mirrors + (1.0 - mirrors) * (1.0 - mirrors) * mirrors_back);
   // After total reflection light crosses more walls, which the screen does not show: it comes from all around.
-  vec3 around = 0.5 * ambient_light(leaving) + 0.4 * scene_light(texelFetch(color_map, pixel, 0).rgb);
+  vec3 around = 0.35 * ambient_light(leaving) + 0.5 * scene_light(texelFetch(color_map, pixel, 0).rgb);
   vec3 through = (total ? around : light_behind(end, leaving)) * left * ((1.0 - mirrors) * (1.0 - mirrors_back));
   out_color = vec4(tone_mapped(through + mirrored + spark), 1.0);
 }
