@@ -32,7 +32,7 @@ struct LiquidKind {
 // Refractive indices: CRC handbook.
 const LiquidKind water{srgb(0x6fbfd6), srgb(0x3f8fd0), 0.05f, 1, 1.333f};
 const LiquidKind oil{srgb(0xefc94a), srgb(0xd9ae2b), 0.1f, 1, 1.47f};
-const LiquidKind honey{srgb(0xf0a526), srgb(0xc07a1a), 0.35f, 3.3f, 1.49f};
+const LiquidKind honey{srgb(0xf0a526), srgb(0xc07a1a), 0.9f, 2.2f, 1.49f};
 
 const LiquidKind& liquid_kind(float density) {
   if (density > 1200) return honey;
