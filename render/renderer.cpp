@@ -324,7 +324,7 @@ void Renderer::Impl::draw_clear(const DrawList& list, const PassContext& context
   const auto draw_glass = [&](GlassPart part) {
     if (!surfaces.has_glass()) return;
     if (part != GlassPart::all) liquids.bind_surface();
-    glass.draw(part, scene, walls, surfaces, context, empty_array);
+    glass.draw(part, scene, walls, liquids.window(), surfaces, context, empty_array);
     clock.done("glass");
   };
   if (liquid_splats.empty()) return draw_glass(GlassPart::all);

@@ -67,14 +67,16 @@ void GlassPass::copy(const gl::Framebuffer& color) {
                     GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
-void GlassPass::draw(GlassPart part, const LitScene& scene, const Bounds& bounds, SurfacesPass& surfaces,
-                     PassContext context, const gl::VertexArray& empty_array) {
+void GlassPass::draw(GlassPart part, const LitScene& scene, const Bounds& bounds, const Window& liquids,
+                     SurfacesPass& surfaces, PassContext context, const gl::VertexArray& empty_array) {
   if (!targets_ || targets_->exit.width() != context.width || targets_->exit.height() != context.height) {
     targets_.reset();  // frees memory before allocating
     targets_.emplace(context.width, context.height);
   }
   context.glass_part = static_cast<float>(part);
-  const Window window = window_around(bounds, context);
+  const Window around = window_around(bounds, context);
+  const Window window = part == GlassPart::behind_liquids ? common_part(around, liquids) : around;
+  if (window.width <= 0 || window.height <= 0) return;
   for (int layer = 0; layer < most_layers; ++layer) {
     keep_within(window, 1);
     scene.depth.bind(gl::Unit::depth);
@@ -82,8 +84,9 @@ void GlassPass::draw(GlassPart part, const LitScene& scene, const Bounds& bounds
     glDepthMask(GL_TRUE);
     const bool found = find_layer(layer, surfaces, context);
     glDisable(GL_DEPTH_TEST);
-    glDisable(GL_SCISSOR_TEST);
     if (!found) break;
+    // Rays may leave the window; only the first copy needs what is outside.
+    if (layer == 0) glDisable(GL_SCISSOR_TEST);
     copy(scene.color);
     keep_within(window, 1);
     scene.color.bind();

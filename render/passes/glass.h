@@ -30,10 +30,10 @@ class GlassPass {
  public:
   GlassPass();
 
-  /// Draws over `scene.color`; `liquids` is bound by LiquidPass::bind_surface unless part is `all`. `bounds` is the
-  /// bounding box of all glass.
-  void draw(GlassPart part, const LitScene& scene, const Bounds& bounds, SurfacesPass& surfaces,
-            PassContext context, const gl::VertexArray& empty_array);
+  /// Draws over `scene.color`. `bounds` is the bounding box of all glass. Unless part is `all`, LiquidPass::bind_surface
+  /// has been called, and `liquids` is the window around liquids.
+  void draw(GlassPart part, const LitScene& scene, const Bounds& bounds, const Window& liquids,
+            SurfacesPass& surfaces, PassContext context, const gl::VertexArray& empty_array);
 
  private:
   struct Targets {

@@ -36,6 +36,8 @@ class LiquidPass {
 
   /// Binds the surface of the last `find_surface`.
   void bind_surface() const { targets_->surface.bind(gl::Unit::liquid_depth); }
+  /// The window around the liquids of the last `find_surface`.
+  const Window& window() const { return window_; }
   /// Results of the last `find_surface`, as in LiquidImage.
   std::vector<float> read_depth() const;
   std::vector<float> read_thickness() const;

@@ -24,6 +24,11 @@ Window window_around(const Bounds& box, const PassContext& context) {
           static_cast<int>(std::clamp(top + room, 0.0f, height)) - y};
 }
 
+Window common_part(const Window& a, const Window& b) {
+  const int x = std::max(a.x, b.x), y = std::max(a.y, b.y);
+  return {x, y, std::min(a.x + a.width, b.x + b.width) - x, std::min(a.y + a.height, b.y + b.height) - y};
+}
+
 void keep_within(const Window& window, int scale) {
   const int x = window.x / scale, y = window.y / scale;
   glScissor(x, y, (window.x + window.width + scale - 1) / scale - x,

@@ -13,6 +13,9 @@ struct Window {
 /// The smallest upright window around a box, with some margin.
 Window window_around(const Bounds& box, const PassContext& context);
 
+/// The part that both cover; width or height is 0 or less where there is none.
+Window common_part(const Window& a, const Window& b);
+
 /// Restricts drawing to this part of the window at this scale.
 void keep_within(const Window& window, int scale);
 

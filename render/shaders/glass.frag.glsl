@@ -7,6 +7,7 @@
 #include "liquid.glsl"
 #include "octahedron.glsl"
 #include "fresnel.glsl"
+#include "sun_mirrored.glsl"
 
 in vec3 ray;
 layout(location = 0) out vec4 out_color;
@@ -29,18 +30,18 @@ float depth_behind(vec2 uv) {
   return liquid > 0.0 ? min(depth, liquid) : depth;
 }
 
-vec2 uv_of(vec3 point) {
-  vec4 clip = frame.projection * (frame.view * vec4(point, 1.0));
-  return 0.5 * clip.xy / max(clip.w, 1e-6) + 0.5;
-}
-
 // Light from `direction` at a point of the glass.
 vec3 light_behind(vec3 point, vec3 direction) {
-  vec3 forward = -vec3(frame.view[0].z, frame.view[1].z, frame.view[2].z);
   vec2 here = gl_FragCoord.xy * frame.size.zw, uv = here;
-  float depth = dot(point - frame.eye.xyz, forward), advance = dot(direction, forward);
+  // In clip space, where w is the depth along the view.
+  vec4 from = frame.projection * (frame.view * vec4(point, 1.0));
+  vec4 to = frame.projection * (frame.view * vec4(direction, 0.0));
+  float depth = from.w, advance = to.w;
   if (advance < 0.05) return sky_light(direction);  // to the side or back: not on the screen
-  for (int i = 0; i < 4; ++i) uv = uv_of(point + direction * max((depth_behind(uv) - depth) / advance, 0.0));
+  for (int i = 0; i < 3; ++i) {
+    vec4 clip = from + to * max((depth_behind(uv) - depth) / advance, 0.0);
+    uv = 0.5 * clip.xy / clip.w + 0.5;
+  }
   // Hidden by something in front of the glass, or outside the picture.
   bool hidden = depth_behind(uv) < depth;
   vec2 border = 0.5 * frame.size.zw;
@@ -73,8 +74,7 @@ void main() {
   }
   vec3 left = pow(look.rgb, vec3(min(walls, 6.0)));
   vec3 to_eye = -along;
-  Material clear = Material(vec3(0.0), 0.12, 0.0, 0.0, 0.0);
-  vec3 spark = min(lit(clear, normal, to_eye, vec3(1.0), 0.0), vec3(8.0));  // without diffuse reflection
+  vec3 spark = sun_color * min(0.04 * sun_mirrored(normal, to_eye, 0.12), 8.0);
   vec3 mirrored = sky_light(reflect(along, normal)) * (mirrors + (1.0 - mirrors) * (1.0 - mirrors) * mirrors_back);
   // After total reflection light crosses more walls, which the screen does not show: it comes from all around.
   vec3 around = 0.35 * ambient_light(leaving) + 0.5 * scene_light(texelFetch(color_map, pixel, 0).rgb);
