@@ -84,6 +84,8 @@ struct Refraction {
 };
 
 const int march_steps = 8;
+// Longest part of a path that the last step may leave out, as a factor: a path this much longer reaches its end.
+const float reaching = 1.0 / (1.0 - 1.0 / float(march_steps)) + 0.01;
 
 // `thickness` is that of all liquid on the ray [m].
 Refraction refraction_at(SurfacePoint surface, vec2 slope, float thickness, vec4 look) {
@@ -100,7 +102,7 @@ Refraction refraction_at(SurfacePoint surface, vec2 slope, float thickness, vec4
   float height = frame.ground.z > 0.5 ? surface.point.y - frame.ground.x : 0.0;
   float down = height / max(-bent.y, 0.3);
   float pool = smoothstep(0.5, 0.8, surface.normal.y) * smoothstep(0.03, 0.15, path / max(down, 1e-6));
-  path = mix(path, max(path, 1.02 * down), height > 0.0 ? pool : 0.0);
+  path = mix(path, max(path, reaching * down), height > 0.0 ? pool : 0.0);
 
   // March until the path meets an opaque object behind the surface; w is the depth along the view.
   vec4 start = frame.projection * (frame.view * vec4(surface.point, 1.0));
@@ -183,7 +185,7 @@ void main() {
     // The clouds of the lowest particles reach below the floor: liquid that stands on an object fills the gap.
     float gap = (opaque - z) * length(ray);
     float standing = optics.a > 0.0 ? 1.0 - smoothstep(1.5, 3.0, (gap - optics.a) / look.z) : 0.0;
-    float thickness = mix(optics.a, max(1.02 * gap, optics.a), standing);
+    float thickness = mix(optics.a, max(reaching * gap, optics.a), standing);
     Refraction refraction = refraction_at(surface, slope, thickness, look);
     // Where there is nothing behind, the sky in the light's direction is exact.
     bool only_sky = texelFetch(normal_map, ivec2(refraction.uv * frame.size.xy), 0).w == 0.0;
