@@ -81,6 +81,29 @@ Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Color>&
   return {.color = sand, .second = sand, .roughness = 0.9f};
 }
 
+Look finished(const Look& cloth, Fabric fabric, const std::optional<Print>& print) {
+  Look look = cloth;
+  // The pile of velvet swallows light that falls along it, and scatters light at grazing angles.
+  if (fabric == Fabric::velvet) {
+    look.roughness = look.sheen = 1;
+    look.weave = 0.1f;
+    look.color = scaled(look.color, 0.6f);
+    look.second = scaled(look.second, 0.6f);
+  }
+  if (fabric == Fabric::satin)
+    look.roughness = 0.3f, look.sheen = 0, look.metalness = 0.4f, look.weave = 0.1f;
+  if (!print && fabric == Fabric::woven) return look;
+  const Print chosen = print.value_or(Print::plain);
+  if (chosen == Print::plain) {
+    look.second = look.color;
+    return look;
+  }
+  constexpr std::array patterns{Pattern::checker, Pattern::checker, Pattern::stripes, Pattern::plaid,
+                                Pattern::dots};
+  look.pattern = patterns.at(static_cast<std::size_t>(chosen));
+  return look;
+}
+
 LiquidLook liquid_look(float density, float path_length, const std::optional<Color>& chosen) {
   const LiquidKind& kind = liquid_kind(density);
   const Color left = chosen.value_or(kind.left);

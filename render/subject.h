@@ -13,6 +13,11 @@
 
 namespace souple::render {
 
+/// How the fabric of a cloth reflects light.
+enum class Fabric { woven, velvet, satin };
+/// Print of a cloth.
+enum class Print { plain, checker, stripes, plaid, dots };
+
 /// Data of an object for drawing, from a World or from a cache on disk. User order.
 struct Body {
   std::uint32_t id = 0;  ///< ObjectId::value, or any number that is constant for an object
@@ -25,10 +30,12 @@ struct Body {
   std::span<const Vec3d> rest;  ///< of the mesh; empty for ropes and grains
   /// Of ropes and grains; half the thickness of others; half the spacing of a fluid [m].
   float radius = 0.005f;
-  float density = 0;             ///< of fluids; 0: unknown [kg/m^3]
-  std::span<const Vec3f> foam;   ///< set for the first fluid only: spray, foam and bubbles of all fluids [m]
-  std::optional<Color> color{};  ///< empty: a color of the palette
-  bool glass = false;            ///< of obstacles: transparent
+  float density = 0;              ///< of fluids; 0: unknown [kg/m^3]
+  std::span<const Vec3f> foam;    ///< set for the first fluid only: spray, foam and bubbles of all fluids [m]
+  std::optional<Color> color{};   ///< empty: a color of the palette
+  bool glass = false;             ///< of obstacles: transparent
+  Fabric fabric = Fabric::woven;  ///< of cloths
+  std::optional<Print> print{};   ///< of cloths; empty: of woven ones by their place, of others plain
 };
 
 struct ColliderBody {

@@ -139,6 +139,18 @@ class Pictures(RenderCase):
         for name in "lens", "shutter":
             self.assertNotEqual((self.folder / (name + ".png")).read_bytes(), (self.folder / "sharp.png").read_bytes(), name)
 
+    def test_fabrics_and_prints_of_cloths(self):
+        pictures = set()
+        for keys in {}, {"look": "velvet"}, {"look": "satin"}, {"pattern": "dots"}, {"pattern": "stripes"}, {"pattern": "plain"}:
+            scene = self.scene(dict(SCENE, objects=[dict(SCENE["objects"][0], **keys)]))
+            self.souple("render", scene, "--out", "a.png", "--frames", "3", *QUICK)
+            pictures.add((self.folder / "a.png").read_bytes())
+        self.assertEqual(len(pictures), 6)
+        scene = self.scene(dict(SCENE, objects=[dict(SCENE["objects"][0], look="fur")]))
+        done = self.souple("render", scene, code=2)
+        for word in "look", "fur", "velvet", "satin":
+            self.assertIn(word, done.stderr)
+
     def test_few_colors_make_small_files(self):
         scene = self.scene(SCENE)
         for name, more in ("a.png", []), ("b.png", ["--colors", "256"]):

@@ -17,7 +17,7 @@ double linear(std::uint8_t value) {
   return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
 }
 
-/// Light of a small thing before black: where it is, and how far it is spread across. [pixels]
+/// Light of a small object before black: where it is, and how far it is spread across. [pixels]
 struct Spot {
   double sum = 0, x = 0, variance = 0;
 };
