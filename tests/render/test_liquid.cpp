@@ -301,6 +301,41 @@ TEST_F(FlatPool, IsAllButFlatAsEllipsoids) {
   }
 }
 
+/// Light from the floor of a pool goes up at the refracted angle: its way is depth / cos t with sin t = cos(elevation) /
+/// index. At an elevation of 30 degrees this also holds close to the back of the pool, which reflects totally.
+TEST_F(FlatPool, IsAsDarkAtItsBackAsInItsMiddle) {
+  const float elevation = float(pi) / 6, depth = 0.15f;
+  const Camera camera =
+      camera_at({0, depth + 8 * std::sin(elevation), 8 * std::cos(elevation)}, {0, depth, 0}, 14);
+  const auto picture = [&](const Vec3f& absorption) {
+    DrawList list = with(ellipsoids_.liquid(SplatShape::ellipsoids));
+    list.ground = Ground{.height = 0, .tile = 100};
+    list.liquids[0].look.absorption = absorption;
+    list.liquids[0].casts_shadow = false;
+    RenderOptions options = filtered(LiquidFilter::narrow_range);
+    options.tone_curve = false;
+    return renderer().picture(list, camera, options, width, height);
+  };
+  const Vec3f absorption{4, 2, 1};
+  const Image wet = picture(absorption), clear = picture({}), black = picture({99, 99, 99});
+  const double sine = std::cos(double(elevation)) / 1.33, way = double(depth) / std::sqrt(1 - sine * sine);
+  for (const float z : {0.3f, 0.0f, -0.3f, -0.5f, -0.6f, -0.66f}) {
+    std::array<double, 3> left{}, all{};
+    for (const float x : {-0.4f, -0.2f, 0.0f, 0.2f, 0.4f}) {
+      const auto at = camera.project({x, depth, z}, width, height);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto light = [&](const Image& image) { return linear(image.at(int(at->x), int(at->y))[c]); };
+        left[c] += light(wet) - light(black);
+        all[c] += light(clear) - light(black);
+      }
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double of_color = c == 0 ? 4 : (c == 1 ? 2 : 1);
+      EXPECT_NEAR(left[c] / all[c], std::exp(-of_color * way), 0.05) << "z " << z << ", color " << c;
+    }
+  }
+}
+
 /// The surface of a wavy pool does not depend on the number of pixels.
 TEST_F(LiquidTest, SurfaceDoesNotDependOnTheSizeOfThePicture) {
   const auto below_waves = [](const Vec3f& x) { return x.y < 0.2f + 0.03f * std::sin(12 * x.x + 7 * x.z); };
