@@ -135,7 +135,9 @@ Refraction refraction_at(SurfacePoint surface, vec2 slope, float thickness, vec4
   // Beyond the critical angle the light leaves along the back, for that is mostly an error of this normal.
   bool total = dot(out_, out_) < 0.5;
   vec3 along = bent - back * dot(bent, back);
-  refraction.direction = total ? along / max(length(along), 1e-4) : out_;
+  out_ = total ? along / max(length(along), 1e-4) : out_;
+  // The back is known roughly: half the bend there, so that its unevenness does not mix sky and floor.
+  refraction.direction = normalize(mix(straight, out_, 0.5));
   // Continue to the objects behind, over a limited distance: otherwise small waves would distort the image
   // too much.
   float gap = clamp((opaque_depth_at(uv_of(end)) - end.w) / along_view, 0.0, 2.0 * path + 20.0 * look.z);
