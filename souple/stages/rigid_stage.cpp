@@ -145,41 +145,63 @@ bool RigidStage::is_awake(std::size_t body) const {
   return objects_[body]->sleep.island == 0;
 }
 
-void RigidStage::write_positions(const StageView& stage, std::size_t body, const BodyPose& pose) const {
-  const Particles& particles = stage.objects.particles;
-  std::vector<Vec4f>& moving = stage.objects.moving();
+template <class F>
+void RigidStage::for_each_awake(const StageView& stage, F&& f) {
+  constexpr std::size_t grain = 16;
+  stage.threads.for_each(records_.size(), grain, [&](std::size_t k, std::size_t end) {
+    for (; k < end; ++k)
+      if (is_awake(k)) f(k);
+  });
+}
+
+std::span<const Vec3d> RigidStage::arms(std::size_t body, const Quatd& rotation) {
+  Record& record = records_[body];
+  const std::vector<Vec3d>& local = record.definition.particles;
+  const Quatd& at = record.arms_at;
+  if (record.arms.size() == local.size() && at.x == rotation.x && at.y == rotation.y && at.z == rotation.z &&
+      at.w == rotation.w)
+    return record.arms;
+  record.arms.resize(local.size());
+  record.arms_at = rotation;
+  const Mat3d R = rotation_matrix(rotation);
+  for (std::size_t i = 0; i < local.size(); ++i) record.arms[i] = R * local[i];
+  return record.arms;
+}
+
+void RigidStage::write_positions(const StageView& stage, std::size_t body, const BodyPose& pose) {
+  const std::span<const Vec3d> r = arms(body, pose.rotation);
+  const Vec4f* const position = stage.objects.particles.position.data() + objects_[body]->begin;
+  Vec4f* const moving = stage.objects.moving().data() + objects_[body]->begin;
   const bool plain = stage.objects.form == Form::plain;
-  const Mat3d R = rotation_matrix(pose.rotation);
-  std::size_t i = objects_[body]->begin;
-  for (const Vec3d& local : records_[body].definition.particles) {
-    const Vec3d x = pose.position + R * local;
-    moving[i].set_xyz(Vec3f(plain ? x : x - Vec3d(particles.position[i].xyz())));
-    ++i;
+  std::vector<Vec3f>& written = records_[body].written;
+  written.resize(r.size());
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    const Vec3d x = pose.position + r[i];
+    written[i] = Vec3f(plain ? x : x - Vec3d(position[i].xyz()));
+    moving[i].set_xyz(written[i]);
   }
 }
 
-void RigidStage::write_velocities(const StageView& stage, std::size_t body) const {
-  const Mat3d R = rotation_matrix(bodies_.pose[body].rotation);
-  std::size_t i = objects_[body]->begin;
-  for (const Vec3d& local : records_[body].definition.particles)
-    stage.objects.particles.velocity[i++].set_xyz(Vec3f(bodies_.velocity[body].at(R * local)));
+void RigidStage::write_velocities(const StageView& stage, std::size_t body) {
+  Vec4f* const velocity = stage.objects.particles.velocity.data() + objects_[body]->begin;
+  const BodyVelocity v = bodies_.velocity[body];
+  const std::span<const Vec3d> r = arms(body, bodies_.pose[body].rotation);
+  for (std::size_t i = 0; i < r.size(); ++i) velocity[i].set_xyz(Vec3f(v.at(r[i])));
 }
 
 // The impulses that changed particles' velocities since the body wrote them.
 void RigidStage::read_velocities(const StageView& stage, std::size_t body) {
-  const Particles& particles = stage.objects.particles;
-  const Mat3d R = rotation_matrix(bodies_.pose[body].rotation);
+  const Vec4f* const velocity = stage.objects.particles.velocity.data() + objects_[body]->begin;
+  const Vec4f* const position = stage.objects.particles.position.data() + objects_[body]->begin;
   const BodyVelocity before = bodies_.velocity[body];
   Vec3d impulse, moment;
-  std::size_t i = objects_[body]->begin;
-  for (const Vec3d& local : records_[body].definition.particles) {
-    const Vec3d r = R * local;
-    const Vec3f change = particles.velocity[i].xyz() - Vec3f(before.at(r));
-    const auto w = static_cast<double>(particles.position[i].w);
-    ++i;
+  const std::span<const Vec3d> r = arms(body, bodies_.pose[body].rotation);
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    const Vec3f change = velocity[i].xyz() - Vec3f(before.at(r[i]));
+    const auto w = static_cast<double>(position[i].w);
     if (!(w > 0) || change == Vec3f{}) continue;
     const Vec3d J = Vec3d(change) / w;
-    impulse += J, moment += cross(r, J);
+    impulse += J, moment += cross(r[i], J);
   }
   const auto b = static_cast<std::uint32_t>(body);
   push_velocity(bodies_, b, {}, impulse);
@@ -274,57 +296,61 @@ void RigidStage::predict(const StageView& stage, const Substep& substep) {
   place_kinematic(stage, substep);
   if (!fresh_) finder_.refresh(bodies_, shapes_, part_, stage.threads);
   fresh_ = false;
-  for (std::size_t k = 0; k < records_.size(); ++k) {
-    if (!is_awake(k)) continue;
+  for_each_awake(stage, [&](std::size_t k) {
     // Gravity acts on the center of mass exactly; particles have shares of the mass whose center may be elsewhere.
     bodies_.velocity[k].linear += g * h;
     read_velocities(stage, k);
     bodies_.velocity[k].linear -= g * h;
-  }
+  });
   solver_.bounce(finder_.contacts(), bodies_, of_contacts(stage, substep));
   predict_bodies(bodies_, g, h, predicted_);
   end_kinematic(stage, substep);
   joints_->begin_substep(bodies_, h);
-  for (std::size_t k = 0; k < records_.size(); ++k)
-    if (is_awake(k)) write_positions(stage, k, bodies_.pose[k]), write_velocities(stage, k);
+  for_each_awake(stage, [&](std::size_t k) {
+    write_positions(stage, k, bodies_.pose[k]);
+    write_velocities(stage, k);
+  });
+}
+
+bool RigidStage::is_as_written(const StageView& stage, std::size_t body) const {
+  const Vec4f* const moving = stage.objects.moving().data() + objects_[body]->begin;
+  const std::vector<Vec3f>& written = records_[body].written;
+  for (std::size_t i = 0; i < written.size(); ++i)
+    if (!(moving[i].xyz() == written[i])) return false;
+  return true;
+}
+
+void RigidStage::gather_body(const StageView& stage, std::size_t body, bool in_contact) {
+  if (is_as_written(stage, body)) return;
+  const ParticleView view = stage.objects.view();
+  const Record& record = records_[body];
+  // More particles are touched than their masses were made for: their sum would overshoot.
+  const double part = in_contact && record.touched > max(record.shown, least_shown)
+                          ? max(record.shown, least_shown) / record.touched
+                          : 1;
+  Vec3d impulse, moment;
+  const std::span<const Vec3d> r = arms(body, bodies_.pose[body].rotation);
+  for (std::size_t n = 0; n < r.size(); ++n) {
+    const std::size_t i = objects_[body]->begin + n;
+    const Vec3f moved = view.moving[i].xyz() - record.written[n];
+    const auto w = static_cast<double>(view.inverse_mass(static_cast<std::uint32_t>(i)));
+    if (!(w > 0) || moved == Vec3f{}) continue;
+    const Vec3d J = Vec3d(moved) * (part / w);
+    impulse += J, moment += cross(r[n], J);
+  }
+  if (length_squared(impulse) + length_squared(moment) == 0) return;
+  push(bodies_, static_cast<std::uint32_t>(body), {}, impulse);
+  turn(bodies_, static_cast<std::uint32_t>(body), moment);
+  write_positions(stage, body, bodies_.pose[body]);
 }
 
 void RigidStage::gather(const StageView& stage, bool in_contact) {
-  const ParticleView view = stage.objects.view();
-  const bool plain = stage.objects.form == Form::plain;
-  for (std::size_t k = 0; k < records_.size(); ++k) {
-    if (!is_awake(k)) continue;
-    const Record& record = records_[k];
-    const BodyPose& pose = bodies_.pose[k];
-    const Mat3d R = rotation_matrix(pose.rotation);
-    // More particles are touched than their masses were made for: their sum would overshoot.
-    const double part = in_contact && record.touched > max(record.shown, least_shown)
-                            ? max(record.shown, least_shown) / record.touched
-                            : 1;
-    Vec3d impulse, moment;
-    std::size_t i = objects_[k]->begin;
-    for (const Vec3d& local : record.definition.particles) {
-      const Vec3d r = R * local;
-      const Vec3d x = pose.position + r;
-      const Vec3f expected(plain ? x : x - Vec3d(view.position[i].xyz()));
-      const Vec3f moved = view.moving[i].xyz() - expected;
-      const auto w = static_cast<double>(view.inverse_mass(i));
-      ++i;
-      if (!(w > 0) || moved == Vec3f{}) continue;
-      const Vec3d J = Vec3d(moved) * (part / w);
-      impulse += J, moment += cross(r, J);
-    }
-    if (length_squared(impulse) + length_squared(moment) == 0) continue;
-    const auto body = static_cast<std::uint32_t>(k);
-    push(bodies_, body, {}, impulse);
-    turn(bodies_, body, moment);
-    write_positions(stage, k, bodies_.pose[k]);
-  }
+  for_each_awake(stage, [&](std::size_t k) { gather_body(stage, k, in_contact); });
 }
 
 void RigidStage::split_masses(const StageView& stage) {
-  for (std::size_t k = 0; k < records_.size(); ++k) {
-    if (!is_awake(k) || records_[k].drive) continue;
+  for_each_awake(stage, [&](std::size_t k) {
+    if (records_[k].drive) return;
     const Vec3d& inverse_inertia = bodies_.mass[k].inverse_inertia;
     const double turning = max(inverse_inertia.x, max(inverse_inertia.y, inverse_inertia.z));
     const double count = max(records_[k].shown, least_shown);
@@ -334,7 +360,7 @@ void RigidStage::split_masses(const StageView& stage) {
       const double w = bodies_.mass[k].inverse + length_squared(local) * turning;
       stage.objects.particles.position[i++].w = static_cast<float>(w * count);
     }
-  }
+  });
 }
 
 void RigidStage::count_touched(const StageView& stage, std::span<Projector* const> contacts) {
@@ -366,52 +392,62 @@ void RigidStage::solve(const StageView& stage, const Substep& substep) {
     joints_->project(bodies_);
   }
   if (joints_->end_substep()) invalidate();  // what was joined collides
-  for (std::size_t k = 0; k < records_.size(); ++k) {
-    if (!is_awake(k)) continue;
+  for_each_awake(stage, [&](std::size_t k) {
     write_positions(stage, k, bodies_.pose[k]);
     for (std::uint32_t i = objects_[k]->begin; i < objects_[k]->end; ++i)
       stage.objects.particles.position[i].w = 0;
-  }
+  });
 }
 
-// Where nothing can give way, keep_apart holds all particles of what is driven.
+// Where nothing can give way, keep_apart holds all particles of what is driven: they are at the start of their ways.
 bool RigidStage::is_held(const StageView& stage, std::size_t body) const {
-  const std::vector<Vec4f>& moving = stage.objects.moving();
-  const std::vector<Vec4f>& start = stage.objects.particles.start;
-  const bool moves = bodies_.pose[body].position != bodies_.start[body].position;
-  const std::uint32_t begin = objects_[body]->begin, end = objects_[body]->end;
-  for (std::uint32_t i = begin; moves && i < end; ++i)
-    if (moving[i].xyz() != start[i].xyz()) return false;
+  constexpr double rounding = 1e-6;  // of positions
+  const ParticleView view = stage.objects.view();
+  const bool plain = stage.objects.form == Form::plain;
+  const BodyPose &from = bodies_.start[body], &to = bodies_.pose[body];
+  const Mat3d R_from = rotation_matrix(from.rotation), R_to = rotation_matrix(to.rotation);
+  std::size_t i = objects_[body]->begin;
+  bool moves = false;
+  for (const Vec3d& local : records_[body].definition.particles) {
+    const Vec3d start = from.position + R_from * local;
+    const double way = length(to.position + R_to * local - start);
+    const Vec3d x =
+        plain ? Vec3d(view.moving[i].xyz()) : Vec3d(view.position[i].xyz()) + Vec3d(view.moving[i].xyz());
+    ++i;
+    if (way <= rounding * (1 + length(start))) continue;
+    if (length(x - start) > way / 2) return false;
+    moves = true;
+  }
   return moves;
 }
 
 void RigidStage::finish(const StageView& stage, const Substep& substep) {
   if (empty()) return;
   finish_bodies(bodies_, predicted_, static_cast<double>(substep.h));
-  for (std::size_t k = 0; k < records_.size(); ++k) {
-    if (!is_awake(k) || !is_held(stage, k)) continue;
-    bodies_.pose[k] = bodies_.start[k];
-    bodies_.velocity[k] = {bodies_.velocity[k].linear * held_part, bodies_.velocity[k].angular * held_part};
-  }
   Particles& particles = stage.objects.particles;
-  for (std::size_t k = 0; k < records_.size(); ++k) {
-    if (!is_awake(k)) continue;
+  for_each_awake(stage, [&](std::size_t k) {
+    if (is_held(stage, k)) {
+      bodies_.pose[k] = bodies_.start[k];
+      bodies_.velocity[k] = {bodies_.velocity[k].linear * held_part, bodies_.velocity[k].angular * held_part};
+    }
     write_velocities(stage, k);
     for (std::uint32_t i = objects_[k]->begin; i < objects_[k]->end; ++i)
       particles.position[i].w = inverse_mass(particles.mass[i]);
     records_[k].pose = bodies_.pose[k], records_[k].velocity = bodies_.velocity[k];
-  }
+  });
 }
 
+// Restitution of particles changes what they touch in this substep.
 void RigidStage::gather_velocities(const StageView& stage) {
-  for (std::size_t k = 0; k < records_.size(); ++k) {
-    if (!is_awake(k)) continue;
-    read_velocities(stage, k);
-    write_velocities(stage, k);
-    records_[k].velocity = bodies_.velocity[k];
+  for_each_awake(stage, [&](std::size_t k) {
+    if (records_[k].touched > 0) {
+      read_velocities(stage, k);
+      write_velocities(stage, k);
+      records_[k].velocity = bodies_.velocity[k];
+    }
     for (std::uint32_t i = objects_[k]->begin; i < objects_[k]->end; ++i)
       stage.objects.particles.position[i].w = inverse_mass(stage.objects.particles.mass[i]);
-  }
+  });
 }
 
 void RigidStage::keep() {
@@ -461,7 +497,8 @@ void RigidStage::load(std::span<const std::byte> in) {
 std::size_t RigidStage::bytes() const {
   std::size_t result = bytes_of(records_, rows_, shapes_, predicted_, touched_at_) + finder_.bytes() +
                        solver_.bytes() + joints_->bytes();
-  for (const Record& record : records_) result += bytes_of(record.definition.particles);
+  for (const Record& record : records_)
+    result += bytes_of(record.definition.particles, record.arms, record.written);
   return result;
 }
 

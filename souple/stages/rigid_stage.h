@@ -134,6 +134,9 @@ class RigidStage {
     double shown = 0;  ///< number of touched particles that their masses are made for: it falls slowly
     std::uint32_t touched = 0;   ///< in this substep
     std::optional<Drive> drive;  ///< of a kinematic body
+    std::vector<Vec3d> arms;     ///< of the particles from the center, in world axes, turned by `arms_at` [m]
+    Quatd arms_at{0, 0, 0, 0};
+    std::vector<Vec3f> written;  ///< what write_positions wrote last, in this substep
   };
   /// The body of a record, or of a collider, as the contacts see it.
   class Materials;
@@ -148,9 +151,15 @@ class RigidStage {
   void place_kinematic(const StageView& stage, const Substep& substep);
   void end_kinematic(const StageView& stage, const Substep& substep);
   bool pushes(const RigidContact& contact) const;
-  void write_positions(const StageView& stage, std::size_t body, const BodyPose& pose) const;
+  /// Calls f(body) for every body that is awake, on all threads.
+  template <class F>
+  void for_each_awake(const StageView& stage, F&& f);
+  std::span<const Vec3d> arms(std::size_t body, const Quatd& rotation);
+  void write_positions(const StageView& stage, std::size_t body, const BodyPose& pose);
   void read_velocities(const StageView& stage, std::size_t body);
-  void write_velocities(const StageView& stage, std::size_t body) const;
+  void write_velocities(const StageView& stage, std::size_t body);
+  bool is_as_written(const StageView& stage, std::size_t body) const;
+  void gather_body(const StageView& stage, std::size_t body, bool in_contact);
   bool is_awake(std::size_t body) const;
   bool is_held(const StageView& stage, std::size_t body) const;
 
