@@ -156,7 +156,8 @@ void choose_frames(const RenderRequest& request, const FrameSource& source, Rend
 void choose_size(const RenderRequest& request, RenderJob& job) {
   const bool still = job.kind == OutputKind::picture || job.kind == OutputKind::sheet;
   const bool blurred = job.style.aperture > 0 || request.shutter;
-  if (!request.samples) job.style.samples = (still ? 16 : 4) * (blurred ? 4 : 1);
+  if (!request.samples) job.style.samples = still ? 16 : 4;
+  if (!request.samples && blurred) job.style.samples *= 4;
   if (!request.size.empty()) {
     job.style.size = parse_size(request.size);
   } else if (job.kind == OutputKind::sheet) {
