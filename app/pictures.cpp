@@ -20,12 +20,12 @@ bool is_given(const CameraDescription& camera) {
 namespace {
 
 /// Corners of the box around a collider of finite size, in the world.
-void add_collider(const render::ColliderBody& collider, render::Bounds& bounds) {
+void add_collider(const render::ColliderBody& collider, render::ExtremePoints& extent) {
   const ShapeBounds box = shape_bounds(*collider.shape);
   if (!is_finite(box.lo) || !is_finite(box.hi)) return;
   for (const double x : {box.lo.x, box.hi.x})
     for (const double y : {box.lo.y, box.hi.y})
-      for (const double z : {box.lo.z, box.hi.z}) bounds.add(Vec3f(collider.pose.point({x, y, z})));
+      for (const double z : {box.lo.z, box.hi.z}) extent.add(Vec3f(collider.pose.point({x, y, z})));
 }
 
 }  // namespace
@@ -38,16 +38,24 @@ render::Bounds bounds_of(const render::Subject& subject) {
   return bounds;
 }
 
-render::Bounds bounds_with_colliders(const render::Subject& subject) {
-  constexpr float much = 2;
-  const render::Bounds objects = bounds_of(subject);
-  render::Bounds bounds = objects;
-  for (const render::ColliderBody& collider : subject.colliders) {
-    render::Bounds box;
-    add_collider(collider, box);
-    if (box.radius() <= much * objects.radius()) bounds.add(box);
+render::ExtremePoints extent_of(const render::Subject& subject) {
+  render::ExtremePoints extent;
+  for (const render::Body& body : subject.bodies) {
+    for (const Vec3f& x : body.positions) extent.add(x, body.radius);
   }
-  return bounds;
+  return extent;
+}
+
+render::ExtremePoints extent_with_colliders(const render::Subject& subject) {
+  constexpr float much = 2;
+  render::ExtremePoints extent = extent_of(subject);
+  const float radius = extent.bounds().radius();
+  for (const render::ColliderBody& collider : subject.colliders) {
+    render::ExtremePoints box;
+    add_collider(collider, box);
+    if (box.bounds().radius() <= much * radius) extent.add(box);
+  }
+  return extent;
 }
 
 bool is_automatic(const CameraRequest& request, const CameraDescription* scene) {
@@ -56,7 +64,7 @@ bool is_automatic(const CameraRequest& request, const CameraDescription* scene) 
 }
 
 render::Camera camera_for(const CameraRequest& request, const CameraDescription* scene,
-                          const render::Bounds& bounds, float aspect) {
+                          const render::ExtremePoints& extent, float aspect) {
   render::Camera camera;
   const bool given = scene != nullptr && is_given(*scene);
   if (given) {
@@ -69,7 +77,10 @@ render::Camera camera_for(const CameraRequest& request, const CameraDescription*
   camera.fov = request.fov.value_or(camera.fov);
   if (camera.from == camera.to)
     throw Error("--camera: \"from\" and \"to\" are the same point; expected two different points");
-  if (is_automatic(request, scene) && !bounds.empty()) camera.frame(bounds, aspect);
+  if (is_automatic(request, scene)) {
+    camera.turn_to_fill(extent.points(), aspect);
+    camera.frame(extent.points(), aspect);
+  }
   return camera;
 }
 
