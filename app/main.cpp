@@ -224,7 +224,10 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       .add_option("--size", request->size,
                   "of a picture, in pixels [1280x720; .gif and .webp 640x360; each of a sheet 480x270]")
       ->type_name("WIDTHxHEIGHT");
-  command.add_option("--samples", request->samples, "pictures averaged into one [16; films and folders 4]")
+  command
+      .add_option("--samples", request->samples,
+                  "pictures averaged into one [16; films and folders 4; with a lens or a "
+                  "shutter four times as many]")
       ->type_name("N");
   command
       .add_option("--colors", request->colors,
@@ -236,6 +239,18 @@ void add_render(CLI::App& app, std::function<int()>& action) {
                   "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it, or auto: frame all objects [the "
                   "scene's, else auto]")
       ->type_name("CAMERA");
+  command
+      .add_option("--focus", request->focus,
+                  "depth of field: distance from the camera at which objects are sharp, in m")
+      ->type_name("METERS");
+  command
+      .add_option("--aperture", request->aperture,
+                  "diameter of the lens, in m [a fortieth of the distance in focus]")
+      ->type_name("METERS");
+  command
+      .add_option("--shutter", request->shutter,
+                  "motion blur: fraction of a frame during which the shutter is open, at most 1")
+      ->type_name("FRACTION");
   command.add_option("--display", request->display, "how objects are shown, see below [shaded]")
       ->type_name("DISPLAY");
   command.add_option("--constraints", request->constraints, "how constraints are colored, see below [none]")

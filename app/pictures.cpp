@@ -1,5 +1,6 @@
 #include "app/pictures.h"
 
+#include "render/moving_subject.h"
 #include "souple/error.h"
 
 #include <algorithm>
@@ -83,23 +84,38 @@ render::Camera camera_for(const CameraRequest& request, const CameraDescription*
   return camera;
 }
 
+namespace {
+
+/// In the lower left corner.
+render::Label label_of(const std::string& text, const PictureStyle& style) {
+  render::Label words;
+  words.text = text;
+  words.size = std::max(12.0f, static_cast<float>(style.size.height) / 16);
+  words.x = 0.4f * words.size;
+  words.y = static_cast<float>(style.size.height) - 1.4f * words.size;
+  words.background = render::Color{0, 0, 0, 0.5f};
+  return words;
+}
+
+}  // namespace
+
 render::Image PictureMaker::picture(const render::Subject& subject, const render::Camera& camera,
                                     const PictureStyle& style, const std::string& label) {
-  const render::DrawList& list = drawing_.update(subject, style.display);
-  if (!label.empty()) {
-    render::Label words;
-    words.text = label;
-    words.size = std::max(12.0f, static_cast<float>(style.size.height) / 16);
-    words.x = 0.4f * words.size;
-    words.y = static_cast<float>(style.size.height) - 1.4f * words.size;
-    words.background = render::Color{0, 0, 0, 0.5f};
-    drawing_.list().labels.push_back(words);
-  }
+  const auto list_of = [&](const render::Subject& at) -> const render::DrawList& {
+    const render::DrawList& list = drawing_.update(at, style.display);
+    if (!label.empty()) drawing_.list().labels.push_back(label_of(label, style));
+    return list;
+  };
   render::RenderOptions options;
   options.samples = style.samples;
   options.liquid_filter = style.liquid_filter;
   options.liquid_steps = style.liquid_steps;
-  return renderer_.picture(list, camera, options, style.size.width, style.size.height);
+  options.focus = style.focus > 0 ? style.focus : camera.distance();
+  options.aperture = style.aperture;
+  const auto [width, height] = style.size;
+  if (!(style.exposure > 0)) return renderer_.picture(list_of(subject), camera, options, width, height);
+  render::MovingSubject moving(subject, style.exposure);
+  const auto list_at = [&](float time) -> const render::DrawList& { return list_of(moving.at(time)); };
+  return renderer_.moving_picture(list_at, camera, options, width, height);
 }
-
 }  // namespace souple::app

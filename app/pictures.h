@@ -20,6 +20,9 @@ struct PictureStyle {
   render::DisplayOptions display;
   render::LiquidFilter liquid_filter = render::LiquidFilter::narrow_range;
   int liquid_steps = 0;  ///< see RenderOptions
+  float aperture = 0;    ///< see RenderOptions; 0: no depth of field [m]
+  float focus = 0;       ///< 0: the distance of the camera's target [m]
+  double exposure = 0;   ///< time during which the shutter is open; 0: no motion blur [s]
 
   float aspect() const { return static_cast<float>(size.width) / static_cast<float>(size.height); }
 };

@@ -73,6 +73,22 @@ void choose_liquids(const RenderRequest& request, PictureStyle& style) {
   style.liquid_steps = static_cast<int>(*request.liquid_steps);
 }
 
+/// Depth of field. The exposure follows from the source's frame rate.
+void choose_lens(const RenderRequest& request, PictureStyle& style) {
+  constexpr double farthest = 1e5;
+  const auto require = [](const char* option, double value, double most, const char* unit) {
+    if (!(value > 0 && value <= most))
+      throw Error(
+          fmt::format("{} {}: expected a number above 0 and at most {}{}", option, value, most, unit));
+  };
+  if (request.focus) require("--focus", *request.focus, farthest, " m");
+  if (request.aperture) require("--aperture", *request.aperture, farthest, " m");
+  if (request.shutter) require("--shutter", *request.shutter, 1, "");
+  constexpr double standard = 1.0 / 40;  // of the distance in focus
+  style.focus = static_cast<float>(request.focus.value_or(0));
+  style.aperture = static_cast<float>(request.aperture.value_or(standard * request.focus.value_or(0)));
+}
+
 PictureStyle style_of(const RenderRequest& request) {
   PictureStyle style;
   try {
@@ -83,6 +99,7 @@ PictureStyle style_of(const RenderRequest& request) {
   style.display.constraints = constraint_display_of(request.constraints);
   style.display.pins = false;
   choose_liquids(request, style);
+  choose_lens(request, style);
   if (request.samples) {
     constexpr std::uint32_t most = 1024;
     if (*request.samples < 1 || *request.samples > most)
@@ -166,7 +183,9 @@ void choose_frames(const RenderRequest& request, const FrameSource& source, Rend
 /// otherwise.
 void choose_size(const RenderRequest& request, RenderJob& job) {
   const bool still = job.kind == OutputKind::picture || job.kind == OutputKind::sheet;
+  const bool blurred = job.style.aperture > 0 || request.shutter;
   if (!request.samples) job.style.samples = still ? 16 : 4;
+  if (!request.samples && blurred) job.style.samples *= 4;
   if (!request.size.empty()) {
     job.style.size = parse_size(request.size);
   } else if (job.kind == OutputKind::sheet) {
@@ -215,6 +234,7 @@ RenderJob job_of(const RenderRequest& request, const FrameSource& source, Pictur
   choose_frames(request, source, job);
   choose_film(request, job);
   choose_size(request, job);
+  if (request.shutter) job.style.exposure = *request.shutter / source.frame_rate();
   require_world(job, request, source);
   return job;
 }
@@ -340,7 +360,8 @@ int render_frames(const RenderRequest& request) {
   const CameraRequest camera = parse_camera(request.camera);
   const SheetShape sheet = request.sheet.empty() ? SheetShape{} : parse_sheet(request.sheet);
   if (!request.size.empty()) parse_size(request.size);
-  SourceRequest wanted{request.source, request.settings, style.display.display == render::Display::speed};
+  SourceRequest wanted{request.source, request.settings,
+                       style.display.display == render::Display::speed || request.shutter};
   const std::unique_ptr<FrameSource> source = open_source(wanted);
   const RenderJob job = job_of(request, *source, style, camera, sheet);
   expect_driver_crashes();

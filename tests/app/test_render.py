@@ -137,6 +137,28 @@ class Pictures(RenderCase):
             self.souple("render", scene, "--out", "a.png", "--size", size, "--samples", "1", "--frames", "1")
             self.assertEqual("%dx%d" % png_size(self.folder / "a.png"), size)
 
+    def test_lens_and_shutter_blur(self):
+        scene = self.scene(SCENE)
+        size = ["--size", "160x90", "--samples", "16", "--frames", "10"]
+        for name, more in (("sharp", []), ("lens", ["--focus", "1", "--aperture", "0.3"]), ("shutter", ["--shutter", "1"])):
+            self.souple("render", scene, "--out", name + ".png", *size, *more)
+            self.souple("render", scene, "--out", name + "_again.png", *size, *more)
+            self.assertEqual((self.folder / (name + ".png")).read_bytes(), (self.folder / (name + "_again.png")).read_bytes())
+        for name in "lens", "shutter":
+            self.assertNotEqual((self.folder / (name + ".png")).read_bytes(), (self.folder / "sharp.png").read_bytes(), name)
+
+    def test_fabrics_and_prints_of_cloths(self):
+        pictures = set()
+        for keys in {}, {"look": "velvet"}, {"look": "satin"}, {"pattern": "dots"}, {"pattern": "stripes"}, {"pattern": "plain"}:
+            scene = self.scene(dict(SCENE, objects=[dict(SCENE["objects"][0], **keys)]))
+            self.souple("render", scene, "--out", "a.png", "--frames", "3", *QUICK)
+            pictures.add((self.folder / "a.png").read_bytes())
+        self.assertEqual(len(pictures), 6)
+        scene = self.scene(dict(SCENE, objects=[dict(SCENE["objects"][0], look="fur")]))
+        done = self.souple("render", scene, code=2)
+        for word in "look", "fur", "velvet", "satin":
+            self.assertIn(word, done.stderr)
+
     def test_few_colors_make_small_files(self):
         scene = self.scene(SCENE)
         for name, more in ("a.png", []), ("b.png", ["--colors", "256"]):
@@ -438,6 +460,8 @@ class Refused(RenderCase):
         self.refused(scene, "--liquid-filter", "blur", said="--liquid-filter: unknown liquid filter 'blur'")
         self.refused(scene, "--liquid-splats", "cubes", said="--liquid-splats: unknown liquid splats 'cubes'")
         self.refused(scene, "--liquid-steps", "0", said="--liquid-steps 0: expected 1 to 500")
+        for option, bad in ("--focus", "0"), ("--focus", "-1"), ("--aperture", "0"), ("--shutter", "1.5"), ("--shutter", "nan"):
+            self.refused(scene, f"{option}={bad}", said=f"{option} {bad}: expected a number above 0 and at most")
         self.refused(scene, "--colors", "1", said="--colors 1: expected 2 to 256")
         self.refused(scene, "--colors", "9", "--out", "a.mp4", said="--colors 9: is for pictures")
         self.refused(scene, "--samples", "x", said="expected a whole number")
