@@ -63,6 +63,14 @@ struct ShapeText {
   }
 };
 
+void print_tie(const TieDescription& tie) {
+  std::printf("  %s: %s%s to %s\n", tie.name.empty() ? "tie" : tie.name.c_str(),
+              tie.stitch  ? "stitches "
+              : tie.slide ? "slides, "
+                          : "",
+              tie.from.empty() ? "the world" : tie.from.c_str(), tie.to.c_str());
+}
+
 void print_joint(const AnyJointDescription& any) {
   const JointDescription& joint = common(any);
   std::printf("  %s: %s, %s to %s\n", joint.name.c_str(), std::string(kind_name(any)).c_str(),
@@ -125,6 +133,8 @@ int check(const std::string& scene_name, const std::vector<std::string>& setting
   for (const ColliderDescription& collider : scene.colliders) print_collider(world, collider);
   if (!scene.joints.empty()) std::printf("joints:\n");
   for (const AnyJointDescription& joint : scene.joints) print_joint(joint);
+  if (!scene.ties.empty()) std::printf("ties:\n");
+  for (const TieDescription& tie : scene.ties) print_tie(tie);
   if (!diagnostics.empty()) std::printf("diagnostics:\n");
   for (const std::string& diagnostic : diagnostics) std::printf("  %s\n", diagnostic.c_str());
   std::printf("the scene is valid\n");

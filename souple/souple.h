@@ -9,6 +9,7 @@
 #include "souple/io/recorder.h"
 #include "souple/objects/joint_options.h"
 #include "souple/objects/kind_traits.h"
+#include "souple/objects/tie_options.h"
 #include "souple/rigid/joints/joint.h"
 #include "souple/world/debug_draw.h"
 #include "souple/world/memory.h"

@@ -25,7 +25,7 @@ constexpr int sweeps = 2, coarsest_sweeps = 4;
 constexpr float over_relaxation = 1.6f;
 /// Additional sweeps of the links around isolated pinned particles, and how many links away they reach.
 constexpr int near_sweeps = 12, near_radius = 6;
-/// Levels of fewer particles get none: six links reach across them.
+/// Levels of fewer particles get none around pinned ones: six links reach across them.
 constexpr std::size_t smallest_near_level = 64;
 /// One sweep of the finest links leaves a stretch of this times h^2 (w_a + w_b) lambda (SetProjector::find_shared).
 constexpr float finest_share = 0.55f;
@@ -146,16 +146,22 @@ class Extents {
   std::uint32_t search_ = 0;
 };
 
-/// Removes the links of pieces that plain sweeps solve well: small ones, unless they are long strips.
-void remove_small(std::vector<Link>& links, std::size_t particles) {
+/// Removes the links of pieces that plain sweeps solve well: small ones, unless they are long strips or carry a heavy load.
+/// `masses`: per particle.
+void remove_small(std::vector<Link>& links, std::span<const float> masses) {
+  const std::size_t particles = masses.size();
   Components components(links, particles);
   std::vector<std::size_t> count(particles);  // of links, per piece, at its root
   for (const Link& link : links) ++count[components.root(link.a)];
+  std::vector<bool> loaded(particles);  // per piece, at its root
+  const std::vector<char> classes = classes_of(links, masses);
+  for (std::uint32_t i = 0; i < particles; ++i)
+    if (classes[i] == heavy_particle) loaded[components.root(i)] = true;
   std::vector<bool> removed(particles);
   std::unique_ptr<Extents> extents;
   for (std::uint32_t i = 0; i < particles; ++i) {
     const std::size_t size = components.size(i);
-    if (components.root(i) != i || size >= smallest_piece) continue;
+    if (components.root(i) != i || size >= smallest_piece || loaded[i]) continue;
     removed[i] = true;
     if (size < shortest_strip || count[i] < size) continue;  // ropes are no strips
     if (!extents) extents = std::make_unique<Extents>(links, particles);
@@ -170,12 +176,6 @@ bool same_shape(std::span<const Link> links, std::span<const Link> others) {
   return std::equal(
       links.begin(), links.end(), others.begin(), others.end(),
       [](const Link& p, const Link& q) { return p.a == q.a && p.b == q.b && p.length == q.length; });
-}
-
-/// Whether the same particles are fixed.
-bool same_fixed(std::span<const float> masses, std::span<const float> others) {
-  return std::equal(masses.begin(), masses.end(), others.begin(), others.end(),
-                    [](float p, float q) { return (p > 0) == (q > 0); });
 }
 
 float inverse(float mass) {
@@ -217,6 +217,15 @@ bool Hierarchical::constraints_changed(std::span<Projector* const> projectors) {
   return changed;
 }
 
+bool Hierarchical::any_mass_changed(const ParticleView& particles) {
+  const auto same = [](float w, const Vec4f& x) { return w == x.w; };
+  if (std::equal(seen_.begin(), seen_.end(), particles.position.begin(), particles.position.end(), same))
+    return false;
+  seen_.clear();
+  for (const Vec4f& x : particles.position) seen_.push_back(x.w);
+  return true;
+}
+
 bool Hierarchical::masses_changed(const ParticleView& particles) const {
   for (std::size_t i = 0; i < particle_.size(); ++i)
     if (masses_[i] != tied_.mass(particle_[i], particles)) return true;
@@ -224,7 +233,7 @@ bool Hierarchical::masses_changed(const ParticleView& particles) const {
 }
 
 std::vector<Link> Hierarchical::links_of(std::span<Projector* const> projectors, const LeftOut& left_out,
-                                         std::size_t particles) const {
+                                         const ParticleView& particles) const {
   std::vector<Link> links;
   for (const Projector* projector : projectors) {
     if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector))
@@ -233,8 +242,13 @@ std::vector<Link> Hierarchical::links_of(std::span<Projector* const> projectors,
       add_links(*membranes, links);
   }
   contract(tied_, links);
-  merge(links, particles);
-  if (pieces_ == Pieces::large) remove_small(links, particles);
+  merge(links, particles.position.size());
+  if (pieces_ == Pieces::large) {
+    std::vector<float> masses(particles.position.size());
+    for (const Link& link : links)
+      for (const std::uint32_t i : {link.a, link.b}) masses[i] = tied_.mass(i, particles);
+    remove_small(links, masses);
+  }
   return links;
 }
 
@@ -260,8 +274,10 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const LeftOut
   TiedParticles tied(projectors, particles);
   bool links_changed = tied != tied_, stiffness_changed = false;
   tied_ = std::move(tied);
-  if (constraints_changed(projectors) || links_changed) {
-    std::vector<Link> links = links_of(projectors, left_out, particles.position.size());
+  // Another mass may make a small piece carry a load.
+  const bool relink = any_mass_changed(particles);
+  if (constraints_changed(projectors) || links_changed || relink) {
+    std::vector<Link> links = links_of(projectors, left_out, particles);
     links_changed = links_changed || !same_shape(links, links_);
     stiffness_changed = links != links_;
     links_ = std::move(links);
@@ -271,7 +287,7 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const LeftOut
     if (stiffness_changed) take_stiffness();
     return;
   }
-  const std::vector<float> before = std::exchange(masses_, {});
+  masses_.clear();
   for (const std::uint32_t i : particle_) masses_.push_back(tied_.mass(i, particles));
   compliant_ =
       std::any_of(links_.begin(), links_.end(), [](const Link& link) { return std::isfinite(link.energy); });
@@ -281,16 +297,17 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const LeftOut
                               inverse(tied_.mass(link.b, particles)));
   stretched_ = {};
   gains_for_ = {};
-  if (!links_changed && same_fixed(before, masses_)) return update_masses(particles);
-  build(particles, threads);
-}
-
-void Hierarchical::build(const ParticleView& particles, Threads& threads) {
-  const ActiveScope awake(threads);
   std::vector<std::uint32_t> number(particles.position.size(), none);
   for (std::uint32_t i = 0; i < particle_.size(); ++i) number[particle_[i]] = i;
   std::vector<Link> links = links_;
   for (Link& link : links) link.a = number[link.a], link.b = number[link.b];
+  const std::vector<char> before = std::exchange(classes_, classes_of(links, masses_));
+  if (!links_changed && before == classes_) return update_masses(particles);
+  build(links, particles, threads);
+}
+
+void Hierarchical::build(std::span<const Link> links, const ParticleView& particles, Threads& threads) {
+  const ActiveScope awake(threads);
   levels_.clear();
   for (CoarseLevel& level : cache_.build(links, masses_, coarsest_size, threads))
     add_level(std::move(level), particles);
@@ -383,10 +400,26 @@ void Hierarchical::find_slots(Level& level) const {
   level.stretch.resize(level.all.slots());
 }
 
+namespace {
+
+/// Whether a particle is near an isolated pinned or an isolated heavy one.
+std::vector<bool> near_isolated(const CoarseLevel& map, int radius) {
+  std::vector<bool> near(map.mass.size());
+  if (near.size() >= smallest_near_level) near = near_isolated_pins(map.links, map.mass, radius);
+  const std::vector<char> classes = classes_of(map.links, map.mass);
+  if (std::find(classes.begin(), classes.end(), heavy_particle) == classes.end()) return near;
+  std::vector<float> as_pinned;
+  for (const char c : classes) as_pinned.push_back(c == heavy_particle ? 0.0f : 1.0f);
+  const std::vector<bool> near_heavy = near_isolated_pins(map.links, as_pinned, radius);
+  for (std::size_t i = 0; i < near.size(); ++i) near[i] = near[i] || near_heavy[i];
+  return near;
+}
+
+}  // namespace
+
 void Hierarchical::add_links_near_pins(Level& level) {
   const CoarseLevel& map = level.map;
-  if (map.mass.size() < smallest_near_level) return;
-  const std::vector<bool> near = near_isolated_pins(map.links, map.mass, near_radius);
+  const std::vector<bool> near = near_isolated(map, near_radius);
   std::vector<std::uint32_t> links;
   for (std::uint32_t e = 0; e < map.links.size(); ++e) {
     const Link& link = map.links[e];

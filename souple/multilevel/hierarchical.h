@@ -102,7 +102,8 @@ class Hierarchical final : public Solver {
 
   void add_level(CoarseLevel map, const ParticleView& particles);
   static void add_links_near_pins(Level& level);
-  void build(const ParticleView& particles, Threads& threads);
+  /// `links`: ends are linked particles.
+  void build(std::span<const Link> links, const ParticleView& particles, Threads& threads);
   void update_masses(const ParticleView& particles);
   /// Of the first level or a coarser one.
   void find_prolongation(Level& level, bool first, const ParticleView& particles) const;
@@ -127,15 +128,19 @@ class Hierarchical final : public Solver {
   void take_stiffness();
   bool constraints_changed(std::span<Projector* const> projectors);
   bool masses_changed(const ParticleView& particles) const;
+  /// Of any particle since the last call.
+  bool any_mass_changed(const ParticleView& particles);
   std::vector<Link> links_of(std::span<Projector* const> projectors, const LeftOut& left_out,
-                             std::size_t particles) const;
+                             const ParticleView& particles) const;
 
   Pieces pieces_;
   std::vector<std::pair<const Projector*, std::uint64_t>> revisions_;  ///< of the sets that links_ come from
   std::vector<Link> links_;              ///< links of the finest level; ends are the world's particles
   std::vector<float> inverse_masses_;    ///< per link: sum of the inverse masses of its two ends [1/kg]
   TiedParticles tied_;                   ///< one linked particle each
+  std::vector<float> seen_;              ///< inverse masses of all particles [1/kg]
   std::vector<float> masses_;            ///< per linked particle [kg]; 0: fixed
+  std::vector<char> classes_;            ///< per linked particle: see classes_of
   std::vector<std::uint32_t> particle_;  ///< per linked particle: its representative in the world, ascending
   LevelCache cache_;
   std::vector<Level> levels_;  ///< finest first

@@ -485,7 +485,7 @@ void LevelBuilder::find_parents(const Near& near, const CoarseLengths& lengths,
 void LevelBuilder::find_children() {
   const std::size_t count = level_.finer.size();
   const auto follows = [&](std::size_t i, std::uint32_t j) {
-    return fixed_[level_.finer[j]] == 0 ? fixed_[i] == 0 : level_.finer[j] == i;
+    return fixed_[level_.finer[j]] != fixed_particle ? fixed_[i] != fixed_particle : level_.finer[j] == i;
   };
   level_.child_begin.assign(count + 1, 0);
   for (std::size_t i = 0; i < fixed_.size(); ++i)
@@ -533,8 +533,23 @@ void take_energies(std::span<const Link> finer, CoarseLevel& level) {
   }
 }
 
-CoarseLevel build_level(std::span<const Link> links, std::span<const char> fixed, Threads& threads) {
-  return LevelBuilder(links, fixed, threads).build();
+std::vector<char> classes_of(std::span<const Link> links, std::span<const float> masses) {
+  constexpr float heavy = 30;  // times the lightest neighbor's mass
+  std::vector<float> lightest(masses.size(), infinity);
+  for (const Link& link : links) {
+    if (masses[link.b] > 0) lightest[link.a] = std::min(lightest[link.a], masses[link.b]);
+    if (masses[link.a] > 0) lightest[link.b] = std::min(lightest[link.b], masses[link.a]);
+  }
+  std::vector<char> classes;
+  for (std::size_t i = 0; i < masses.size(); ++i)
+    classes.push_back(!(masses[i] > 0)                  ? fixed_particle
+                      : masses[i] > heavy * lightest[i] ? heavy_particle
+                                                        : free_particle);
+  return classes;
+}
+
+CoarseLevel build_level(std::span<const Link> links, std::span<const char> classes, Threads& threads) {
+  return LevelBuilder(links, classes, threads).build();
 }
 
 // A free coarse particle has the masses of its followers by their weights, and is their mean by these masses.
@@ -559,10 +574,16 @@ void take_masses(std::span<const float> finer, CoarseLevel& level) {
 std::vector<CoarseLevel> build_levels(std::span<const Link> links, std::span<const float> masses,
                                       std::size_t coarsest_size, Threads& threads) {
   std::vector<CoarseLevel> levels;
+  std::vector<char> classes;
   while (masses.size() > coarsest_size) {
-    std::vector<char> fixed;
-    for (const float mass : masses) fixed.push_back(mass > 0 ? 0 : 1);
-    CoarseLevel level = build_level(links, fixed, threads);
+    if (levels.empty()) {
+      classes = classes_of(links, masses);
+    } else {
+      std::vector<char> next;
+      for (const std::uint32_t i : levels.back().finer) next.push_back(classes[i]);
+      classes = std::move(next);
+    }
+    CoarseLevel level = build_level(links, classes, threads);
     if (level.finer.size() == masses.size()) break;
     take_masses(masses, level), take_energies(links, level);
     levels.push_back(std::move(level));

@@ -57,6 +57,7 @@ void LevelCache::find_blocks(std::span<const Link> links, std::span<const float>
     if (known.find(hash) == known.end()) known.emplace(hash, std::move(block));
   }
   blocks_.clear();
+  const std::vector<char> classes = classes_of(links, masses);
   std::vector<Link> own;
   std::vector<char> fixed;
   std::size_t e = 0;
@@ -68,7 +69,7 @@ void LevelCache::find_blocks(std::span<const Link> links, std::span<const float>
       own.push_back(links[e]);
       own.back().a -= begin, own.back().b -= begin;
     }
-    for (std::uint32_t i = begin; i < end; ++i) fixed.push_back(masses[i] > 0 ? 0 : 1);
+    for (std::uint32_t i = begin; i < end; ++i) fixed.push_back(classes[i]);
     const std::uint64_t hash = hash_of(own, fixed);
     const auto [first, last] = known.equal_range(hash);
     const auto found = std::find_if(first, last, [&](const auto& entry) {

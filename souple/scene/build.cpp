@@ -4,6 +4,7 @@
 #include "souple/io/animated_points.h"
 #include "souple/io/recorder.h"
 #include "souple/scene/build_joints.h"
+#include "souple/scene/build_ties.h"
 #include "souple/scene/first_frame.h"
 #include "souple/scene/scene.h"
 #include "souple/world/world.h"
@@ -299,6 +300,8 @@ class Builder {
     }
     for (std::size_t i = 0; i < scene_.joints.size(); ++i)
       inside(fmt::format("joints[{}]", i), [&] { add_joint(scene_.joints[i], world_); });
+    for (std::size_t i = 0; i < scene_.ties.size(); ++i)
+      inside(fmt::format("ties[{}]", i), [&] { add_tie(scene_.ties[i], world_); });
     for (std::size_t i = 0; i < scene_.drains.size(); ++i)
       inside(fmt::format("drains[{}]", i), [&] { add_drain(scene_.drains[i]); });
     if (log_) world_.set_log({});

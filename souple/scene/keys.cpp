@@ -65,6 +65,20 @@ void check_joints(const SceneDescription& scene, const std::vector<std::string>&
   }
 }
 
+/// `to` is an object, `from` an object, a collider, or the world; a stitch needs two objects.
+void check_ties(const SceneDescription& scene, const std::vector<std::string>& objects,
+                const std::vector<std::string>& all, const JsonPath& path) {
+  for (std::size_t i = 0; i < scene.ties.size(); ++i) {
+    const TieDescription& tie = scene.ties[i];
+    const JsonPath item = path.item(i);
+    check_name(tie.to, objects, item.key("to"), "object");
+    if (tie.stitch)
+      check_name(tie.from, objects, item.key("from"), "object");
+    else if (!tie.from.empty())
+      check_name(tie.from, all, item.key("from"), "object or collider");
+  }
+}
+
 void complete_and_check(SceneDescription& scene, const JsonPath& path) {
   std::set<std::string> used;
   complete_names(
@@ -104,6 +118,7 @@ void complete_and_check(SceneDescription& scene, const JsonPath& path) {
     check_name(scene.connections[i].to.object, objects, to.key("object"), "object");
   }
   check_joints(scene, bodies, path.key("joints"));
+  check_ties(scene, objects, all, path.key("ties"));
 }
 
 /// The key "souple": the version of the format.
@@ -156,6 +171,8 @@ CodecPtr<SceneDescription> scene_codec() {
                             "distance joints between vertices")
       .key<&S::joints>("joints", list(joint_codec(), 0, 10000),
                        "joints of rigid bodies: hinges, sliders, ropes over pulleys")
+      .key<&S::ties>("ties", list(tie_codec(), 0, 10000),
+                     "ties of points of any two objects: glue, seams, beads")
       .key<&S::drains>("drains", list(drain_codec(), 0, 10000), "regions that remove fluid");
   return keys;
 }

@@ -13,6 +13,7 @@
 #include "souple/objects/self_collision.h"
 #include "souple/queries/selector.h"
 #include "souple/scene/joint_description.h"
+#include "souple/scene/tie_description.h"
 #include "souple/stages/settings.h"
 #include "souple/state/warnings.h"
 
@@ -344,6 +345,7 @@ struct SceneDescription {
   std::vector<PairDescription> pairs;
   std::vector<ConnectionDescription> connections;
   std::vector<AnyJointDescription> joints;
+  std::vector<TieDescription> ties;
   std::vector<DrainDescription> drains;
 
   // Origin of the scene; not part of the file.

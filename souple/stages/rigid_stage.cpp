@@ -9,6 +9,7 @@
 #include "souple/stages/body_motion.h"
 #include "souple/stages/rigid_joints.h"
 #include "souple/stages/stage_view.h"
+#include "souple/stages/ties.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
@@ -133,6 +134,11 @@ void RigidStage::place(std::uint32_t object, const BodyPose& pose) {
   if (!record) return;
   record->pose = pose;
   if (record->drive) record->drive->to = pose;
+}
+
+std::uint32_t RigidStage::index(std::uint32_t object) const {
+  const Record* const record = find(object);
+  return record ? static_cast<std::uint32_t>(record - records_.data()) : no_body;
 }
 
 void RigidStage::set_velocity(std::uint32_t object, const BodyVelocity& velocity) {
@@ -380,23 +386,45 @@ void RigidStage::count_touched(const StageView& stage, std::span<Projector* cons
       });
 }
 
-void RigidStage::solve(const StageView& stage, const Substep& substep) {
-  if (empty()) return;
-  h_ = static_cast<double>(substep.h);
-  gather(stage, true);
-  for (Record& record : records_)
-    record.shown = max(static_cast<double>(record.touched), record.shown * decay_of_shown);
-  joints_->project(bodies_);
-  for (int round = 0; round < (joints_->empty() ? 1 : rounds_with_joints); ++round) {
-    solver_.solve(finder_.contacts(), bodies_, of_contacts(stage, substep), stage.threads);
-    joints_->project(bodies_);
+void RigidStage::begin_ties(const StageView& stage, const Substep& substep, Ties& ties) {
+  if (ties.empty()) return;
+  if (ties.holds_bodies()) gather(stage, false);
+  ties.begin(stage.objects.view(), bodies_, stage.objects.particles.position, substep);
+  if (ties.holds_bodies())
+    for_each_awake(stage, [&](std::size_t k) { write_positions(stage, k, bodies_.pose[k]); });
+}
+
+void RigidStage::solve(const StageView& stage, const Substep& substep, Ties& ties) {
+  if (!empty()) {
+    h_ = static_cast<double>(substep.h);
+    gather(stage, true);
+    for (Record& record : records_)
+      record.shown = max(static_cast<double>(record.touched), record.shown * decay_of_shown);
   }
-  if (joints_->end_substep()) invalidate();  // what was joined collides
+  if (!ties.empty()) ties.end(stage.objects.view(), bodies_, stage.objects.particles.position);
+  solve_bodies(stage, substep, ties);
+  if (!ties.empty()) ties.end_substep(stage.objects.view(), bodies_);
   for_each_awake(stage, [&](std::size_t k) {
     write_positions(stage, k, bodies_.pose[k]);
     for (std::uint32_t i = objects_[k]->begin; i < objects_[k]->end; ++i)
       stage.objects.particles.position[i].w = 0;
   });
+}
+
+void RigidStage::solve_bodies(const StageView& stage, const Substep& substep, Ties& ties) {
+  const auto tie = [&] {
+    if (!ties.empty()) ties.project_all(stage.objects.view(), bodies_);
+  };
+  if (empty()) return tie();
+  const bool in_turns = !joints_->empty() || ties.holds_bodies();
+  joints_->project(bodies_);
+  for (int round = 0; round < (in_turns ? rounds_with_joints : 1); ++round) {
+    solver_.solve(finder_.contacts(), bodies_, of_contacts(stage, substep), stage.threads);
+    joints_->project(bodies_);
+    if (in_turns) tie();
+  }
+  if (!in_turns) tie();
+  if (joints_->end_substep()) invalidate();  // what was joined collides
 }
 
 // Where nothing can give way, keep_apart holds all particles of what is driven: they are at the start of their ways.

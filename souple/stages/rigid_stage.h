@@ -25,6 +25,7 @@ class RigidJoints;
 class JointSide;
 struct StageView;
 struct Substep;
+class Ties;
 
 /// The rigid bodies of a world in its step. Their particles are points of their surfaces: the body moves them, and what
 /// pushes them pushes the body. Between a push and the next call here a body is not rigid; each call makes it so again.
@@ -50,6 +51,8 @@ class RigidStage {
   /// Call `invalidate` after a change.
   RigidJoints& joints() { return *joints_; }
   const RigidJoints& joints() const { return *joints_; }
+  /// Of an object's body, as ties number it until objects change.
+  std::uint32_t index(std::uint32_t object) const;
   /// Mass and principal moments, pose and velocity of an object's body; null if the object is none.
   const RigidDefinition* definition(std::uint32_t object) const;
   const BodyPose* pose(std::uint32_t object) const;
@@ -92,9 +95,11 @@ class RigidStage {
   void split_masses(const StageView& stage);
   /// Counts the particles of each body that `contacts` touch in this substep.
   void count_touched(const StageView& stage, std::span<Projector* const> contacts);
-  /// After the solver: gathers, solves the joints and contacts of bodies, and writes the particles, which nothing moves until
-  /// `finish`.
-  void solve(const StageView& stage, const Substep& substep);
+  /// Before the solver: ties hold, and particles carry what is tied to them.
+  void begin_ties(const StageView& stage, const Substep& substep, Ties& ties);
+  /// After the solver: gathers, solves ties, joints and contacts of bodies, and writes the particles, which nothing moves
+  /// until `finish`.
+  void solve(const StageView& stage, const Substep& substep, Ties& ties);
   /// After the new velocities: those of bodies, and particles as the body has them.
   void finish(const StageView& stage, const Substep& substep);
   /// After stages that change velocities.
@@ -160,6 +165,7 @@ class RigidStage {
   void write_velocities(const StageView& stage, std::size_t body);
   bool is_as_written(const StageView& stage, std::size_t body) const;
   void gather_body(const StageView& stage, std::size_t body, bool in_contact);
+  void solve_bodies(const StageView& stage, const Substep& substep, Ties& ties);
   bool is_awake(std::size_t body) const;
   bool is_held(const StageView& stage, std::size_t body) const;
 

@@ -13,7 +13,8 @@
 #include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
-#include "souple/world/joints.h"
+#include "souple/world/joints/joints.h"
+#include "souple/world/joints/ties.h"
 #include "souple/world/registry.h"
 #include "souple/world/world.h"
 
@@ -154,6 +155,7 @@ void remove_object(WorldState& world, const Object& object) {
     if (i > index) --i;
   for (const auto& other : world.objects)
     if (other->begin >= end) other->begin -= end - begin, other->end -= end - begin;
+  remove_ties_of(world, object.id);
   for (UserConstraint& user_constraint : world.constraints.users) user_constraint.erase_particles(begin, end);
   world.contact->contacts.erase_particles(begin, end);
   if (object.traits().rigid) remove_joints_of(world, object.id), world.rigid->remove(object.id.value);

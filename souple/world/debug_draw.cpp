@@ -3,6 +3,7 @@
 #include "souple/geometry/adjacency.h"
 #include "souple/objects/joint_options.h"
 #include "souple/objects/object.h"
+#include "souple/objects/tie_options.h"
 #include "souple/rigid/joints/joint.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
@@ -54,6 +55,11 @@ void draw_joints(const World& world, const std::function<void(const DebugJoint&)
       rope = {a, Vec3f(pulley->wheel_a), Vec3f(pulley->wheel_b), b};
     draw({report.name, joint::kind_name(kind), a, b, Vec3f(report.axis), rope,
           length_squared(report.force) > 0, report.broken});
+  }
+  for (const TieId id : world.ties()) {
+    const TieReport tie = world.tie_report(id);
+    const Vec3f a(tie.point_a), b(tie.point_b);
+    draw({tie.name, "tie", a, b, {}, {}, length_squared(tie.force) > 0, tie.broken});
   }
 }
 

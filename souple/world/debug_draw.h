@@ -37,7 +37,7 @@ struct DebugParticle {
   std::uint32_t object = 0;  ///< ObjectId::value
 };
 
-/// A joint of rigid bodies.
+/// A joint of rigid bodies, or a tie (kind "tie", without an axis).
 struct DebugJoint {
   std::string_view name, kind;    ///< kind: "hinge", "pulley", ...; valid during the call
   Vec3f point_a{}, point_b{};     ///< m

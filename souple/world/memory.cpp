@@ -6,6 +6,7 @@
 #include "souple/objects/object.h"
 #include "souple/queries/caches.h"
 #include "souple/stages/sleeping.h"
+#include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/state/bytes.h"
 #include "souple/world/call_scope.h"
@@ -61,6 +62,7 @@ void add_constraints(const WorldState& world, MemoryReport& report) {
   };
   for (const auto& projector : world.constraints.object_projectors) add(*projector);
   for (const UserConstraint& user_constraint : world.constraints.users) add(*user_constraint.projector);
+  if (!world.constraints.ties->empty()) add(*world.constraints.ties);
 }
 
 void add_objects(const WorldState& world, MemoryReport& report) {

@@ -5,11 +5,13 @@
 #include "souple/multilevel/make_solver.h"
 #include "souple/objects/object.h"
 #include "souple/stages/sleeping.h"
+#include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/build.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
+#include "souple/world/joints/ties.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/step_scratch.h"
 
@@ -29,7 +31,7 @@ Substep substep_of(const Settings& settings, double dt) {
 
 namespace {
 
-/// Positions with the inverse masses that particles have while awake: what a solver prepares for them stays
+/// Positions with the inverse masses that particles show to the solver while awake: what a solver prepares for them stays
 /// valid when objects fall asleep and wake up.
 std::vector<Vec4f> awake_positions(const WorldState& world) {
   const Particles& particles = world.particles;
@@ -41,6 +43,7 @@ std::vector<Vec4f> awake_positions(const WorldState& world) {
       result[i].w = particles.mass[i] > 0 ? 1 / particles.mass[i] : 0;
     for (const PinnedParticle& pin : object.pins) result[object.begin + pin.particle].w = 0;
   }
+  world.constraints.ties->add_loads(result);
   return result;
 }
 
@@ -68,6 +71,7 @@ void for_each_lasting(const WorldState& world, const Function& f) {
   for (Projector* const projector : world.constraints.object_projectors) f(*projector);
   for (const UserConstraint& user_constraint : world.constraints.users)
     if (user_constraint.is_active) f(*user_constraint.projector);
+  if (!world.constraints.ties->empty()) f(*world.constraints.ties);
 }
 
 void order_projectors(WorldState& world) {
@@ -131,6 +135,7 @@ void build_constraints_and_solver(WorldState& world) {
 
 void bring_constraints_up_to_date(WorldState& world) {
   require_whole(*world.calls, "preparing a step");
+  list_ties(world);
   or_broken(world, [&] { build_constraints_and_solver(world); });
 }
 
@@ -159,9 +164,10 @@ void release_joints(WorldState& world) {
 
 }  // namespace
 
-bool prepare_step(WorldState& world) {
+bool prepare_step(WorldState& world, double dt) {
   try {
     release_joints(world);
+    world.constraints.ties->begin_step(dt / world.settings.substeps);
     bring_up_to_date(world);
     return true;
   } catch (const Error& error) {

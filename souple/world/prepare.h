@@ -12,7 +12,7 @@ void bring_up_to_date(WorldState& world);
 void bring_constraints_up_to_date(WorldState& world);
 /// Releases distance joints whose time has come, and brings everything up to date. Returns false, with a message in the
 /// report, if that failed.
-bool prepare_step(WorldState& world);
+bool prepare_step(WorldState& world, double dt);
 Substep substep_of(const Settings& settings, double dt);
 
 }  // namespace souple

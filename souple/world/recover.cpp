@@ -8,6 +8,7 @@
 #include "souple/solver/solver.h"
 #include "souple/stages/rigid_stage.h"
 #include "souple/stages/sleeping.h"
+#include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
@@ -55,6 +56,7 @@ void abandon_step(WorldState& world, double start) noexcept {
     std::copy(valid.velocity.begin(), valid.velocity.end(), particles.velocity.begin());
     std::copy(valid.spin.begin(), valid.spin.end(), particles.spin.begin());
     world.rigid->undo();
+    world.constraints.ties->undo();
   }
   world.time = start;
   world.current.running = false;

@@ -9,7 +9,7 @@ namespace souple {
 
 /// Handles and names of a world.
 struct Registry {
-  HandleIndex objects, colliders, joints;
+  HandleIndex objects, colliders, joints, ties;
   NameRegistry names;        ///< of objects and colliders
   NameRegistry joint_names;  ///< a joint may have the name of an object
   std::uint32_t next_id = 1;

@@ -46,6 +46,7 @@ struct StepReport {
   std::size_t contacts = 0;       ///< contacts that applied a correction in the last substep
   std::size_t asleep = 0;         ///< objects, at the end of the step
   std::size_t broken_joints = 0;  ///< joints that broke in the step
+  std::size_t broken_ties = 0;    ///< ties that broke in the step
   /// Number of motions that were stopped before two elements would have passed each other.
   std::size_t kept_apart = 0;
   std::size_t intersections = 0;  ///< edges that passed through triangles when the step began

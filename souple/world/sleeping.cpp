@@ -9,6 +9,7 @@
 #include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
+#include "souple/world/joints/ties.h"
 #include "souple/world/registry.h"
 #include "souple/world/step_scratch.h"
 #include "souple/world/world.h"
@@ -35,6 +36,7 @@ void list_joined(const WorldState& world, JoinedObjects& joined) {
     else if (is_driven(world, record.a) || is_driven(world, record.b))
       joined.driven.push_back(row_of(record.a.object() ? record.a : record.b));
   }
+  list_tied(world, joined);
 }
 
 SleepView sleep_view(WorldState& world) {

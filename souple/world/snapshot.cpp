@@ -6,6 +6,7 @@
 #include "souple/stages/rigid_joints.h"
 #include "souple/stages/rigid_stage.h"
 #include "souple/stages/sleeping.h"
+#include "souple/stages/ties.h"
 #include "souple/world/arrivals.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
@@ -22,7 +23,7 @@
 // contacts' state, foam count, size of the rigid bodies' state and origin; then per particle position (with inverse mass), offset, velocity and
 // contact margin (how far contacts recently pushed it); then the angular velocities of grains, object by object;
 // the contacts' state (the friction of pairs of particles); per
-// object rest time, island, particle count and imbalance; state of emitters and drains; foam; rigid bodies, their joints and contacts; the poses of the
+// object rest time, island, particle count and imbalance; state of emitters and drains; foam; rigid bodies, their joints and contacts; ties; the poses of the
 // colliders that move_collider moved; a checksum of all preceding bytes.
 
 namespace souple {
@@ -44,7 +45,7 @@ void get(std::span<const std::byte>& in, T* values, std::size_t count) {
 }
 
 /// Properties that must match for a restore: names, kinds and sizes of the objects, in order, and the numbers
-/// of emitters, drains and joints.
+/// of emitters, drains, joints and ties.
 std::uint64_t shape_of(const WorldState& world) {
   std::uint64_t hash = fnv1a64_start;
   for (const auto& object : world.objects) {
@@ -54,8 +55,12 @@ std::uint64_t shape_of(const WorldState& world) {
     hash = fnv1a64(std::as_bytes(std::span(numbers)), hash);
   }
   const std::size_t counts[] = {world.flow.emitters.size(), world.flow.drains.size(),
-                                world.rigid->joints().records().size()};
-  return counts[0] + counts[1] + counts[2] > 0 ? fnv1a64(std::as_bytes(std::span(counts)), hash) : hash;
+                                world.rigid->joints().records().size(), world.constraints.ties->count()};
+  const std::size_t used =
+      counts[3] > 0 ? 4 : 3;  // worlds without ties have the shape that they had before ties
+  return counts[0] + counts[1] + counts[2] + counts[3] > 0
+             ? fnv1a64(std::as_bytes(std::span(counts).first(used)), hash)
+             : hash;
 }
 
 struct Header {
@@ -171,6 +176,16 @@ Header checked_header(const WorldState& world, std::span<const std::byte> bytes)
   return header;
 }
 
+/// Ties come last.
+void load_bodies(WorldState& world, std::span<const std::byte> in) {
+  Ties& ties = *world.constraints.ties;
+  const std::size_t of_ties = ties.count() * sizeof(TieState);
+  if (in.size() < of_ties) throw Error("restore: the snapshot has no ties of this world");
+  world.rigid->load(in.first(in.size() - of_ties));
+  in = in.last(of_ties);
+  ties.load(in);
+}
+
 void resume_objects(WorldState& world, std::span<const std::byte>& in) {
   world.scratch->sleep->changed = true;
   for (const auto& object : world.objects) {
@@ -193,7 +208,8 @@ Snapshot World::snapshot() const {
   require_whole(*world.calls, "snapshot");
   const Particles& particles = world.particles;
   const std::vector<std::byte> contacts = world.contact->contacts.save();
-  const std::vector<std::byte> bodies = world.rigid->save();
+  std::vector<std::byte> bodies = world.rigid->save();
+  world.constraints.ties->save(bodies);
   const FluidFoam& foam = world.fluids->foam();
   const Vec3d& origin = foam.origin();
   const Header header{magic,
@@ -245,7 +261,7 @@ void World::restore(const Snapshot& snapshot) {
   resume_objects(world, later);
   const auto& origin = header.foam_origin;
   world.fluids->foam().set_state(get_foam(later, header.foam), {origin[0], origin[1], origin[2]});
-  world.rigid->load(later.first(header.rigid));
+  load_bodies(world, later.first(header.rigid));
   later = later.subspan(header.rigid);
   get_poses(world, later.first(later.size() - sizeof(std::uint64_t)));
   get(in, particles.position.data(), particles.size());

@@ -10,10 +10,12 @@
 #include "souple/stages/rigid_stage.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/spin.h"
+#include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/fluid_stage.h"
+#include "souple/world/joints/ties.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/step_report.h"
 #include "souple/world/step_scratch.h"
@@ -57,6 +59,7 @@ void integrate(WorldState& world, const Substep& substep) {
   drive_pins(stage, substep, part_of_step(world, substep));
   if (drive_obstacles(stage, substep)) world.contact->check_intersections = true;
   world.warnings.guarded("a collider's motion", [&] { world.rigid->predict(stage, substep); });
+  drive_ties(world, stage.time + static_cast<double>(substep.h));
   drive_attachments(world.constraints.users, stage.time + static_cast<double>(substep.h), stage.warnings);
   keep_prediction(stage, world.scratch->motion);
 }
@@ -66,8 +69,9 @@ void solve(WorldState& world, const Substep& substep) {
   SOUPLE_ASSERT(!world.dirty.solver && !world.dirty.constraints, "a step prepares its solver");
   const ParticleView view = world.view();
   for (Projector* const projector : world.constraints.order) projector->begin_substep(view, substep);
+  world.rigid->begin_ties(world.stage_view(), substep, *world.constraints.ties);
   Substep solved = substep;
-  solved.levels = !world.contact->contacts.separates();
+  solved.levels = !world.contact->contacts.separates() && !world.constraints.ties->has_broken();
   SleepScratch& sleep = *world.scratch->sleep;
   leave_out_asleep(world.objects_view(), world.constraints.object_projectors, sleep);
   if (!sleep.constraints.empty()) solved.asleep = &sleep.constraints;
@@ -81,7 +85,7 @@ void solve(WorldState& world, const Substep& substep) {
     world.solving.solver->solve(world.constraints.order, view, solved, *world.threads);
     if (world.current.last_substep) world.report.objects.clear();
   }
-  world.rigid->solve(world.stage_view(), substep);
+  world.rigid->solve(world.stage_view(), substep, *world.constraints.ties);
   keep_apart(world, substep);
 }
 

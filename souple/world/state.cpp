@@ -11,6 +11,7 @@
 #include "souple/stages/rigid_stage.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/stage_view.h"
+#include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
@@ -28,7 +29,13 @@ StepScratch::~StepScratch() = default;
 
 WorldState::WorldState()
     : registry(std::make_unique<Registry>()),
-      constraints{std::make_unique<ConstraintSets>(), std::make_unique<ConstraintGroups>(), {}, {}, {}, 0},
+      constraints{std::make_unique<ConstraintSets>(),
+                  std::make_unique<ConstraintGroups>(),
+                  {},
+                  {},
+                  std::make_unique<Ties>(),
+                  {},
+                  0},
       contact(std::make_unique<ContactState>()),
       fluids(std::make_unique<Fluids>()),
       rigid(std::make_unique<RigidStage>()),

@@ -43,6 +43,7 @@ struct Registry;
 class Solver;
 struct StageView;
 struct StepScratch;
+class Ties;
 struct UserConstraint;
 class World;
 
@@ -82,6 +83,7 @@ struct WorldConstraints {
   std::unique_ptr<ConstraintGroups> of_groups;
   std::vector<Projector*> object_projectors;  ///< those that are not empty, in order of solution
   std::vector<UserConstraint> users;
+  std::unique_ptr<Ties> ties;        ///< after those of the user
   std::vector<Projector*> order;     ///< all projectors in order of solution, contacts last; see prepare.h
   std::size_t without_contacts = 0;  ///< so many of them come before the contacts
 

@@ -42,7 +42,7 @@ const StepReport& report_of_no_world() {
 
 /// The prologue. Returns false, with a message in the report, if there can be no step.
 bool begin_step(WorldState& world, double dt) {
-  if (!begin_report(world, dt) || !prepare_step(world)) return false;
+  if (!begin_report(world, dt) || !prepare_step(world, dt)) return false;
   world.contact->invalidate();
   begin_arrivals(world, dt);
   update_flow(world, dt);

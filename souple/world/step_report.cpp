@@ -8,9 +8,11 @@
 #include "souple/solver/custom_constraint.h"
 #include "souple/stages/motion.h"
 #include "souple/stages/rigid_stage.h"
+#include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/call_scope.h"
-#include "souple/world/joints.h"
+#include "souple/world/joints/joints.h"
+#include "souple/world/joints/ties.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/step_scratch.h"
 
@@ -126,6 +128,7 @@ void restore_last_valid(WorldState& world) {
   particles.velocity = world.current.last_valid.velocity;
   particles.spin = world.current.last_valid.spin;
   world.rigid->undo();
+  world.constraints.ties->undo();
   update_sleeping_masses(world);
   world.warnings.warn(Flag::non_finite, fmt::format("{}, vertex {}: {}", object.name, world.report.bad_vertex,
                                                     advice(Flag::non_finite)));
@@ -179,6 +182,7 @@ void save_last_valid(WorldState& world) {
   keep(particles.velocity, world.current.last_valid.velocity);
   keep(particles.spin, world.current.last_valid.spin);
   world.rigid->keep();
+  world.constraints.ties->keep();
   world.current.saved = true;
   SOUPLE_ASSERT(world.current.last_valid.offset.size() == particles.size(),
                 "arrays of particles have one length");
@@ -204,6 +208,7 @@ void end_report(WorldState& world, bool valid) {
   report_fluids(world);
   report_custom_errors(world);
   report_joints(world);
+  report_ties(world);
   measure(world);
   if (valid) raise_flags(world);
 }

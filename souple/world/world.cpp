@@ -18,7 +18,8 @@
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/impl.h"
-#include "souple/world/joints.h"
+#include "souple/world/joints/joints.h"
+#include "souple/world/joints/ties.h"
 #include "souple/world/recover.h"
 #include "souple/world/registry.h"
 #include "souple/world/rigid_bodies.h"
@@ -502,6 +503,7 @@ void World::remove(ColliderId id) {
   const CallScope call(*world.calls, "remove(ColliderId)");
   const ColliderRecord& record = world.collider(id);
   remove_joints_of(world, id);
+  remove_ties_of(world, id);
   world.registry->names.remove(record.options.name);
   world.registry->colliders.remove(record.id.value);
   world.colliders.erase(world.colliders.begin() + (&record - world.colliders.data()));

@@ -43,7 +43,12 @@ struct KindTime;
 struct MemoryReport;
 class Projector;
 struct SolveTime;
+struct SurfacePoint;
 struct TetMesh;  // souple/geometry/tet_mesh.h
+struct TieId;
+struct TieOptions;
+struct TieReport;
+class TieSide;
 struct WorldState;
 
 /// One vertex of one object.
@@ -96,7 +101,7 @@ struct RigidBodyState {
 /// | function of World                                                                    | stage | others |
 /// |--------------------------------------------------------------------------------------|-------|--------|
 /// | const functions, but for the next two lines                                          | yes   | yes    |
-/// | ray_cast, ray_cast_all, sphere_cast, closest_point, overlap, collider_pose, joint_report | yes   | yes, but a motion that one of these asks for a pose may call none of them |
+/// | ray_cast, ray_cast_all, sphere_cast, closest_point, overlap, collider_pose, joint_report, tie_report | yes   | yes, but a motion that one of these asks for a pose may call none of them |
 /// | contacts, pressures, foam, fluid_force, snapshot, memory, debug_draw, elastic_energy, unconverged_energy | yes | Error |
 /// | before, after, add_force_field, clear_force_fields, remove of these; set_log         | yes   | Error  |
 /// | set_positions, set_velocities, set_angular_velocities, teleport, apply_impulse, wake | yes   | Error  |
@@ -305,6 +310,22 @@ class World {
   /// Limits the distance of each vertex from the nearest pinned vertex to (1 + slack) times their rest
   /// distance along edges (Kim 2012).
   ProjectorId add_tethers(ObjectId object, float slack = 0.02f);
+
+  // --- ties of any two objects: objects/tie_options.h, docs/attachments.md -------------------------
+  /// Ties a point of a to a point of b: cloth, soft bodies, ropes, grains, rigid bodies and obstacles, or one of these to
+  /// a collider or to the world ({}). Objects of a tie sleep together; they collide as before. Throws Error.
+  TieId add_tie(const TieSide& a, const TieSide& b, const TieOptions& options);
+  /// Ties each selected vertex of a to the closest point of b, if that is at most `distance` away [m]: a seam, a weld.
+  /// Throws Error if there is none.
+  std::vector<TieId> stitch(ObjectId a, const Selector& vertices, ObjectId b, double distance,
+                            const TieOptions& options);
+  /// Ties of an object or collider are removed with it.
+  void remove(TieId tie);
+  TieReport tie_report(TieId tie) const;
+  std::vector<TieId> ties() const;  ///< in order of addition
+  /// The point of an object's triangles, line or vertices that is closest to a point of the world [m].
+  SurfacePoint surface_point(ObjectId object, const Vec3d& point) const;
+
   /// Sets the gas pressure inside a closed cloth, in Pa above the outside.
   void set_pressure(ObjectId object, float pascals);
   /// Keeps the enclosed volume of a closed cloth at `factor` times its rest volume; compliance in m^3/Pa (0:

@@ -37,6 +37,9 @@ CONTEXT = {
     ("docs/joints.md", "joint::Hinge"):
         "#include <souple/souple.h>\nusing namespace souple;\n"
         "void snippet(World& world, ObjectId post, ObjectId door) {\n",
+    ("docs/attachments.md", "add_tie"):
+        "#include <souple/souple.h>\nusing namespace souple;\n"
+        "void snippet(World& world, ObjectId rope, ObjectId crate, ObjectId ball, ObjectId sleeve, ObjectId shirt, ObjectId bead) {\n",
     ("docs/fluids.md", "FluidSurface"):
         "#include <souple/souple.h>\n#include <souple/threads/threads.h>\n#include <souple/surface/fluid_surface.h>\n"
         "void snippet(souple::World& world, souple::ObjectId water) {\n",

@@ -49,6 +49,26 @@ INSTANTIATE_TEST_SUITE_P(All, WarmStep,
                                          Settings{.integrator = Integrator::implicit_euler, .threads = 2}),
                          name_of);
 
+// A body that hangs from cloth, and a bead that slides on a rope.
+TEST(WarmStepOfTies, AllocatesNothing) {
+  World world({.threads = 2});
+  const ObjectId cloth = world.add_cloth(grid(20, 20, 1.0), {.membrane_stiffness = 1e5f}, {.name = "cloth"});
+  world.pin(cloth, in_box({-1, -1, -0.51f}, {1, 1, -0.49f}));
+  ObjectOptions below;
+  below.transform.translation = {0, -0.2, 0.4};
+  const ObjectId body = world.add_rigid_body(Sphere{{}, 0.1f}, {.density = 200}, below);
+  world.set_collide("cloth", world.name(body), false);
+  world.stitch(cloth, in_box({-0.1f, -1, 0.3f}, {0.1f, 1, 0.5f}), body, 0.3, {});
+  const std::vector<Vec3d> line{{3, 0, 0}, {4, -0.5, 0}, {5, 0, 0}};
+  const ObjectId rope = world.add_rope(line, 20, {}, {.name = "rope"});
+  world.pin(rope, vertices({0, 20}));
+  const ObjectId bead =
+      world.add_grains(std::vector<Vec3d>{{3.5, -0.25, 0}}, {.radius = 0.01f}, {.name = "bead"});
+  world.set_collide("rope", "bead", false);
+  world.add_tie(bead, rope, {.point = {3.5, -0.25, 0}, .slide = TieSlide{}});
+  EXPECT_EQ(allocations_of_a_warm_step(world, 90), 0);
+}
+
 // Balls at the vertices of a heap.
 TEST(WarmStepOfVertexBalls, AllocatesNothing) {
   World world({.threads = 2});

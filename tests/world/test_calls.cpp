@@ -37,12 +37,13 @@ struct Handles {
   CallbackId callback;
   ForceFieldId field;
   JointId joint;
+  TieId tie;
 };
 
 /// Handles that no object of a world has.
 Handles stale() {
   constexpr std::uint32_t gone = 0x7ffffffe;
-  return {{gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone},
+  return {{gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone},
           {gone}, {gone}, {gone}, {gone}, {gone}, {gone}, {gone}};
 }
 
@@ -113,6 +114,13 @@ const std::vector<Function>& functions() {
       {"joint_report", Line::queries, [](W w, H h) { (void)w.joint_report(h.joint); }},
       {"joints", Line::reads, [](W w, H) { (void)w.joints(); }},
       {"find_joint", Line::reads, [](W w, H) { (void)w.find_joint("ball"); }},
+      {"add_tie", Line::nowhere,
+       [](W w, H h) { w.add_tie(h.grains, h.rigid_body, {.point = {0, 1, 0}}); }},
+      {"stitch", Line::nowhere, [](W w, H h) { w.stitch(h.cloth, vertices({0}), h.rigid_body, 100, {}); }},
+      {"remove", Line::nowhere, [](W w, H h) { w.remove(h.tie); }},
+      {"tie_report", Line::queries, [](W w, H h) { (void)w.tie_report(h.tie); }},
+      {"ties", Line::reads, [](W w, H) { (void)w.ties(); }},
+      {"surface_point", Line::reads, [](W w, H h) { (void)w.surface_point(h.cloth, {}); }},
       {"objects", Line::reads, [](W w, H) { (void)w.objects(); }},
       {"contains", Line::reads, [](W w, H h) { (void)w.contains(h.cloth); }},
       {"find_object", Line::reads, [](W w, H) { (void)w.find_object("cloth"); }},
@@ -390,6 +398,7 @@ void Meddled::build() {
   world.add_collider(Sphere{}, {.motion = motion_of_collider, .sensor = true});
   Emitter emitter{.position = {0, 5, 4}, .radius = 0.1f, .speed = 1};
   emitter.motion = ColliderMotion::callback([this](double) { return motion(Place::emitter); });
+  handles.tie = world.add_tie(handles.grains, {}, {.point = {-3, 1, 0}});
   handles.emitter = world.add_emitter(handles.fluid, emitter);
   handles.drain = world.add_drain({.shape = Sphere{.radius = 0.1f}, .pose = at({0, -8, 0})});
   world.pin(handles.cloth, vertices({0}), target(Place::pin));

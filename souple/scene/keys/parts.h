@@ -135,6 +135,10 @@ CodecPtr<ConnectionDescription> connection_codec();
 /// Any joint, by its key "kind".
 CodecPtr<AnyJointDescription> joint_codec();
 
+// --- ties.cpp --------------------------------------------------------------------------------------------
+
+CodecPtr<TieDescription> tie_codec();
+
 // --- flow.cpp --------------------------------------------------------------------------------------------
 
 CodecPtr<EmitterDescription> emitter_codec();

@@ -1,4 +1,4 @@
-#include "souple/world/joints.h"
+#include "souple/world/joints/joints.h"
 
 #include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"

@@ -1,0 +1,204 @@
+#pragma once
+
+#include "souple/objects/tie_options.h"
+#include "souple/rigid/impulse.h"
+#include "souple/solver/projector.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace souple {
+
+/// A side of a tie: a weighted sum of particles, a point of a rigid body, or a point that other code moves.
+struct TieEnd {
+  enum class Kind : std::uint8_t { particles, body, target };
+  struct Part {
+    std::uint32_t particle = 0;  ///< within the object
+    double weight = 1;
+  };
+  Kind kind = Kind::target;
+  std::optional<ObjectId> object;
+  std::optional<ColliderId> collider;
+  std::vector<Part> parts;  ///< of particles
+  bool loose = false;       ///< particles without constraints of their own: grains
+  Vec3d local{};            ///< in the frame of the body or collider, or in the world [m]
+};
+
+/// A tie without its state.
+struct Tie {
+  TieId id;
+  std::string name;
+  TieEnd a, b;
+  double rest_length = 0;  ///< m
+  double compliance = 0;   ///< m/N
+  double breaking_force = 0, breaking_strain = 0;
+  std::vector<std::uint32_t> chain;  ///< particles of b that it slides along; empty: it does not slide
+  double friction = 0;
+};
+
+/// What one step passes to the next.
+struct TieState {
+  std::uint32_t segment = 0, broken = 0;
+  double along = 0;  ///< of the segment
+  Vec3d force{};     ///< on b, mean over the last step [N]
+};
+
+/// Where an object's side of a tie is in a step.
+struct TieNumber {
+  std::uint32_t index = 0;  ///< of the object's first particle, or of the body
+  double inverse_mass = 0;  ///< of a body; W of a sum of particles [1/kg]
+  Vec3d inverse_inertia{};  ///< of a body, about its principal axes [1/(kg m^2)]
+};
+
+/// The ties of a world. With p_a and p_b the points that a tie holds, and a rest length l, it has
+///
+///   C = p_a - p_b  (three rows) for l = 0,   C = |p_a - p_b| - l  otherwise,   alpha~ = alpha / h^2
+///   dlambda = -(W_a + W_b + alpha~)^-1 (C + alpha~ lambda)
+///
+/// (XPBD, Macklin 2016, eq. 18). W of a weighted sum of particles is sum w_i^2 / m_i, and each of them gets the part w_i.
+/// W of a point of a rigid body is 1/m - [r] I^-1 [r] (Müller et al. 2020). lambda lasts one substep, over all projections.
+///
+/// Loads. A sweep over light cloth carries no more than about its own mass: it moves the light particles instead of the
+/// heavy body. Where a rigid body, a grain, a target or much heavier particles are tied to particles of an object with
+/// l = 0, they therefore carry its mass while the solver moves them, from `begin` to `end`: they show m_i + mu w_i, which levels, eliminations and
+/// contacts count as well. K ties of a body have 1 / mu = K s / m + alpha~. With s, the masses m / (K s) at the tied points
+/// have in no motion of the body more kinetic energy than the body: s is the largest eigenvalue of B, see `crowding`
+/// (a uniform mass splitting, Tonge et al. 2012, for points of one body). How far the solver moved each particle, times mu w_i, is the
+/// impulse on the body there: momentum and angular momentum are kept to rounding, whatever mu. In equilibrium, a mu too
+/// small by a factor n leaves g h^2 (n - 1): 0.03 mm times n - 1 at 600 substeps a second. At last the tied points are
+/// projected onto the body, in turns with its joints and contacts.
+///
+/// A tie that slides holds the point of the chain that is closest to p_a. Its impulse is perpendicular to the chain, but for
+/// Coulomb's friction and at the ends of the chain.
+///
+/// As a Projector, in the sweeps, it projects ties between particles alone.
+class Ties final : public Projector {
+ public:
+  bool empty() const { return records_.empty(); }
+  std::size_t count() const { return records_.size(); }
+  const Tie& tie(std::size_t index) const { return records_[index].tie; }
+  const TieState& state(std::size_t index) const { return records_[index].state; }
+  void add(Tie tie, const TieState& state);
+  void remove(std::size_t index);
+
+  /// Calls number(end) for each side of an object, which returns a TieNumber. Returns whether the masses that particles show
+  /// have changed: the solver must be prepared.
+  template <class Number>
+  bool list(const Number& number) {
+    for (Record& record : records_) {
+      if (record.tie.a.object) record.a = number(record.tie.a);
+      if (record.tie.b.object) record.b = number(record.tie.b);
+    }
+    return find_loads();
+  }
+  /// Adds the loads to inverse masses (w lanes) that particles have without them.
+  void add_loads(std::span<Vec4f> position) const;
+  bool holds_bodies() const { return holds_bodies_; }
+  /// Whether a tie broke in this step: masses are not those that the solver was prepared for.
+  bool has_broken() const { return !broken_.empty(); }
+
+  /// Before `list`: a step of substeps of h seconds.
+  void begin_step(double h);
+  /// Where collider and world are at the end of the substep.
+  void set_target(std::size_t index, bool of_b, const Vec3d& target);
+  /// After the prediction: ties hold, and particles show loads. `position`: that of the particles, for its w lanes.
+  void begin(const ParticleView& particles, RigidBodies& bodies, std::span<Vec4f> position,
+             const Substep& substep);
+  /// After the solver: bodies get what it did to the particles that carry them; these show their own masses.
+  void end(const ParticleView& particles, RigidBodies& bodies, std::span<Vec4f> position);
+  /// All ties, in order.
+  void project_all(const ParticleView& particles, RigidBodies& bodies);
+  /// Reports forces, and breaks ties.
+  void end_substep(const ParticleView& particles, const RigidBodies& bodies);
+  /// Of those that broke since begin_step.
+  std::span<const std::uint32_t> broken() const { return broken_; }
+
+  void keep();
+  void undo();
+  /// State that one step passes to the next.
+  void save(std::vector<std::byte>& out) const;
+  /// Throws Error if the bytes are too few.
+  void load(std::span<const std::byte>& in);
+
+  std::string_view kind() const override { return "tie"; }
+  std::size_t size() const override;
+  void prepare(std::size_t) override {}
+  int color_count() const override { return 1; }
+  /// All are solved on one thread, in order.
+  std::size_t color_size(int) const override { return between_particles_.empty() ? 0 : 1; }
+  using Projector::project;
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
+               const Substep& substep) override;
+  /// In the last substep.
+  Residual residual(const ParticleView& particles) const override;
+  void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
+  std::size_t bytes() const override;
+  /// The world removes ties with what they hold, and lists them again.
+  void erase_particles(std::uint32_t, std::uint32_t) override {}
+
+ private:
+  /// Whose particles carry the mass of the other side.
+  enum class Carrier : std::uint8_t { none, a, b };
+  struct Record {
+    Tie tie;
+    Carrier carrier = Carrier::none;
+    TieState state, kept;
+    TieNumber a, b;
+    Vec3d target_a{}, target_b{};    ///< m
+    Vec3d lambda{};                  ///< positional impulse on a in this substep [kg m]
+    double friction = 0;             ///< its part by friction, along the chain
+    std::uint32_t held_segment = 0;  ///< of the chain, where the substep began
+    double held_along = 0;
+    Vec3d force_sum{};    ///< on b, of the substeps of a step [N]
+    double residual = 0;  ///< m
+    bool solved = false;  ///< something of it moves: otherwise the force stays
+  };
+  /// Mass that a particle carries for a tie.
+  struct Load {
+    std::uint32_t particle = 0, record = 0;
+    double mass = 0;  ///< kg; infinite: of a target
+    bool operator==(const Load&) const = default;
+  };
+  /// A body, or a loose particle, and a tie by which it is held.
+  struct HeavyKey {
+    std::uint32_t object = 0, particle = 0, record = 0;
+  };
+  struct Point;
+  class Sides;
+
+  double softness(const Record& record) const;  ///< alpha~ [1/kg]
+  bool find_loads();
+  void find_loads_of(std::uint32_t record, double w);
+  static std::pair<const TieEnd&, const TieNumber&> heavy_side(const Record& record);
+  static Carrier carrier_of(const Record& record);
+  std::size_t sharing_of(const Record& record) const;
+  double inverse_mass_of(const HeavyKey* first, const HeavyKey* last) const;
+  /// After a tie broke.
+  void drop_loads(std::uint32_t record);
+  void project_one(Record& record, const Sides& sides) const;
+  void project_row(Record& record, const Sides& sides, const Vec3d& d) const;
+  static void rub(Record& record, const Sides& sides);
+
+  std::vector<Record> records_;    // ascending by id
+  std::vector<Load> loads_;        // ascending by particle
+  std::vector<Load> fresh_loads_;  // work space of find_loads
+  std::vector<HeavyKey> keys_;     // work space: what each heavy side is tied by, sorted
+  std::vector<std::uint32_t>
+      shared_;                   // work space: particles whose mass others carry, once for each tie, sorted
+  std::vector<Vec3f> reached_;   // per load: `moving` of its particle when the solver began
+  std::vector<double> carried_;  // per load [kg]
+  std::vector<float> own_;       // per load: inverse mass of its particle without loads
+  std::vector<std::uint32_t> between_particles_;  // records
+  std::vector<std::uint32_t> broken_;
+  bool holds_bodies_ = false;
+  bool carrying_ = false;  // particles show their loads
+  double h_ = 0;
+  std::size_t substeps_ = 0;  // of the current step so far
+};
+
+}  // namespace souple

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "souple/world/state.h"
+
+// Ties of any two objects. stages/ties.h solves them.
+
+namespace souple {
+
+struct JoinedObjects;
+
+/// Brings the numbers of what ties hold up to date.
+void list_ties(WorldState& world);
+/// Moves the sides of ties that colliders hold to where these are at time t [s].
+void drive_ties(WorldState& world, double t);
+/// Adds the objects that ties hold together.
+void list_tied(const WorldState& world, JoinedObjects& joined);
+/// Removes all ties of an object or collider.
+void remove_ties_of(WorldState& world, ObjectId object);
+void remove_ties_of(WorldState& world, ColliderId collider);
+/// After a step: counts ties that broke, and logs them.
+void report_ties(WorldState& world);
+
+}  // namespace souple
