@@ -64,8 +64,11 @@ const render::Subject& CacheSubject::read(std::uint64_t frame, bool velocities) 
   subject_.colliders.clear();
   for (const ColliderId collider : collider_world_.colliders()) {
     const ColliderOptions& options = collider_world_.collider_options(collider);
-    subject_.colliders.push_back(
-        {collider.value, options.name, &collider_world_.shape(collider), options.motion.at(time), {}});
+    render::ColliderBody body{collider.value, options.name, &collider_world_.shape(collider),
+                              options.motion.at(time)};
+    if (!options.motion.is_static()) body.motion = &options.motion;
+    body.time = time;
+    subject_.colliders.push_back(body);
   }
   if (scene_) add_colors(*scene_, subject_);
   return subject_;

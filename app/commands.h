@@ -35,7 +35,10 @@ struct RenderRequest {
   std::string frames, sheet, size, camera;
   std::string display = "shaded", constraints = "none", liquid_splats, liquid_filter;
   std::optional<std::uint32_t> samples, colors, liquid_steps;
-  std::vector<std::string> settings;  ///< path=value
+  std::optional<double> focus, aperture, shutter;  ///< m, m, fraction of a frame
+  std::optional<double> film_rate;                 ///< pictures per second
+  std::optional<std::uint64_t> film_bytes;         ///< largest size of a .webp
+  std::vector<std::string> settings;               ///< path=value
   bool quiet = false;
 };
 int render_frames(const RenderRequest& request);

@@ -39,19 +39,19 @@ class SceneFrames : public FrameSource {
     }
     return AdvanceResult::reached;
   }
-  render::Bounds covered(const std::vector<std::uint64_t>& frames,
-                         const ShouldContinue& should_continue) override {
-    render::Bounds bounds;
+  render::ExtremePoints covered(const std::vector<std::uint64_t>& frames,
+                                const ShouldContinue& should_continue) override {
+    render::ExtremePoints extent;
     World world = build_world(scene_);
     std::uint64_t done = 0;
     for (const std::uint64_t frame : frames) {
       for (; done < frame; ++done) {
-        if (done > 0 && !should_continue(done)) return bounds;
-        if (!world.step(1 / scene_.frame_rate).ok()) return bounds;
+        if (done > 0 && !should_continue(done)) return extent;
+        if (!world.step(1 / scene_.frame_rate).ok()) return extent;
       }
-      bounds.add(bounds_with_colliders(render::subject_of(world)));
+      extent.add(extent_with_colliders(render::subject_of(world)));
     }
-    return bounds;
+    return extent;
   }
   std::uint64_t frame() const override { return frame_; }
   double time() const override { return static_cast<double>(frame_) / scene_.frame_rate; }
@@ -93,14 +93,14 @@ class CacheFrames : public FrameSource {
     frame_ = frame;
     return AdvanceResult::reached;
   }
-  render::Bounds covered(const std::vector<std::uint64_t>& frames,
-                         const ShouldContinue& should_continue) override {
+  render::ExtremePoints covered(const std::vector<std::uint64_t>& frames,
+                                const ShouldContinue& should_continue) override {
     constexpr std::size_t most = 100;  // of a long run, evenly chosen
-    render::Bounds bounds;
+    render::ExtremePoints extent;
     const std::size_t step = 1 + frames.size() / most;
     for (std::size_t i = 0; i < frames.size() && should_continue(frames[i]); i += step)
-      bounds.add(bounds_with_colliders(cache_.read(frames[i], false)));
-    return bounds;
+      extent.add(extent_with_colliders(cache_.read(frames[i], false)));
+    return extent;
   }
   std::uint64_t frame() const override { return frame_; }
   double time() const override { return frame_ > 0 ? cache_.playback().time(frame_) : 0; }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/camera.h"
+#include "render/extreme_points.h"
 #include "render/subject.h"
 #include "souple/scene/scene.h"
 
@@ -37,8 +37,8 @@ class FrameSource {
   /// What these frames, ascending, cover: objects, and colliders not much larger. The current frame stays. A
   /// scene is simulated once more for it; ends early where `should_continue` returns false or values are not
   /// finite.
-  virtual render::Bounds covered(const std::vector<std::uint64_t>& frames,
-                                 const ShouldContinue& should_continue) = 0;
+  virtual render::ExtremePoints covered(const std::vector<std::uint64_t>& frames,
+                                        const ShouldContinue& should_continue) = 0;
   virtual std::uint64_t frame() const = 0;  ///< current frame; 0 before the first
   virtual double time() const = 0;          ///< time of the current frame [s]
   virtual const render::Subject& subject() = 0;

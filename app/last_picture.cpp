@@ -39,7 +39,7 @@ void LastPicture::write(const World& world, const SceneDescription& scene) {
   style.display.pins = false;
   render::Subject subject = render::subject_of(world);
   add_colors(scene, subject);
-  const render::Camera camera = camera_for({}, &scene.camera, bounds_of(subject), style.aspect());
+  const render::Camera camera = camera_for({}, &scene.camera, extent_of(subject), style.aspect());
   impl_->sink->add(impl_->maker.picture(subject, camera, style), 0);
 }
 

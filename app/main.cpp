@@ -72,15 +72,17 @@ constexpr const char* render_footer = R"(Examples:
   souple render flag --out flag.png --frames 120 --size 1920x1080 --samples 64
   souple render out/flag --out flag.mp4                      a film of all frames of a run
   souple render flag --out flag.gif --frames 1-120 --size 320x180
+  souple render flag --out flag.webp --frames 1-last/4 --film-bytes 500000
   souple render jelly_armada --out pictures --frames 10-100/10
   souple render tablecloth --sheet 4x3 --display strain
   souple render flag --camera "from 3,2,4 to 0,1.5,0 fov 30" --set substeps=40
 
 A scene is simulated while it is rendered; the folder of a run (or its run.json) is read. --out selects the output: a
-picture .png, a film .mp4 or .gif (made by the program ffmpeg), or else a folder of pictures NAME_0001.png, numbered
-by frame. The default is a picture of the last frame; --frames, --sheet or --out select more. A .gif shows at most
-50 pictures a second: of faster runs every second or third frame. Rendering needs EGL, but no screen; the same frame
-gives the same file each time. Ctrl-C finishes the picture and the film so far.
+picture .png, a film .mp4, .gif or .webp (made by the program ffmpeg), or else a folder of pictures NAME_0001.png,
+numbered by frame. The default is a picture of the last frame; --frames, --sheet or --out select more. A .gif and a
+.webp repeat forever, and show at most 50 and 60 pictures a second: of faster runs every second or third frame.
+Rendering needs EGL, but no screen; the same frame gives the same file each time. Ctrl-C finishes the picture and the
+film so far.
 
 displays:     shaded, plain, wireframe, strain, speed, particles, lattice, normals, contacts
 constraints:  none, kind, color, strain, residual)";
@@ -172,6 +174,33 @@ void add_run(CLI::App& app, std::function<int()>& action) {
   command.callback([options, &action] { action = [options] { return souple::app::run(*options); }; });
 }
 
+void add_film_options(CLI::App& command, RenderRequest& request) {
+  command
+      .add_option("--film-rate", request.film_rate,
+                  "pictures a second of a film [those of the run: at the speed of the simulation]")
+      ->type_name("RATE");
+  command
+      .add_option("--film-bytes", request.film_bytes,
+                  "largest size of a .webp: its quality is chosen to fit [quality 75, any size]")
+      ->type_name("BYTES");
+}
+
+void add_liquid_options(CLI::App& command, RenderRequest& request) {
+  command
+      .add_option("--liquid-splats", request.liquid_splats,
+                  "shape of each particle of a fluid: spheres, ellipsoids [ellipsoids]")
+      ->type_name("SPLATS");
+  command
+      .add_option(
+          "--liquid-filter", request.liquid_filter,
+          "how the surface of fluids is smoothed: narrow-range, curvature-flow or none [narrow-range]")
+      ->type_name("FILTER");
+  command
+      .add_option("--liquid-steps", request.liquid_steps,
+                  "steps of curvature flow or passes of the narrow-range filter [40; 2]")
+      ->type_name("N");
+}
+
 void add_render(CLI::App& app, std::function<int()>& action) {
   auto request = std::make_shared<RenderRequest>();
   CLI::App& command = *app.add_subcommand("render", "make pictures and films of a scene or of a run");
@@ -182,8 +211,8 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       ->required();
   command
       .add_option("--out", request->out,
-                  "a picture .png, a film .mp4 or .gif, or a folder [out/NAME.png; out/NAME.mp4 if --frames "
-                  "selects several]")
+                  "a picture .png, a film .mp4, .gif or .webp, or a folder [out/NAME.png; out/NAME.mp4 if "
+                  "--frames selects several]")
       ->type_name("PATH");
   command
       .add_option("--frames", request->frames,
@@ -193,36 +222,40 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       ->type_name("COLUMNSxROWS");
   command
       .add_option("--size", request->size,
-                  "of a picture, in pixels [1280x720; .gif 640x360; each of a sheet 480x270]")
+                  "of a picture, in pixels [1280x720; .gif and .webp 640x360; each of a sheet 480x270]")
       ->type_name("WIDTHxHEIGHT");
-  command.add_option("--samples", request->samples, "pictures averaged into one [16; films and folders 4]")
+  command
+      .add_option("--samples", request->samples,
+                  "pictures averaged into one [16; films and folders 4; with a lens or a "
+                  "shutter four times as many]")
       ->type_name("N");
   command
       .add_option("--colors", request->colors,
                   "reduce pictures to this number of colors, at most 256: a third of the size")
       ->type_name("N");
+  add_film_options(command, *request);
   command
       .add_option("--camera", request->camera,
                   "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it, or auto: frame all objects [the "
                   "scene's, else auto]")
       ->type_name("CAMERA");
+  command
+      .add_option("--focus", request->focus,
+                  "depth of field: distance from the camera at which objects are sharp, in m")
+      ->type_name("METERS");
+  command
+      .add_option("--aperture", request->aperture,
+                  "diameter of the lens, in m [a fortieth of the distance in focus]")
+      ->type_name("METERS");
+  command
+      .add_option("--shutter", request->shutter,
+                  "motion blur: fraction of a frame during which the shutter is open, at most 1")
+      ->type_name("FRACTION");
   command.add_option("--display", request->display, "how objects are shown, see below [shaded]")
       ->type_name("DISPLAY");
   command.add_option("--constraints", request->constraints, "how constraints are colored, see below [none]")
       ->type_name("CONSTRAINTS");
-  command
-      .add_option("--liquid-splats", request->liquid_splats,
-                  "shape of each particle of a fluid: spheres, ellipsoids [ellipsoids]")
-      ->type_name("SPLATS");
-  command
-      .add_option(
-          "--liquid-filter", request->liquid_filter,
-          "how the surface of fluids is smoothed: narrow-range, curvature-flow or none [narrow-range]")
-      ->type_name("FILTER");
-  command
-      .add_option("--liquid-steps", request->liquid_steps,
-                  "steps of curvature flow or passes of the narrow-range filter [40; 2]")
-      ->type_name("N");
+  add_liquid_options(command, *request);
   add_settings(command, request->settings);
   command.add_flag("--quiet", request->quiet, "print nothing but errors");
   command.callback(

@@ -66,7 +66,8 @@ class Sheet : public PictureSink {
 
 class FilmFile : public PictureSink {
  public:
-  FilmFile(const fs::path& file, double rate) : film_(file, rate, interrupt_requested) {}
+  FilmFile(const fs::path& file, double rate, std::uint64_t max_bytes)
+      : film_(file, rate, interrupt_requested, max_bytes) {}
   void add(const render::Image& image, std::uint64_t) override {
     film_.add(image);
     empty_ = false;
@@ -103,15 +104,14 @@ class Folder : public PictureSink {
 }  // namespace
 
 OutputKind output_kind(const fs::path& out, bool sheet) {
-  static const std::array<const char*, 14> foreign{".jpg",  ".jpeg", ".bmp", ".tga",  ".tif",
-                                                   ".tiff", ".exr",  ".ppm", ".webp", ".avi",
-                                                   ".webm", ".mov",  ".mkv", ".apng"};
+  static const std::array<const char*, 13> foreign{".jpg", ".jpeg", ".bmp",  ".tga", ".tif", ".tiff", ".exr",
+                                                   ".ppm", ".avi",  ".webm", ".mov", ".mkv", ".apng"};
   const std::string extension = lower_extension(out);
   const auto refuse = [&](const std::string& expected) {
     throw Error("--out " + out.string() + ": expected " + expected);
   };
   if (std::find(foreign.begin(), foreign.end(), extension) != foreign.end())
-    refuse("a picture .png, a film .mp4 or .gif, or a folder");
+    refuse("a picture .png, a film .mp4, .gif or .webp, or a folder");
   if (sheet && extension != ".png") refuse("a picture .png, since --sheet makes one page");
   if (sheet) return OutputKind::sheet;
   if (extension == ".png") return OutputKind::picture;
@@ -125,7 +125,7 @@ std::unique_ptr<PictureSink> open_sink(const SinkRequest& request) {
     case OutputKind::sheet:
       return std::make_unique<Sheet>(request.out, request.sheet, request.colors);
     case OutputKind::film:
-      return std::make_unique<FilmFile>(request.out, request.film_rate);
+      return std::make_unique<FilmFile>(request.out, request.film_rate, request.film_bytes);
     case OutputKind::folder:
       break;
   }

@@ -27,8 +27,9 @@ class PictureSink {
 struct SinkRequest {
   OutputKind kind = OutputKind::picture;
   std::filesystem::path out;
-  std::string name;       ///< base name of the pictures in a folder: NAME_0012.png
-  double film_rate = 60;  ///< pictures per second
+  std::string name;              ///< base name of the pictures in a folder: NAME_0012.png
+  double film_rate = 60;         ///< pictures per second
+  std::uint64_t film_bytes = 0;  ///< largest size of a .webp; 0: any
   SheetShape sheet;
   int colors = 0;  ///< colors of a picture, at most 256; 0: all
 };

@@ -4,6 +4,7 @@
 #include "render/camera.h"
 #include "render/context.h"
 #include "render/display.h"
+#include "render/extreme_points.h"
 #include "render/image.h"
 #include "render/renderer.h"
 #include "render/subject.h"
@@ -19,6 +20,9 @@ struct PictureStyle {
   render::DisplayOptions display;
   render::LiquidFilter liquid_filter = render::LiquidFilter::narrow_range;
   int liquid_steps = 0;  ///< see RenderOptions
+  float aperture = 0;    ///< see RenderOptions; 0: no depth of field [m]
+  float focus = 0;       ///< 0: the distance of the camera's target [m]
+  double exposure = 0;   ///< time during which the shutter is open; 0: no motion blur [s]
 
   float aspect() const { return static_cast<float>(size.width) / static_cast<float>(size.height); }
 };
@@ -26,17 +30,20 @@ struct PictureStyle {
 /// Bounding box of all objects, without colliders.
 render::Bounds bounds_of(const render::Subject& subject);
 
-/// The same, and colliders that are not much larger than the objects.
-render::Bounds bounds_with_colliders(const render::Subject& subject);
+/// Extreme points of all objects, without colliders.
+render::ExtremePoints extent_of(const render::Subject& subject);
 
-/// Whether `camera_for` frames the bounds: neither the request nor the scene places the camera.
+/// The same, and colliders that are not much larger than the objects.
+render::ExtremePoints extent_with_colliders(const render::Subject& subject);
+
+/// Whether `camera_for` frames the extent: neither the request nor the scene places the camera.
 bool is_automatic(const CameraRequest& request, const CameraDescription* scene);
 
 /// The requested camera. Values that `request` leaves open come from `scene`. Where the scene has no camera
-/// either (or a run embeds no scene, nullptr), `bounds` are framed. Throws Error when the
-/// camera's position equals its target.
+/// either (or a run embeds no scene, nullptr), the points of `extent` are framed, by a camera that turns if they fill
+/// little of the picture. Throws Error when the camera's position equals its target.
 render::Camera camera_for(const CameraRequest& request, const CameraDescription* scene,
-                          const render::Bounds& bounds, float aspect);
+                          const render::ExtremePoints& extent, float aspect);
 
 /// Renders pictures without window or screen.
 class PictureMaker {

@@ -13,6 +13,7 @@
 #include "souple/scene/nearest.h"
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -36,6 +37,7 @@ struct RenderJob {
   SheetShape sheet;
   std::vector<std::uint64_t> frames;  ///< frames to render, ascending
   double film_rate = 60;              ///< pictures per second
+  std::uint64_t film_bytes = 0;       ///< largest size of a .webp; 0: any
   int colors = 0;                     ///< colors of a picture; 0: all
   bool quiet = false;
 };
@@ -71,6 +73,22 @@ void choose_liquids(const RenderRequest& request, PictureStyle& style) {
   style.liquid_steps = static_cast<int>(*request.liquid_steps);
 }
 
+/// Depth of field. The exposure follows from the source's frame rate.
+void choose_lens(const RenderRequest& request, PictureStyle& style) {
+  constexpr double farthest = 1e5;
+  const auto require = [](const char* option, double value, double most, const char* unit) {
+    if (!(value > 0 && value <= most))
+      throw Error(
+          fmt::format("{} {}: expected a number above 0 and at most {}{}", option, value, most, unit));
+  };
+  if (request.focus) require("--focus", *request.focus, farthest, " m");
+  if (request.aperture) require("--aperture", *request.aperture, farthest, " m");
+  if (request.shutter) require("--shutter", *request.shutter, 1, "");
+  constexpr double standard = 1.0 / 40;  // of the distance in focus
+  style.focus = static_cast<float>(request.focus.value_or(0));
+  style.aperture = static_cast<float>(request.aperture.value_or(standard * request.focus.value_or(0)));
+}
+
 PictureStyle style_of(const RenderRequest& request) {
   PictureStyle style;
   try {
@@ -81,6 +99,7 @@ PictureStyle style_of(const RenderRequest& request) {
   style.display.constraints = constraint_display_of(request.constraints);
   style.display.pins = false;
   choose_liquids(request, style);
+  choose_lens(request, style);
   if (request.samples) {
     constexpr std::uint32_t most = 1024;
     if (*request.samples < 1 || *request.samples > most)
@@ -97,15 +116,40 @@ fs::path default_out(const RenderRequest& request, const FrameSource& source) {
   return fs::path("out") / (source.name() + (several ? ".mp4" : ".png"));
 }
 
-bool is_gif(const fs::path& out) {
-  const std::string extension = out.extension().string();
-  return extension == ".gif" || extension == ".GIF";
+bool has_extension(const fs::path& out, const std::string& extension) {
+  std::string found = out.extension().string();
+  for (char& c : found) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return found == extension;
 }
 
-/// Step between the frames of a .gif, which shows at most 50 pictures a second: frames in between are not
-/// rendered.
-std::uint64_t gif_step(double frame_rate) {
-  return static_cast<std::uint64_t>(std::max(1.0, std::ceil(frame_rate / 50 - 1e-9)));
+/// Whether the film repeats forever, and is small unless the user chooses otherwise.
+bool is_loop(const fs::path& out) {
+  return has_extension(out, ".gif") || has_extension(out, ".webp");
+}
+
+/// Step between the frames of a film that shows fewer pictures a second than there are frames: frames in between
+/// are not rendered.
+std::uint64_t film_step(const fs::path& out, double frame_rate) {
+  return static_cast<std::uint64_t>(std::max(1.0, std::ceil(frame_rate / render::highest_rate(out) - 1e-9)));
+}
+
+/// Film options without a film, or with one that cannot have them, are mistakes.
+void choose_film(const RenderRequest& request, RenderJob& job) {
+  if (request.film_rate) {
+    const double rate = *request.film_rate, highest = std::min(1000.0, render::highest_rate(job.out));
+    const std::string option = fmt::format("--film-rate {:g}", rate);
+    if (job.kind != OutputKind::film) throw Error(option + ": is for a film .mp4, .gif or .webp");
+    if (!(rate >= 0.1 && rate <= highest))
+      throw Error(fmt::format("{}: expected 0.1 to {:g} pictures a second", option, highest));
+    job.film_rate = rate;
+  }
+  if (request.film_bytes) {
+    const std::string option = fmt::format("--film-bytes {}", *request.film_bytes);
+    if (job.kind != OutputKind::film || !has_extension(job.out, ".webp"))
+      throw Error(option + ": is for a film .webp");
+    if (*request.film_bytes == 0) throw Error(option + ": expected at least 1");
+    job.film_bytes = *request.film_bytes;
+  }
 }
 
 void choose_frames(const RenderRequest& request, const FrameSource& source, RenderJob& job) {
@@ -113,13 +157,14 @@ void choose_frames(const RenderRequest& request, const FrameSource& source, Rend
   if (words.empty()) words = job.kind == OutputKind::picture ? "last" : "all";
   job.frames = parse_frames(words, source.frames());
   if (job.kind == OutputKind::picture && job.frames.size() > 1) {
-    throw Error(fmt::format(
-        "--out {}: {} frames do not fit into one picture: give --sheet, a film .mp4 or .gif, or a folder",
-        job.out.string(), job.frames.size()));
+    throw Error(
+        fmt::format("--out {}: {} frames do not fit into one picture: give --sheet, a film .mp4, .gif or "
+                    ".webp, or a folder",
+                    job.out.string(), job.frames.size()));
   }
   std::uint64_t step = step_of_frames(words);
-  if (job.kind == OutputKind::film && is_gif(job.out) && step == 1) {
-    step = gif_step(source.frame_rate());
+  if (job.kind == OutputKind::film && step == 1 && !request.film_rate) {
+    step = film_step(job.out, source.frame_rate());
     std::vector<std::uint64_t> kept;
     for (std::size_t i = 0; i < job.frames.size(); i += step) kept.push_back(job.frames[i]);
     job.frames = std::move(kept);
@@ -138,12 +183,14 @@ void choose_frames(const RenderRequest& request, const FrameSource& source, Rend
 /// otherwise.
 void choose_size(const RenderRequest& request, RenderJob& job) {
   const bool still = job.kind == OutputKind::picture || job.kind == OutputKind::sheet;
+  const bool blurred = job.style.aperture > 0 || request.shutter;
   if (!request.samples) job.style.samples = still ? 16 : 4;
+  if (!request.samples && blurred) job.style.samples *= 4;
   if (!request.size.empty()) {
     job.style.size = parse_size(request.size);
   } else if (job.kind == OutputKind::sheet) {
     job.style.size = {480, 270};
-  } else if (is_gif(job.out)) {
+  } else if (is_loop(job.out)) {
     job.style.size = {640, 360};
   }
   if (job.kind != OutputKind::sheet) return;
@@ -185,7 +232,9 @@ RenderJob job_of(const RenderRequest& request, const FrameSource& source, Pictur
   job.kind = output_kind(job.out, !request.sheet.empty());
   if (request.colors) job.colors = colors_of(*request.colors, job);
   choose_frames(request, source, job);
+  choose_film(request, job);
   choose_size(request, job);
+  if (request.shutter) job.style.exposure = *request.shutter / source.frame_rate();
   require_world(job, request, source);
   return job;
 }
@@ -240,11 +289,11 @@ class Rendering {
   void choose_camera() {
     if (job_.frames.size() < 2 || !is_automatic(job_.camera, source_.camera())) return;
     Progress progress(source_.name() + ", framing", job_.frames.back(), 0, job_.quiet);
-    const render::Bounds bounds = source_.covered(job_.frames, [&](std::uint64_t frame) {
+    const render::ExtremePoints extent = source_.covered(job_.frames, [&](std::uint64_t frame) {
       progress.frame_done(frame);
       return !interrupt_requested();
     });
-    if (!bounds.empty()) camera_ = camera_for(job_.camera, source_.camera(), bounds, job_.style.aspect());
+    if (!extent.empty()) camera_ = camera_for(job_.camera, source_.camera(), extent, job_.style.aspect());
   }
 
   /// After the first picture: how long all will take.
@@ -262,7 +311,7 @@ class Rendering {
   void render_one() {
     const render::Subject& subject = source_.subject();
     if (!camera_)
-      camera_ = camera_for(job_.camera, source_.camera(), bounds_of(subject), job_.style.aspect());
+      camera_ = camera_for(job_.camera, source_.camera(), extent_of(subject), job_.style.aspect());
     const Clock::time_point start = Clock::now();
     const std::string label = job_.kind == OutputKind::sheet ? label_of(source_) : "";
     sink_.add(maker_.picture(subject, *camera_, job_.style, label), source_.frame());
@@ -311,7 +360,8 @@ int render_frames(const RenderRequest& request) {
   const CameraRequest camera = parse_camera(request.camera);
   const SheetShape sheet = request.sheet.empty() ? SheetShape{} : parse_sheet(request.sheet);
   if (!request.size.empty()) parse_size(request.size);
-  SourceRequest wanted{request.source, request.settings, style.display.display == render::Display::speed};
+  SourceRequest wanted{request.source, request.settings,
+                       style.display.display == render::Display::speed || request.shutter};
   const std::unique_ptr<FrameSource> source = open_source(wanted);
   const RenderJob job = job_of(request, *source, style, camera, sheet);
   expect_driver_crashes();
@@ -319,7 +369,7 @@ int render_frames(const RenderRequest& request) {
   const OutputLock lock =
       job.kind == OutputKind::folder ? OutputLock::of_folder(job.out) : OutputLock::of_file(job.out);
   const std::unique_ptr<PictureSink> sink =
-      open_sink({job.kind, job.out, source->name(), job.film_rate, job.sheet, job.colors});
+      open_sink({job.kind, job.out, source->name(), job.film_rate, job.film_bytes, job.sheet, job.colors});
   // From here on files are written; an interrupt ends the work with complete files.
   watch_interrupts();
   try {

@@ -24,6 +24,14 @@ void set_look(Items& items, std::string_view name, SurfaceLook look) {
   }
 }
 
+void set_fabric(std::vector<render::Body>& bodies, const ClothDescription& cloth) {
+  for (render::Body& body : bodies) {
+    if (body.name != cloth.name) continue;
+    body.fabric = static_cast<render::Fabric>(cloth.look);
+    if (cloth.pattern) body.print = static_cast<render::Print>(*cloth.pattern);
+  }
+}
+
 void remove_collider(std::vector<render::ColliderBody>& colliders, std::string_view name) {
   const auto has_name = [&](const auto& collider) { return collider.name == name; };
   colliders.erase(std::remove_if(colliders.begin(), colliders.end(), has_name), colliders.end());
@@ -34,6 +42,7 @@ void remove_collider(std::vector<render::ColliderBody>& colliders, std::string_v
 void add_colors(const SceneDescription& scene, render::Subject& subject) {
   for (const AnyObjectDescription& object : scene.objects) {
     color(subject.bodies, common(object).name, common(object).color);
+    if (const auto* cloth = std::get_if<ClothDescription>(&object)) set_fabric(subject.bodies, *cloth);
     if (const auto* obstacle = std::get_if<ObstacleDescription>(&object))
       set_look(subject.bodies, obstacle->name, obstacle->look);
   }

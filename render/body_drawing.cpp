@@ -173,8 +173,9 @@ void BodyDrawing::set_colors(const Body& body, std::span<const float> rope_strai
 }
 
 void BodyDrawing::draw_surface(const Body& body, std::uint32_t pick, const DrawContext& context) {
-  const Look seen = look(context);
+  Look seen = look(context);
   const bool woven = traits().shape == ObjectShape::surface && !traits().driven && !traits().rigid;
+  if (woven && seen.weave > 0) seen = finished(seen, body.fabric, body.print);
   if (seen.checker_size > 0 && woven && checker_.texture.empty() && body.rest.size() == vertices_) {
     checker_ = cloth_checker(body.rest, body.triangles);
     ++topology_;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace souple::render {
 
@@ -36,7 +37,7 @@ struct Fit {
   float distance = 0, center = 0;
 };
 
-Fit fit(const std::array<Vec3f, 8>& points, const Vec3f& middle, const Vec3f& across, const Vec3f& along,
+Fit fit(std::span<const Vec3f> points, const Vec3f& middle, const Vec3f& across, const Vec3f& along,
         float s) {
   Range left, right;  // ranges of x - s f and of x + s f
   for (const Vec3f& point : points) {
@@ -45,6 +46,29 @@ Fit fit(const std::array<Vec3f, 8>& points, const Vec3f& middle, const Vec3f& ac
     right.add(x + s * f);
   }
   return {(left.hi - right.lo) / (2 * s), (left.hi + right.lo) / 2};
+}
+
+float length_along(std::span<const Vec3f> points, const Vec3f& direction) {
+  Range range;
+  for (const Vec3f& point : points) range.add(dot(point, direction));
+  return range.hi - range.lo;
+}
+
+/// The camera, and the camera turned about its target in steps of 15 degrees, by small turns first: around the vertical,
+/// and upwards by up to 30 degrees.
+std::vector<Camera> turned(const Camera& camera) {
+  constexpr float step = float(pi / 12);
+  std::vector<Camera> result;
+  for (int sum = 0; sum <= 12; ++sum) {
+    for (int up = 0; up <= std::min(sum, 2); ++up) {
+      const int around = sum - up;
+      for (const int turn : {around, -around}) {
+        result.push_back(camera);
+        if (sum > 0) result.back().orbit(step * float(turn), step * float(up));
+      }
+    }
+  }
+  return result;
 }
 
 }  // namespace
@@ -138,17 +162,55 @@ void Camera::zoom(float factor) {
   from = to - forward() * std::clamp(distance() * factor, 1e-3f, 1e5f);
 }
 
+Fraction Camera::filled(std::span<const Vec3f> points, float aspect) const {
+  Range across, above;
+  for (const Vec3f& point : points) {
+    const Vec3f offset = point - from;
+    const float depth = dot(offset, forward());
+    if (!(depth > 0)) continue;
+    across.add(dot(offset, right()) / depth);
+    above.add(dot(offset, up()) / depth);
+  }
+  if (across.lo > across.hi) return {};
+  const float whole = 2 * std::tan(half_fov(fov));
+  return {(across.hi - across.lo) / (whole * aspect), (above.hi - above.lo) / whole};
+}
+
 void Camera::frame(const Bounds& box, float aspect) {
-  if (box.empty()) return;
-  const float filled = 0.88f;  // fraction of the picture that is filled; the rest is margin
-  const float s = filled * std::tan(half_fov(fov));
+  if (!box.empty()) frame(corners(box), aspect);
+}
+
+void Camera::frame(std::span<const Vec3f> points, float aspect) {
+  if (points.empty()) return;
+  const float margin_free = 0.88f;  // fraction of the picture that is filled; the rest is margin
+  const float s = margin_free * std::tan(half_fov(fov));
+  Bounds box;
+  for (const Vec3f& point : points) box.add(point);
   const Vec3f along = forward(), middle = box.center();
-  const std::array<Vec3f, 8> points = corners(box);
   const Fit horizontal = fit(points, middle, right(), along, s * aspect);
   const Fit vertical = fit(points, middle, up(), along, s);
   const float away = std::clamp(std::max(horizontal.distance, vertical.distance), 1e-2f, 1e5f);
   to = middle + right() * horizontal.center + up() * vertical.center;
   from = to - along * away;
+}
+
+void Camera::turn_to_fill(std::span<const Vec3f> points, float aspect) {
+  constexpr float least = 0.35f, shortest = 0.75f, steepest = 0.77f;
+  const std::vector<Camera> cameras = turned(*this);
+  std::vector<float> lengths;  // of the points across the view [m]
+  for (const Camera& camera : cameras) lengths.push_back(length_along(points, camera.right()));
+  const float longest = *std::max_element(lengths.begin(), lengths.end());
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const bool from_its_end = lengths[i] < shortest * longest,
+               from_above = cameras[i].forward().y < -steepest;
+    if (i > 0 && (from_its_end || from_above)) continue;
+    Camera framed = cameras[i];
+    framed.frame(points, aspect);
+    const Fraction fraction = framed.filled(points, aspect);
+    if (std::min(fraction.width, fraction.height) < least) continue;
+    *this = cameras[i];
+    return;
+  }
 }
 
 }  // namespace souple::render

@@ -4,6 +4,7 @@
 #include "souple/math/vec3.h"
 
 #include <optional>
+#include <span>
 
 namespace souple::render {
 
@@ -28,6 +29,11 @@ struct ScreenPoint {
   float depth = 0;  ///< distance along the view direction [m]
 };
 
+/// Fractions of a picture's width and height.
+struct Fraction {
+  float width = 0, height = 0;
+};
+
 /// A camera that orbits a target. Y is up.
 class Camera {
  public:
@@ -48,6 +54,8 @@ class Camera {
   Ray ray(float x, float y, int width, int height) const;
   /// Screen position of a point; empty if it is behind the eye.
   std::optional<ScreenPoint> project(const Vec3f& point, int width, int height) const;
+  /// Fractions of a picture that the box around the points on screen fills; points behind the eye do not count.
+  Fraction filled(std::span<const Vec3f> points, float aspect) const;
   /// World length of one pixel at this depth. [m]
   float pixel_size(float depth, int height) const;
 
@@ -62,6 +70,13 @@ class Camera {
   /// Keeps the view direction and moves the camera so that the box fills the picture, centered, with some
   /// margin.
   void frame(const Bounds& box, float aspect);
+  /// The same for points [m]; without points the camera stays.
+  void frame(std::span<const Vec3f> points, float aspect);
+  /// Turns the camera about its target where points that are framed would fill less than 35 % of the picture's width or
+  /// height: by the smallest multiple of 15 degrees, around the vertical and up to 30 degrees upwards, that fills 35 %
+  /// of both and shows at least 75 % of the points' length. Where there is none, such as of a vertical rope, the camera
+  /// stays.
+  void turn_to_fill(std::span<const Vec3f> points, float aspect);
 };
 
 }  // namespace souple::render

@@ -32,7 +32,7 @@ struct Look {
   float sheen = 0;          ///< light scattered at grazing angles, as by cloth, in [0, 1]
   float translucency =
       0;  ///< light spread under the surface, as in jelly, in [0, 1]; excludes sheen and metalness
-  bool glass = false;  ///< transparent, tinted by `color`, without shadow
+  bool glass = false;  ///< transparent and refracting; `color` is the tint of light through one wall
 };
 
 /// Triangles, two-sided by default. The renderer keeps their buffers on the GPU between pictures, under

@@ -1,28 +1,30 @@
 #pragma once
 
+#include "render/ffmpeg.h"
 #include "render/image.h"
 
+#include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <memory>
 
 namespace souple::render {
 
-/// A film from pictures of equal size: .mp4 (H.264), .gif, or, for any path without such an extension, a
+/// A film from pictures of equal size: .mp4 (H.264), .gif, .webp, or, for any path without such an extension, a
 /// folder of PNG files NAME_0001.png, where NAME is the folder's name. The program ffmpeg encodes films.
 ///
-/// An .mp4 has even sides: at an odd size the last row or column is doubled. A .gif has at most 50 pictures a
-/// second, because players slow down faster ones: of a faster film it keeps every second picture, or every
-/// third, and so on.
+/// An .mp4 has even sides: at an odd size the last row or column is doubled. A .gif and a .webp repeat forever.
+/// They have at most `highest_rate` pictures a second: of a faster film they keep every second picture, or
+/// every third, and so on.
 class Film {
  public:
-  /// Whether the user has asked to stop.
-  using Interrupted = std::function<bool()>;
+  using Interrupted = Ffmpeg::Interrupted;
 
-  /// Throws Error when ffmpeg is missing (and names its package) or the file cannot be written. Once `interrupted`
-  /// returns true, an ffmpeg that neither reads nor computes for two seconds is ended, and the film has failed;
-  /// without it the film waits for any ffmpeg.
-  Film(std::filesystem::path file, double frame_rate, Interrupted interrupted = {});
+  /// Throws Error when ffmpeg is missing (and names its package), has no encoder for a .webp, or the file cannot be
+  /// written. Once `interrupted` returns true, an ffmpeg that neither reads nor computes for two seconds is ended,
+  /// and the film has failed; without it the film waits for any ffmpeg. `max_bytes` is the largest size of a .webp,
+  /// whose quality is chosen to fit; 0: quality 75, any size.
+  Film(std::filesystem::path file, double frame_rate, Interrupted interrupted = {},
+       std::uint64_t max_bytes = 0);
   /// Finishes the film without exceptions; a film that failed or has no picture leaves no file.
   ~Film();
   Film(const Film&) = delete;
@@ -31,7 +33,8 @@ class Film {
   /// Throws Error when the size differs from the first picture's, or, with ffmpeg's last message, when ffmpeg
   /// failed.
   void add(const Image& image);
-  /// Moves the film from NAME.part.mp4 to its path. Throws Error when it has no picture.
+  /// Moves the film from NAME.part.mp4 to its path. Throws Error when it has no picture, or does not fit into
+  /// `max_bytes` at the lowest quality.
   void finish();
 
  private:
@@ -39,10 +42,10 @@ class Film {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Whether the path is a film for ffmpeg: it ends in .mp4 or .gif, in lower or upper case.
+/// Whether the path is a film for ffmpeg: it ends in .mp4, .gif or .webp, in lower or upper case.
 bool is_film(const std::filesystem::path& file);
 
-/// Whether the program ffmpeg can be found on PATH.
-bool has_ffmpeg();
+/// Pictures a second that browsers show at most: 50 of a .gif, 60 of a .webp; of an .mp4 infinity.
+double highest_rate(const std::filesystem::path& film);
 
 }  // namespace souple::render

@@ -30,9 +30,9 @@ struct LiquidKind {
 };
 
 // Refractive indices: CRC handbook.
-const LiquidKind water{srgb(0x9cd3ec), srgb(0x3f8fd0), 0.05f, 1, 1.333f};
+const LiquidKind water{srgb(0x6fbfd6), srgb(0x3f8fd0), 0.05f, 1, 1.333f};
 const LiquidKind oil{srgb(0xefc94a), srgb(0xd9ae2b), 0.1f, 1, 1.47f};
-const LiquidKind honey{srgb(0xf0a526), srgb(0xc07a1a), 0.35f, 3.3f, 1.49f};
+const LiquidKind honey{srgb(0xf0a526), srgb(0xc07a1a), 0.9f, 2.2f, 1.49f};
 
 const LiquidKind& liquid_kind(float density) {
   if (density > 1200) return honey;
@@ -79,6 +79,29 @@ Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Color>&
   }
   const Color sand = chosen.value_or(srgb(0xd2ab6d));
   return {.color = sand, .second = sand, .roughness = 0.9f};
+}
+
+Look finished(const Look& cloth, Fabric fabric, const std::optional<Print>& print) {
+  Look look = cloth;
+  // The pile of velvet swallows light that falls along it, and scatters light at grazing angles.
+  if (fabric == Fabric::velvet) {
+    look.roughness = look.sheen = 1;
+    look.weave = 0.1f;
+    look.color = scaled(look.color, 0.6f);
+    look.second = scaled(look.second, 0.6f);
+  }
+  if (fabric == Fabric::satin)
+    look.roughness = 0.3f, look.sheen = 0, look.metalness = 0.4f, look.weave = 0.1f;
+  if (!print && fabric == Fabric::woven) return look;
+  const Print chosen = print.value_or(Print::plain);
+  if (chosen == Print::plain) {
+    look.second = look.color;
+    return look;
+  }
+  constexpr std::array patterns{Pattern::checker, Pattern::checker, Pattern::stripes, Pattern::plaid,
+                                Pattern::dots};
+  look.pattern = patterns.at(static_cast<std::size_t>(chosen));
+  return look;
 }
 
 LiquidLook liquid_look(float density, float path_length, const std::optional<Color>& chosen) {

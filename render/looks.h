@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/draw_list.h"
+#include "render/subject.h"
 #include "souple/world/world.h"
 
 #include <cstddef>
@@ -14,6 +15,8 @@ namespace souple::render {
 
 /// The look of the object with this index; `chosen` is the color from the scene.
 Look body_look(ObjectKind kind, std::uint32_t index, const std::optional<Color>& chosen = {});
+/// A cloth's look in this fabric, with this print.
+Look finished(const Look& cloth, Fabric fabric, const std::optional<Print>& print);
 /// A paler look, for objects behind lines.
 Look pale(const Look& look);
 /// For objects with colors per vertex: a neutral look, so that only these colors show.

@@ -5,6 +5,7 @@
 #include "render/gl/program.h"
 #include "render/gl/vertex_array.h"
 #include "render/passes/finish.h"
+#include "render/passes/glass.h"
 #include "render/passes/labels.h"
 #include "render/passes/lines.h"
 #include "render/passes/liquid.h"
@@ -21,6 +22,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <string>
 
@@ -84,6 +86,30 @@ std::array<float, 2> sample_on_disk(int i, int count) {
   return {float(radius * std::cos(angle)), float(radius * std::sin(angle))};
 }
 
+// Position on the lens for a sample: the points of the sun's disk, in another order, so that the two are independent.
+std::array<float, 2> sample_on_lens(int i, int count) {
+  int stride = std::max(static_cast<int>(0.618 * count), 1);
+  while (std::gcd(stride, count) != 1) ++stride;
+  return sample_on_disk(static_cast<int>((static_cast<long long>(i) * stride + count / 3) % count), count);
+}
+
+/// The camera at a point of the lens. Its picture is sheared so that the plane in focus stays where it is.
+struct LensView {
+  Camera camera;
+  float shear_x = 0, shear_y = 0;  ///< tangents of the angles to the plane's center
+
+  LensView(const Camera& middle, const RenderOptions& options, int sample) : camera(middle) {
+    if (!(options.aperture > 0) || !(options.focus > 0) || options.samples <= 1) return;
+    const std::array<float, 2> point = sample_on_lens(sample, options.samples);
+    const float across = 0.5f * options.aperture * point[0], above = 0.5f * options.aperture * point[1];
+    const Vec3f offset = middle.right() * across + middle.up() * above;
+    camera.from += offset;
+    camera.to += offset;
+    shear_x = across / options.focus;
+    shear_y = above / options.focus;
+  }
+};
+
 // `all` is the bounding box of the whole list.
 Bounds bounds_of_casters(const DrawList& list, const Bounds& all) {
   const auto casts = [](const auto& object) { return object.casts_shadow; };
@@ -110,6 +136,13 @@ Bounds bounds_of_liquids(const DrawList& list) {
   liquids.liquids = list.liquids;
   liquids.foams = list.foams;
   return liquids.bounds();
+}
+
+Bounds bounds_of_glass(const DrawList& list) {
+  DrawList glass;
+  for (const Surface& surface : list.surfaces)
+    if (surface.look.glass) glass.surfaces.push_back(surface);
+  return glass.bounds();
 }
 
 Vec4 vec4(const Vec3f& v, float w) {
@@ -163,6 +196,7 @@ struct Renderer::Impl {
   SpheresPass spheres;
   LiquidSplats liquid_splats;
   LiquidPass liquids;
+  GlassPass glass;
   LinesPass lines;
   ShadowPass shadow;
   OcclusionPass occlusion;
@@ -174,16 +208,23 @@ struct Renderer::Impl {
   std::optional<Canvas> canvas;
 
   Targets& targets_of(int width, int height);
+  bool filters_sunlight() const { return liquid_splats.casts_shadow() || surfaces.glass_casts_shadow(); }
   Frame frame(const DrawList& list, const Camera& camera, const RenderOptions& options, const Bounds& bounds,
               int width, int height, int sample) const;
   void bind(const Frame& frame);
   PassContext begin_picking(const DrawList& list, const Camera& camera, int width, int height);
   void draw_material(const DrawList& list, const PassContext& context);
   void draw_lighting();
-  void draw_glass(PassContext context);
+  void draw_clear(const DrawList& list, const PassContext& context, const RenderOptions& options);
   void draw_lines(const DrawList& list, const PassContext& context);
   void draw_sample(const DrawList& list, const PassContext& context, const Frame& frame,
                    const RenderOptions& options);
+  void upload(const DrawList& list);
+  void draw(const ListAt& list_at, int steps, const Camera& camera, const RenderOptions& options,
+            std::uint32_t framebuffer);
+  Image picture(const ListAt& list_at, int steps, const Camera& camera, const RenderOptions& options,
+                int width, int height);
+  void draw_one(const DrawList& list, const Camera& camera, const RenderOptions& options, int sample);
 };
 
 namespace {
@@ -269,22 +310,28 @@ void Renderer::Impl::draw_lighting() {
   targets->depth.bind(gl::Unit::depth);
   shadow.bind();
   occlusion.bind(targets->normal);
-  (liquid_splats.casts_shadow() ? lighting_with_liquids : lighting).use();
+  (filters_sunlight() ? lighting_with_liquids : lighting).use();
   empty_array.bind();
   draw_screen();
   glDepthMask(GL_TRUE);
 }
 
-void Renderer::Impl::draw_glass(PassContext context) {
-  context.target = Target::glass;
-  context.over_liquids = !liquid_splats.empty();
-  if (context.over_liquids) liquids.bind_surface();
-  targets->lighting.bind();
-  glDepthMask(GL_FALSE);
-  glEnable(GL_DEPTH_TEST);
-  surfaces.draw(context);
-  glDisable(GL_DEPTH_TEST);
-  glDepthMask(GL_TRUE);
+/// Liquids and glass.
+void Renderer::Impl::draw_clear(const DrawList& list, const PassContext& context,
+                                const RenderOptions& options) {
+  const LitScene scene{targets->normal, targets->depth, targets->lighting};
+  const Bounds walls = surfaces.has_glass() ? bounds_of_glass(list) : Bounds{};
+  const auto draw_glass = [&](GlassPart part) {
+    if (!surfaces.has_glass()) return;
+    if (part != GlassPart::all) liquids.bind_surface();
+    glass.draw(part, scene, walls, liquids.window(), surfaces, context, empty_array);
+    clock.done("glass");
+  };
+  if (liquid_splats.empty()) return draw_glass(GlassPart::all);
+  liquids.find_surface(liquid_splats, bounds_of_liquids(list), scene, context, options, empty_array, clock);
+  draw_glass(GlassPart::behind_liquids);
+  liquids.draw(liquid_splats, scene, shadow, empty_array, clock);
+  draw_glass(GlassPart::before_liquids);
 }
 
 void Renderer::Impl::draw_lines(const DrawList& list, const PassContext& context) {
@@ -306,13 +353,80 @@ void Renderer::Impl::draw_sample(const DrawList& list, const PassContext& contex
   clock.done("occlusion");
   draw_lighting();
   clock.done("lighting");
-  if (!liquid_splats.empty())
-    liquids.draw(liquid_splats, bounds_of_liquids(list), {targets->normal, targets->depth, targets->lighting},
-                 context, options, shadow, empty_array, clock);
-  if (surfaces.has_glass()) draw_glass(context);
-  clock.done("glass");
+  draw_clear(list, context, options);
   draw_lines(list, context);
   clock.done("lines");
+}
+
+void Renderer::Impl::upload(const DrawList& list) {
+  surfaces.update(list.surfaces);
+  spheres.update(list.spheres);
+  liquid_splats.update(list.liquids, list.foams);
+  clock.done("upload");
+}
+
+/// Draws one sample and adds it to the others.
+void Renderer::Impl::draw_one(const DrawList& list, const Camera& camera, const RenderOptions& options,
+                              int sample) {
+  const int samples = std::max(options.samples, 1), width = targets->width, height = targets->height;
+  const Bounds bounds = list.bounds(), casters = bounds_of_casters(list, bounds);
+  const LensView lens(camera, options, sample);
+  Frame at = frame(list, lens.camera, options, bounds, width, height, sample);
+  at.projection.m[8] -= at.projection.m[0] * lens.shear_x;
+  at.projection.m[9] -= at.projection.m[5] * lens.shear_y;
+  at.inverse_projection = inverse(at.projection);
+  const std::array<float, 2> sun = sample_on_disk(sample, samples);
+  shadow.aim(at, list.light, options.shadows ? casters : Bounds{}, sun[0], sun[1]);
+  shadow.draw(at, surfaces, spheres);
+  clock.done("shadow");
+  if (at.shadow_size.w != 0 && filters_sunlight()) shadow.draw_light(liquid_splats, surfaces);
+  clock.done("liquid shadow");
+  bind(at);
+  draw_sample(list, {width, height, Target::material, at.view, at.projection, lens.camera.from}, at, options);
+  if (samples > 1) finish.add(targets->color, sample == 0, empty_array);
+}
+
+/// The picture from lists at `steps` times, into a framebuffer.
+void Renderer::Impl::draw(const ListAt& list_at, int steps, const Camera& camera,
+                          const RenderOptions& options, std::uint32_t framebuffer) {
+  default_state();
+  const int samples = std::max(options.samples, 1);
+  steps = std::clamp(samples, 1, steps);
+  const DrawList* list = nullptr;
+  for (int sample = 0, last_step = -1; sample < samples; ++sample) {
+    if (const int step = static_cast<int>(std::int64_t{sample} * steps / samples); step != last_step) {
+      list = &list_at((static_cast<float>(step) + 0.5f) / static_cast<float>(steps));
+      upload(*list);
+      last_step = step;
+    }
+    draw_one(*list, camera, options, sample);
+  }
+  finish.draw(targets->color, samples, framebuffer, empty_array);
+  if (options.labels) labels.draw(list->labels, targets->width, targets->height);
+  clock.done("finish");
+  default_state();
+  glBindVertexArray(0);
+  glUseProgram(0);
+}
+
+/// The same into memory.
+Image Renderer::Impl::picture(const ListAt& list_at, int steps, const Camera& camera,
+                              const RenderOptions& options, int width, int height) {
+  require_size(width, height);
+  targets_of(width, height);
+  if (!canvas || canvas->target.width() != width || canvas->target.height() != height) {
+    canvas.reset();
+    canvas.emplace(width, height);
+  }
+  draw(list_at, steps, camera, options, canvas->target.id());
+  canvas->target.bind();
+  Image bottom_up(width, height), image(width, height);
+  glPixelStorei(GL_PACK_ALIGNMENT, 4);
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, bottom_up.pixels.data());
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  for (int y = 0; y < height; ++y)
+    std::copy_n(bottom_up.at(0, height - 1 - y), 4 * std::size_t(width), image.at(0, y));
+  return image;
 }
 
 Renderer::Renderer() : impl_(std::make_unique<Impl>()) {}
@@ -322,34 +436,8 @@ void Renderer::draw(const DrawList& list, const Camera& camera, const RenderOpti
                     int height, std::uint32_t framebuffer) {
   if (width <= 0 || height <= 0) return;
   require_size(width, height);
-  Impl& m = *impl_;
-  m.targets_of(width, height);
-  default_state();
-  m.surfaces.update(list.surfaces);
-  m.spheres.update(list.spheres);
-  m.liquid_splats.update(list.liquids, list.foams);
-  m.clock.done("upload");
-  const Bounds bounds = list.bounds(), casters = bounds_of_casters(list, bounds);
-  const int samples = std::max(options.samples, 1);
-  for (int sample = 0; sample < samples; ++sample) {
-    Frame frame = m.frame(list, camera, options, bounds, width, height, sample);
-    const std::array<float, 2> sun = sample_on_disk(sample, samples);
-    m.shadow.aim(frame, list.light, options.shadows ? casters : Bounds{}, sun[0], sun[1]);
-    m.shadow.draw(frame, m.surfaces, m.spheres);
-    m.clock.done("shadow");
-    if (frame.shadow_size.w != 0 && m.liquid_splats.casts_shadow()) m.shadow.draw_liquids(m.liquid_splats);
-    m.clock.done("liquid shadow");
-    m.bind(frame);
-    const PassContext context{width, height, Target::material, frame.view, frame.projection, camera.from};
-    m.draw_sample(list, context, frame, options);
-    if (samples > 1) m.finish.add(m.targets->color, sample == 0, m.empty_array);
-  }
-  m.finish.draw(m.targets->color, samples, framebuffer, m.empty_array);
-  if (options.labels) m.labels.draw(list.labels, width, height);
-  m.clock.done("finish");
-  default_state();
-  glBindVertexArray(0);
-  glUseProgram(0);
+  impl_->targets_of(width, height);
+  impl_->draw([&](float) -> const DrawList& { return list; }, 1, camera, options, framebuffer);
 }
 
 void Renderer::draw_labels(const DrawList& list, int width, int height) {
@@ -360,22 +448,12 @@ void Renderer::draw_labels(const DrawList& list, int width, int height) {
 
 Image Renderer::picture(const DrawList& list, const Camera& camera, const RenderOptions& options, int width,
                         int height) {
-  require_size(width, height);
-  std::optional<Canvas>& canvas = impl_->canvas;
-  if (!canvas || canvas->target.width() != width || canvas->target.height() != height) {
-    canvas.reset();
-    canvas.emplace(width, height);
-  }
-  draw(list, camera, options, width, height, canvas->target.id());
-  canvas->target.bind();
-  Image bottom_up(width, height), image(width, height);
-  glPixelStorei(GL_PACK_ALIGNMENT, 4);
-  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, bottom_up.pixels.data());
-  glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  for (int y = 0; y < height; ++y) {
-    std::copy_n(bottom_up.at(0, height - 1 - y), 4 * std::size_t(width), image.at(0, y));
-  }
-  return image;
+  return impl_->picture([&](float) -> const DrawList& { return list; }, 1, camera, options, width, height);
+}
+
+Image Renderer::moving_picture(const ListAt& list_at, const Camera& camera, const RenderOptions& options,
+                               int width, int height) {
+  return impl_->picture(list_at, max_shutter_steps, camera, options, width, height);
 }
 
 std::vector<PassTime> Renderer::measure(const DrawList& list, const Camera& camera,

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -39,7 +40,13 @@ struct RenderOptions {
   /// Steps of curvature flow, or passes of the narrow-range filter; 0: 40 or 2. The amount of smoothing does
   /// not depend on it, nor on the size of the picture: more steps are only more accurate.
   int liquid_steps = 0;
+  float aperture = 0;  ///< diameter of the camera's lens; 0: everything is sharp; needs many samples [m]
+  float focus = 1;     ///< distance along the view at which points are sharp, above 0 [m]
 };
+
+/// Content of a picture while the shutter is open: at a time in [0, 1]. The list must be valid until the next call.
+using ListAt = std::function<const DrawList&(float time)>;
+inline constexpr int max_shutter_steps = 32;  ///< times at which a moving picture asks for a list
 
 struct PassTime {
   std::string pass;
@@ -89,6 +96,9 @@ class Renderer {
   /// Draws into memory. Throws Error when the size is not in [1, 8192].
   Image picture(const DrawList& list, const Camera& camera, const RenderOptions& options, int width,
                 int height);
+  /// Of a moving list: samples are at equal steps of time. Labels are those of the last list.
+  Image moving_picture(const ListAt& list_at, const Camera& camera, const RenderOptions& options, int width,
+                       int height);
 
   /// Draws off-screen and returns the time of each pass, summed over all samples. Calls glFinish after each
   /// pass, so the sum is a little more than the time of a picture.

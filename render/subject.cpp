@@ -29,9 +29,13 @@ Subject subject_of(const World& world, std::uint64_t world_number) {
     subject.bodies.push_back(body);
   }
   show_foam(subject, world.foam().positions);
-  for (const ColliderId id : world.colliders())
-    subject.colliders.push_back(
-        {id.value, world.collider_options(id).name, &world.shape(id), world.collider_pose(id)});
+  for (const ColliderId id : world.colliders()) {
+    const ColliderOptions& options = world.collider_options(id);
+    ColliderBody collider{id.value, options.name, &world.shape(id), world.collider_pose(id)};
+    if (!options.motion.is_static()) collider.motion = &options.motion;
+    collider.time = world.time();
+    subject.colliders.push_back(collider);
+  }
   subject.frame = world.version();
   subject.topology = world_number;
   subject.world = &world;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/color.h"
+#include "souple/collision/collider_motion.h"
 #include "souple/collision/shapes.h"
 #include "souple/world/world.h"
 
@@ -11,6 +12,11 @@
 #include <vector>
 
 namespace souple::render {
+
+/// How the fabric of a cloth reflects light.
+enum class Fabric { woven, velvet, satin };
+/// Print of a cloth.
+enum class Print { plain, checker, stripes, plaid, dots };
 
 /// Data of an object for drawing, from a World or from a cache on disk. User order.
 struct Body {
@@ -24,19 +30,23 @@ struct Body {
   std::span<const Vec3d> rest;  ///< of the mesh; empty for ropes and grains
   /// Of ropes and grains; half the thickness of others; half the spacing of a fluid [m].
   float radius = 0.005f;
-  float density = 0;             ///< of fluids; 0: unknown [kg/m^3]
-  std::span<const Vec3f> foam;   ///< set for the first fluid only: spray, foam and bubbles of all fluids [m]
-  std::optional<Color> color{};  ///< empty: a color of the palette
-  bool glass = false;            ///< of obstacles: transparent
+  float density = 0;              ///< of fluids; 0: unknown [kg/m^3]
+  std::span<const Vec3f> foam;    ///< set for the first fluid only: spray, foam and bubbles of all fluids [m]
+  std::optional<Color> color{};   ///< empty: a color of the palette
+  bool glass = false;             ///< of obstacles: transparent
+  Fabric fabric = Fabric::woven;  ///< of cloths
+  std::optional<Print> print{};   ///< of cloths; empty: of woven ones by their place, of others plain
 };
 
 struct ColliderBody {
   std::uint32_t id = 0;
   std::string_view name;
   const Shape* shape = nullptr;
-  Transform pose{};              ///< current pose
-  std::optional<Color> color{};  ///< empty: light gray
-  bool glass = false;            ///< transparent
+  Transform pose{};                        ///< current pose
+  std::optional<Color> color{};            ///< empty: light gray
+  bool glass = false;                      ///< transparent
+  const ColliderMotion* motion = nullptr;  ///< nullptr: unknown, or it stands still
+  double time = 0;                         ///< of `pose` in `motion` [s]
 };
 
 /// Content of a picture. Spans refer to the world or the cache, which must stay unchanged until the picture

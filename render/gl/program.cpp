@@ -18,7 +18,7 @@ inline void delete_shader(GLuint id) {
 }
 using Shader = Handle<delete_shader>;
 
-constexpr std::array<std::pair<std::string_view, Unit>, 14> sampler_units{
+constexpr std::array<std::pair<std::string_view, Unit>, 17> sampler_units{
     {{"shadow_map", Unit::shadow},
      {"sum_map", Unit::sum},
      {"occlusion_map", Unit::occlusion},
@@ -32,7 +32,11 @@ constexpr std::array<std::pair<std::string_view, Unit>, 14> sampler_units{
      {"liquid_look_map", Unit::liquid_look},
      {"liquid_optics_map", Unit::liquid_optics},
      {"liquid_glow_map", Unit::liquid_glow},
-     {"liquid_light_map", Unit::liquid_light}}};
+     {"liquid_light_map", Unit::liquid_light},
+     // Glass is drawn when the materials and the liquids' optics are not needed.
+     {"glass_entry_map", Unit::albedo},
+     {"glass_look_map", Unit::liquid_look},
+     {"glass_exit_map", Unit::liquid_optics}}};
 
 // The text of a shader, with each `#include "name"` line replaced by that file, once per file.
 std::string expand(std::string_view name, std::vector<std::string>& included) {

@@ -27,40 +27,6 @@ void clear_color(GLint buffer) {
   glClearBufferfv(GL_COLOR, buffer, zero.data());
 }
 
-/// A part of the picture: pixels, from the bottom left.
-struct Window {
-  int x = 0, y = 0, width = 0, height = 0;
-};
-
-/// The smallest upright window around a box, with some margin.
-Window window_around(const Bounds& box, const PassContext& context) {
-  const Window all{0, 0, context.width, context.height};
-  const auto width = static_cast<float>(context.width), height = static_cast<float>(context.height);
-  float left = width, right = 0, bottom = height, top = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec4 point{(corner & 1) != 0 ? box.hi.x : box.lo.x, (corner & 2) != 0 ? box.hi.y : box.lo.y,
-                     (corner & 4) != 0 ? box.hi.z : box.lo.z, 1};
-    const Vec4 clip = context.projection * (context.view * point);
-    if (clip.z < -clip.w) return all;  // behind the near plane
-    const float x = (0.5f * clip.x / clip.w + 0.5f) * width, y = (0.5f * clip.y / clip.w + 0.5f) * height;
-    left = std::min(left, x), right = std::max(right, x);
-    bottom = std::min(bottom, y), top = std::max(top, y);
-  }
-  constexpr float room = 4;
-  const int x = static_cast<int>(std::clamp(left - room, 0.0f, width));
-  const int y = static_cast<int>(std::clamp(bottom - room, 0.0f, height));
-  return {x, y, static_cast<int>(std::clamp(right + room, 0.0f, width)) - x,
-          static_cast<int>(std::clamp(top + room, 0.0f, height)) - y};
-}
-
-/// Restricts drawing to this part of the window at this scale.
-void keep_within(const Window& window, int scale) {
-  const int x = window.x / scale, y = window.y / scale;
-  glScissor(x, y, (window.x + window.width + scale - 1) / scale - x,
-            (window.y + window.height + scale - 1) / scale - y);
-  glEnable(GL_SCISSOR_TEST);
-}
-
 /// One channel of a framebuffer of floats. OpenGL ES reads all four.
 std::vector<float> read(const gl::Framebuffer& from, std::size_t channel) {
   const std::size_t count = std::size_t(from.width()) * std::size_t(from.height());
@@ -176,7 +142,8 @@ void LiquidPass::copy(const gl::Framebuffer& color) {
                     GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
-void LiquidPass::shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& empty_array) {
+void LiquidPass::shade(const LiquidSplats& splats, const LitScene& scene, const ShadowPass& shadow,
+                       const gl::VertexArray& empty_array) {
   scene.color.bind();
   glDepthMask(GL_FALSE);
   targets_->behind.bind(gl::Unit::color);
@@ -188,6 +155,7 @@ void LiquidPass::shade(const LitScene& scene, const ShadowPass& shadow, const gl
   scene.depth.bind(gl::Unit::depth);
   shadow.bind();
   shade_.use();
+  shade_.set("extinction", splats.extinction());
   empty_array.bind();
   draw_screen();
   glDepthMask(GL_TRUE);
@@ -216,27 +184,31 @@ std::vector<float> LiquidPass::read_thickness() const {
   return result;
 }
 
-void LiquidPass::draw(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
-                      const PassContext& context, const RenderOptions& options, const ShadowPass& shadow,
-                      const gl::VertexArray& empty_array, PassClock& clock) {
+void LiquidPass::find_surface(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
+                              const PassContext& context, const RenderOptions& options,
+                              const gl::VertexArray& empty_array, PassClock& clock) {
   if (!targets_ || targets_->look.width() != context.width || targets_->look.height() != context.height) {
     targets_.reset();  // frees memory before allocating
     targets_.emplace(context.width, context.height);
   }
-  const Window window = window_around(bounds, context);
+  window_ = window_around(bounds, context);
   clear();
-  keep_within(window, 1);
+  keep_within(window_, 1);
   draw_balls(splats);
   clock.done("liquid depth");
   smooth(options, empty_array);
   clock.done("liquid filter");
-  keep_within(window, 2);
+  keep_within(window_, 2);
   sum_thickness(splats, scene.depth);
-  clock.done("liquid thickness");
   glDisable(GL_SCISSOR_TEST);
+  clock.done("liquid thickness");
+}
+
+void LiquidPass::draw(const LiquidSplats& splats, const LitScene& scene, const ShadowPass& shadow,
+                      const gl::VertexArray& empty_array, PassClock& clock) {
   copy(scene.color);
-  keep_within(window, 1);
-  shade(scene, shadow, empty_array);
+  keep_within(window_, 1);
+  shade(splats, scene, shadow, empty_array);
   glDisable(GL_SCISSOR_TEST);
   clock.done("liquid shading");
 }

@@ -6,6 +6,7 @@
 #include "render/passes/pass_clock.h"
 #include "render/passes/pass_context.h"
 #include "render/passes/shadow.h"
+#include "render/passes/window.h"
 #include "render/renderer.h"
 
 #include <optional>
@@ -24,15 +25,20 @@ struct LitScene {
 /// then shaded over the lit scene according to the liquid's thickness.
 class LiquidPass {
  public:
-  /// Draws over `scene.color`. `bounds` is the bounding box of all splats. Requires the camera's uniform
-  /// block to be bound and the shadow map to be drawn.
-  void draw(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
-            const PassContext& context, const RenderOptions& options, const ShadowPass& shadow,
+  /// Depth and thickness of the liquids. `bounds` is the bounding box of all splats. Requires the camera's uniform
+  /// block to be bound.
+  void find_surface(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
+                    const PassContext& context, const RenderOptions& options,
+                    const gl::VertexArray& empty_array, PassClock& clock);
+  /// Draws the surface of the last `find_surface` over `scene.color`. Requires the shadow map to be drawn.
+  void draw(const LiquidSplats& splats, const LitScene& scene, const ShadowPass& shadow,
             const gl::VertexArray& empty_array, PassClock& clock);
 
-  /// Binds the surface of the last `draw`.
+  /// Binds the surface of the last `find_surface`.
   void bind_surface() const { targets_->surface.bind(gl::Unit::liquid_depth); }
-  /// Results of the last `draw`, as in LiquidImage.
+  /// The window around the liquids of the last `find_surface`.
+  const Window& window() const { return window_; }
+  /// Results of the last `find_surface`, as in LiquidImage.
   std::vector<float> read_depth() const;
   std::vector<float> read_thickness() const;
 
@@ -52,13 +58,15 @@ class LiquidPass {
   void step();
   void sum_thickness(const LiquidSplats& splats, const gl::Texture& depth);
   void copy(const gl::Framebuffer& color);
-  void shade(const LitScene& scene, const ShadowPass& shadow, const gl::VertexArray& empty_array);
+  void shade(const LiquidSplats& splats, const LitScene& scene, const ShadowPass& shadow,
+             const gl::VertexArray& empty_array);
 
   gl::Program curvature_flow_{"screen.vert.glsl", "curvature_flow.frag.glsl"};
   gl::Program narrow_range_{"screen.vert.glsl", "narrow_range.frag.glsl"};
   gl::Program clean_up_{"screen.vert.glsl", "narrow_range.frag.glsl", {"CLEAN_UP"}};
   gl::Program shade_{"ray.vert.glsl", "liquid.frag.glsl"};
   std::optional<Targets> targets_;
+  Window window_;  // around the liquids
 };
 
 }  // namespace souple::render

@@ -136,6 +136,18 @@ bool LiquidSplats::is_cloudy() const {
          });
 }
 
+Vec4 LiquidSplats::extinction() const {
+  Vec3f sum{};
+  bool first = true, equal = true;
+  for (const auto& [liquid, buffers] : impl_->liquids) {
+    const Vec3f of_this = liquid->look.absorption + liquid->look.scattering;
+    equal = equal && (first || of_this == sum);
+    sum = of_this;
+    first = false;
+  }
+  return {sum.x, sum.y, sum.z, equal ? 1.0f : 0.0f};
+}
+
 void LiquidSplats::Impl::draw_depth() const {
   for (const auto& [liquid, buffers] : liquids) {
     const gl::Program& program = buffers->has_ellipsoids ? ellipsoid_depth : depth;

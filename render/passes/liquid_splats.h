@@ -32,6 +32,8 @@ class LiquidSplats {
   bool casts_shadow() const;
   /// Whether there is foam, or a liquid that scatters light.
   bool is_cloudy() const;
+  /// Absorption and scattering of all liquids together [1/m]; w: 1, or 0 where two liquids differ.
+  Vec4 extinction() const;
   /// Draws the liquids and foams of the last `update`, without changing the blend state. Target sunlight
   /// includes only those that cast a shadow, target pick those that can be picked. Requires the uniform block
   /// to be bound; for foam and thickness also the depth maps.

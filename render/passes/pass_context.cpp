@@ -6,8 +6,12 @@ std::string target_define(Target target) {
   switch (target) {
     case Target::material:
       return "TARGET_MATERIAL";
-    case Target::glass:
-      return "TARGET_GLASS";
+    case Target::glass_entry:
+      return "TARGET_GLASS_ENTRY";
+    case Target::glass_exit:
+      return "TARGET_GLASS_EXIT";
+    case Target::sunlight:
+      return "TARGET_SUNLIGHT";
     case Target::depth:
       return "TARGET_DEPTH";
     case Target::pick:

@@ -18,7 +18,8 @@
 //              tone-maps it                                      -> color (linear)
 //   liquids    over that color, if there are any: the depth of their particles, smoothed; their thickness;
 //              shading with the image behind (see liquid.h; their shadow is drawn after the other shadows)
-//   glass      over that color, behind liquids only where these are farther
+//   glass      over that color, in layers from the farthest to the nearest (see glass.h); what is behind the
+//              surface of liquids before their shading, the rest after it
 //   lines      over that color, hidden by that depth
 // Finally the samples' mean (or, for one sample, the color with smoothed edges) is sRGB-encoded into the
 // caller's framebuffer, and labels are drawn over it. A pass that draws geometry has one fragment
@@ -28,12 +29,14 @@ namespace souple::render {
 
 /// Render targets.
 enum class Target {
-  material,  ///< TARGET_MATERIAL: write_material() of material.glsl
-  glass,     ///< TARGET_GLASS: transparent surfaces, blended over the lit picture
-  depth,     ///< TARGET_DEPTH: depth only, seen from the sun
-  pick       ///< TARGET_PICK: layout(location = 0) out uvec2 of pick and element
+  material,     ///< TARGET_MATERIAL: write_material() of material.glsl
+  glass_entry,  ///< TARGET_GLASS_ENTRY: where rays enter glass, see glass.h
+  glass_exit,   ///< TARGET_GLASS_EXIT: where they leave it
+  sunlight,     ///< TARGET_SUNLIGHT: sunlight lost in glass, seen from the sun
+  depth,        ///< TARGET_DEPTH: depth only, seen from the sun
+  pick          ///< TARGET_PICK: layout(location = 0) out uvec2 of pick and element
 };
-inline constexpr int target_count = 4;
+inline constexpr int target_count = 6;
 std::string target_define(Target target);
 
 /// The uniform block of frame.glsl (std140), shared by all shaders of a pass: the renderer binds it before
@@ -63,7 +66,8 @@ struct PassContext {
   Target target = Target::material;
   Mat4 view, projection;  ///< as in Frame
   Vec3f eye{};
-  bool over_liquids = false;  ///< target glass: liquids are drawn, and their depth is bound
+  int layer = 0;         ///< targets of glass: number of layers drawn before
+  float glass_part = 0;  ///< targets of glass: GlassPart
 };
 
 /// Draws a triangle that covers the screen; the vertex shader is screen.vert.glsl.

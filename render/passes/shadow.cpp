@@ -9,7 +9,7 @@ namespace souple::render {
 namespace {
 
 constexpr int map_side = 2048;   // pixels
-constexpr int light_side = 256;  // pixels of the map of light through liquids, which is soft
+constexpr int light_side = 512;  // pixels of the map of light through liquids and glass, which is soft
 
 // Rounds up to one of 4 sizes per doubling: the texel size stays constant during small motions.
 float stepped(float size) {
@@ -34,7 +34,7 @@ ShadowPass::ShadowPass()
     : map_(GL_DEPTH_COMPONENT32F, map_side, map_side),
       light_(GL_RGBA16F, light_side, light_side, GL_LINEAR),
       framebuffer_("the shadow map", {}, &map_),
-      light_target_("the shadow of liquids", {&light_}, nullptr) {}
+      light_target_("the light through liquids and glass", {&light_}, nullptr) {}
 
 void ShadowPass::aim(Frame& frame, const Light& light, const Bounds& casters, float offset_x,
                      float offset_y) {
@@ -79,7 +79,7 @@ void ShadowPass::draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& s
   spheres.draw(context);
 }
 
-void ShadowPass::draw_liquids(const LiquidSplats& liquids) {
+void ShadowPass::draw_light(const LiquidSplats& liquids, SurfacesPass& surfaces) {
   light_target_.bind();
   const std::array<float, 4> clear{0, 0, 0, 1};
   glClearBufferfv(GL_COLOR, 0, clear.data());
@@ -88,6 +88,8 @@ void ShadowPass::draw_liquids(const LiquidSplats& liquids) {
   glBlendFunc(GL_ONE, GL_ONE);
   glBlendEquationSeparate(GL_FUNC_ADD, GL_MIN);
   liquids.draw(SplatTarget::sunlight);
+  if (surfaces.glass_casts_shadow())
+    surfaces.draw({light_side, light_side, Target::sunlight, view_, projection_, {}});
   glBlendEquation(GL_FUNC_ADD);
   glDisable(GL_BLEND);
 }

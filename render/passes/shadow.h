@@ -19,9 +19,9 @@ class ShadowPass {
   void aim(Frame& frame, const Light& light, const Bounds& casters, float offset_x, float offset_y);
   /// Draws the map; `frame` is the frame passed to `aim`. Leaves the sun's uniform block bound.
   void draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& spheres);
-  /// Sums the absorption of sunlight by liquids; call directly after `draw`.
-  void draw_liquids(const LiquidSplats& liquids);
-  /// Binds the map for sunlight.glsl, and that of liquids for sun_through_liquid.glsl.
+  /// Sums the sunlight that liquids and glass absorb; call directly after `draw`.
+  void draw_light(const LiquidSplats& liquids, SurfacesPass& surfaces);
+  /// Binds the map for sunlight.glsl, and that of liquids and glass for sun_through_liquid.glsl.
   void bind() const;
 
  private:

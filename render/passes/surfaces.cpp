@@ -1,6 +1,7 @@
 #include "render/passes/surfaces.h"
 
 #include "render/gl/vertex_array.h"
+#include "render/wall.h"
 
 #include <algorithm>
 #include <array>
@@ -25,7 +26,8 @@ struct Buffers {
   std::uint32_t vertices_needed = 0;  // largest index + 1
   GLsizei count = 0;                  // number of indices, or of vertices when expanded
   bool has_normals = false, has_colors = false, has_texture = false;
-  bool never_uploaded = true;
+  bool never_uploaded = true, is_glass = false;
+  Wall wall;  // of glass
 };
 
 struct Item {
@@ -100,15 +102,33 @@ void upload_changes(Buffers& buffers, const Surface& surface) {
       buffers.never_uploaded || buffers.topology != surface.topology || buffers.expanded != surface.wireframe;
   if (all) upload_topology(buffers, surface);
   if (!can_be_drawn(buffers, surface)) return;
+  if (surface.look.glass && (all || !buffers.is_glass))
+    buffers.wall = wall_of(surface.positions, surface.triangles);
+  buffers.is_glass = surface.look.glass;
   if (all || buffers.version != surface.version) upload_vertices(buffers, surface, all);
   buffers.never_uploaded = false;
 }
 
-bool is_drawn(const Surface& surface, Target target) {
-  if (target == Target::glass) return surface.look.glass;
-  if (target == Target::material) return !surface.look.glass;
-  if (target == Target::depth) return surface.casts_shadow && !surface.look.glass;
-  if (target == Target::pick) return surface.pick != 0;
+bool is_of_glass(Target target) {
+  return target == Target::glass_entry || target == Target::glass_exit || target == Target::sunlight;
+}
+
+bool is_drawn(const Item& item, Target target) {
+  const Surface& surface = *item.surface;
+  switch (target) {
+    case Target::material:
+      return !surface.look.glass;
+    case Target::glass_entry:
+      return surface.look.glass;
+    case Target::glass_exit:
+      return surface.look.glass && item.buffers->wall.closed;
+    case Target::sunlight:
+      return surface.look.glass && surface.casts_shadow;
+    case Target::depth:
+      return surface.casts_shadow && !surface.look.glass;
+    case Target::pick:
+      return surface.pick != 0;
+  }
   return true;
 }
 
@@ -116,8 +136,9 @@ bool is_drawn(const Surface& surface, Target target) {
 
 struct SurfacesPass::Impl {
   // By target, then without and with wireframe.
-  std::array<std::array<gl::Program, 2>, target_count> programs{make(Target::material), make(Target::glass),
-                                                                make(Target::depth), make(Target::pick)};
+  std::array<std::array<gl::Program, 2>, target_count> programs{
+      make(Target::material), make(Target::glass_entry), make(Target::glass_exit),
+      make(Target::sunlight), make(Target::depth),       make(Target::pick)};
   std::unordered_map<std::uint64_t, Buffers> buffers;  // by key
   std::vector<Item> items;
   std::uint64_t frame = 0;
@@ -158,6 +179,7 @@ void SurfacesPass::Impl::draw(const Item& item, const gl::Program& program) cons
   const float checker = item.buffers->has_texture ? look.checker_size : 0;
   program.set("look", Vec4{look.roughness, look.metalness, look.sheen, checker});
   program.set("fabric", Vec4{static_cast<float>(look.pattern), look.weave, look.translucency, 0});
+  program.set("thickness", item.buffers->wall.closed ? item.buffers->wall.thickness : 0.0f);
   program.set("has_colors", item.buffers->has_colors ? 1.0f : 0.0f);
   program.set("has_normals", item.buffers->has_normals ? 1.0f : 0.0f);
   item.buffers->array.bind();
@@ -173,43 +195,31 @@ bool SurfacesPass::has_glass() const {
                      [](const Item& item) { return item.surface->look.glass; });
 }
 
-/// First the sides that face away, then those that face the eye, each over the picture behind it.
-void SurfacesPass::draw_glass(const PassContext& context) {
-  glEnable(GL_BLEND);
-  glBlendFunc(GL_ONE, GL_SRC_ALPHA);
-  glEnable(GL_CULL_FACE);
-  for (const GLenum hidden : {GLenum{GL_FRONT}, GLenum{GL_BACK}}) {
-    glCullFace(hidden);
-    for (const bool expanded : {false, true}) {
-      const gl::Program& program = impl_->programs.at(std::size_t(Target::glass)).at(expanded ? 1 : 0);
-      program.use();
-      program.set("has_liquids", context.over_liquids ? 1.0f : 0.0f);
-      for (const Item& item : impl_->items) {
-        const bool side = hidden == GL_BACK || !item.surface->one_sided;
-        if (side && item.buffers->expanded == expanded && is_drawn(*item.surface, context.target))
-          impl_->draw(item, program);
-      }
-    }
-  }
-  glDisable(GL_CULL_FACE);
-  glDisable(GL_BLEND);
-  glBindVertexArray(0);
+bool SurfacesPass::glass_casts_shadow() const {
+  return std::any_of(impl_->items.begin(), impl_->items.end(),
+                     [](const Item& item) { return item.surface->look.glass && item.surface->casts_shadow; });
 }
 
 void SurfacesPass::draw(const PassContext& context) {
-  if (context.target == Target::glass) return draw_glass(context);
   const auto& programs = impl_->programs.at(std::size_t(context.target));
   for (const bool expanded : {false, true}) {
     const gl::Program& program = programs.at(expanded ? 1 : 0);
     program.use();
     program.set("wire_width", 1.1f);
+    program.set("layer", static_cast<float>(context.layer));
+    program.set("glass_part", context.glass_part);
+    float number = 0;
     for (const Item& item : impl_->items) {
-      if (item.buffers->expanded == expanded && is_drawn(*item.surface, context.target)) {
-        (item.surface->one_sided ? glEnable : glDisable)(GL_CULL_FACE);
-        impl_->draw(item, program);
-      }
+      ++number;
+      if (item.buffers->expanded != expanded || !is_drawn(item, context.target)) continue;
+      program.set("number", number);
+      const bool solid = is_of_glass(context.target) && item.buffers->wall.closed;
+      (item.surface->one_sided || solid ? glEnable : glDisable)(GL_CULL_FACE);
+      glCullFace(context.target == Target::glass_exit ? GL_FRONT : GL_BACK);
+      impl_->draw(item, program);
     }
   }
+  glCullFace(GL_BACK);
   glDisable(GL_CULL_FACE);
   glBindVertexArray(0);
 }

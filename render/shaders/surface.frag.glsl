@@ -13,10 +13,12 @@ uniform uint pick;
 void main() { picked = uvec2(pick, 0u); }
 #endif
 
-#ifdef TARGET_GLASS
-#include "lighting.glsl"
-#include "tone.glsl"
-#include "glass.glsl"
+#if defined(TARGET_GLASS_ENTRY) || defined(TARGET_GLASS_EXIT)
+#include "glass_layer.glsl"
+#endif
+
+#ifdef TARGET_SUNLIGHT
+#include "glass_sunlight.glsl"
 #endif
 
 #ifdef TARGET_DEPTH

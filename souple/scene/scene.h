@@ -162,6 +162,10 @@ struct ObjectDescription {
   std::vector<AttachmentDescription> attachments;
 };
 
+/// Fabric of a cloth in pictures.
+enum class ClothLook { woven, velvet, satin };
+enum class ClothPattern { plain, checker, stripes, plaid, dots };
+
 struct ClothDescription : ObjectDescription {
   MeshDescription mesh;
   MaterialDescription<ClothMaterial> material;
@@ -169,6 +173,8 @@ struct ClothDescription : ObjectDescription {
   std::optional<TethersDescription> tethers;
   std::optional<float> pressure;  ///< Pa
   std::optional<EnclosedVolumeDescription> enclosed_volume;
+  ClothLook look = ClothLook::woven;    ///< in pictures
+  std::optional<ClothPattern> pattern;  ///< in pictures; empty: of woven cloth by its place, of others plain
 };
 
 struct SoftBodyDescription : ObjectDescription {

@@ -66,6 +66,14 @@ def probe(path):
     return int(width), int(height), int(above) / int(below), int(frames)
 
 
+def webp_info(path):
+    """(canvas, loop count, durations of the pictures in ms) of an animated WebP, which ffprobe cannot read."""
+    said = subprocess.run(["webpinfo", str(path)], capture_output=True, text=True, check=True).stdout
+    assert "No error detected" in said, said
+    return (re.search(r"Canvas size (\d+) x (\d+)", said).groups(), int(re.search(r"Loop count *: (\d+)", said)[1]),
+            [int(ms) for ms in re.findall(r"Duration: (\d+)", said)])
+
+
 def built_in():
     said = subprocess.run([PROGRAM, "info"], capture_output=True, text=True, check=True).stdout
     return "pictures: yes" in said
@@ -128,6 +136,28 @@ class Pictures(RenderCase):
         for size in "1x1", "7x301", "333x5":
             self.souple("render", scene, "--out", "a.png", "--size", size, "--samples", "1", "--frames", "1")
             self.assertEqual("%dx%d" % png_size(self.folder / "a.png"), size)
+
+    def test_lens_and_shutter_blur(self):
+        scene = self.scene(SCENE)
+        size = ["--size", "160x90", "--samples", "16", "--frames", "10"]
+        for name, more in (("sharp", []), ("lens", ["--focus", "1", "--aperture", "0.3"]), ("shutter", ["--shutter", "1"])):
+            self.souple("render", scene, "--out", name + ".png", *size, *more)
+            self.souple("render", scene, "--out", name + "_again.png", *size, *more)
+            self.assertEqual((self.folder / (name + ".png")).read_bytes(), (self.folder / (name + "_again.png")).read_bytes())
+        for name in "lens", "shutter":
+            self.assertNotEqual((self.folder / (name + ".png")).read_bytes(), (self.folder / "sharp.png").read_bytes(), name)
+
+    def test_fabrics_and_prints_of_cloths(self):
+        pictures = set()
+        for keys in {}, {"look": "velvet"}, {"look": "satin"}, {"pattern": "dots"}, {"pattern": "stripes"}, {"pattern": "plain"}:
+            scene = self.scene(dict(SCENE, objects=[dict(SCENE["objects"][0], **keys)]))
+            self.souple("render", scene, "--out", "a.png", "--frames", "3", *QUICK)
+            pictures.add((self.folder / "a.png").read_bytes())
+        self.assertEqual(len(pictures), 6)
+        scene = self.scene(dict(SCENE, objects=[dict(SCENE["objects"][0], look="fur")]))
+        done = self.souple("render", scene, code=2)
+        for word in "look", "fur", "velvet", "satin":
+            self.assertIn(word, done.stderr)
 
     def test_few_colors_make_small_files(self):
         scene = self.scene(SCENE)
@@ -339,6 +369,43 @@ class Films(RenderCase):
         self.assertEqual(probe(self.folder / "a.gif")[3], 10)  # 60 per second are too many for a .gif: 30
         self.assertEqual(sorted(n for n in self.names() if n.startswith("a.")), ["a.gif"])
 
+    def test_webp_repeats_forever_and_fits_into_its_bytes(self):
+        self.needs_ffmpeg()
+        if not shutil.which("webpinfo"):
+            self.skipTest("webpinfo is not installed: Debian package webp")
+        scene = self.scene(SCENE)
+        done = self.souple("render", scene, "--out", "a.webp", "--frames", "1-last/4", "--samples", "1")
+        self.assertIn("5 pictures of 640x360", done.stdout)
+        canvas, loops, durations = webp_info(self.folder / "a.webp")
+        self.assertEqual((canvas, loops), (("640", "360"), 0))
+        self.assertEqual(len(durations), 5)
+        self.assertAlmostEqual(sum(durations), 5 * 4 / 60 * 1000, delta=3)
+        most = (self.folder / "a.webp").stat().st_size // 2
+        self.render(scene, "--out", "b.webp", "--film-rate", "8", "--film-bytes", str(most))
+        self.assertLessEqual((self.folder / "b.webp").stat().st_size, most)
+        canvas, _, durations = webp_info(self.folder / "b.webp")
+        self.assertEqual((canvas, durations), (("160", "90"), [125] * 20))
+        said = self.render(scene, "--out", "c.webp", "--film-bytes", "300", code=1).stderr
+        self.assert_one_line(said)
+        self.assertIn("more than the 300 allowed", said)
+        self.assertEqual(self.names(), ["a.webp", "b.webp", "small.json"])
+
+    def test_film_rate_of_an_mp4(self):
+        self.needs_ffmpeg()
+        self.render(self.scene(SCENE), "--out", "a.mp4", "--film-rate", "15", "--frames", "1-last/2")
+        self.assertEqual(probe(self.folder / "a.mp4"), (160, 90, 15, 10))
+
+    def test_an_ffmpeg_without_webp(self):
+        scene = self.scene(SCENE)
+        (self.folder / "bin").mkdir()
+        (self.folder / "bin/ffmpeg").write_text("#!/bin/sh\necho \"Unknown encoder 'libwebp_anim'\" >&2\nexit 1\n")
+        (self.folder / "bin/ffmpeg").chmod(0o755)
+        self.environment["PATH"] = str(self.folder / "bin")
+        said = self.render(scene, "--out", "a.webp", code=2).stderr
+        self.assert_one_line(said)
+        self.assertIn("no working encoder libwebp_anim", said)
+        self.assertEqual(self.names(), ["bin", "bin/ffmpeg", "small.json"])
+
     def test_same_film_twice(self):
         self.needs_ffmpeg()
         for name in "a.mp4", "b.mp4":
@@ -393,9 +460,16 @@ class Refused(RenderCase):
         self.refused(scene, "--liquid-filter", "blur", said="--liquid-filter: unknown liquid filter 'blur'")
         self.refused(scene, "--liquid-splats", "cubes", said="--liquid-splats: unknown liquid splats 'cubes'")
         self.refused(scene, "--liquid-steps", "0", said="--liquid-steps 0: expected 1 to 500")
+        for option, bad in ("--focus", "0"), ("--focus", "-1"), ("--aperture", "0"), ("--shutter", "1.5"), ("--shutter", "nan"):
+            self.refused(scene, f"{option}={bad}", said=f"{option} {bad}: expected a number above 0 and at most")
         self.refused(scene, "--colors", "1", said="--colors 1: expected 2 to 256")
         self.refused(scene, "--colors", "9", "--out", "a.mp4", said="--colors 9: is for pictures")
         self.refused(scene, "--samples", "x", said="expected a whole number")
+        self.refused(scene, "--film-rate", "10", said="--film-rate 10: is for a film")
+        self.refused(scene, "--out", "a.webp", "--film-rate", "61", said="--film-rate 61: expected 0.1 to 60 pictures")
+        self.refused(scene, "--out", "a.gif", "--film-rate", "0", said="--film-rate 0: expected 0.1 to 50 pictures")
+        self.refused(scene, "--out", "a.mp4", "--film-bytes", "9", said="--film-bytes 9: is for a film .webp")
+        self.refused(scene, "--out", "a.webp", "--film-bytes", "0", said="--film-bytes 0: expected at least 1")
 
     def test_outputs(self):
         scene = self.scene(SCENE)

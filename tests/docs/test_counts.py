@@ -85,6 +85,12 @@ def measured(form, threads, what):
                 if (result["name"], result["size"], result["form"], result["threads"]) == ("cloth", 200, form, threads))
 
 
+def equal_strain(engine, what):
+    """Of the hanging cloth on one thread."""
+    return next(row[what] for row in json.loads(read("docs/measured/equal.json"))["results"]["rows"]
+                if (row["motion"], row["engine"], row["threads"]) == ("hanging", engine, 1))
+
+
 def initializers(path, struct):
     """{field: its initializer} of a struct, as text."""
     body = re.search(rf"struct {struct} {{(.*?)\n}};", re.sub("//.*", "", read(path)), re.S)[1]
@@ -119,12 +125,17 @@ RESOLVER = "souple/intersections/intersection_resolver.cpp"
 # Page, pattern with one group for the number (a space stands for any white space), the truth.
 COUNTS = [
     ("CONTRIBUTING.md", r"the fuzzers and ([\d,]+) mutated files", lambda: find("script/fuzz", r"count=\$\(\(\((\d+) \+")),
-    ("CONTRIBUTING.md", r"test \((\d+) frames\), clang", lambda: constant("tests/golden/test_golden.cpp", "all_frames")),
+    ("CONTRIBUTING.md", r"test \((\d+) frames, ", lambda: constant("tests/golden/test_golden.cpp", "usual_frames")),
+    ("CONTRIBUTING.md", r"frames, (\d+) with fluids\)", lambda: constant("tests/golden/test_golden.cpp", "usual_fluid_frames")),
+    ("CONTRIBUTING.md", r"slow \((\d+)\), clang", lambda: constant("tests/golden/test_golden.cpp", "all_frames")),
     ("CONTRIBUTING.md", r"clang and bits \((\d+)\)", lambda: find(".ci/run", r"lane_clang\(\)[^}]*?GOLDEN_FRAMES=(\d+)")),
     ("CONTRIBUTING.md", r"asan and debug \((\d+)\)", lambda: find(".ci/run", r"lane_debug\(\)[^}]*?GOLDEN_FRAMES=(\d+)")),
     ("README.md", r"(\w+) visible, timed stages", lambda: len(STAGES)),
     ("README.md", r"(\w+) integrators;", lambda: len(INTEGRATORS)),
     ("README.md", r'alt="(\w+) jelly ducks"', lambda: bodies("jelly_armada", "soft_body")),
+    ("README.md", r"below 2 % in ([\d.]+) ms a frame", lambda: round(equal_strain("Souple, automatic", "ms_per_frame"), 1)),
+    ("README.md", r"Bullet's strain is \[([\d.]+) % at", lambda: round(100 * equal_strain("Bullet", "largest_strain"), 1)),
+    ("README.md", r"% at ([\d.]+) ms\]", lambda: round(equal_strain("Bullet", "ms_per_frame"))),
     ("README.md", r"CMake ([\d.]+)", lambda: find("CMakeLists.txt", r"cmake_minimum_required\(VERSION ([\d.]+)\)")),
     ("README.md", r"columns of (\d+) layers", lambda: max(map(int, re.findall(r"Case{[\d.]+, (\d+),", read(COLUMN_TESTS))))),
     ("README.md", r"right height and pressure \(within (\d+) %",
@@ -218,7 +229,7 @@ COUNTS = [
      lambda: find("tests/world/test_memory.cpp", r"report\.simulation\), (\d+) \*")),
 
     ("docs/rendering.md", r"`--size` \| `(\d+)x720`", lambda: find("app/pictures.h", r"PictureSize size{(\d+), 720}")),
-    ("docs/rendering.md", r"`\.gif` `(\d+)x360`", lambda: find("app/render.cpp", r"size = {(\d+), 360}")),
+    ("docs/rendering.md", r"`\.webp` `(\d+)x360`", lambda: find("app/render.cpp", r"size = {(\d+), 360}")),
     ("docs/rendering.md", r"of a sheet `(\d+)x270`", lambda: find("app/render.cpp", r"size = {(\d+), 270}")),
     ("docs/rendering.md", r"each side from 1 to (\d+)",
      lambda: find("app/picture_arguments.cpp", r"two_numbers\(text, (\d+)\)")),
@@ -228,7 +239,7 @@ COUNTS = [
     ("docs/rendering.md", r"to at most (\d+) colors", lambda: find("app/render.cpp", r"colors > (\d+)\)")),
     ("docs/rendering.md", r"steps of curvature flow, 1 to (\d+)", lambda: constant("render/renderer.h", "max_liquid_steps")),
     ("docs/rendering.md", r"best, and at most (\d+) pictures a second",
-     lambda: find("app/render.cpp", r"frame_rate / (\d+) -")),
+     lambda: find("render/film.cpp", r"Kind::gif\) return (\d+);")),
 
     ("docs/segment-triangle.md", r"(\w+) tests implement the", lambda: len(SEGMENT_TESTS)),
     ("docs/segment-triangle.md", r"only one of the (\w+) that let", lambda: len(SEGMENT_TESTS)),
@@ -275,6 +286,7 @@ SWEEP = re.compile(rf"(?<![\w.,-])(?:\d[\d,]*|{'|'.join(sorted(list(WORDS)[2:], 
 # (page, the words): why it is no count of the tree's.
 ALLOWED = {
     ("README.md", "Two commands"): "a heading; the block below it shows both",
+    ("README.md", "six pressure solvers"): "of another library",
     ("docs/integrators.md", "1 kg, no constraints"): "a mass",
     ("docs/solvers.md", "two constraints"): "those of a drawing",
 }
@@ -406,8 +418,8 @@ class Tables(unittest.TestCase):
 
 class Lists(unittest.TestCase):
     def test_gallery_shows_every_scene(self):
-        gallery = read("README.md").split("<!-- gallery")[1].split("<!-- end of gallery")[0]
-        self.assertEqual(sorted(re.findall(r"souple view (\w+)", gallery)), scenes(), "README.md: the gallery")
+        gallery = read("docs/gallery.md").split("<!-- gallery")[1].split("<!-- end of gallery")[0]
+        self.assertEqual(sorted(re.findall(r"souple view (\w+)", gallery)), scenes(), "docs/gallery.md")
 
     def test_density_error_is_given_of_every_scene_with_a_fluid(self):
         said = [cells[0] for cells in rows_below("docs/fluids.md", "\n| scene | mean |")]
@@ -419,6 +431,13 @@ class Lists(unittest.TestCase):
             named = set(re.findall(r"\bscenes/(\w+)\b(?!/)", text))
             named |= set(re.findall(r"souple (?:run|view|render|surface|check) ([a-z_]+)(?![\w./])", text))
             self.assertLessEqual(named, set(scenes()), page)
+
+    def test_citation_names_the_version_and_license(self):
+        citation = read("CITATION.cff")
+        version = re.search(r"project\(souple VERSION ([\d.]+)", read("CMakeLists.txt"))[1]
+        self.assertIn(f"\nversion: {version}\n", citation)
+        self.assertIn("\nlicense: MIT\n", citation)
+        self.assertTrue(read("LICENSE").startswith("MIT License"))
 
     def test_constraints_of_readme(self):
         lists = re.findall(r"(\w+Constraints) =\s*std::tuple<(.*?)>", read("souple/constraints/kinds.h"), re.S)

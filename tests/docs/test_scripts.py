@@ -4,6 +4,7 @@
 import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -29,6 +30,45 @@ class Bootstrap(unittest.TestCase):
         self.assertIn("ffmpeg", self.installed("--build"))
         self.assertNotIn("libgtest-dev", self.installed("--build"))
         self.assertIn("ffmpeg", self.installed("--test"))
+
+
+class Gallery(unittest.TestCase):
+    """script/gallery --check in a copy of the tree finds what is older than its scene, changed or missing."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.tree = pathlib.Path(folder.name)
+        for part in "scenes", "docs":
+            shutil.copytree(SOURCE / part, self.tree / part)
+        (self.tree / "script").mkdir()
+        for file in "script/gallery", "README.md":
+            shutil.copy(SOURCE / file, self.tree / file)
+
+    def complaints(self):
+        done = subprocess.run([sys.executable, "-B", self.tree / "script/gallery", "--check"], capture_output=True, text=True)
+        return set(done.stderr.splitlines())
+
+    def test_changes_are_found(self):
+        before = self.complaints()
+        pictures = self.tree / "docs/pictures/gallery"
+        with (self.tree / "scenes/flag.json").open("a") as scene:
+            scene.write("\n")
+        with (self.tree / "scenes/meshes/duck.obj").open("a") as mesh:
+            mesh.write("\n")
+        with (pictures / "sheet.png").open("ab") as picture:
+            picture.write(b"!")
+        (pictures / "display_plain.png").unlink()
+        (pictures / "left_over.webp").write_bytes(bytes(12_000_000))
+        readme = self.tree / "README.md"
+        readme.write_text(readme.read_text().replace("souple view brick_wall", "souple view brick"))
+        after = self.complaints()
+        found = "\n".join(sorted(after))
+        for words in ("constraints_color.png: its scene changed", "display_lattice.png: its scene changed",
+                      "sheet.png: the file itself changed", "display_plain.png: is missing",
+                      "left_over.webp: is not in script/gallery", "docs/pictures: has", "README.md: its gallery is not"):
+            self.assertIn(words, found)
+        self.assertNotIn("display_contacts.png", "\n".join(after - before), "the tablecloth has not changed")
 
 
 class Presets(unittest.TestCase):

@@ -35,7 +35,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int all_frames = 300;
-constexpr int usual_frames = 150, usual_fluid_frames = 60;
+constexpr int usual_frames = 150;
+constexpr int usual_fluid_frames = 60;
 constexpr int hashed_frames[] = {1, 30, all_frames};
 constexpr const char* how_to_update = "; script/golden --update rewrites it";
 

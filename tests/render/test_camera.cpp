@@ -1,9 +1,11 @@
 #include "render/camera.h"
+#include "render/extreme_points.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -185,6 +187,80 @@ TEST(Camera, FrameFitsABoxTightlyAtAnyAspect) {
       EXPECT_NEAR(wide ? left + right : top + bottom, 1, 1e-2);
     }
   }
+}
+
+ExtremePoints rope(const Vec3f& begin, const Vec3f& end, float sag) {
+  ExtremePoints points;
+  for (int i = 0; i <= 100; ++i) {
+    const float t = float(i) / 100;
+    points.add(begin * (1 - t) + end * t - Vec3f{0, 4 * sag * t * (1 - t), 0}, 0.01f);
+  }
+  return points;
+}
+
+TEST(Camera, TurnsUntilAThinSubjectFillsThePicture) {
+  const float aspect = 16.0f / 9;
+  const Vec3f ends[][2] = {{{-1, 1, 0}, {1, 1, 0}},
+                           {{0, 1, -1}, {0, 1, 1}},
+                           {{-2, 0, -1}, {2, 0.2f, 1}},
+                           {{10, 3, 10}, {10.5f, 3, 11}}};
+  for (const auto& [begin, end] : ends) {
+    for (const float sag : {0.0f, 0.3f}) {
+      const ExtremePoints subject = rope(begin, end, sag);
+      Camera camera;
+      camera.turn_to_fill(subject.points(), aspect);
+      camera.frame(subject.points(), aspect);
+      const Fraction filled = camera.filled(subject.points(), aspect);
+      EXPECT_GE(filled.width, 0.35f);
+      EXPECT_GE(filled.height, 0.35f);
+      EXPECT_NEAR(std::max(filled.width, filled.height), 0.88f, 0.01f);
+    }
+  }
+}
+
+/// A long bridge fills little of the height; from its end it would fill more, and be hidden behind itself.
+TEST(Camera, ShowsALongSubjectFromItsSide) {
+  ExtremePoints bridge;
+  for (int i = 0; i <= 100; ++i) {
+    bridge.add({0.05f * float(i), 1, -0.3f}, 0.05f);
+    bridge.add({0.05f * float(i), 1, 0.3f}, 0.05f);
+  }
+  Camera camera;
+  camera.turn_to_fill(bridge.points(), 16.0f / 9);
+  EXPECT_LT(std::abs(camera.forward().x), std::abs(camera.forward().z));
+}
+
+TEST(Camera, KeepsItsDirectionWhereTurningDoesNotHelp) {
+  const float aspect = 16.0f / 9;
+  ExtremePoints ball;
+  ball.add({3, 1, 0}, 0.5f);
+  const ExtremePoints vertical = rope({0, 2, 0}, {0, 0, 0}, 0);
+  for (const ExtremePoints& subject : {ball, vertical}) {
+    Camera camera;
+    const Vec3f before = camera.forward();
+    camera.turn_to_fill(subject.points(), aspect);
+    EXPECT_EQ(camera.forward(), before);
+    camera.frame(subject.points(), aspect);
+    EXPECT_NEAR(camera.filled(subject.points(), aspect).height, 0.88f, 0.01f);
+  }
+}
+
+/// A ball of points fills the picture; its box would leave a part of it empty.
+TEST(Camera, FrameFitsPointsTighterThanTheirBox) {
+  std::mt19937 random(3);
+  std::normal_distribution<float> normal;
+  std::vector<Vec3f> cloud;
+  for (int i = 0; i < 3000; ++i)
+    cloud.push_back(normalized(Vec3f{normal(random), normal(random), normal(random)}));
+  ExtremePoints points;
+  for (const Vec3f& point : cloud) points.add(point);
+  Camera by_points, by_box;
+  by_points.frame(points.points(), 1.5f);
+  by_box.frame(points.bounds(), 1.5f);
+  const Fraction filled = by_points.filled(cloud, 1.5f);
+  EXPECT_GT(filled.height, 0.87f);
+  EXPECT_LT(filled.height, 0.88f * 1.05f);  // the cloud between the 98 directions
+  EXPECT_GT(filled.height, 1.2f * by_box.filled(cloud, 1.5f).height);
 }
 
 TEST(Camera, LooksStraightDownWithoutNaN) {

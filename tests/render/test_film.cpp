@@ -15,7 +15,8 @@
 
 #include <gtest/gtest.h>
 
-// Films are checked with ffprobe and ffmpeg, which decode them like a player.
+// Films are checked with ffprobe and ffmpeg, which decode them like a player. ffmpeg reads no animated WebP: webpinfo,
+// webpmux and dwebp do.
 
 namespace souple::render {
 namespace {
@@ -55,6 +56,11 @@ class Films : public ::testing::Test {
 
 #define NEEDS_FFMPEG \
   if (!has_ffmpeg()) GTEST_SKIP() << "ffmpeg is not installed"
+
+#define NEEDS_WEBP                                           \
+  if (std::system("webpinfo -version >/dev/null 2>&1") != 0) \
+  GTEST_SKIP() << "install the Debian package "              \
+                  "webp"
 
 std::string output_of(const std::string& command) {
   std::string text;
@@ -171,9 +177,120 @@ TEST_F(Films, FastGifKeepsItsSpeed) {
   EXPECT_EQ(probe(folder_ / "b.gif").substr(found.rfind(',')), ",3\n");
 }
 
+/// What webpinfo says of a film.
+struct WebpInfo {
+  std::string canvas, loops;   ///< "64 x 48", "0": forever
+  std::vector<int> durations;  ///< of each picture [ms]
+  bool errors = false;
+};
+
+std::vector<std::string> values(const std::string& text, const std::string& key) {
+  std::vector<std::string> found;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);)
+    if (const std::size_t at = line.find(key); at != std::string::npos)
+      found.push_back(line.substr(at + key.size()));
+  return found;
+}
+
+WebpInfo webp_info(const fs::path& film) {
+  const std::string text = output_of("webpinfo '" + film.string() + "'");
+  WebpInfo info;
+  for (const std::string& value : values(text, "Canvas size ")) info.canvas = value;
+  for (const std::string& value : values(text, "Loop count      : ")) info.loops = value;
+  for (const std::string& value : values(text, "Duration: ")) info.durations.push_back(std::stoi(value));
+  info.errors = text.find("No error detected") == std::string::npos;
+  return info;
+}
+
+/// A frame of a .webp that covers the whole picture, such as the first.
+std::string decoded_webp(const fs::path& film, int frame) {
+  const fs::path one = film.string() + ".one";
+  output_of("webpmux -get frame " + std::to_string(frame) + " '" + film.string() + "' -o '" + one.string() +
+            "' 2>/dev/null");
+  const std::string pixels = output_of("dwebp -quiet -bmp '" + one.string() +
+                                       "' -o - | ffmpeg -v error -i pipe:0 "
+                                       "-f rawvideo -pix_fmt rgba pipe:1");
+  fs::remove(one);
+  return pixels;
+}
+
+TEST_F(Films, WebpHasEveryPictureAndRepeatsForever) {
+  NEEDS_FFMPEG;
+  NEEDS_WEBP;
+  make_film(folder_ / "a.webp", 20, 7, 63, 47);
+  const WebpInfo info = webp_info(folder_ / "a.webp");
+  EXPECT_FALSE(info.errors);
+  EXPECT_EQ(info.canvas, "63 x 47");
+  EXPECT_EQ(info.loops, "0");
+  EXPECT_EQ(info.durations, std::vector<int>(7, 50));
+  EXPECT_EQ(names(), std::set<std::string>{"a.webp"});
+  const std::string pixels = decoded_webp(folder_ / "a.webp", 1);
+  ASSERT_EQ(pixels.size(), 4u * 63 * 47);
+  EXPECT_LE(worst_in_fields(frame_of(pixels, 0, 63, 47), 63, fields(63, 47, 0)), 12);
+}
+
+TEST_F(Films, FastWebpKeepsItsSpeed) {
+  NEEDS_FFMPEG;
+  NEEDS_WEBP;
+  make_film(folder_ / "a.webp", 120, 9);  // every second picture: 60 per second
+  const std::vector<int> durations = webp_info(folder_ / "a.webp").durations;
+  ASSERT_EQ(durations.size(), 5u);
+  for (const int duration : durations) EXPECT_NEAR(duration, 1000.0 / 60, 1);
+}
+
+/// Stripes that move, over a pattern that no encoder predicts.
+Image stripes(int step) {
+  Image image(160, 120);
+  std::uint32_t random = 1;
+  for (int y = 0; y < 120; ++y) {
+    for (int x = 0; x < 160; ++x) {
+      random = random * 1664525 + 1013904223;
+      std::uint8_t* const pixel = image.at(x, y);
+      for (int i = 0; i < 3; ++i) {
+        const int light = (x + 5 * step) / 7 % 2 == 0 ? 200 : 40 * i;
+        pixel[i] = static_cast<std::uint8_t>(light + static_cast<int>(random >> (24 + i)) % 40);
+      }
+      pixel[3] = 255;
+    }
+  }
+  return image;
+}
+
+TEST_F(Films, WebpFitsIntoItsBytesAtTheHighestQuality) {
+  NEEDS_FFMPEG;
+  const auto make = [&](const char* name, std::uint64_t bytes) {
+    Film film(folder_ / name, 10, {}, bytes);
+    for (int i = 0; i < 6; ++i) film.add(stripes(i));
+    film.finish();
+    return fs::file_size(folder_ / name);
+  };
+  const std::uint64_t any = make("any.webp", 0);
+  std::uint64_t before = 0;
+  for (const std::uint64_t bytes : {any * 7 / 10, any * 9 / 10}) {
+    const std::uint64_t found = make("a.webp", bytes);
+    EXPECT_LE(found, bytes);
+    EXPECT_GT(found, bytes * 8 / 10) << "a higher quality would fit too";
+    EXPECT_GT(found, before);
+    before = found;
+  }
+  fs::remove(folder_ / "a.webp");
+  expect_error([&] { make("a.webp", 500); },
+               {"a.webp", "6 pictures of 160x120", "lowest quality", "500 allowed"});
+  expect_error([&] { Film(folder_ / "a.mp4", 10, {}, 500); }, {"a.mp4", ".webp"});
+  EXPECT_EQ(names(), std::set<std::string>{"any.webp"});
+}
+
+TEST_F(Films, WithoutItsEncoderAWebpIsRefusedAtOnce) {
+  put_first_on_path("ffmpeg", "cat > /dev/null; echo \"Unknown encoder 'libwebp_anim'\" >&2; exit 1");
+  expect_error([&] { Film(folder_ / "a.webp", 30); },
+               {"a.webp", "no working encoder libwebp_anim", "Unknown encoder", "Debian package ffmpeg"});
+  EXPECT_EQ(names(), std::set<std::string>{"bin"});
+}
+
 TEST_F(Films, TwiceTheSameBytes) {
   NEEDS_FFMPEG;
-  for (const char* extension : {".mp4", ".gif"}) {
+  for (const char* extension : {".mp4", ".gif", ".webp"}) {
     make_film(folder_ / (std::string("a") + extension), 30, 12);
     make_film(folder_ / (std::string("b") + extension), 30, 12);
     EXPECT_EQ(bytes_of(folder_ / (std::string("a") + extension)),
@@ -233,7 +350,8 @@ TEST_F(Films, WithoutFfmpegThePackageIsNamed) {
   for (const char* path : {"/nonexistent", "", ":"}) {
     setenv("PATH", path, 1);
     EXPECT_FALSE(has_ffmpeg());
-    expect_error([&] { Film(folder_ / "a.mp4", 30); }, {"Debian package ffmpeg"});
+    for (const char* name : {"a.mp4", "a.webp"})
+      expect_error([&] { Film(folder_ / name, 30); }, {"Debian package ffmpeg"});
   }
   EXPECT_TRUE(names().empty());
 }

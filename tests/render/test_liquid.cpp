@@ -217,6 +217,29 @@ TEST_F(BallOfParticles, HasAnOutlineThatEllipsoidsMakeSmooth) {
   EXPECT_LT(smooth, 0.7 * beads);
 }
 
+/// The outline of the picture, against the circle that the ball's outline is: a ball of radius r at distance d
+/// appears as wide as r / sqrt(d^2 - r^2).
+TEST_F(BallOfParticles, HasASilhouetteWithinAPixelOfTheCircle) {
+  const LiquidImage image = renderer().liquid_image(with(ellipsoids_.liquid(SplatShape::ellipsoids)), camera_,
+                                                    filtered(LiquidFilter::narrow_range), width, height);
+  const double tangent = std::tan(double(camera_.fov) * pi / 360);
+  const double circle = double(radius_) / std::sqrt(9 - double(radius_ * radius_)) / tangent * height / 2;
+  std::vector<double> off;
+  for (int i = 0; i < 360; ++i) {
+    const double angle = i * pi / 180, x = std::cos(angle), y = std::sin(angle);
+    double reach = 1.2 * circle;
+    const auto wet = [&](double at) {
+      return image.depth[std::size_t(int(height / 2 + at * y) * width + int(width / 2 + at * x))] > 0;
+    };
+    while (reach > 0 && !wet(reach)) reach -= 0.1;
+    off.push_back(reach - circle);
+  }
+  EXPECT_NEAR(mean(off), 0, 0.75) << "pixels";
+  EXPECT_LT(deviation(off), 0.5);
+  for (double& o : off) o = std::abs(o);
+  EXPECT_LT(quantile(off, 0.9), 1.2);
+}
+
 class FlatPool : public LiquidTest {
  protected:
   struct Seen {
@@ -275,6 +298,41 @@ TEST_F(FlatPool, IsAllButFlatAsEllipsoids) {
     EXPECT_LT(deviation(ellipsoids.heights), 0.05 * d);
     EXPECT_NEAR(mean(ellipsoids.heights), 0.15, 0.15 * d) << "half a spacing above the topmost particles";
     EXPECT_GT(mean(ellipsoids.up), mean(spheres.up));
+  }
+}
+
+/// Light from the floor of a pool goes up at the refracted angle: its way is depth / cos t with sin t = cos(elevation) /
+/// index. At an elevation of 30 degrees this also holds close to the back of the pool, which reflects totally.
+TEST_F(FlatPool, IsAsDarkAtItsBackAsInItsMiddle) {
+  const float elevation = float(pi) / 6, depth = 0.15f;
+  const Camera camera =
+      camera_at({0, depth + 8 * std::sin(elevation), 8 * std::cos(elevation)}, {0, depth, 0}, 14);
+  const auto picture = [&](const Vec3f& absorption) {
+    DrawList list = with(ellipsoids_.liquid(SplatShape::ellipsoids));
+    list.ground = Ground{.height = 0, .tile = 100};
+    list.liquids[0].look.absorption = absorption;
+    list.liquids[0].casts_shadow = false;
+    RenderOptions options = filtered(LiquidFilter::narrow_range);
+    options.tone_curve = false;
+    return renderer().picture(list, camera, options, width, height);
+  };
+  const Vec3f absorption{4, 2, 1};
+  const Image wet = picture(absorption), clear = picture({}), black = picture({99, 99, 99});
+  const double sine = std::cos(double(elevation)) / 1.33, way = double(depth) / std::sqrt(1 - sine * sine);
+  for (const float z : {0.3f, 0.0f, -0.3f, -0.5f, -0.6f, -0.66f}) {
+    std::array<double, 3> left{}, all{};
+    for (const float x : {-0.4f, -0.2f, 0.0f, 0.2f, 0.4f}) {
+      const auto at = camera.project({x, depth, z}, width, height);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const auto light = [&](const Image& image) { return linear(image.at(int(at->x), int(at->y))[c]); };
+        left[c] += light(wet) - light(black);
+        all[c] += light(clear) - light(black);
+      }
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double of_color = c == 0 ? 4 : (c == 1 ? 2 : 1);
+      EXPECT_NEAR(left[c] / all[c], std::exp(-of_color * way), 0.05) << "z " << z << ", color " << c;
+    }
   }
 }
 
@@ -378,6 +436,41 @@ TEST_F(LiquidAndBall, EachColorIsAbsorbedByItsOwnRate) {
   EXPECT_NEAR(amber[0] / clear[0], std::exp(-0.1), 0.05);
   EXPECT_NEAR(amber[1] / clear[1], std::exp(-0.6), 0.06);
   EXPECT_LT(amber[2], 0.2 * clear[2]);
+}
+
+/// A wedge of liquid on the floor, seen from straight above: the floor's light goes through its depth, which grows
+/// from 0 to 0.5 m, and is dimmed by the Beer-Lambert law, also where the wedge is as thin as a particle.
+TEST_F(LiquidTest, AWedgeDarkensTheFloorByItsDepth) {
+  constexpr float slope = 0.4f;
+  const std::vector<Vec3f> centers =
+      fill({0, 0, -0.6f}, {1.25f, 0.5f, 0.6f}, [&](const Vec3f& x) { return x.y < slope * x.x; });
+  const Ellipsoids wedge(centers);
+  const Camera camera = camera_at({0.6f, 6, 0}, {0.6f, 0, 0}, 14);
+  const auto color_at = [&](const Vec3f& absorption, double x) {
+    DrawList list = with(wedge.liquid(SplatShape::ellipsoids));
+    list.ground = Ground{.height = 0, .tile = 100};
+    list.liquids[0].look.absorption = absorption;
+    list.liquids[0].casts_shadow = false;
+    RenderOptions options = filtered(LiquidFilter::narrow_range);
+    options.tone_curve = false;
+    const Image image = renderer().picture(list, camera, options, width, height);
+    Vec3d sum{};
+    for (const float z : {-0.2f, -0.1f, 0.0f, 0.1f, 0.2f}) {
+      const auto at = camera.project({float(x), 0, z}, width, height);
+      const std::uint8_t* p = image.at(int(at->x), int(at->y));
+      sum += Vec3d{linear(p[0]), linear(p[1]), linear(p[2])};
+    }
+    return sum;
+  };
+  const Vec3f absorption{3, 1.5f, 0.5f};
+  for (const double x : {0.15, 0.3, 0.5, 0.7, 0.9, 1.05}) {
+    const double depth = double(slope) * x;
+    const Vec3d wet = color_at(absorption, x), clear = color_at({}, x), black = color_at({99, 99, 99}, x);
+    const Vec3d left = wet - black, all = clear - black;
+    EXPECT_NEAR(left.x / all.x, std::exp(-3 * depth), 0.025) << x;
+    EXPECT_NEAR(left.y / all.y, std::exp(-1.5 * depth), 0.025) << x;
+    EXPECT_NEAR(left.z / all.z, std::exp(-0.5 * depth), 0.025) << x;
+  }
 }
 
 TEST_F(LiquidTest, IsPickedAsItsBallsAre) {

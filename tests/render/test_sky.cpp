@@ -1,5 +1,6 @@
 #include "gl_test.h"
 #include "render/display.h"
+#include "render/looks.h"
 #include "render/sky.h"
 #include "souple/geometry/builders.h"
 
@@ -148,6 +149,39 @@ TEST_F(SkyPicture, TranslucentBodiesAreLitBeyondTheTerminator) {
   list.surfaces[0].look.translucency = 1;
   EXPECT_GT(brightness(width / 2 - 3), 1.3f * beyond);
   EXPECT_NEAR(brightness(width / 2 + 15), facing, 0.35f * facing);
+}
+
+/// A ball in each fabric, lit from the eye: velvet is bright at its rim, satin has a highlight in the middle.
+TEST_F(SkyPicture, VelvetShinesAtTheRimAndSatinInTheMiddle) {
+  DrawList list = without_ground();
+  list.light.to_sun = {0, 0, 1};
+  list.light.sky = list.light.horizon = list.light.floor = {0, 0, 0, 1};
+  const TriangleMesh mesh = sphere(4, 1.0);
+  std::vector<Vec3f> positions;
+  for (const Vec3d& x : mesh.positions) positions.emplace_back(Vec3f(x));
+  Surface ball;
+  ball.key = 31;
+  ball.positions = ball.normals = positions;
+  ball.triangles = mesh.triangles;
+  list.surfaces.push_back(ball);
+  struct Seen {
+    float middle, side, rim;
+  };
+  const auto seen = [&](Fabric fabric) {
+    list.surfaces[0].look = finished(body_look(ObjectKind::cloth, 0, srgb(0x803040)), fabric, Print::plain);
+    list.surfaces[0].look.checker_size = 0;
+    const Image image = renderer().picture(list, looking({0, 0, 6}, {}), plain(), width, height);
+    int right = width - 1;
+    while (right > width / 2 && color_at(image, right, height / 2).x < 0.01f) --right;
+    const int radius = right - width / 2;
+    const auto at = [&](float part) {
+      return color_at(image, width / 2 + int(part * float(radius)), height / 2).x;
+    };
+    return Seen{at(0), at(0.5f), at(0.94f)};
+  };
+  const Seen woven = seen(Fabric::woven), velvet = seen(Fabric::velvet), satin = seen(Fabric::satin);
+  EXPECT_GT(velvet.rim / velvet.middle, 1.3f * woven.rim / woven.middle);
+  EXPECT_GT(satin.middle / satin.side, 1.3f * woven.middle / woven.side);
 }
 
 TEST(Looks, ClothsAreWovenAndPrintedByTheirPlaceAndRigidBodiesPlain) {

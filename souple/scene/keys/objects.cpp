@@ -89,7 +89,19 @@ std::shared_ptr<Table<ClothDescription>> cloth_table() {
       .key<&T::pressure>("pressure", maybe(number<float>(signed_range(1e9))),
                          "gas pressure inside a closed surface, above that outside [Pa]")
       .key<&T::enclosed_volume>("enclosed_volume", maybe(enclosed_volume_codec()),
-                                "preserves the volume inside a closed surface");
+                                "preserves the volume inside a closed surface")
+      .key<&T::look>(
+          "look",
+          enumeration<ClothLook>(
+              {{"woven", ClothLook::woven}, {"velvet", ClothLook::velvet}, {"satin", ClothLook::satin}}),
+          "fabric in pictures")
+      .key<&T::pattern>("pattern",
+                        maybe(enumeration<ClothPattern>({{"plain", ClothPattern::plain},
+                                                         {"checker", ClothPattern::checker},
+                                                         {"stripes", ClothPattern::stripes},
+                                                         {"plaid", ClothPattern::plaid},
+                                                         {"dots", ClothPattern::dots}})),
+                        "print in pictures; if not given: of woven cloth one of four, of others plain");
   return keys;
 }
 

@@ -1,0 +1,106 @@
+#include "render/passes/glass.h"
+
+#include <array>
+
+namespace souple::render {
+
+namespace {
+
+constexpr int most_layers = 12;  // a ray through more walls passes the nearest unseen
+
+void clear_buffer(GLint buffer) {
+  const std::array<float, 4> zero{};
+  glClearBufferfv(GL_COLOR, buffer, zero.data());
+}
+
+}  // namespace
+
+GlassPass::Targets::Targets(int width, int height)
+    : entry{gl::Texture(GL_RGBA32F, width, height), gl::Texture(GL_RGBA32F, width, height)},
+      look(GL_RGBA16F, width, height),
+      exit(GL_RGBA32F, width, height),
+      depth(GL_DEPTH_COMPONENT32F, width, height),
+      behind(GL_RGBA16F, width, height, GL_LINEAR),
+      entry_target{gl::Framebuffer("the fronts of glass", {&entry[0], &look}, &depth),
+                   gl::Framebuffer("the fronts of glass", {&entry[1], &look}, &depth)},
+      exit_target("the backs of glass", {&exit}, &depth),
+      copy("what is behind glass", {&behind}, nullptr) {}
+
+GlassPass::GlassPass() {
+  GLuint id = 0;
+  glGenQueries(1, &id);
+  query_ = gl::Handle<delete_query>(id);
+}
+
+/// The farthest fronts before the layer behind, and the nearest backs behind them. False where there are none.
+bool GlassPass::find_layer(int layer, SurfacesPass& surfaces, PassContext& context) {
+  const auto now = std::size_t(layer % 2);
+  const float near = 0, far = 1;
+  targets_->entry_target[now].bind();
+  clear_buffer(0);
+  clear_buffer(1);
+  glClearBufferfv(GL_DEPTH, 0, &near);
+  targets_->entry[1 - now].bind(gl::Unit::albedo);
+  context.target = Target::glass_entry;
+  context.layer = layer;
+  glDepthFunc(GL_GREATER);
+  glBeginQuery(GL_ANY_SAMPLES_PASSED, query_.id());
+  surfaces.draw(context);
+  glEndQuery(GL_ANY_SAMPLES_PASSED);
+  glDepthFunc(GL_LEQUAL);
+  GLuint any = 0;
+  glGetQueryObjectuiv(query_.id(), GL_QUERY_RESULT, &any);
+  if (any == 0) return false;
+  targets_->exit_target.bind();
+  clear_buffer(0);
+  glClearBufferfv(GL_DEPTH, 0, &far);
+  targets_->entry[now].bind(gl::Unit::albedo);
+  context.target = Target::glass_exit;
+  surfaces.draw(context);
+  return true;
+}
+
+void GlassPass::copy(const gl::Framebuffer& color) {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, color.id());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, targets_->copy.id());
+  glBlitFramebuffer(0, 0, color.width(), color.height(), 0, 0, color.width(), color.height(),
+                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+void GlassPass::draw(GlassPart part, const LitScene& scene, const Bounds& bounds, const Window& liquids,
+                     SurfacesPass& surfaces, PassContext context, const gl::VertexArray& empty_array) {
+  if (!targets_ || targets_->exit.width() != context.width || targets_->exit.height() != context.height) {
+    targets_.reset();  // frees memory before allocating
+    targets_.emplace(context.width, context.height);
+  }
+  context.glass_part = static_cast<float>(part);
+  const Window around = window_around(bounds, context);
+  const Window window = part == GlassPart::behind_liquids ? common_part(around, liquids) : around;
+  if (window.width <= 0 || window.height <= 0) return;
+  for (int layer = 0; layer < most_layers; ++layer) {
+    keep_within(window, 1);
+    scene.depth.bind(gl::Unit::depth);
+    glEnable(GL_DEPTH_TEST);
+    glDepthMask(GL_TRUE);
+    const bool found = find_layer(layer, surfaces, context);
+    glDisable(GL_DEPTH_TEST);
+    if (!found) break;
+    // Rays may leave the window; only the first copy needs what is outside.
+    if (layer == 0) glDisable(GL_SCISSOR_TEST);
+    copy(scene.color);
+    keep_within(window, 1);
+    scene.color.bind();
+    glDepthMask(GL_FALSE);
+    targets_->behind.bind(gl::Unit::color);
+    targets_->look.bind(gl::Unit::liquid_look);
+    targets_->exit.bind(gl::Unit::liquid_optics);
+    shade_.use();
+    shade_.set("part", context.glass_part);
+    empty_array.bind();
+    draw_screen();
+    glDepthMask(GL_TRUE);
+  }
+  glDisable(GL_SCISSOR_TEST);
+}
+
+}  // namespace souple::render

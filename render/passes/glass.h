@@ -1,0 +1,54 @@
+#pragma once
+
+#include "render/gl/framebuffer.h"
+#include "render/gl/handle.h"
+#include "render/gl/vertex_array.h"
+#include "render/passes/liquid.h"
+#include "render/passes/pass_context.h"
+#include "render/passes/surfaces.h"
+#include "render/passes/window.h"
+
+#include <array>
+#include <optional>
+
+namespace souple::render {
+
+inline void delete_query(GLuint id) {
+  glDeleteQueries(1, &id);
+}
+
+/// Which glass is drawn.
+enum class GlassPart {
+  all,             ///< there are no liquids
+  behind_liquids,  ///< before the liquids, which refract it
+  before_liquids   ///< after the liquids, all others
+};
+
+/// Glass, layer by layer from the farthest to the nearest (depth peeling, Everitt 2001): each layer is where rays
+/// enter a solid and where they leave it, and refracts a copy of the picture behind it.
+class GlassPass {
+ public:
+  GlassPass();
+
+  /// Draws over `scene.color`. `bounds` is the bounding box of all glass. Unless part is `all`, LiquidPass::bind_surface
+  /// has been called, and `liquids` is the window around liquids.
+  void draw(GlassPart part, const LitScene& scene, const Bounds& bounds, const Window& liquids,
+            SurfacesPass& surfaces, PassContext context, const gl::VertexArray& empty_array);
+
+ private:
+  struct Targets {
+    std::array<gl::Texture, 2> entry;  // of this layer and of the one behind it
+    gl::Texture look, exit, depth, behind;
+    std::array<gl::Framebuffer, 2> entry_target;
+    gl::Framebuffer exit_target, copy;
+    Targets(int width, int height);
+  };
+  bool find_layer(int layer, SurfacesPass& surfaces, PassContext& context);
+  void copy(const gl::Framebuffer& color);
+
+  gl::Program shade_{"ray.vert.glsl", "glass.frag.glsl"};
+  std::optional<Targets> targets_;
+  gl::Handle<delete_query> query_;  // whether a layer has pixels
+};
+
+}  // namespace souple::render
