@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace souple {
 namespace {
@@ -60,6 +61,24 @@ void subtract_product(const BodyMatrix::Block& A, const BodyMatrix::Block& B, Bo
     }
 }
 
+/// y -= A x, each sum in two halves that fill a register.
+void subtract_from(double* y, const BodyMatrix::Block& A, const double* x) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const double* const row = &A[i * n];
+    const double even = row[0] * x[0] + row[2] * x[2] + row[4] * x[4];
+    const double odd = row[1] * x[1] + row[3] * x[3] + row[5] * x[5];
+    y[i] -= even + odd;
+  }
+}
+
+/// y -= A^T x.
+void subtract_transposed_from(double* y, const BodyMatrix::Block& A, const double* x) {
+  std::array<double, n> sum{};
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = 0; k < n; ++k) sum[k] += A[i * n + k] * x[i];
+  for (std::size_t k = 0; k < n; ++k) y[k] -= sum[k];
+}
+
 }  // namespace
 
 // Minimum degree; among equal degrees the first body.
@@ -72,17 +91,18 @@ void BodyMatrix::analyze(std::uint32_t bodies,
     neighbors_[i * words + j / 64] |= std::uint64_t{1} << (j % 64);
   };
   for (const auto& [i, j] : pairs) set(i, j), set(j, i);
+  const auto count = [&](std::uint32_t i) {
+    degree_[i] = 0;
+    for (std::size_t w = 0; w < words; ++w) degree_[i] += std::popcount(neighbors_[i * words + w]);
+  };
+  degree_.resize(bodies);
+  for (std::uint32_t i = 0; i < bodies; ++i) count(i);
   position_.assign(bodies, bodies);
   order_.clear(), below_.clear(), column_begin_.assign(1, 0), cost_ = 0;
   while (order_.size() < bodies) {
-    std::uint32_t best = 0;
-    int least = static_cast<int>(bodies);
-    for (std::uint32_t i = 0; i < bodies; ++i) {
-      if (position_[i] != bodies) continue;
-      int degree = 0;
-      for (std::size_t w = 0; w < words; ++w) degree += std::popcount(neighbors_[i * words + w]);
-      if (degree < least) best = i, least = degree;
-    }
+    const auto best =
+        static_cast<std::uint32_t>(std::min_element(degree_.begin(), degree_.end()) - degree_.begin());
+    degree_[best] = std::numeric_limits<int>::max();
     position_[best] = static_cast<std::uint32_t>(order_.size());
     order_.push_back(best);
     for (std::uint32_t j = 0; j < bodies; ++j) {
@@ -91,6 +111,7 @@ void BodyMatrix::analyze(std::uint32_t bodies,
       for (std::size_t w = 0; w < words; ++w) neighbors_[j * words + w] |= neighbors_[best * words + w];
       neighbors_[j * words + j / 64] &= ~(std::uint64_t{1} << (j % 64));
       neighbors_[j * words + best / 64] &= ~(std::uint64_t{1} << (best % 64));
+      count(j);
     }
     const double below = static_cast<double>(below_.size() - column_begin_.back());
     cost_ += (below * (below + 1) / 2 + below / 2 + 0.5) * static_cast<double>(n * n * n);
@@ -143,19 +164,17 @@ void BodyMatrix::solve(std::span<double> x) const {
   for (std::uint32_t c = 0; c < order_.size(); ++c) {
     forward(diagonal_[c], at(c));
     for (std::uint32_t p = column_begin_[c]; p < column_begin_[c + 1]; ++p)
-      for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t k = 0; k < n; ++k) at(below_[p])[i] -= lower_[p][i * n + k] * at(c)[k];
+      subtract_from(at(below_[p]), lower_[p], at(c));
   }
   for (auto c = static_cast<std::uint32_t>(order_.size()); c-- > 0;) {
     for (std::uint32_t p = column_begin_[c]; p < column_begin_[c + 1]; ++p)
-      for (std::size_t i = 0; i < n; ++i)
-        for (std::size_t k = 0; k < n; ++k) at(c)[k] -= lower_[p][i * n + k] * at(below_[p])[i];
+      subtract_transposed_from(at(c), lower_[p], at(below_[p]));
     backward(diagonal_[c], at(c));
   }
 }
 
 std::size_t BodyMatrix::bytes() const {
-  return bytes_of(position_, order_, column_begin_, below_, neighbors_, diagonal_, lower_);
+  return bytes_of(position_, order_, column_begin_, below_, neighbors_, degree_, diagonal_, lower_);
 }
 
 }  // namespace souple

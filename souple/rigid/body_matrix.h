@@ -14,13 +14,17 @@ namespace souple {
 class BodyMatrix {
  public:
   static constexpr std::size_t rows = 6;
-  static constexpr std::uint32_t most_bodies = 256;
+  static constexpr std::uint32_t most_bodies = 2048;
   using Block = std::array<double, rows * rows>;  ///< row by row
 
   /// `pairs`: i < j, ascending, each once.
   void analyze(std::uint32_t bodies, std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs);
   /// Multiplications of a factorization, approximately.
   double cost() const { return cost_; }
+  /// Those of `solve`.
+  double solve_cost() const {
+    return static_cast<double>((lower_.size() * 2 + diagonal_.size()) * rows * rows);
+  }
   void clear();
   Block& diagonal(std::uint32_t body) { return diagonal_[position_[body]]; }
   /// The block of two bodies and whether its rows are those of j.
@@ -39,6 +43,7 @@ class BodyMatrix {
   std::vector<std::uint32_t> column_begin_;  // per position: into below_ and lower_
   std::vector<std::uint32_t> below_;         // positions of the blocks below the diagonal, ascending
   std::vector<std::uint64_t> neighbors_;     // per body, while the order is found: a bit per body
+  std::vector<int> degree_;                  // likewise: the number of these bits
   std::vector<Block> diagonal_, lower_;
   double cost_ = 0;
 };

@@ -25,11 +25,11 @@ class RigidMaterials {
 /// the last step keeps its impulses and the anchors of its friction.
 class ContactFinder {
  public:
-  /// `shapes`: per body. `dt`: length of the step; `gravity`: m/s^2.
+  /// `shapes`: per body. `dt`: length of the step; `part`: of it that a substep is; `gravity`: m/s^2.
   void begin_step(const RigidBodies& bodies, std::span<const RigidShape> shapes,
-                  const RigidMaterials& materials, double dt, double gravity, Threads& threads);
-  /// At the start of a substep, which is `part` of the step: finds the contacts of pairs that move far in it again.
-  void refresh(const RigidBodies& bodies, std::span<const RigidShape> shapes, double part, Threads& threads);
+                  const RigidMaterials& materials, double dt, double part, double gravity, Threads& threads);
+  /// At the start of a substep: finds the contacts of pairs that move far in it again.
+  void refresh(const RigidBodies& bodies, std::span<const RigidShape> shapes, Threads& threads);
   /// In an order that depends on the bodies alone.
   std::span<RigidContact> contacts() { return contacts_; }
   std::span<const RigidContact> contacts() const { return contacts_; }
@@ -48,6 +48,7 @@ class ContactFinder {
     std::uint32_t manifold = 0;  ///< of several with a signed distance field
     bool fast = false;           ///< moves far in a step
     double moved = 0;            ///< at most, against each other since the contact was found [m]
+    double clear = 0;            ///< they were at least so far from each other then [m]
     AxisCache axis{};
     auto key() const { return std::tuple(a, b, part_a, part_b, manifold); }
   };
@@ -61,8 +62,10 @@ class ContactFinder {
   void take_over(std::size_t pair);
   template <class AnyPair, class AnyContact, class Function>
   static void for_each_field(AnyPair& pair, AnyContact& contact, const Function& f);
+  double margin_of(const Pair& pair) const;
+  void search(std::size_t pair, const RigidBodies& bodies, std::span<const RigidShape> shapes);
   void find_contact(std::size_t pair, const RigidBodies& bodies, std::span<const RigidShape> shapes,
-                    double margin);
+                    double margin, double reach);
 
   BoxSweep sweep_;
   std::vector<Bounds> boxes_;   // per body, of its motion in the step
@@ -70,6 +73,7 @@ class ContactFinder {
   std::vector<double> inner_;   // per body: inner radius [m]
   std::vector<double> turn_;    // per body: path of its points by its spin in the step [m]
   double dt_ = 0;               // of the step [s]
+  double part_ = 1;             // of a step that a substep is
   std::vector<Pair> pairs_, last_pairs_;
   std::vector<RigidContact> contacts_, last_contacts_;  // one per pair
 };

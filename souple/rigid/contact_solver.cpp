@@ -14,11 +14,16 @@ constexpr double tolerance = 1e-3, relative_tolerance = 1e-6;
 constexpr int first_sweeps = 2;
 // Sweeps over so many contacts in all, within these bounds.
 constexpr std::size_t most_visits = 8000, least_sweeps = 4, most_sweeps = 40;
-// Multiplications of a step of Newton's method. Up to the first it is taken for any island, up to the second for those that
-// are nearly at rest: they hardly move in h against each other.
-constexpr double cheap = 3e5, affordable = 4e6;
+// Newton's method is used for islands that are nearly at rest, that is they hardly move in h against each other, if a
+// factorization takes no more multiplications than `affordable` and a step no more than `in_a_step`.
 constexpr double nearly_at_rest = 2;  // of g h^2
-constexpr int most_cheap_steps = 6, most_steps = 2;
+// Errors that are left, as parts of g h^2 and of the tolerance. In each substep they add up to a creep: by the tolerance, of
+// 16 um/s.
+constexpr double exact = 1e-5, at_once = 0.1;
+constexpr double affordable = 4e7, in_a_step = 4e8;
+// Small islands are also solved while they move.
+constexpr double cheap = 3e5, cheap_in_a_substep = 6e6;
+constexpr int most_steps = 6, most_solves = 8;
 
 ContactBody state_of(const RigidBodies& bodies, std::size_t i) {
   ContactBody state;
@@ -35,6 +40,8 @@ ContactBody state_of(const RigidBodies& bodies, std::size_t i) {
 void ContactSolver::prepare(std::span<const RigidContact> contacts, const RigidBodies& bodies) {
   impacts_.prepare(contacts, bodies);
   blocks_.reserve(contacts.size());
+  for (ContactNewton& newton : newton_) newton.forget();
+  std::fill(budgets_.begin(), budgets_.end(), in_a_step);
 }
 
 void ContactSolver::bounce(std::span<const RigidContact> contacts, RigidBodies& bodies,
@@ -58,7 +65,8 @@ void ContactSolver::begin(std::span<RigidContact> contacts, const RigidBodies& b
   islands_.find(blocks_, states_.size());
   changes_.resize(blocks_.size());
   local_.resize(states_.size());
-  if (newton_.size() < islands_.islands().size()) newton_.resize(islands_.islands().size());
+  const std::size_t count = islands_.islands().size();
+  if (newton_.size() < count) newton_.resize(count), budgets_.resize(count, in_a_step);
 }
 
 void ContactSolver::apply_last_impulses() {
@@ -93,14 +101,47 @@ double ContactSolver::sweep(const ContactIslands::Island& island, bool forward, 
   return change;
 }
 
+// The largest residual of a row that pushes or should [m].
+double ContactSolver::residual(std::span<const std::uint32_t> contacts) const {
+  double result = 0;
+  for (const std::uint32_t c : contacts) {
+    const ContactBlock& block = blocks_[c];
+    for (std::uint32_t k = 0; k < block.count; ++k) {
+      const ContactRow& row = block.rows[k];
+      const ContactVector r = block.residual(states_, row);
+      const bool pushes = row.impulse[0] > 0;
+      result = max(result, pushes ? std::abs(r[0]) : -r[0]);
+      if (pushes && block.sticks(row)) result = max(result, max(std::abs(r[1]), std::abs(r[2])));
+    }
+  }
+  return result;
+}
+
+// Begins before any sweep, which would disturb impulses that are almost right. What does not converge is no stack: it is
+// swept in the rest of the step.
+bool ContactSolver::solve_at_once(std::size_t i, double limit) {
+  const ContactSystem system{blocks_, islands_.contacts(islands_.islands()[i].contacts), local_, states_};
+  ContactNewton& newton = newton_[i];
+  newton.prepare(system);
+  if (newton.cost() > affordable) return false;
+  const bool moved = newton.step(system, {most_solves, limit}, budgets_[i]);
+  if (moved && newton.converged()) return true;
+  budgets_[i] = 0;
+  return false;
+}
+
 void ContactSolver::solve_island(std::size_t i, const RigidSubstep& substep, Threads& threads) {
   const ContactIslands::Island& island = islands_.islands()[i];
   const std::span<const std::uint32_t> contacts = islands_.contacts(island.contacts);
   const double fall = substep.bounce_speed * substep.h / 2;  // g h^2
+  double limit = fall * tolerance;
+  const double first = residual(contacts);
+  if (first <= fall * exact) return;
+  if (first <= fall * nearly_at_rest && solve_at_once(i, limit * at_once)) return;
   const std::size_t most = std::clamp(most_visits / contacts.size(), least_sweeps, most_sweeps) *
                            static_cast<std::size_t>(substep.iterations);
   std::size_t count = 0;
-  double change = 0, limit = fall * tolerance;
+  double change = 0;
   const auto sweeps = [&](std::size_t end) {
     while (count < end) {
       change = sweep(island, count % 2 == 0, threads);
@@ -110,13 +151,16 @@ void ContactSolver::solve_island(std::size_t i, const RigidSubstep& substep, Thr
     return false;
   };
   if (sweeps(first_sweeps)) return;
-  ContactNewton& newton = newton_[i];
-  newton.prepare(blocks_, contacts, local_);
-  const int steps = newton.cost() <= cheap                                           ? most_cheap_steps
-                    : newton.cost() <= affordable && change <= fall * nearly_at_rest ? most_steps
-                                                                                     : 0;
-  for (int step = 0; step < steps && newton.step(blocks_, contacts, local_, states_); ++step)
-    if (sweeps(count + 1)) return;
+  if (island.colors.size() == 0) {
+    const ContactSystem system{blocks_, contacts, local_, states_};
+    ContactNewton& newton = newton_[i];
+    newton.prepare(system);
+    double budget = cheap_in_a_substep;
+    for (int step = 0; newton.cost() <= cheap && step < most_steps; ++step) {
+      newton.step(system, {most_solves, limit}, budget);  // if it fails, a sweep changes where it begins
+      if (sweeps(count + 1)) return;
+    }
+  }
   sweeps(max(count, most));
 }
 
@@ -155,8 +199,8 @@ double ContactSolver::deepest(std::span<const RigidContact> contacts, const Rigi
 }
 
 std::size_t ContactSolver::bytes() const {
-  std::size_t result =
-      impacts_.bytes() + islands_.bytes() + bytes_of(states_, before_, blocks_, changes_, newton_, local_);
+  std::size_t result = impacts_.bytes() + islands_.bytes() +
+                       bytes_of(states_, before_, blocks_, changes_, newton_, budgets_, local_);
   for (const ContactNewton& newton : newton_) result += newton.bytes();
   return result;
 }

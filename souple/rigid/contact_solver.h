@@ -19,7 +19,7 @@ namespace souple {
 ///
 /// `solve` finds impulses, equal and opposite, so momentum and angular momentum are exact. It begins with those of the last
 /// substep and sweeps over contacts (projected Gauss-Seidel: Moreau and Jean 1996; Catto 2005) until they change little.
-/// Where two sweeps are not enough, Newton's method solves all contacts of an island at once, if it is not too large.
+/// An island that is nearly at rest, or small, is solved at once by Newton's method, if it is not too large.
 class ContactSolver {
  public:
   /// Call when the list of contacts has changed.
@@ -37,6 +37,8 @@ class ContactSolver {
              Threads& threads);
   void apply_last_impulses();
   void solve_island(std::size_t island, const RigidSubstep& substep, Threads& threads);
+  double residual(std::span<const std::uint32_t> contacts) const;
+  bool solve_at_once(std::size_t island, double limit);
   double sweep(const ContactIslands::Island& island, bool forward, Threads& threads);
   double sweep_colors(const ContactIslands::Island& island, bool forward, Threads& threads);
 
@@ -48,6 +50,7 @@ class ContactSolver {
   std::vector<double> changes_;       // per block: in the last sweep, in a large island [m]
   ContactIslands islands_;
   std::vector<ContactNewton> newton_;  // per island
+  std::vector<double> budgets_;        // likewise: multiplications left in this step
   std::vector<std::uint32_t> local_;   // per body: scratch memory of newton_
 };
 

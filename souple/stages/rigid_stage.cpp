@@ -276,10 +276,10 @@ void RigidStage::begin_step(const StageView& stage, const ContactTables& tables,
                               : velocity_between(bodies_.pose[k], pose_of(motion.at(stage.time + dt)), dt);
   }
   const double gravity = length(Vec3d(stage.settings.gravity));
-  finder_.begin_step(bodies_, shapes_, Materials(*this), dt, gravity, stage.threads);
+  const double part = 1.0 / stage.settings.substeps;
+  finder_.begin_step(bodies_, shapes_, Materials(*this), dt, part, gravity, stage.threads);
   solver_.prepare(finder_.contacts(), bodies_);
   fresh_ = true;
-  part_ = 1.0 / stage.settings.substeps;
 }
 
 void RigidStage::place_colliders(const StageView& stage, const Substep& substep) {
@@ -300,7 +300,7 @@ void RigidStage::predict(const StageView& stage, const Substep& substep) {
   const Vec3d g(stage.settings.gravity);
   place_colliders(stage, substep);
   place_kinematic(stage, substep);
-  if (!fresh_) finder_.refresh(bodies_, shapes_, part_, stage.threads);
+  if (!fresh_) finder_.refresh(bodies_, shapes_, stage.threads);
   fresh_ = false;
   for_each_awake(stage, [&](std::size_t k) {
     // Gravity acts on the center of mass exactly; particles have shares of the mass whose center may be elsewhere.

@@ -185,7 +185,6 @@ class RigidStage {
   std::unique_ptr<RigidJoints> joints_;
   bool listed_ = false;  // the arrays of bodies are those of the records
   bool fresh_ = true;    // contacts were found at these poses
-  double part_ = 1;      // of a step that a substep is
   double h_ = 0;         // length of the last substep [s]
 };
 

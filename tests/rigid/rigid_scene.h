@@ -88,10 +88,10 @@ class RigidScene {
     constexpr double h = frame / substeps;
     const double strength = length(gravity);
     predicted_.resize(bodies.size());
-    finder_.begin_step(bodies, shapes_, material, frame, strength, *threads_);
+    finder_.begin_step(bodies, shapes_, material, frame, 1.0 / substeps, strength, *threads_);
     solver_.prepare(finder_.contacts(), bodies);
     for (int s = 0; s < substeps; ++s) {
-      if (s > 0) finder_.refresh(bodies, shapes_, 1.0 / substeps, *threads_);
+      if (s > 0) finder_.refresh(bodies, shapes_, *threads_);
       const RigidSubstep substep{h, 1, 1.5, 2 * strength * h, gravity};
       solver_.bounce(finder_.contacts(), bodies, substep);
       predict_bodies(bodies, gravity, h, predicted_);

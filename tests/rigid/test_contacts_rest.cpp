@@ -63,33 +63,42 @@ TEST(RigidRest, StackOfShrinkingBoxesStandsForAMinute) {
 }
 
 /// Every other layer ends with half bricks. A whole one would stand over the end by more than half, and fall.
-void build_wall(RigidScene& scene) {
+void build_wall(RigidScene& scene, int layers, int width) {
   constexpr double pitch = 0.402;
-  for (int layer = 0; layer < 10; ++layer) {
+  for (int layer = 0; layer < layers; ++layer) {
     const double y = 0.1 + layer * 0.2;
     const int shift = layer % 2;
-    for (int k = 0; k < 10 - shift; ++k) scene.box({0.2, 0.1, 0.1}, {(k + shift * 0.5) * pitch, y, 0});
+    for (int k = 0; k < width - shift; ++k) scene.box({0.2, 0.1, 0.1}, {(k + shift * 0.5) * pitch, y, 0});
     if (shift == 0) continue;
-    for (const double x : {-0.1, 9 * pitch + 0.1}) scene.box({0.0995, 0.1, 0.1}, {x, y, 0});
+    for (const double x : {-0.1, (width - 1) * pitch + 0.1}) scene.box({0.0995, 0.1, 0.1}, {x, y, 0});
   }
   scene.plane();
 }
 
-void expect_wall_stands(double seconds) {
+void expect_wall_stands(int layers, int width, double seconds) {
   RigidScene scene;
-  build_wall(scene);
-  const Rest rest = rest_for(scene, seconds, 104);
+  build_wall(scene, layers, width);
+  const Rest rest = rest_for(scene, seconds, static_cast<std::uint32_t>(scene.bodies.size() - 2));
   EXPECT_LT(rest.sag, 1e-4);
   EXPECT_LT(rest.drift, 1e-4);
   EXPECT_LT(rest.speed, 2e-3);
 }
 
 TEST(RigidRest, WallOfBricksStands) {
-  expect_wall_stands(4);
+  expect_wall_stands(10, 10, 4);
 }
 
 TEST(RigidRest, WallOfBricksStandsForAMinuteSlow) {
-  expect_wall_stands(60);
+  expect_wall_stands(10, 10, 60);
+}
+
+TEST(RigidRest, WallOfTwoHundredBricksStands) {
+  expect_wall_stands(10, 20, 2);
+}
+
+// 811 bricks, 4 m high.
+TEST(RigidRest, WallOfTwentyLayersStandsSlow) {
+  expect_wall_stands(20, 40, 3);
 }
 
 /// Cards of 14 cm lean against each other in pairs, on floors of cards.

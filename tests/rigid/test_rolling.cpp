@@ -48,10 +48,10 @@ struct Slope {
   void step(double dt, int substeps) {
     std::vector<BodyPose> predicted(2);
     const RigidSubstep substep{.h = dt / substeps, .bounce_speed = 2 * g * dt / substeps};
-    finder.begin_step(bodies, shapes, rough, dt, g, *threads);
+    finder.begin_step(bodies, shapes, rough, dt, 1.0 / substeps, g, *threads);
     solver.prepare(finder.contacts(), bodies);
     for (int i = 0; i < substeps; ++i) {
-      if (i > 0) finder.refresh(bodies, shapes, 1.0 / substeps, *threads);
+      if (i > 0) finder.refresh(bodies, shapes, *threads);
       solver.bounce(finder.contacts(), bodies, substep);
       predict_bodies(bodies, {0, -g, 0}, substep.h, predicted);
       solver.solve(finder.contacts(), bodies, substep, *threads);
