@@ -22,7 +22,7 @@ constexpr double nearly_at_rest = 2;  // of g h^2
 constexpr double exact = 1e-5, at_once = 0.1;
 constexpr double affordable = 4e7, in_a_step = 4e8;
 // Small islands are also solved while they move.
-constexpr double cheap = 3e5, cheap_in_a_substep = 6e6;
+constexpr double cheap = 3e5, cheap_in_a_substep = 2e6;
 constexpr int most_steps = 6, most_solves = 8;
 
 ContactBody state_of(const RigidBodies& bodies, std::size_t i) {
@@ -157,7 +157,7 @@ void ContactSolver::solve_island(std::size_t i, const RigidSubstep& substep, Thr
     newton.prepare(system);
     double budget = cheap_in_a_substep;
     for (int step = 0; newton.cost() <= cheap && step < most_steps; ++step) {
-      newton.step(system, {most_solves, limit}, budget);  // if it fails, a sweep changes where it begins
+      newton.step(system, {1, limit}, budget);  // if it fails, a sweep changes where it begins
       if (sweeps(count + 1)) return;
     }
   }
