@@ -198,6 +198,7 @@ void Camera::turn_to_fill(std::span<const Vec3f> points, float aspect) {
   constexpr float least = 0.35f, shortest = 0.75f, steepest = 0.77f;
   const std::vector<Camera> cameras = turned(*this);
   std::vector<float> lengths;  // of the points across the view [m]
+  lengths.reserve(cameras.size());
   for (const Camera& camera : cameras) lengths.push_back(length_along(points, camera.right()));
   const float longest = *std::max_element(lengths.begin(), lengths.end());
   for (std::size_t i = 0; i < cameras.size(); ++i) {

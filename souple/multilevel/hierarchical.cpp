@@ -409,6 +409,7 @@ std::vector<bool> near_isolated(const CoarseLevel& map, int radius) {
   const std::vector<char> classes = classes_of(map.links, map.mass);
   if (std::find(classes.begin(), classes.end(), heavy_particle) == classes.end()) return near;
   std::vector<float> as_pinned;
+  as_pinned.reserve(classes.size());
   for (const char c : classes) as_pinned.push_back(c == heavy_particle ? 0.0f : 1.0f);
   const std::vector<bool> near_heavy = near_isolated_pins(map.links, as_pinned, radius);
   for (std::size_t i = 0; i < near.size(); ++i) near[i] = near[i] || near_heavy[i];
