@@ -52,16 +52,16 @@ class Crowding {
     }
     for (std::size_t i = 0; i < 6; ++i)
       for (std::size_t j = 0; j < 6; ++j)
-        for (std::size_t axis = 0; axis < 3; ++axis) B_[i][j] += J[i][axis] * J[j][axis];
+        for (std::size_t axis = 0; axis < 3; ++axis) product_[i][j] += J[i][axis] * J[j][axis];
   }
   double value() {
     double trace = 0;
-    for (std::size_t i = 0; i < 6; ++i) trace += B_[i][i];
-    for (auto& row : B_)
+    for (std::size_t i = 0; i < 6; ++i) trace += product_[i][i];
+    for (auto& row : product_)
       for (double& x : row) x /= trace;
     for (int squaring = 0; squaring < 4; ++squaring) square();
     double sum = 0;
-    for (std::size_t i = 0; i < 6; ++i) sum += B_[i][i];
+    for (std::size_t i = 0; i < 6; ++i) sum += product_[i][i];
     for (int root = 0; root < 4; ++root) sum = std::sqrt(sum);
     return sum * trace / static_cast<double>(count_);
   }
@@ -72,12 +72,12 @@ class Crowding {
     Matrix result{};
     for (std::size_t i = 0; i < 6; ++i)
       for (std::size_t j = 0; j < 6; ++j)
-        for (std::size_t k = 0; k < 6; ++k) result[i][j] += B_[i][k] * B_[k][j];
-    B_ = result;
+        for (std::size_t k = 0; k < 6; ++k) result[i][j] += product_[i][k] * product_[k][j];
+    product_ = result;
   }
 
   std::array<double, 3> gyration_;  // sqrt(m / I) [1/m]
-  Matrix B_{};
+  Matrix product_{};                // K B / m
   std::size_t count_ = 0;
 };
 

@@ -368,6 +368,7 @@ std::vector<TieId> World::stitch(ObjectId a, const Selector& selector, ObjectId 
     throw Error(fmt::format("stitch: no selected vertex of {} is within {:g} m of {}; raise the distance",
                             name(a), distance, name(b)));
   std::vector<TieId> ids;
+  ids.reserve(made.size());
   for (auto& [tie, state] : made) ids.push_back(add(world, std::move(tie), state));
   return ids;
 }
