@@ -250,6 +250,7 @@ TEST(Camera, FrameFitsPointsTighterThanTheirBox) {
   std::mt19937 random(3);
   std::normal_distribution<float> normal;
   std::vector<Vec3f> cloud;
+  cloud.reserve(3000);
   for (int i = 0; i < 3000; ++i)
     cloud.push_back(normalized(Vec3f{normal(random), normal(random), normal(random)}));
   ExtremePoints points;

@@ -208,9 +208,9 @@ std::string decoded_webp(const fs::path& film, int frame) {
   const fs::path one = film.string() + ".one";
   output_of("webpmux -get frame " + std::to_string(frame) + " '" + film.string() + "' -o '" + one.string() +
             "' 2>/dev/null");
-  const std::string pixels = output_of("dwebp -quiet -bmp '" + one.string() +
-                                       "' -o - | ffmpeg -v error -i pipe:0 "
-                                       "-f rawvideo -pix_fmt rgba pipe:1");
+  std::string pixels = output_of("dwebp -quiet -bmp '" + one.string() +
+                                 "' -o - | ffmpeg -v error -i pipe:0 "
+                                 "-f rawvideo -pix_fmt rgba pipe:1");
   fs::remove(one);
   return pixels;
 }

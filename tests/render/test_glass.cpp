@@ -64,7 +64,8 @@ class GlassTest : public GlTest {
     const double bright = brightness(image, 40, height / 2), dark = brightness(image, width - 40, height / 2);
     int x = 40;
     while (x < width - 40 && brightness(image, x, height / 2) > 0.5 * (bright + dark)) ++x;
-    return x - width / 2;
+    constexpr int middle = width / 2;
+    return x - middle;
   }
   /// Displacement across of a ray along -z by a plate of this thickness whose normal is turned by `angle`.
   static double displacement(double thickness, double angle) {
@@ -107,7 +108,8 @@ TEST_F(GlassTest, EachWallTintsAndALiquidShowsGlassBehindIt) {
     RenderOptions options = plain();
     options.tone_curve = false;
     const Image image = renderer().picture(list, far_camera(), options, width, height);
-    return Vec3f{float(image.at(width / 4, height / 2)[0]), float(image.at(width / 4, height / 2)[1]), 0};
+    constexpr int x = width / 4, y = height / 2;
+    return Vec3f{float(image.at(x, y)[0]), float(image.at(x, y)[1]), 0};
   };
   DrawList list = edge();
   const Vec3f bare = middle(list);

@@ -229,7 +229,8 @@ TEST_F(BallOfParticles, HasASilhouetteWithinAPixelOfTheCircle) {
     const double angle = i * pi / 180, x = std::cos(angle), y = std::sin(angle);
     double reach = 1.2 * circle;
     const auto wet = [&](double at) {
-      return image.depth[std::size_t(int(height / 2 + at * y) * width + int(width / 2 + at * x))] > 0;
+      constexpr int middle_x = width / 2, middle_y = height / 2;
+      return image.depth[std::size_t(int(middle_y + at * y) * width + int(middle_x + at * x))] > 0;
     };
     while (reach > 0 && !wet(reach)) reach -= 0.1;
     off.push_back(reach - circle);
