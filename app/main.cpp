@@ -6,12 +6,15 @@
 #include "souple/files/write_error.h"
 #include "souple/version.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <exception>
 #include <functional>
 #include <iostream>
+#include <iterator>
 #include <new>
+#include <string_view>
 #include <system_error>
 
 // The only file that includes CLI11, which costs seconds of compile time.
@@ -438,6 +441,17 @@ std::string command_names(const CLI::App& app) {
   return names;
 }
 
+/// Whether an option of the command that was given is a number with a fraction.
+bool takes_fractions(const CLI::App& app, const std::string& option) {
+  for (const CLI::App* const command : app.get_subcommands()) {
+    const CLI::Option* const found = command->get_option_no_throw(option);
+    if (found == nullptr) continue;
+    constexpr std::string_view types[] = {"METERS", "FRACTION", "RATE", "FACTOR", "RHO", "STRAIN"};
+    return std::find(std::begin(types), std::end(types), found->get_type_name()) != std::end(types);
+  }
+  return false;
+}
+
 /// The error of the command line, in one line.
 std::string usage_error(CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr && app.get_subcommands().empty()) {
@@ -454,9 +468,11 @@ std::string usage_error(CLI::App& app, const CLI::ParseError& error, int argc, c
     for (const std::string& argument : app.remaining(true)) return argument + ": unexpected argument";
   }
   std::string what = error.what(), conversion = "Could not convert: ";
-  if (what.rfind(conversion, 0) == 0)
-    return what.substr(conversion.size()) + ": expected a whole number, 0 or more";
-  return what;
+  if (what.rfind(conversion, 0) != 0) return what;
+  what = what.substr(conversion.size());
+  return what + (takes_fractions(app, what.substr(0, what.find(" = ")))
+                     ? ": expected a number"
+                     : ": expected a whole number, 0 or more");
 }
 
 }  // namespace

@@ -465,6 +465,7 @@ class Refused(RenderCase):
         self.refused(scene, "--colors", "1", said="--colors 1: expected 2 to 256")
         self.refused(scene, "--colors", "9", "--out", "a.mp4", said="--colors 9: is for pictures")
         self.refused(scene, "--samples", "x", said="expected a whole number")
+        self.refused(scene, "--aperture", "x", said="--aperture = x: expected a number;")
         self.refused(scene, "--film-rate", "10", said="--film-rate 10: is for a film")
         self.refused(scene, "--out", "a.webp", "--film-rate", "61", said="--film-rate 61: expected 0.1 to 60 pictures")
         self.refused(scene, "--out", "a.gif", "--film-rate", "0", said="--film-rate 0: expected 0.1 to 50 pictures")
