@@ -80,7 +80,7 @@ double sunk(double density, SoftBodyModel model, int across = 36, int layers = 2
   return sum / basin.edge;
 }
 
-TEST(FluidBuoyancy, AStiffCubeFloatsAsDeepAsItsDensity) {
+TEST(FluidBuoyancy, AStiffCubeFloatsAsDeepAsItsDensitySlow) {
   EXPECT_NEAR(sunk(600, SoftBodyModel::shape_matching), 0.6, 0.03);
 }
 

@@ -198,7 +198,7 @@ TEST(FluidVessels, AMeshIsAsCalmAsPlanes) {
 }
 
 // Folds of 135, 169 and more degrees, narrower and wider than a spacing.
-TEST(FluidVessels, ARoundMeshIsAsCalmAsPlanes) {
+TEST(FluidVessels, ARoundMeshIsAsCalmAsPlanesSlow) {
   constexpr double radius = 7 * d, bowl = 10 * d;
   const std::vector<Vec3d> water = water_where([](const Vec3d& x) { return in_polygon(x, 8, radius); });
   const Rest reference = rest_in(planes(8, radius), water);

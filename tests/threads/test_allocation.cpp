@@ -37,13 +37,26 @@ TEST_P(WarmStep, AllocatesNothing) {
 }
 
 std::string name_of(const testing::TestParamInfo<Settings>& info) {
-  constexpr const char* names[] = {"OneThread", "ThreeThreads", "Iterations", "PBD", "Plain", "Implicit"};
-  return names[info.index];
+  const Settings& settings = info.param;
+  if (settings.mode == Mode::pbd) return "PBD";
+  if (settings.form == Form::plain) return "Plain";
+  if (settings.integrator == Integrator::implicit_euler) return "Implicit";
+  if (settings.iterations > 1) return "Iterations";
+  return settings.threads == 1 ? "OneThread" : "ThreeThreads";
 }
 
-INSTANTIATE_TEST_SUITE_P(All, WarmStep,
-                         testing::Values(Settings{.threads = 1}, Settings{.threads = 3},
-                                         Settings{.iterations = 3, .threads = 2},
+class WarmStepInOtherModes : public WarmStep {};
+
+TEST_P(WarmStepInOtherModes, AllocatesNothingSlow) {
+  World world = test::busy_world(GetParam());
+  EXPECT_EQ(allocations_of_a_warm_step(world, 90), 0);
+  EXPECT_GT(world.report().contacts, 100u);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, WarmStep, testing::Values(Settings{.threads = 1}, Settings{.threads = 3}),
+                         name_of);
+INSTANTIATE_TEST_SUITE_P(All, WarmStepInOtherModes,
+                         testing::Values(Settings{.iterations = 3, .threads = 2},
                                          Settings{.mode = Mode::pbd, .threads = 2},
                                          Settings{.form = Form::plain, .threads = 2},
                                          Settings{.integrator = Integrator::implicit_euler, .threads = 2}),
