@@ -19,16 +19,8 @@ ObjectOptions at(double x, double y, double z) {
   return options;
 }
 
-World with_threads(int threads) {
-  World world;
-  Settings settings = world.settings();
-  settings.threads = threads;
-  world.set_settings(settings);
-  return world;
-}
-
 World on_the_ground(int threads = 1) {
-  World world = with_threads(threads);
+  World world({.threads = threads});
   world.add_collider(Plane{});
   return world;
 }
@@ -215,7 +207,7 @@ TEST(WorldJoints, AnIslandOfJointsFallsAsleepTogether) {
 }
 
 TEST(WorldJoints, ASnapshotHoldsThem) {
-  World world = with_threads(1), same = with_threads(8);
+  World world({.threads = 1}), same({.threads = 8});
   hang_chain(world, 5, 700), hang_chain(same, 5, 700);
   run(world, 0.5), run(same, 0.5);
   EXPECT_EQ(world.hash(), same.hash());

@@ -23,14 +23,6 @@ ObjectOptions at(double x, double y, double z) {
   return options;
 }
 
-World with_threads(int threads) {
-  World world;
-  Settings settings = world.settings();
-  settings.threads = threads;
-  world.set_settings(settings);
-  return world;
-}
-
 World without_gravity() {
   World world;
   Settings settings = world.settings();
@@ -272,7 +264,7 @@ std::vector<TieId> tie_everything(World& world) {
 TEST(Ties, BitsAreEqualForAnyNumberOfThreads) {
   std::vector<std::uint64_t> hashes;
   for (const int threads : {1, 2, 8}) {
-    World world = with_threads(threads);
+    World world({.threads = threads});
     tie_everything(world);
     run(world, 0.5);
     hashes.push_back(world.hash());
