@@ -1,3 +1,4 @@
+#include "app/check_pictures.h"
 #include "app/commands.h"
 #include "app/exit_codes.h"
 #include "app/find_scene.h"
@@ -116,6 +117,7 @@ void print_totals(World& world) {
 
 int check(const std::string& scene_name, const std::vector<std::string>& settings) {
   const SceneDescription scene = load_scene(find_scene(scene_name), settings);
+  check_pictures(scene);
   std::vector<std::string> diagnostics;
   World world = build_world(
       scene, [&](LogLevel, std::string_view diagnostic) { diagnostics.emplace_back(diagnostic); });

@@ -31,7 +31,7 @@ int run(const RunOptions& options);
 /// Arguments of `souple render` as written; empty: the default.
 struct RenderRequest {
   std::string source;  ///< a scene, a run's folder, or its run.json
-  std::filesystem::path out;
+  std::filesystem::path out, sky;
   std::string frames, sheet, size, camera;
   std::string display = "shaded", constraints = "none", liquid_splats, liquid_filter;
   std::optional<std::uint32_t> samples, colors, liquid_steps;
@@ -39,7 +39,7 @@ struct RenderRequest {
   std::optional<double> film_rate;                 ///< pictures per second
   std::optional<std::uint64_t> film_bytes;         ///< largest size of a .webp
   std::vector<std::string> settings;               ///< path=value
-  bool quiet = false;
+  bool caustics = false, quiet = false;
 };
 int render_frames(const RenderRequest& request);
 /// Two lines for `souple info`: whether pictures and films can be made, and what is missing.

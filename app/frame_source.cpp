@@ -1,6 +1,7 @@
 #include "app/frame_source.h"
 
 #include "app/cache_subject.h"
+#include "app/check_pictures.h"
 #include "app/find_scene.h"
 #include "app/non_finite.h"
 #include "app/pictures.h"
@@ -19,7 +20,9 @@ namespace {
 class SceneFrames : public FrameSource {
  public:
   SceneFrames(const fs::path& file, const std::vector<std::string>& settings)
-      : name_(file.stem().string()), scene_(load_scene(file, settings)), world_(build_world(scene_)) {}
+      : name_(file.stem().string()), scene_(load_scene(file, settings)), world_(build_world(scene_)) {
+    check_pictures(scene_);
+  }
 
   std::string name() const override { return name_; }
   std::uint64_t frames() const override { return scene_.frames; }

@@ -254,6 +254,12 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       .add_option("--shutter", request->shutter,
                   "motion blur: fraction of a frame during which the shutter is open, at most 1")
       ->type_name("FRACTION");
+  command.add_flag("--caustics", request->caustics,
+                   "fluids refract sunlight onto the floor: bright lines under waves");
+  command
+      .add_option("--sky", request->sky,
+                  "light from a panorama .hdr instead of the scene's sky, without the sun")
+      ->type_name("FILE");
   command.add_option("--display", request->display, "how objects are shown, see below [shaded]")
       ->type_name("DISPLAY");
   command.add_option("--constraints", request->constraints, "how constraints are colored, see below [none]")

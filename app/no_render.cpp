@@ -1,8 +1,9 @@
+#include "app/check_pictures.h"
 #include "app/commands.h"
 #include "app/last_picture.h"
 #include "souple/error.h"
 
-// Replaces render.cpp and last_picture.cpp where the packages for render/ were missing.
+// Replaces render.cpp, last_picture.cpp and check_pictures.cpp where the packages for render/ were missing.
 
 namespace souple::app {
 
@@ -32,6 +33,8 @@ void LastPicture::write(const World&, const SceneDescription&) {
 int render_frames(const RenderRequest&) {
   refuse();
 }
+
+void check_pictures(const SceneDescription&) {}
 
 std::string picture_support() {
   return "pictures: no (not built in)\nfilms: no (not built in)\n";

@@ -104,6 +104,8 @@ render::Image PictureMaker::picture(const render::Subject& subject, const render
   const auto list_of = [&](const render::Subject& at) -> const render::DrawList& {
     const render::DrawList& list = drawing_.update(at, style.display);
     if (!label.empty()) drawing_.list().labels.push_back(label_of(label, style));
+    if (style.caustics) drawing_.list().light.caustics = true;
+    if (style.sky) drawing_.list().light.environment = style.sky;
     return list;
   };
   render::RenderOptions options;

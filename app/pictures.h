@@ -10,6 +10,7 @@
 #include "render/subject.h"
 #include "souple/scene/scene.h"
 
+#include <memory>
 #include <string>
 
 namespace souple::app {
@@ -19,10 +20,13 @@ struct PictureStyle {
   int samples = 16;
   render::DisplayOptions display;
   render::LiquidFilter liquid_filter = render::LiquidFilter::narrow_range;
-  int liquid_steps = 0;  ///< see RenderOptions
-  float aperture = 0;    ///< see RenderOptions; 0: no depth of field [m]
-  float focus = 0;       ///< 0: the distance of the camera's target [m]
-  double exposure = 0;   ///< time during which the shutter is open; 0: no motion blur [s]
+  int liquid_steps = 0;   ///< see RenderOptions
+  float aperture = 0;     ///< see RenderOptions; 0: no depth of field [m]
+  float focus = 0;        ///< 0: the distance of the camera's target [m]
+  bool caustics = false;  ///< of all fluids
+  /// Instead of the subject's sky; nullptr: none.
+  std::shared_ptr<const render::Environment> sky;
+  double exposure = 0;  ///< time during which the shutter is open; 0: no motion blur [s]
 
   float aspect() const { return static_cast<float>(size.width) / static_cast<float>(size.height); }
 };

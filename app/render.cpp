@@ -3,6 +3,7 @@
 #include "app/frame_source.h"
 #include "app/interrupt.h"
 #include "app/out_of_memory.h"
+#include "app/picture_files.h"
 #include "app/picture_sink.h"
 #include "app/pictures.h"
 #include "app/progress.h"
@@ -100,6 +101,8 @@ PictureStyle style_of(const RenderRequest& request) {
   style.display.pins = false;
   choose_liquids(request, style);
   choose_lens(request, style);
+  style.caustics = request.caustics;
+  if (!request.sky.empty()) style.sky = sky_of({.file = request.sky.string()}, {});
   if (request.samples) {
     constexpr std::uint32_t most = 1024;
     if (*request.samples < 1 || *request.samples > most)

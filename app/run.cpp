@@ -1,3 +1,4 @@
+#include "app/check_pictures.h"
 #include "app/commands.h"
 #include "app/exit_codes.h"
 #include "app/find_scene.h"
@@ -321,6 +322,7 @@ int run(const RunOptions& options) {
   std::unique_ptr<RunSurfaces> surfaces;
   if (!job.record.surface.empty())
     surfaces = std::make_unique<RunSurfaces>(job.record.surface, job.scene, world, job.out, job.done);
+  if (!options.picture.empty()) check_pictures(job.scene);
   const auto picture = options.picture.empty() ? nullptr : std::make_unique<LastPicture>(options.picture);
   if (std::error_code error; fs::exists(job.out, error) && !fs::is_directory(job.out, error))
     throw Error(job.out.string() + ": is a file; expected a folder, or no such name: choose another --out");

@@ -5,8 +5,8 @@
 
 namespace souple::app {
 
-/// Gives the bodies and colliders of `subject` the colors of the scene's entries with the same name. Removes
-/// colliders that the scene hides.
+/// Gives the bodies and colliders of `subject` the colors and looks of the scene's entries with the same name, and the
+/// scene's sky. Removes colliders that the scene hides. Throws Error that names a picture that cannot be read.
 void add_colors(const SceneDescription& scene, render::Subject& subject);
 
 }  // namespace souple::app

@@ -1,6 +1,7 @@
 #include "render/body_drawing.h"
 
 #include "render/looks.h"
+#include "souple/geometry/rest_frames.h"
 
 #include <algorithm>
 #include <cmath>
@@ -189,6 +190,7 @@ void BodyDrawing::draw_surface(const Body& body, std::uint32_t pick, const DrawC
   surface.normals = creased ? creased_.normals() : body.normals;
   surface.triangles = creased ? creased_.triangles() : body.triangles;
   surface.texture = checker_.texture;
+  if (seen.checker_size > 0) add_picture(body, surface);
   surface.colors = colors_;
   surface.look = body.glass && context.options.display <= Display::wireframe ? glass_look(chosen_) : seen;
   if (checker_.texture.empty()) surface.look.checker_size = 0;
@@ -196,6 +198,14 @@ void BodyDrawing::draw_surface(const Body& body, std::uint32_t pick, const DrawC
   surface.pick = pick;
   context.list.surfaces.push_back(surface);
   if (context.options.display == Display::normals) draw_normals(body, context.list);
+}
+
+/// A picture over the whole cloth, placed by its UVs.
+void BodyDrawing::add_picture(const Body& body, Surface& surface) {
+  if (!body.picture || body.mesh == nullptr || creased_.has_creases()) return;
+  if (uvs_.empty()) uvs_ = triangle_uvs(*body.mesh).value_or(std::vector<CornerUvs>{});
+  surface.print = body.picture;
+  surface.uvs = uvs_;
 }
 
 void BodyDrawing::draw_tube(std::uint32_t pick, const DrawContext& context) {

@@ -78,6 +78,7 @@ class BodyDrawing {
   std::span<const float> values(const Body& body, std::span<const float> rope_strain, Display display);
   void set_colors(const Body& body, std::span<const float> rope_strain, const DrawContext& context);
   void draw_surface(const Body& body, std::uint32_t pick, const DrawContext& context);
+  void add_picture(const Body& body, Surface& surface);
   void draw_tube(std::uint32_t pick, const DrawContext& context);
   void draw_liquid(const Body& body, std::uint32_t pick, const DrawContext& context);
   void draw_grains(const Body& body, std::uint32_t pick, const DrawContext& context);
@@ -103,6 +104,7 @@ class BodyDrawing {
   CreasedSurface creased_;  ///< for soft bodies, rigid bodies and obstacles with sharp edges
   EdgeStrain strain_;
   bool has_strain_ = false;
+  std::vector<CornerUvs> uvs_;       ///< of a cloth with a picture, per triangle
   std::vector<float> values_;        ///< per vertex
   std::vector<PackedColor> colors_;  ///< per vertex of the body or of the tube; may be empty
   std::vector<PackedColor> grain_colors_;

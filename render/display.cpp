@@ -392,6 +392,9 @@ void SubjectDrawing::Impl::update(const Subject& subject, const DisplayOptions& 
   if (world && options.display == Display::lattice) draw_lattice(*world);
   if (world && options.display == Display::contacts) draw_contacts(*world);
   if (world) draw_constraints(*world, options, heat, 0.004f * size(), list.top_lines, legend);
+  list.light.environment = subject.environment;
+  list.light.caustics = std::any_of(subject.bodies.begin(), subject.bodies.end(),
+                                    [](const Body& body) { return body.caustics; });
   list.labels = legend.labels();
 }
 

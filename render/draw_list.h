@@ -2,12 +2,15 @@
 
 #include "render/camera.h"
 #include "render/color.h"
+#include "render/environment.h"
+#include "render/image.h"
 #include "souple/geometry/triangle_mesh.h"
 #include "souple/math/mat3.h"
 #include "souple/math/transform.h"
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,6 +38,9 @@ struct Look {
   bool glass = false;  ///< transparent and refracting; `color` is the tint of light through one wall
 };
 
+/// The UVs of a triangle's corners.
+using CornerUvs = std::array<std::array<float, 2>, 3>;
+
 /// Triangles, two-sided by default. The renderer keeps their buffers on the GPU between pictures, under
 /// `key`.
 struct Surface {
@@ -45,6 +51,8 @@ struct Surface {
   std::span<const Vec3f> normals;    ///< unit, one per vertex; empty: flat shading
   std::span<const Triangle> triangles;
   std::span<const Vec3f> texture;       ///< empty, or each vertex's coordinates in a solid checker
+  std::shared_ptr<const Image> print;   ///< printed over look.color where `uvs` say; nullptr: none
+  std::span<const CornerUvs> uvs;       ///< of `print`, one per triangle; v = 0 is the picture's lower edge
   std::span<const PackedColor> colors;  ///< empty, or one per vertex instead of look.color
   Transform pose{};                     ///< transforms positions and normals
   Look look{};
@@ -134,6 +142,9 @@ struct Light {
   float sun_size = 2.5f;             ///< apparent radius [degrees]: the softness of shadows
   Color sky{0.12f, 0.25f, 0.52f}, horizon{0.92f, 0.80f, 0.66f};  ///< radiance at zenith and horizon
   Color floor{0.12f, 0.11f, 0.10f};  ///< radiance below the horizon where there is no floor
+  bool caustics = false;             ///< liquids refract sunlight onto the floor
+  /// Panorama instead of that sky, and the sun's irradiance of its options instead of `sun`; nullptr: none.
+  std::shared_ptr<const Environment> environment;
 };
 
 struct DrawList {

@@ -4,6 +4,7 @@
 #include "render/gl/framebuffer.h"
 #include "render/gl/program.h"
 #include "render/gl/vertex_array.h"
+#include "render/passes/caustics.h"
 #include "render/passes/finish.h"
 #include "render/passes/glass.h"
 #include "render/passes/labels.h"
@@ -14,6 +15,7 @@
 #include "render/passes/pass_context.h"
 #include "render/passes/pick.h"
 #include "render/passes/shadow.h"
+#include "render/passes/sky_program.h"
 #include "render/passes/spheres.h"
 #include "render/passes/surfaces.h"
 #include "render/sky.h"
@@ -160,6 +162,18 @@ void set_sky(Frame& frame, const Sky& sky, float exposure) {
   for (Vec4& c : frame.irradiance) c = {c.x * exposure, c.y * exposure, c.z * exposure, 0};
 }
 
+void set_environment(Frame& frame, const Environment& environment, float exposure) {
+  const EnvironmentOptions& options = environment.options();
+  frame.sky.w = options.strength * exposure;
+  frame.horizon.w = options.rotation / float(2 * pi);
+  frame.floor_light.w = options.background ? 1.0f : 0.0f;
+  frame.to_sun.w = options.sun * exposure;
+  for (std::size_t i = 0; i < frame.irradiance.size(); ++i) {
+    const Vec4& c = environment.irradiance()[i];
+    frame.irradiance[i] = {c.x * exposure, c.y * exposure, c.z * exposure, 0};
+  }
+}
+
 void require_size(int width, int height) {
   if (width >= 1 && height >= 1 && width <= max_side && height <= max_side) return;
   throw Error(
@@ -190,8 +204,12 @@ struct Renderer::Impl {
   gl::VertexArray empty_array;  // for draw_screen
   gl::Buffer frame_buffer;
   gl::Program ground{"ray.vert.glsl", "ground.frag.glsl"};
-  gl::Program lighting{"ray.vert.glsl", "lighting.frag.glsl"};
-  gl::Program lighting_with_liquids{"ray.vert.glsl", "lighting.frag.glsl", {"LIQUIDS"}};
+  SkyProgram lighting{"lighting.frag.glsl"};
+  SkyProgram lighting_with_liquids{"lighting.frag.glsl", {"LIQUIDS"}};
+  // Made when a list has caustics.
+  std::optional<SkyProgram> lighting_with_caustics;
+  std::optional<CausticsPass> caustics;
+  SkyMap sky_map;
   SurfacesPass surfaces;
   SpheresPass spheres;
   LiquidSplats liquid_splats;
@@ -214,7 +232,11 @@ struct Renderer::Impl {
   void bind(const Frame& frame);
   PassContext begin_picking(const DrawList& list, const Camera& camera, int width, int height);
   void draw_material(const DrawList& list, const PassContext& context);
-  void draw_lighting();
+  bool has_caustics(const DrawList& list) const {
+    return list.light.caustics && liquid_splats.casts_shadow();
+  }
+  void draw_caustics(const DrawList& list, const Frame& frame);
+  void draw_lighting(const DrawList& list);
   void draw_clear(const DrawList& list, const PassContext& context, const RenderOptions& options);
   void draw_lines(const DrawList& list, const PassContext& context);
   void draw_sample(const DrawList& list, const PassContext& context, const Frame& frame,
@@ -267,6 +289,7 @@ Frame Renderer::Impl::frame(const DrawList& list, const Camera& camera, const Re
   f.size = {w, h, 1 / w, 1 / h};
   f.to_sun = vec4(normalized(list.light.to_sun), list.light.sun * options.exposure);
   set_sky(f, sky_of(list.light, list.ground), options.exposure);
+  if (list.light.environment) set_environment(f, *list.light.environment, options.exposure);
   const float reach = std::max(bounds.radius(), camera.distance());
   f.ground = {list.ground.height, std::max(list.ground.tile, 1e-6f), list.ground.shown ? 1.0f : 0.0f,
               haze_reach * reach};
@@ -301,7 +324,18 @@ void Renderer::Impl::draw_material(const DrawList& list, const PassContext& cont
   }
 }
 
-void Renderer::Impl::draw_lighting() {
+/// Onto the floor, or without one onto the level of the liquids' lowest point.
+void Renderer::Impl::draw_caustics(const DrawList& list, const Frame& frame) {
+  if (!caustics) {
+    caustics.emplace();
+    lighting_with_caustics.emplace("lighting.frag.glsl", std::vector<std::string>{"LIQUIDS", "CAUSTICS"});
+  }
+  const Bounds bounds = bounds_of_liquids(list);
+  const float height = list.ground.shown ? list.ground.height : bounds.lo.y;
+  caustics->draw(frame, liquid_splats, bounds, height, empty_array);
+}
+
+void Renderer::Impl::draw_lighting(const DrawList& list) {
   targets->lighting.bind();
   glDisable(GL_DEPTH_TEST);
   glDepthMask(GL_FALSE);
@@ -310,7 +344,12 @@ void Renderer::Impl::draw_lighting() {
   targets->depth.bind(gl::Unit::depth);
   shadow.bind();
   occlusion.bind(targets->normal);
-  (filters_sunlight() ? lighting_with_liquids : lighting).use();
+  const bool refracts = has_caustics(list);
+  SkyProgram& sky =
+      refracts ? *lighting_with_caustics : (filters_sunlight() ? lighting_with_liquids : lighting);
+  const gl::Program& program = sky.of(list.light.environment != nullptr);
+  program.use();
+  if (refracts) caustics->bind(program);
   empty_array.bind();
   draw_screen();
   glDepthMask(GL_TRUE);
@@ -319,7 +358,7 @@ void Renderer::Impl::draw_lighting() {
 /// Liquids and glass.
 void Renderer::Impl::draw_clear(const DrawList& list, const PassContext& context,
                                 const RenderOptions& options) {
-  const LitScene scene{targets->normal, targets->depth, targets->lighting};
+  const LitScene scene{targets->normal, targets->depth, targets->lighting, list.light.environment != nullptr};
   const Bounds walls = surfaces.has_glass() ? bounds_of_glass(list) : Bounds{};
   const auto draw_glass = [&](GlassPart part) {
     if (!surfaces.has_glass()) return;
@@ -351,7 +390,8 @@ void Renderer::Impl::draw_sample(const DrawList& list, const PassContext& contex
   clock.done("material");
   if (frame.sample_info.w != 0) occlusion.draw(targets->normal, targets->depth, empty_array);
   clock.done("occlusion");
-  draw_lighting();
+  if (list.light.environment) sky_map.bind(list.light.environment);
+  draw_lighting(list);
   clock.done("lighting");
   draw_clear(list, context, options);
   draw_lines(list, context);
@@ -379,8 +419,11 @@ void Renderer::Impl::draw_one(const DrawList& list, const Camera& camera, const 
   shadow.aim(at, list.light, options.shadows ? casters : Bounds{}, sun[0], sun[1]);
   shadow.draw(at, surfaces, spheres);
   clock.done("shadow");
-  if (at.shadow_size.w != 0 && filters_sunlight()) shadow.draw_light(liquid_splats, surfaces);
+  if (at.shadow_size.w != 0 && filters_sunlight())
+    shadow.draw_light(liquid_splats, surfaces, options.coarse_liquids);
   clock.done("liquid shadow");
+  if (has_caustics(list)) draw_caustics(list, at);
+  clock.done("caustics");
   bind(at);
   draw_sample(list, {width, height, Target::material, at.view, at.projection, lens.camera.from}, at, options);
   if (samples > 1) finish.add(targets->color, sample == 0, empty_array);

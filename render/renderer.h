@@ -40,6 +40,9 @@ struct RenderOptions {
   /// Steps of curvature flow, or passes of the narrow-range filter; 0: 40 or 2. The amount of smoothing does
   /// not depend on it, nor on the size of the picture: more steps are only more accurate.
   int liquid_steps = 0;
+  /// For windows: the thickness of liquids is summed on a quarter of the picture's edges instead of half of them, and
+  /// the light through liquids on a map of half the edge. Both are soft.
+  bool coarse_liquids = false;
   float aperture = 0;  ///< diameter of the camera's lens; 0: everything is sharp; needs many samples [m]
   float focus = 1;     ///< distance along the view at which points are sharp, above 0 [m]
 };

@@ -17,19 +17,6 @@ Vec3f scaled(const Vec3f& a, const Vec3f& b) {
   return {a.x * b.x, a.y * b.y, a.z * b.z};
 }
 
-/// Real spherical harmonics up to order 2, with Y as the first axis.
-std::array<float, 9> harmonics(const Vec3f& n) {
-  return {0.282095f,
-          0.488603f * n.y,
-          0.488603f * n.z,
-          0.488603f * n.x,
-          1.092548f * n.x * n.y,
-          1.092548f * n.y * n.z,
-          0.315392f * (3 * n.z * n.z - 1),
-          1.092548f * n.x * n.z,
-          0.546274f * (n.x * n.x - n.y * n.y)};
-}
-
 /// Share of the horizon's color at this height above it: 1 / the series of exp(9 h) up to h^2.
 float haze(float height) {
   return 1 / (1 + height * (9 + 40 * height));
@@ -60,8 +47,6 @@ Vec3f sky_radiance(const Sky& sky, const Vec3f& direction) {
 }
 
 SkyIrradiance sky_irradiance(const Sky& sky) {
-  // Coefficients of the cosine lobe over pi, by order.
-  constexpr std::array<float, 9> lobe{1, 2 / 3.0f, 2 / 3.0f, 2 / 3.0f, 0.25f, 0.25f, 0.25f, 0.25f, 0.25f};
   SkyIrradiance result{};
   const float area = 4 * float(pi) / float(rings * sectors);  // rings of equal height have equal areas
   for (int ring = 0; ring < rings; ++ring) {
@@ -72,7 +57,7 @@ SkyIrradiance sky_irradiance(const Sky& sky) {
       const Vec3f light = sky_radiance(sky, direction) * area;
       const std::array<float, 9> basis = harmonics(direction);
       for (std::size_t i = 0; i < basis.size(); ++i) {
-        const Vec3f part = light * (basis[i] * lobe[i]);
+        const Vec3f part = light * (basis[i] * cosine_lobe[i]);
         result[i] = {result[i].x + part.x, result[i].y + part.y, result[i].z + part.z, 0};
       }
     }

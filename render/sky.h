@@ -1,16 +1,11 @@
 #pragma once
 
 #include "render/draw_list.h"
-#include "render/mat4.h"
-
-#include <array>
+#include "render/environment.h"
 
 // The procedural sky. shaders/sky.glsl contains the same model for a pixel's direction.
 
 namespace souple::render {
-
-/// Second-order spherical harmonics of the light that a white, diffuse surface reflects: irradiance / pi.
-using SkyIrradiance = std::array<Vec4, 9>;
 
 /// The sky over a floor, in units of Light.
 struct Sky {

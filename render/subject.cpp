@@ -24,6 +24,7 @@ Subject subject_of(const World& world, std::uint64_t world_number) {
     body.velocities = world.velocities(id);
     body.triangles = world.triangles(id);
     body.rest = world.mesh(id).positions;
+    body.mesh = &world.mesh(id);
     body.radius = world.particle_radius(id);
     if (const auto* fluid = std::get_if<FluidMaterial>(&world.material(id))) body.density = fluid->density;
     subject.bodies.push_back(body);

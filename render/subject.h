@@ -1,11 +1,14 @@
 #pragma once
 
 #include "render/color.h"
+#include "render/environment.h"
+#include "render/image.h"
 #include "souple/collision/collider_motion.h"
 #include "souple/collision/shapes.h"
 #include "souple/world/world.h"
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -27,15 +30,18 @@ struct Body {
   std::span<const Vec3f> normals;     ///< empty for ropes and grains
   std::span<const Vec3f> velocities;  ///< m/s; may be empty
   std::span<const Triangle> triangles;
-  std::span<const Vec3d> rest;  ///< of the mesh; empty for ropes and grains
+  std::span<const Vec3d> rest;         ///< of the mesh; empty for ropes and grains
+  const TriangleMesh* mesh = nullptr;  ///< with the UVs of `picture`; nullptr: unknown
   /// Of ropes and grains; half the thickness of others; half the spacing of a fluid [m].
   float radius = 0.005f;
   float density = 0;              ///< of fluids; 0: unknown [kg/m^3]
+  bool caustics = false;          ///< of fluids: they refract sunlight onto the floor
   std::span<const Vec3f> foam;    ///< set for the first fluid only: spray, foam and bubbles of all fluids [m]
   std::optional<Color> color{};   ///< empty: a color of the palette
   bool glass = false;             ///< of obstacles: transparent
   Fabric fabric = Fabric::woven;  ///< of cloths
   std::optional<Print> print{};   ///< of cloths; empty: of woven ones by their place, of others plain
+  std::shared_ptr<const Image> picture;  ///< of cloths: printed instead of `print`, by the UVs of `mesh`
 };
 
 struct ColliderBody {
@@ -57,6 +63,7 @@ struct Subject {
   std::uint64_t frame = 0;       ///< increases with every step: positions may have changed
   std::uint64_t topology = 0;    ///< changes when the world is replaced
   const World* world = nullptr;  ///< for constraints, contacts and lattices; nullptr for a cache
+  std::shared_ptr<const Environment> environment;  ///< nullptr: the procedural sky
 };
 
 /// Assigns foam, which belongs to no particular fluid, to the first fluid.

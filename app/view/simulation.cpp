@@ -1,5 +1,6 @@
 #include "app/view/simulation.h"
 
+#include "app/check_pictures.h"
 #include "app/scene_colors.h"
 #include "souple/error.h"
 
@@ -46,6 +47,7 @@ Simulation::Simulation(const std::filesystem::path& scene)
 
 Simulation::Simulation(SceneDescription scene, std::string name)
     : name_(std::move(name)), scene_(std::move(scene)), world_(build_world(scene_)) {
+  app::check_pictures(scene_);
   start();
 }
 

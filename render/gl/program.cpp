@@ -18,7 +18,7 @@ inline void delete_shader(GLuint id) {
 }
 using Shader = Handle<delete_shader>;
 
-constexpr std::array<std::pair<std::string_view, Unit>, 17> sampler_units{
+constexpr std::array<std::pair<std::string_view, Unit>, 20> sampler_units{
     {{"shadow_map", Unit::shadow},
      {"sum_map", Unit::sum},
      {"occlusion_map", Unit::occlusion},
@@ -33,6 +33,10 @@ constexpr std::array<std::pair<std::string_view, Unit>, 17> sampler_units{
      {"liquid_optics_map", Unit::liquid_optics},
      {"liquid_glow_map", Unit::liquid_glow},
      {"liquid_light_map", Unit::liquid_light},
+     {"print_map", Unit::print},
+     {"sky_map", Unit::sky},
+     // The samples are summed when the sunlight is not needed.
+     {"caustics_map", Unit::sum},
      // Glass is drawn when the materials and the liquids' optics are not needed.
      {"glass_entry_map", Unit::albedo},
      {"glass_look_map", Unit::liquid_look},

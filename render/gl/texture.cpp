@@ -2,6 +2,24 @@
 
 namespace souple::render::gl {
 
+namespace {
+
+/// Levels of half the size each, of the bound texture, which repeats along its width.
+void fill_levels() {
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 1000);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
+  glGenerateMipmap(GL_TEXTURE_2D);
+}
+
+}  // namespace
+
+int largest_texture() {
+  GLint side = 0;
+  glGetIntegerv(GL_MAX_TEXTURE_SIZE, &side);
+  return side;
+}
+
 Texture::Texture(GLenum internal_format, int width, int height, GLenum filter)
     : width_(width), height_(height) {
   GLuint id = 0;
@@ -50,6 +68,25 @@ Texture::Texture(GLenum internal_format, int width, int height, GLenum filter)
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, 0);
   glBindTexture(GL_TEXTURE_2D, 0);
+}
+
+Texture Texture::picture(int width, int height, const unsigned char* pixels) {
+  Texture texture(GL_SRGB8_ALPHA8, width, height, GL_LINEAR);
+  glBindTexture(GL_TEXTURE_2D, texture.id());
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, pixels);
+  fill_levels();
+  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
+  glBindTexture(GL_TEXTURE_2D, 0);
+  return texture;
+}
+
+Texture Texture::panorama(int width, int height, const float* texels) {
+  Texture texture(GL_RGBA16F, width, height, GL_LINEAR);
+  glBindTexture(GL_TEXTURE_2D, texture.id());
+  glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width, height, GL_RGBA, GL_FLOAT, texels);
+  fill_levels();
+  glBindTexture(GL_TEXTURE_2D, 0);
+  return texture;
 }
 
 void Texture::upload_bytes(const unsigned char* values) const {

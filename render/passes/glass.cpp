@@ -94,8 +94,9 @@ void GlassPass::draw(GlassPart part, const LitScene& scene, const Bounds& bounds
     targets_->behind.bind(gl::Unit::color);
     targets_->look.bind(gl::Unit::liquid_look);
     targets_->exit.bind(gl::Unit::liquid_optics);
-    shade_.use();
-    shade_.set("part", context.glass_part);
+    const gl::Program& program = shade_.of(scene.has_panorama);
+    program.use();
+    program.set("part", context.glass_part);
     empty_array.bind();
     draw_screen();
     glDepthMask(GL_TRUE);

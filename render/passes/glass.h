@@ -46,7 +46,7 @@ class GlassPass {
   bool find_layer(int layer, SurfacesPass& surfaces, PassContext& context);
   void copy(const gl::Framebuffer& color);
 
-  gl::Program shade_{"ray.vert.glsl", "glass.frag.glsl"};
+  SkyProgram shade_{"glass.frag.glsl"};
   std::optional<Targets> targets_;
   gl::Handle<delete_query> query_;  // whether a layer has pixels
 };

@@ -13,6 +13,8 @@ namespace {
 /// the balls.
 constexpr float smoothing = 1.25f;
 
+constexpr int fine_scale = 2, coarse_scale = 4;  // pixels of the picture per texel of the thickness
+
 constexpr int default_flow_steps = 40, default_range_passes = 2;
 
 /// For sums over hundreds of particles: 16 bits lose some per cent where hardware rounds down, as llvmpipe
@@ -42,13 +44,14 @@ std::vector<float> read(const gl::Framebuffer& from, std::size_t channel) {
 
 }  // namespace
 
-LiquidPass::Targets::Targets(int width, int height)
+LiquidPass::Targets::Targets(int width, int height, int thickness_scale)
     : surface(GL_R32F, width, height),
       other_surface(GL_R32F, width, height),
       look(GL_RGBA16F, width, height),
       nearest(GL_DEPTH_COMPONENT32F, width, height),
-      optics(sum_format(), (width + 1) / 2, (height + 1) / 2, GL_LINEAR),
-      glow(sum_format(), (width + 1) / 2, (height + 1) / 2, GL_LINEAR),
+      scale(thickness_scale),
+      optics(sum_format(), (width + scale - 1) / scale, (height + scale - 1) / scale, GL_LINEAR),
+      glow(sum_format(), (width + scale - 1) / scale, (height + scale - 1) / scale, GL_LINEAR),
       behind(GL_RGBA16F, width, height, GL_LINEAR),
       balls("the balls of liquids", {&surface, &look}, &nearest),
       other_balls("the balls of liquids", {&other_surface, &look}, &nearest),
@@ -93,14 +96,14 @@ void LiquidPass::step() {
   targets_->swap();
 }
 
-void LiquidPass::smooth(const RenderOptions& options, const gl::VertexArray& empty_array) {
+void LiquidPass::smooth(const RenderOptions& options, float smoother, const gl::VertexArray& empty_array) {
   targets_->look.bind(gl::Unit::liquid_look);
   empty_array.bind();
   if (options.liquid_filter == LiquidFilter::curvature_flow) {
     // Each step is a step of diffusion, with variance stability * reach^2 radii^2. The reach decreases from
     // step to step: narrow differences smooth what wide differences leave between them.
     const int steps = options.liquid_steps > 0 ? options.liquid_steps : default_flow_steps;
-    const float mean = smoothing / std::sqrt(0.4f * float(steps));
+    const float mean = smoother * smoothing / std::sqrt(0.4f * float(steps));
     curvature_flow_.use();
     for (int i = 0; i < steps; ++i) {
       curvature_flow_.set("reach", mean * (1.6f - 1.4f * float(i) / float(std::max(steps - 1, 1))));
@@ -113,12 +116,12 @@ void LiquidPass::smooth(const RenderOptions& options, const gl::VertexArray& emp
     for (int i = 0; i < passes; ++i) {
       for (const float axis : {0.0f, 1.0f}) {
         narrow_range_.set("axis", axis);
-        narrow_range_.set("deviation", smoothing / float(1 + i));
+        narrow_range_.set("deviation", smoother * smoothing / float(1 + i));
         step();
       }
     }
     clean_up_.use();
-    clean_up_.set("deviation", smoothing / float(passes));
+    clean_up_.set("deviation", smoother * smoothing / float(passes));
     step();
   }
 }
@@ -130,7 +133,7 @@ void LiquidPass::sum_thickness(const LiquidSplats& splats, const gl::Texture& de
   targets_->surface.bind(gl::Unit::liquid_depth);
   glEnable(GL_BLEND);
   glBlendFunc(GL_ONE, GL_ONE);
-  splats.draw(SplatTarget::thickness);
+  splats.draw(SplatTarget::thickness, targets_->scale);
   splats.draw(SplatTarget::foam);
   glDisable(GL_BLEND);
 }
@@ -154,8 +157,9 @@ void LiquidPass::shade(const LiquidSplats& splats, const LitScene& scene, const 
   scene.normal.bind(gl::Unit::normal);
   scene.depth.bind(gl::Unit::depth);
   shadow.bind();
-  shade_.use();
-  shade_.set("extinction", splats.extinction());
+  const gl::Program& program = shade_.of(scene.has_panorama);
+  program.use();
+  program.set("extinction", splats.extinction());
   empty_array.bind();
   draw_screen();
   glDepthMask(GL_TRUE);
@@ -174,31 +178,46 @@ std::vector<float> LiquidPass::read_depth() const {
 }
 
 std::vector<float> LiquidPass::read_thickness() const {
-  const std::vector<float> half = read(targets_->thickness, 3);
-  const auto half_width = std::size_t(targets_->thickness.width());
+  const std::vector<float> coarse = read(targets_->thickness, 3);
+  const auto coarse_width = std::size_t(targets_->thickness.width());
   const auto width = std::size_t(targets_->depth.width()), height = std::size_t(targets_->depth.height());
   std::vector<float> result;
   result.reserve(width * height);
+  const auto scale = std::size_t(targets_->scale);
   for (std::size_t y = height; y-- > 0;)
-    for (std::size_t x = 0; x < width; ++x) result.push_back(half[y / 2 * half_width + x / 2]);
+    for (std::size_t x = 0; x < width; ++x) result.push_back(coarse[y / scale * coarse_width + x / scale]);
   return result;
+}
+
+void LiquidPass::resize(int width, int height, int thickness_scale) {
+  if (targets_ && targets_->look.width() == width && targets_->look.height() == height &&
+      targets_->scale == thickness_scale)
+    return;
+  targets_.reset();  // frees memory before allocating
+  targets_.emplace(width, height, thickness_scale);
+}
+
+void LiquidPass::find_depth(const LiquidSplats& splats, int side, const RenderOptions& options,
+                            float smoother, const gl::VertexArray& empty_array) {
+  resize(side, side, fine_scale);
+  window_ = {0, 0, side, side};
+  clear();
+  draw_balls(splats);
+  smooth(options, smoother, empty_array);
 }
 
 void LiquidPass::find_surface(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
                               const PassContext& context, const RenderOptions& options,
                               const gl::VertexArray& empty_array, PassClock& clock) {
-  if (!targets_ || targets_->look.width() != context.width || targets_->look.height() != context.height) {
-    targets_.reset();  // frees memory before allocating
-    targets_.emplace(context.width, context.height);
-  }
+  resize(context.width, context.height, options.coarse_liquids ? coarse_scale : fine_scale);
   window_ = window_around(bounds, context);
   clear();
   keep_within(window_, 1);
   draw_balls(splats);
   clock.done("liquid depth");
-  smooth(options, empty_array);
+  smooth(options, 1, empty_array);
   clock.done("liquid filter");
-  keep_within(window_, 2);
+  keep_within(window_, targets_->scale);
   sum_thickness(splats, scene.depth);
   glDisable(GL_SCISSOR_TEST);
   clock.done("liquid thickness");

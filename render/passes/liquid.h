@@ -6,6 +6,7 @@
 #include "render/passes/pass_clock.h"
 #include "render/passes/pass_context.h"
 #include "render/passes/shadow.h"
+#include "render/passes/sky_program.h"
 #include "render/passes/window.h"
 #include "render/renderer.h"
 
@@ -19,6 +20,7 @@ struct LitScene {
   const gl::Texture& normal;
   const gl::Texture& depth;
   const gl::Framebuffer& color;  ///< with that depth
+  bool has_panorama;             ///< the sky is a panorama, which is bound
 };
 
 /// Screen-space surface of liquids (van der Laan, Green, Sainz 2009): the depth of the balls is smoothed,
@@ -34,8 +36,13 @@ class LiquidPass {
   void draw(const LiquidSplats& splats, const LitScene& scene, const ShadowPass& shadow,
             const gl::VertexArray& empty_array, PassClock& clock);
 
-  /// Binds the surface of the last `find_surface`.
+  /// Only the depth, in a square of `side` pixels for an eye whose uniform block is bound, `smoother` times as smooth.
+  void find_depth(const LiquidSplats& splats, int side, const RenderOptions& options, float smoother,
+                  const gl::VertexArray& empty_array);
+
+  /// Binds the surface of the last `find_surface` or `find_depth`.
   void bind_surface() const { targets_->surface.bind(gl::Unit::liquid_depth); }
+  void bind_look() const { targets_->look.bind(gl::Unit::liquid_look); }
   /// The window around the liquids of the last `find_surface`.
   const Window& window() const { return window_; }
   /// Results of the last `find_surface`, as in LiquidImage.
@@ -45,16 +52,18 @@ class LiquidPass {
  private:
   struct Targets {
     gl::Texture surface, other_surface, look, nearest;  // of the picture's size
-    gl::Texture optics, glow;                           // of half the picture's size
+    int scale;                                          // pixels of the picture per texel of the thickness
+    gl::Texture optics, glow;                           // of the picture's size over `scale`
     gl::Texture behind;                                 // the image behind liquids
     gl::Framebuffer balls, other_balls, depth, other_depth, thickness, clear_thickness, copy;
-    Targets(int width, int height);
+    Targets(int width, int height, int thickness_scale);
     void swap();
   };
 
   void clear();
   void draw_balls(const LiquidSplats& splats);
-  void smooth(const RenderOptions& options, const gl::VertexArray& empty_array);
+  void smooth(const RenderOptions& options, float smoother, const gl::VertexArray& empty_array);
+  void resize(int width, int height, int thickness_scale);
   void step();
   void sum_thickness(const LiquidSplats& splats, const gl::Texture& depth);
   void copy(const gl::Framebuffer& color);
@@ -64,7 +73,7 @@ class LiquidPass {
   gl::Program curvature_flow_{"screen.vert.glsl", "curvature_flow.frag.glsl"};
   gl::Program narrow_range_{"screen.vert.glsl", "narrow_range.frag.glsl"};
   gl::Program clean_up_{"screen.vert.glsl", "narrow_range.frag.glsl", {"CLEAN_UP"}};
-  gl::Program shade_{"ray.vert.glsl", "liquid.frag.glsl"};
+  SkyProgram shade_{"liquid.frag.glsl"};
   std::optional<Targets> targets_;
   Window window_;  // around the liquids
 };

@@ -189,13 +189,15 @@ void LiquidSplats::Impl::draw_pick() const {
   }
 }
 
-void LiquidSplats::draw(SplatTarget target) const {
+void LiquidSplats::draw(SplatTarget target, int scale) const {
   const Impl& m = *impl_;
   switch (target) {
     case SplatTarget::depth:
       m.draw_depth();
       break;
     case SplatTarget::thickness:
+      m.thickness.use();
+      m.thickness.set("scale", scale);
       m.draw_thickness(m.thickness, false);
       break;
     case SplatTarget::sunlight:

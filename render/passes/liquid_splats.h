@@ -37,7 +37,8 @@ class LiquidSplats {
   /// Draws the liquids and foams of the last `update`, without changing the blend state. Target sunlight
   /// includes only those that cast a shadow, target pick those that can be picked. Requires the uniform block
   /// to be bound; for foam and thickness also the depth maps.
-  void draw(SplatTarget target) const;
+  /// `scale`: of target thickness, pixels of the depth map per pixel.
+  void draw(SplatTarget target, int scale = 1) const;
 
  private:
   struct Impl;

@@ -42,14 +42,16 @@ std::string target_define(Target target);
 /// The uniform block of frame.glsl (std140), shared by all shaders of a pass: the renderer binds it before
 /// the pass. The eye may be the sun and the projection orthographic: then projection.m[15] is 1.
 struct Frame {
-  Mat4 view, projection;           ///< world -> view -> clip
-  Mat4 inverse_view;               ///< view -> world
-  Mat4 inverse_projection;         ///< clip -> view
-  Mat4 shadow;                     ///< world -> (x, y, depth), each in [0, 1], of the shadow map
-  Vec4 eye;                        ///< world; w: 1
-  Vec4 size;                       ///< width, height, 1 / width, 1 / height [pixels]
-  Vec4 to_sun;                     ///< unit; w: irradiance times exposure
-  Vec4 sky, horizon, floor_light;  ///< radiance of zenith, horizon and floor, times exposure
+  Mat4 view, projection;    ///< world -> view -> clip
+  Mat4 inverse_view;        ///< view -> world
+  Mat4 inverse_projection;  ///< clip -> view
+  Mat4 shadow;              ///< world -> (x, y, depth), each in [0, 1], of the shadow map
+  Vec4 eye;                 ///< world; w: 1
+  Vec4 size;                ///< width, height, 1 / width, 1 / height [pixels]
+  Vec4 to_sun;              ///< unit; w: irradiance times exposure
+  /// Radiance of zenith, horizon and floor, times exposure. w, with a panorama: factor of its radiance, its rotation
+  /// [turns], 1: it is drawn behind the scene.
+  Vec4 sky, horizon, floor_light;
   Vec4 shadow_size;  ///< edge of the cube that the map covers [m], 0, width of a texel [m], 1: on
   Vec4
       sun_size;  ///< tangent of the sun's apparent radius; fraction of the softness that is blurred; 1: tone curve on

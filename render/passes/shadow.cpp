@@ -8,8 +8,9 @@ namespace souple::render {
 
 namespace {
 
-constexpr int map_side = 2048;   // pixels
-constexpr int light_side = 512;  // pixels of the map of light through liquids and glass, which is soft
+constexpr int map_side = 2048;  // pixels
+// Pixels of the map of light through liquids and glass, which is soft.
+constexpr int fine_light_side = 512, coarse_light_side = 256;
 
 // Rounds up to one of 4 sizes per doubling: the texel size stays constant during small motions.
 float stepped(float size) {
@@ -31,10 +32,13 @@ Vec3f moved(const Vec3f& to_sun, float x, float y) {
 }  // namespace
 
 ShadowPass::ShadowPass()
-    : map_(GL_DEPTH_COMPONENT32F, map_side, map_side),
-      light_(GL_RGBA16F, light_side, light_side, GL_LINEAR),
-      framebuffer_("the shadow map", {}, &map_),
-      light_target_("the light through liquids and glass", {&light_}, nullptr) {}
+    : map_(GL_DEPTH_COMPONENT32F, map_side, map_side), framebuffer_("the shadow map", {}, &map_) {}
+
+void ShadowPass::resize_light(int side) {
+  if (light_.width() == side) return;
+  light_ = gl::Texture(GL_RGBA16F, side, side, GL_LINEAR);
+  light_target_ = gl::Framebuffer("the light through liquids and glass", {&light_}, nullptr);
+}
 
 void ShadowPass::aim(Frame& frame, const Light& light, const Bounds& casters, float offset_x,
                      float offset_y) {
@@ -79,7 +83,9 @@ void ShadowPass::draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& s
   spheres.draw(context);
 }
 
-void ShadowPass::draw_light(const LiquidSplats& liquids, SurfacesPass& surfaces) {
+void ShadowPass::draw_light(const LiquidSplats& liquids, SurfacesPass& surfaces, bool coarse) {
+  const int side = coarse ? coarse_light_side : fine_light_side;
+  resize_light(side);
   light_target_.bind();
   const std::array<float, 4> clear{0, 0, 0, 1};
   glClearBufferfv(GL_COLOR, 0, clear.data());
@@ -88,15 +94,14 @@ void ShadowPass::draw_light(const LiquidSplats& liquids, SurfacesPass& surfaces)
   glBlendFunc(GL_ONE, GL_ONE);
   glBlendEquationSeparate(GL_FUNC_ADD, GL_MIN);
   liquids.draw(SplatTarget::sunlight);
-  if (surfaces.glass_casts_shadow())
-    surfaces.draw({light_side, light_side, Target::sunlight, view_, projection_, {}});
+  if (surfaces.glass_casts_shadow()) surfaces.draw({side, side, Target::sunlight, view_, projection_, {}});
   glBlendEquation(GL_FUNC_ADD);
   glDisable(GL_BLEND);
 }
 
 void ShadowPass::bind() const {
   map_.bind(gl::Unit::shadow);
-  light_.bind(gl::Unit::liquid_light);
+  if (light_.width() > 0) light_.bind(gl::Unit::liquid_light);
 }
 
 }  // namespace souple::render

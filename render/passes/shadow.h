@@ -20,11 +20,13 @@ class ShadowPass {
   /// Draws the map; `frame` is the frame passed to `aim`. Leaves the sun's uniform block bound.
   void draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& spheres);
   /// Sums the sunlight that liquids and glass absorb; call directly after `draw`.
-  void draw_light(const LiquidSplats& liquids, SurfacesPass& surfaces);
+  void draw_light(const LiquidSplats& liquids, SurfacesPass& surfaces, bool coarse);
   /// Binds the map for sunlight.glsl, and that of liquids and glass for sun_through_liquid.glsl.
   void bind() const;
 
  private:
+  void resize_light(int side);
+
   gl::Texture map_, light_;
   gl::Framebuffer framebuffer_, light_target_;
   gl::Buffer frame_buffer_;

@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
+#include <optional>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace souple::render {
@@ -16,8 +19,8 @@ enum Location : GLuint { position, normal, texture, color };
 
 constexpr std::uint64_t frames_kept = 120;  // frames; lifetime of buffers that no list refers to
 
-// The buffers of one surface, indexed. For wireframes, every triangle gets its own vertices instead, so that
-// the vertex shader can distinguish its corners.
+// The buffers of one surface, indexed. For wireframes and pictures, every triangle gets its own vertices instead: the
+// vertex shader distinguishes its corners, and corners at a seam have UVs of their own.
 struct Buffers {
   gl::VertexArray array;
   gl::Buffer positions, normals, texture, colors, indices;
@@ -26,8 +29,23 @@ struct Buffers {
   std::uint32_t vertices_needed = 0;  // largest index + 1
   GLsizei count = 0;                  // number of indices, or of vertices when expanded
   bool has_normals = false, has_colors = false, has_texture = false;
-  bool never_uploaded = true, is_glass = false;
+  bool never_uploaded = true, is_glass = false, is_printed = false;
   Wall wall;  // of glass
+};
+
+/// A picture on the GPU. Holds the image, so that its address stays that of this picture.
+struct Print {
+  std::shared_ptr<const Image> image;
+  gl::Texture texture;
+  std::uint64_t last_used = 0;
+
+  explicit Print(std::shared_ptr<const Image> of) : image(std::move(of)) {
+    const int most = gl::largest_texture();
+    const int width = std::min(image->width, most), height = std::min(image->height, most);
+    const bool fits = width == image->width && height == image->height;
+    const Image smaller = fits ? Image() : downscale(*image, width, height);
+    texture = gl::Texture::picture(width, height, (fits ? *image : smaller).pixels.data());
+  }
 };
 
 struct Item {
@@ -63,9 +81,29 @@ bool upload_optional(Buffers& buffers, gl::Buffer& buffer, const gl::Attribute& 
   return there;
 }
 
+bool is_printed(const Surface& surface) {
+  return surface.print && surface.uvs.size() == surface.triangles.size() && surface.colors.empty();
+}
+
+bool is_expanded(const Surface& surface) {
+  return surface.wireframe || is_printed(surface);
+}
+
+/// In a picture the first row is the upper one.
+void upload_uvs(Buffers& buffers, const Surface& surface) {
+  std::vector<Vec3f> corners;
+  corners.reserve(3 * surface.uvs.size());
+  for (const CornerUvs& triangle : surface.uvs)
+    for (const std::array<float, 2>& uv : triangle) corners.push_back({uv[0], 1 - uv[1], 0});
+  buffers.texture.upload(std::span<const Vec3f>(corners));
+  buffers.array.attribute(buffers.texture, {.location = texture});
+  buffers.has_texture = true;
+}
+
 void upload_topology(Buffers& buffers, const Surface& surface) {
   buffers.topology = surface.topology;
-  buffers.expanded = surface.wireframe;
+  buffers.expanded = is_expanded(surface);
+  buffers.is_printed = is_printed(surface);
   buffers.count = GLsizei(3 * surface.triangles.size());
   buffers.vertices_needed = 0;
   for (const Triangle& triangle : surface.triangles) {
@@ -87,7 +125,9 @@ void upload_vertices(Buffers& buffers, const Surface& surface, bool all) {
   buffers.has_colors =
       upload_optional(buffers, buffers.colors, {.location = color, .components = 4, .type = GL_UNSIGNED_BYTE},
                       surface.colors, surface);
-  if (all) {
+  if (all && buffers.is_printed) {
+    upload_uvs(buffers, surface);
+  } else if (all) {
     buffers.has_texture =
         upload_optional(buffers, buffers.texture, {.location = texture}, surface.texture, surface);
   }
@@ -98,8 +138,8 @@ bool can_be_drawn(const Buffers& buffers, const Surface& surface) {
 }
 
 void upload_changes(Buffers& buffers, const Surface& surface) {
-  const bool all =
-      buffers.never_uploaded || buffers.topology != surface.topology || buffers.expanded != surface.wireframe;
+  const bool all = buffers.never_uploaded || buffers.topology != surface.topology ||
+                   buffers.expanded != is_expanded(surface) || buffers.is_printed != is_printed(surface);
   if (all) upload_topology(buffers, surface);
   if (!can_be_drawn(buffers, surface)) return;
   if (surface.look.glass && (all || !buffers.is_glass))
@@ -139,6 +179,9 @@ struct SurfacesPass::Impl {
   std::array<std::array<gl::Program, 2>, target_count> programs{
       make(Target::material), make(Target::glass_entry), make(Target::glass_exit),
       make(Target::sunlight), make(Target::depth),       make(Target::pick)};
+  // Of the material, of printed surfaces: compiled when one is drawn.
+  std::array<std::optional<gl::Program>, 2> printed;
+  std::unordered_map<const Image*, Print> prints;
   std::unordered_map<std::uint64_t, Buffers> buffers;  // by key
   std::vector<Item> items;
   std::uint64_t frame = 0;
@@ -150,7 +193,9 @@ struct SurfacesPass::Impl {
     return {program({target_define(target)}), program({target_define(target), "WIREFRAME"})};
   }
 
+  void update_prints();
   void draw(const Item& item, const gl::Program& program) const;
+  const gl::Program& program_of(const Item& item, Target target);
 };
 
 SurfacesPass::SurfacesPass() : impl_(std::make_unique<Impl>()) {}
@@ -166,7 +211,30 @@ void SurfacesPass::update(std::span<const Surface> surfaces) {
     upload_changes(buffers, surface);
     if (can_be_drawn(buffers, surface)) m.items.push_back({&surface, &buffers});
   }
+  m.update_prints();
   std::erase_if(m.buffers, [&](const auto& entry) { return entry.second.last_used + frames_kept < m.frame; });
+}
+
+void SurfacesPass::Impl::update_prints() {
+  for (const Item& item : items) {
+    if (!item.buffers->is_printed) continue;
+    const std::shared_ptr<const Image>& image = item.surface->print;
+    prints.try_emplace(image.get(), image).first->second.last_used = frame;
+  }
+  std::erase_if(prints, [&](const auto& entry) { return entry.second.last_used + frames_kept < frame; });
+}
+
+const gl::Program& SurfacesPass::Impl::program_of(const Item& item, Target target) {
+  const std::size_t wired = item.surface->wireframe ? 1 : 0;
+  if (target != Target::material || !item.buffers->is_printed)
+    return programs.at(std::size_t(target)).at(wired);
+  std::optional<gl::Program>& program = printed.at(wired);
+  if (!program) {
+    std::vector<std::string> defines{target_define(target), "PRINT"};
+    if (wired != 0) defines.emplace_back("WIREFRAME");
+    program.emplace("surface.vert.glsl", "surface.frag.glsl", defines);
+  }
+  return *program;
 }
 
 void SurfacesPass::Impl::draw(const Item& item, const gl::Program& program) const {
@@ -201,23 +269,25 @@ bool SurfacesPass::glass_casts_shadow() const {
 }
 
 void SurfacesPass::draw(const PassContext& context) {
-  const auto& programs = impl_->programs.at(std::size_t(context.target));
-  for (const bool expanded : {false, true}) {
-    const gl::Program& program = programs.at(expanded ? 1 : 0);
-    program.use();
-    program.set("wire_width", 1.1f);
-    program.set("layer", static_cast<float>(context.layer));
-    program.set("glass_part", context.glass_part);
-    float number = 0;
-    for (const Item& item : impl_->items) {
-      ++number;
-      if (item.buffers->expanded != expanded || !is_drawn(item, context.target)) continue;
-      program.set("number", number);
-      const bool solid = is_of_glass(context.target) && item.buffers->wall.closed;
-      (item.surface->one_sided || solid ? glEnable : glDisable)(GL_CULL_FACE);
-      glCullFace(context.target == Target::glass_exit ? GL_FRONT : GL_BACK);
-      impl_->draw(item, program);
+  const gl::Program* used = nullptr;
+  float number = 0;
+  for (const Item& item : impl_->items) {
+    ++number;
+    if (!is_drawn(item, context.target)) continue;
+    const gl::Program& program = impl_->program_of(item, context.target);
+    if (&program != used) {
+      program.use();
+      program.set("wire_width", 1.1f);
+      program.set("layer", static_cast<float>(context.layer));
+      program.set("glass_part", context.glass_part);
     }
+    used = &program;
+    program.set("number", number);
+    const bool solid = is_of_glass(context.target) && item.buffers->wall.closed;
+    (item.surface->one_sided || solid ? glEnable : glDisable)(GL_CULL_FACE);
+    glCullFace(context.target == Target::glass_exit ? GL_FRONT : GL_BACK);
+    if (item.buffers->is_printed) impl_->prints.at(item.surface->print.get()).texture.bind(gl::Unit::print);
+    impl_->draw(item, program);
   }
   glCullFace(GL_BACK);
   glDisable(GL_CULL_FACE);

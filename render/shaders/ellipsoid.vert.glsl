@@ -28,13 +28,16 @@ void main() {
   to_unit_ball = inverse(axes);
   plane_point = vec2(0.0);
   mat3 rows = transpose(axes);
+  bool parallel = frame.projection[3][3] == 1.0;
   // Written so that NaN counts as outside.
-  if (!(abs(determinant(axes)) > 0.0) || !(-c.z > -length(rows[2]))) {
+  if (!(abs(determinant(axes)) > 0.0) || !(parallel || -c.z > -length(rows[2]))) {
     gl_Position = vec4(0.0, 0.0, 2.0, 1.0);
     return;
   }
-  vec2 x = tangents(c.x, c.z, rows[0], rows[2]), y = tangents(c.y, c.z, rows[1], rows[2]);
-  vec2 scale = vec2(frame.projection[0][0], frame.projection[1][1]), offset = -frame.projection[2].xy;
+  vec2 x = parallel ? c.x + length(rows[0]) * vec2(-1.0, 1.0) : tangents(c.x, c.z, rows[0], rows[2]);
+  vec2 y = parallel ? c.y + length(rows[1]) * vec2(-1.0, 1.0) : tangents(c.y, c.z, rows[1], rows[2]);
+  vec2 scale = vec2(frame.projection[0][0], frame.projection[1][1]);
+  vec2 offset = parallel ? frame.projection[3].xy : -frame.projection[2].xy;
   // Never wider than the screen: rasterizers lose precision on huge triangles.
   vec4 edges = clamp(vec4(x.x, y.x, x.y, y.y) * scale.xyxy + offset.xyxy, -1.0, 1.0);
   vec2 position = vec2((gl_VertexID & 1) == 0 ? edges.x : edges.z, gl_VertexID < 2 ? edges.y : edges.w);

@@ -9,6 +9,9 @@
 #ifdef LIQUIDS
 #include "sun_through_liquid.glsl"
 #endif
+#ifdef CAUSTICS
+#include "caustics.glsl"
+#endif
 #include "tone.glsl"
 
 in vec3 ray;
@@ -20,7 +23,7 @@ void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   SurfacePoint surface = surface_point(pixel, ray);
   vec3 to_eye = -normalize(ray);
-  vec3 sky = sky_light(-to_eye);
+  vec3 sky = sky_behind(-to_eye);
   vec4 albedo = texelFetch(albedo_map, pixel, 0);
   Material material;
   material.albedo = albedo.rgb * albedo.rgb;
@@ -34,6 +37,9 @@ void main() {
   vec3 sun = vec3(sun_visibility(surface));
 #ifdef LIQUIDS
   sun *= sun_through_liquid(surface);
+#endif
+#ifdef CAUSTICS
+  sun *= caustics(surface);
 #endif
   vec3 color = lit(material, surface.normal, to_eye, sun, open);
   float visible = surface.kind == kind_sky ? 0.0 : (surface.kind == kind_ground ? ground_visibility(surface.point) : 1.0);

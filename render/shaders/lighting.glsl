@@ -56,7 +56,7 @@ vec3 lit(Material m, vec3 normal, vec3 to_eye, vec3 sun, float open) {
   float a004 = min(r.x * r.x, exp2(-9.28 * nv)) * r.x + r.y;
   vec2 fit = vec2(-1.04, 1.04) * a004 + r.zw;
   vec3 mirrored = reflect(-to_eye, normal);
-  vec3 around = mix(sky_light(mirrored), ambient_light(mirrored), m.roughness);
+  vec3 around = mirrored_light(mirrored, m.roughness);
   vec3 rim = sheen_color * (m.sheen * 0.35 * (1.0 - nv) * (1.0 - nv) * (1.0 - nv));
   vec3 ambient = ambient_light(normal) * (diffuse_albedo + rim) + around * (f0 * fit.x + fit.y);
   return direct + ambient * open;

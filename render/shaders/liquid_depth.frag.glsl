@@ -2,6 +2,7 @@
 // surface.
 #include "frame.glsl"
 #include "ball.glsl"
+#include "liquid.glsl"
 
 layout(location = 0) out float out_depth;
 layout(location = 1) out vec4 out_look;  // refractive index, roughness, radius of the balls [m]
@@ -15,6 +16,6 @@ void main() {
   vec2 clip = clip_depth(z);
   if (clip.x < -clip.y) discard;  // the eye is inside the ball
   gl_FragDepth = 0.5 * clip.x / clip.y + 0.5;
-  out_depth = -z;
+  out_depth = frame.projection[3][3] == 1.0 ? sun_offset() - z : -z;
   out_look = look;
 }

@@ -13,6 +13,7 @@ layout(location = 0) out vec4 out_optics;
 layout(location = 1) out vec4 out_glow;
 uniform sampler2D depth_map;
 uniform vec3 scattering;  // 1/m
+uniform int scale;  // each pixel here covers this number of pixels of the picture along each edge
 #endif
 uniform vec3 extinction;  // 1/m
 uniform float density;    // k
@@ -31,8 +32,7 @@ void main() {
   vec2 clip = clip_depth((chord.foot - half_chord) * chord.direction.z);
   out_optics = vec4(extinction * length_, 0.5 * clip.x / clip.y + 0.5);
 #else
-  // Each pixel here covers two by two pixels of the picture.
-  float ends = opaque_depth(texelFetch(depth_map, ivec2(gl_FragCoord.xy) * 2, 0).r) / -chord.direction.z;
+  float ends = opaque_depth(texelFetch(depth_map, ivec2(gl_FragCoord.xy) * scale, 0).r) / -chord.direction.z;
   float behind_eye = part_before(0.0, chord, half_chord);
   float seen = length_ * max(part_before(ends, chord, half_chord) - behind_eye, 0.0);
   out_optics = vec4(extinction * seen, length_ * (1.0 - behind_eye));

@@ -35,6 +35,9 @@ uniform vec4 look;          // roughness, metalness, sheen, edge of a pattern's 
 uniform vec4 fabric;        // Pattern, strength of the weave, translucency
 uniform float has_colors;  // 1 where vertices have colors
 uniform float has_normals;
+#ifdef PRINT
+uniform sampler2D print_map;
+#endif
 
 #ifdef WIREFRAME
 in vec3 corner;
@@ -60,6 +63,10 @@ void main() {
   if (side < 0.0) normal = -normal;
 
   vec3 albedo = color_first.rgb;
+#ifdef PRINT
+  vec4 ink = texture(print_map, checker_point.xy);
+  albedo = mix(albedo, ink.rgb, ink.a);
+#else
   if (look.w > 0.0) {
     vec3 p = checker_point / look.w;
     int pattern = int(fabric.x + 0.5);
@@ -67,6 +74,7 @@ void main() {
     if (pattern == pattern_strands) albedo *= strands(p.x);
     if (fabric.y > 0.0) albedo *= mix(1.0, weave(p), fabric.y);
   }
+#endif
   if (has_colors > 0.5) albedo = vertex_color.rgb;
 #ifdef WIREFRAME
   albedo = mix(albedo, albedo * 0.08, wire());

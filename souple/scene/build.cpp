@@ -397,6 +397,10 @@ class Builder {
   ObjectId add(const ClothDescription& cloth) {
     const TriangleMesh mesh = surface_of(cloth.mesh, scene_.folder);
     mesh_ = mesh.positions;
+    if (cloth.pattern && !cloth.pattern->file.empty() && mesh.uvs.empty())
+      throw Error(
+          "pattern: the mesh has no UVs, which place a picture on it; export the mesh with UVs, or name a "
+          "pattern");
     ObjectOptions options = options_of(cloth);
     read_maps(cloth.maps, mesh, options);
     return world_.add_cloth(mesh, cloth.material, options);

@@ -24,6 +24,24 @@ CodecPtr<CameraDescription> camera_codec() {
   return keys;
 }
 
+CodecPtr<SkyDescription> sky_codec() {
+  using S = SkyDescription;
+  auto keys =
+      table<S>("sky",
+               "Light from all around in pictures, from a panorama instead of the procedural sky. The middle "
+               "of the panorama is in the direction of -Z.");
+  keys->required<&S::file>("file", file(),
+                           "picture in the Radiance format (.hdr), of all directions; 1 is white")
+      .key<&S::rotation>("rotation", number<double>(within(-360, 360)),
+                         "turn about the vertical, counterclockwise seen from above [degrees]")
+      .key<&S::strength>("strength", number<double>(from_zero(1000)), "factor of its light")
+      .key<&S::sun>("sun", number<double>(from_zero(100)),
+                    "irradiance of the sun, which casts the sharp shadows; without a panorama it is 4")
+      .key<&S::background>("background", boolean(),
+                           "whether it is visible behind the scene; otherwise the procedural sky is");
+  return keys;
+}
+
 /// Gives default names to unnamed items, by the world's rule; fails on duplicate names.
 template <class Items, class NameOf, class Base>
 void complete_names(Items& items, const char* list_key, const JsonPath& path, NameOf name_of, Base base,
@@ -160,6 +178,7 @@ CodecPtr<SceneDescription> scene_codec() {
       .key<&S::frames>("frames", number<std::uint32_t>(within(1, 1e7)), "number of frames to simulate");
   add_setting_keys(*keys);
   keys->key<&S::camera>("camera", camera_codec(), "a good viewpoint for the scene")
+      .key<&S::sky>("sky", maybe(sky_codec()), "light from a panorama, in pictures")
       .key<&S::settings, &Settings::wind>("wind", wind_codec(), "moving air")
       .key<&S::objects>("objects", list(object_codec(), 0, 10000),
                         "cloth, soft bodies, ropes, grains, fluids, obstacles and rigid bodies")

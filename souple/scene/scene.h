@@ -166,6 +166,11 @@ struct ObjectDescription {
 /// Fabric of a cloth in pictures.
 enum class ClothLook { woven, velvet, satin };
 enum class ClothPattern { plain, checker, stripes, plaid, dots };
+/// Print of a cloth in pictures: one of the patterns, or a picture.
+struct ClothPrint {
+  ClothPattern pattern = ClothPattern::plain;
+  std::string file;  ///< of a picture, placed by the mesh's UVs; empty: `pattern`
+};
 
 struct ClothDescription : ObjectDescription {
   MeshDescription mesh;
@@ -174,8 +179,8 @@ struct ClothDescription : ObjectDescription {
   std::optional<TethersDescription> tethers;
   std::optional<float> pressure;  ///< Pa
   std::optional<EnclosedVolumeDescription> enclosed_volume;
-  ClothLook look = ClothLook::woven;    ///< in pictures
-  std::optional<ClothPattern> pattern;  ///< in pictures; empty: of woven cloth by its place, of others plain
+  ClothLook look = ClothLook::woven;  ///< in pictures
+  std::optional<ClothPrint> pattern;  ///< in pictures; empty: of woven cloth by its place, of others plain
 };
 
 struct SoftBodyDescription : ObjectDescription {
@@ -227,6 +232,7 @@ struct FluidDescription : ObjectDescription {
   MaterialDescription<FluidMaterial> material;
   std::vector<EmitterDescription> emitters;
   std::uint32_t max_particles = 0;  ///< 0: as many as at the start
+  bool caustics = false;            ///< in pictures: it refracts sunlight onto the floor
 };
 
 /// The solid inside a closed surface, as a grid of signed distances.
@@ -299,6 +305,15 @@ struct ColliderDescription {
   bool loop = false;
 };
 
+/// Light from a panorama of the surroundings, in pictures.
+struct SkyDescription {
+  std::string file;        ///< a picture in the Radiance format (.hdr)
+  double rotation = 0;     ///< about the vertical, counterclockwise from above [degrees]
+  double strength = 1;     ///< factor of its radiance; 1 in the file is white
+  double sun = 0;          ///< irradiance of the sun that casts sharp shadows; 4 without a panorama
+  bool background = true;  ///< it is drawn behind the scene
+};
+
 struct DrainDescription {
   ShapeDescription shape{};
   TransformDescription transform;  ///< with scale 1
@@ -340,6 +355,7 @@ struct SceneDescription {
   std::uint32_t frames = 240;
   Settings settings{};
   CameraDescription camera;
+  std::optional<SkyDescription> sky;  ///< in pictures; empty: a procedural sky
   std::vector<AnyObjectDescription> objects;
   std::vector<ColliderDescription> colliders;
   std::vector<PairDescription> pairs;

@@ -49,6 +49,20 @@ def png_pixels(path):
     return rows
 
 
+def png(rows):
+    """The bytes of a PNG with these rows of (r, g, b)."""
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+    head = struct.pack(">IIBBBBB", len(rows[0]), len(rows), 8, 2, 0, 0, 0)
+    packed = zlib.compress(b"".join(b"\0" + bytes(v for pixel in row for v in pixel) for row in rows))
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", packed) + chunk(b"IEND", b"")
+
+
+def hdr(radiance, width=16, height=8):
+    """A panorama in the Radiance format, the same from all sides: three bytes for (r, g, b), 128 is 1."""
+    return f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n".encode() + bytes([*radiance, 129]) * (width * height)
+
+
 def difference(one, other):
     """Fraction of pixels that differ by more than a small tolerance."""
     a, b = png_pixels(one), png_pixels(other)
@@ -158,6 +172,82 @@ class Pictures(RenderCase):
         done = self.souple("render", scene, code=2)
         for word in "look", "fur", "velvet", "satin":
             self.assertIn(word, done.stderr)
+
+    def printed(self, pattern, **cloth):
+        """A scene with a square cloth that stands still and fills the picture, under an even light."""
+        (self.folder / "even.hdr").write_bytes(hdr((115, 115, 115)))
+        square = dict({"name": "square", "kind": "cloth", "mesh": {"grid": {"columns": 5, "rows": 5, "size": 1}},
+                       "pattern": pattern, "pins": [{"all": True}]}, **cloth)
+        return self.scene({"souple": 1, "frames": 1, "objects": [square], "sky": {"file": "even.hdr"},
+                           "camera": {"from": [0, 2, 0.001], "to": [0, 0, 0], "fov": 40}})
+
+    def test_a_picture_on_a_cloth_is_where_the_uvs_say(self):
+        red, green, blue, white = (255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 255)
+        (self.folder / "pictures").mkdir()
+        (self.folder / "pictures/four.png").write_bytes(png([[red] * 4 + [green] * 4] * 4 + [[blue] * 4 + [white] * 4] * 4))
+        scene = self.printed("pictures/four.png")
+        self.assertIn("valid", self.souple("check", scene).stdout)
+        self.souple("render", scene, "--out", "a.png", "--size", "80x80", "--samples", "1")
+        rows = png_pixels(self.folder / "a.png")
+        seen = [[tuple(255 * (v > 128) for v in rows[y][x]) for x in (30, 50)] for y in (30, 50)]
+        # U goes along X, to the right, and V from the far edge to the near one.
+        self.assertEqual(seen, [[blue, white], [red, green]])
+        # From another folder.
+        self.souple("render", str((self.folder / scene).resolve()), "--out", "b.png", "--size", "80x80", "--samples", "1", "--quiet")
+        self.assertEqual((self.folder / "a.png").read_bytes(), (self.folder / "b.png").read_bytes())
+
+    def test_a_picture_that_cannot_be_printed_is_an_error(self):
+        (self.folder / "text.png").write_text("no picture")
+        (self.folder / "half.png").write_bytes(png([[(1, 2, 3)] * 50] * 50)[:-40])
+        (self.folder / "wide.png").write_bytes(png([[(0, 0, 0)] * 4097]))
+        (self.folder / "good.png").write_bytes(png([[(0, 0, 0)]]))
+        (self.folder / "bare.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 3 2\n")
+        for pattern, words in (("missing.png", ["objects[0].pattern", "missing.png", "not found"]),
+                               ("text.png", ["text.png", "not a PNG"]), ("half.png", ["half.png", "damaged"]),
+                               ("wide.png", ["wide.png", "4097 x 1", "at most 4096"]),
+                               ("text.jpg", ["objects[0].pattern", "text.jpg", ".png"]), ("spots", ["spots", "dots"])):
+            for command in "check", "render":
+                done = self.souple(command, self.printed(pattern), code=2)
+                self.assert_one_line(done.stderr)
+                for word in words:
+                    self.assertIn(word, done.stderr, pattern)
+        scene = self.printed("good.png", mesh={"file": "bare.obj"})
+        for command in "check", "render":
+            done = self.souple(command, scene, code=2)
+            self.assert_one_line(done.stderr)
+            self.assertIn("objects[0]: pattern: the mesh has no UVs", done.stderr)
+
+    def test_a_panorama_lights_the_scene(self):
+        (self.folder / "red.hdr").write_bytes(hdr((128, 8, 8)))
+        (self.folder / "dim.hdr").write_bytes(hdr((8, 8, 8)))
+        (self.folder / "bad.hdr").write_bytes(hdr((8, 8, 8))[:-3])
+        scene = self.scene(dict(SCENE, sky={"file": "red.hdr"}))
+        self.assertIn("valid", self.souple("check", scene).stdout)
+        self.render(scene, "--out", "red.png")
+        self.render(scene, "--out", "dim.png", "--sky", "dim.hdr")
+        light = {}
+        for name in "red", "dim":
+            pixels = [p for row in png_pixels(self.folder / (name + ".png")) for p in row]
+            light[name] = [sum(p[c] for p in pixels) / len(pixels) for c in range(3)]
+        self.assertGreater(light["red"][0], 2 * light["red"][1])
+        self.assertGreater(light["red"][0], 2 * light["dim"][0])
+        bad = self.scene(dict(SCENE, sky={"file": "bad.hdr"}), "bad.json")
+        for arguments in ("check", bad), ("render", bad), ("render", scene, "--sky", "bad.hdr"), ("render", scene, "--sky", "no.hdr"):
+            done = self.souple(*arguments, code=2)
+            self.assert_one_line(done.stderr)
+            self.assertIn("no.hdr" if arguments[-1] == "no.hdr" else "bad.hdr", done.stderr)
+
+    def test_caustics_are_drawn_where_they_are_asked_for(self):
+        pool = {"name": "pool", "kind": "fluid", "box": {"lo": [-0.3, 0, -0.3], "hi": [0.3, 0.2, 0.3]},
+                "material": {"preset": "water", "spacing": 0.04}}
+        floor = {"colliders": [{"name": "floor", "shape": {"plane": {}}}], "camera": {"from": [0, 1, 0.6], "to": [0, 0.1, 0]}}
+        scene = self.scene(dict({"souple": 1, "frames": 3, "objects": [pool]}, **floor))
+        marked = self.scene(dict({"souple": 1, "frames": 3, "objects": [dict(pool, caustics=True)]}, **floor), "marked.json")
+        self.render(scene, "--out", "plain.png")
+        self.render(scene, "--out", "asked.png", "--caustics")
+        self.render(marked, "--out", "marked.png")
+        self.assertNotEqual((self.folder / "plain.png").read_bytes(), (self.folder / "asked.png").read_bytes())
+        self.assertEqual((self.folder / "asked.png").read_bytes(), (self.folder / "marked.png").read_bytes())
 
     def test_few_colors_make_small_files(self):
         scene = self.scene(SCENE)

@@ -26,6 +26,44 @@ CodecPtr<EnclosedVolumeDescription> enclosed_volume_codec() {
   return keys;
 }
 
+/// A pattern's name, or the name of a PNG file.
+class PrintCodec : public Codec<ClothPrint> {
+ public:
+  void read(const Json& json, const JsonPath& path, ClothPrint& value) const override {
+    if (is_picture(json)) return file_->read(json, path, value.file);
+    if (json.is(Json::Kind::text) && json.text.find('.') != std::string::npos)
+      path.unexpected("a pattern's name or a picture whose name ends in .png", json);
+    value.file.clear();
+    pattern_->read(json, path, value.pattern);
+  }
+  Json write(const ClothPrint& value) const override {
+    return value.file.empty() ? pattern_->write(value.pattern) : file_->write(value.file);
+  }
+  TypeInfo describe(Format& format) const override {
+    const TypeInfo pattern = pattern_->describe(format);
+    TypeInfo file = file_->describe(format);
+    file.schema.set("pattern", Json::of("\\.[Pp][Nn][Gg]$"));
+    Json schema = Json::object();
+    schema.set("oneOf", Json::array({pattern.schema, file.schema}));
+    return {pattern.text + ", or a PNG file, relative to the scene's folder", schema};
+  }
+
+ private:
+  static bool is_picture(const Json& json) {
+    if (!json.is(Json::Kind::text) || json.text.size() < 4) return false;
+    std::string ending = json.text.substr(json.text.size() - 4);
+    for (char& c : ending) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+    return ending == ".png";
+  }
+
+  CodecPtr<std::string> file_ = file();
+  CodecPtr<ClothPattern> pattern_ = enumeration<ClothPattern>({{"plain", ClothPattern::plain},
+                                                               {"checker", ClothPattern::checker},
+                                                               {"stripes", ClothPattern::stripes},
+                                                               {"plaid", ClothPattern::plaid},
+                                                               {"dots", ClothPattern::dots}});
+};
+
 template <class T>
 std::shared_ptr<Table<T>> object_table(const char* kind, const char* doc) {
   auto keys = table<T>(kind, doc);
@@ -95,13 +133,10 @@ std::shared_ptr<Table<ClothDescription>> cloth_table() {
           enumeration<ClothLook>(
               {{"woven", ClothLook::woven}, {"velvet", ClothLook::velvet}, {"satin", ClothLook::satin}}),
           "fabric in pictures")
-      .key<&T::pattern>("pattern",
-                        maybe(enumeration<ClothPattern>({{"plain", ClothPattern::plain},
-                                                         {"checker", ClothPattern::checker},
-                                                         {"stripes", ClothPattern::stripes},
-                                                         {"plaid", ClothPattern::plaid},
-                                                         {"dots", ClothPattern::dots}})),
-                        "print in pictures; if not given: of woven cloth one of four, of others plain");
+      .key<&T::pattern>(
+          "pattern", maybe<ClothPrint>(std::make_shared<PrintCodec>()),
+          "print in pictures; a picture appears where the mesh's UVs are; if not given: of woven "
+          "cloth one of four, of others plain");
   return keys;
 }
 
@@ -214,6 +249,9 @@ std::shared_ptr<Table<FluidDescription>> fluid_table() {
                               "maximum number of particles; emitters stop at it, and memory for all of them "
                               "is reserved at the start")
       .key<&T::color>("color", maybe(color()), "color in pictures, as in HTML")
+      .key<&T::caustics>(
+          "caustics", boolean(),
+          "whether it refracts sunlight onto the floor in pictures, as bright lines under waves")
       .check([](const T& fluid, const JsonPath& path) {
         const auto* points = std::get_if<std::vector<Vec3d>>(&fluid.filling);
         if (points && points->empty() && fluid.max_particles == 0)
