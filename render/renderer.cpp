@@ -297,6 +297,7 @@ Frame Renderer::Impl::frame(const DrawList& list, const Camera& camera, const Re
   f.ground_second = vec4(list.ground.second, 1);
   f.sun_size.y = options.samples > 1 ? 1.5f / std::sqrt(float(options.samples)) : 1.0f;
   f.sun_size.z = options.tone_curve ? 1.0f : 0.0f;
+  f.sun_size.w = options.coarse ? 1.0f : 0.0f;
   f.sample_info = {float(sample), float(options.samples), options.samples > 1 ? offset[0] : 0.0f, 0};
   OcclusionPass::aim(f, bounds, options.ambient_occlusion);
   return f;
@@ -361,9 +362,9 @@ void Renderer::Impl::draw_clear(const DrawList& list, const PassContext& context
   const LitScene scene{targets->normal, targets->depth, targets->lighting, list.light.environment != nullptr};
   const Bounds walls = surfaces.has_glass() ? bounds_of_glass(list) : Bounds{};
   const auto draw_glass = [&](GlassPart part) {
-    if (!surfaces.has_glass()) return;
+    if (!surfaces.has_glass() || (options.coarse && part == GlassPart::behind_liquids)) return;
     if (part != GlassPart::all) liquids.bind_surface();
-    glass.draw(part, scene, walls, liquids.window(), surfaces, context, empty_array);
+    glass.draw(part, scene, walls, liquids.window(), surfaces, context, options.coarse, empty_array);
     clock.done("glass");
   };
   if (liquid_splats.empty()) return draw_glass(GlassPart::all);
@@ -419,8 +420,7 @@ void Renderer::Impl::draw_one(const DrawList& list, const Camera& camera, const 
   shadow.aim(at, list.light, options.shadows ? casters : Bounds{}, sun[0], sun[1]);
   shadow.draw(at, surfaces, spheres);
   clock.done("shadow");
-  if (at.shadow_size.w != 0 && filters_sunlight())
-    shadow.draw_light(liquid_splats, surfaces, options.coarse_liquids);
+  if (at.shadow_size.w != 0 && filters_sunlight()) shadow.draw_light(liquid_splats, surfaces, options.coarse);
   clock.done("liquid shadow");
   if (has_caustics(list)) draw_caustics(list, at);
   clock.done("caustics");

@@ -137,6 +137,7 @@ void Viewer::draw_scene(std::uint32_t framebuffer) {
     const int bottom = height_ - area_.y - area_.height;
     render::RenderOptions rendering = rendering_;
     rendering.labels = false;  // at the full resolution below
+    rendering.coarse = true;
     renderer_.draw(drawing_.list(), camera_, rendering, target_.width(), target_.height(),
                    target_.framebuffer());
     target_.copy_to(framebuffer, area_.x, bottom, area_.width, area_.height);

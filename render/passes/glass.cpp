@@ -8,6 +8,10 @@ namespace {
 
 constexpr int most_layers = 12;  // a ray through more walls passes the nearest unseen
 
+int parts_of(int side, int scale) {
+  return (side + scale - 1) / scale;
+}
+
 void clear_buffer(GLint buffer) {
   const std::array<float, 4> zero{};
   glClearBufferfv(GL_COLOR, buffer, zero.data());
@@ -15,11 +19,13 @@ void clear_buffer(GLint buffer) {
 
 }  // namespace
 
-GlassPass::Targets::Targets(int width, int height)
-    : entry{gl::Texture(GL_RGBA32F, width, height), gl::Texture(GL_RGBA32F, width, height)},
-      look(GL_RGBA16F, width, height),
-      exit(GL_RGBA32F, width, height),
-      depth(GL_DEPTH_COMPONENT32F, width, height),
+GlassPass::Targets::Targets(int width, int height, int layer_scale)
+    : scale(layer_scale),
+      entry{gl::Texture(GL_RGBA32F, parts_of(width, scale), parts_of(height, scale)),
+            gl::Texture(GL_RGBA32F, parts_of(width, scale), parts_of(height, scale))},
+      look(GL_RGBA16F, parts_of(width, scale), parts_of(height, scale)),
+      exit(GL_RGBA32F, parts_of(width, scale), parts_of(height, scale)),
+      depth(GL_DEPTH_COMPONENT32F, parts_of(width, scale), parts_of(height, scale)),
       behind(GL_RGBA16F, width, height, GL_LINEAR),
       entry_target{gl::Framebuffer("the fronts of glass", {&entry[0], &look}, &depth),
                    gl::Framebuffer("the fronts of glass", {&entry[1], &look}, &depth)},
@@ -68,17 +74,21 @@ void GlassPass::copy(const gl::Framebuffer& color) {
 }
 
 void GlassPass::draw(GlassPart part, const LitScene& scene, const Bounds& bounds, const Window& liquids,
-                     SurfacesPass& surfaces, PassContext context, const gl::VertexArray& empty_array) {
-  if (!targets_ || targets_->exit.width() != context.width || targets_->exit.height() != context.height) {
+                     SurfacesPass& surfaces, PassContext context, bool coarse,
+                     const gl::VertexArray& empty_array) {
+  const int scale = coarse ? 2 : 1;
+  if (!targets_ || targets_->behind.width() != context.width || targets_->behind.height() != context.height ||
+      targets_->scale != scale) {
     targets_.reset();  // frees memory before allocating
-    targets_.emplace(context.width, context.height);
+    targets_.emplace(context.width, context.height, scale);
   }
+  context.glass_scale = scale;
   context.glass_part = static_cast<float>(part);
   const Window around = window_around(bounds, context);
   const Window window = part == GlassPart::behind_liquids ? common_part(around, liquids) : around;
   if (window.width <= 0 || window.height <= 0) return;
   for (int layer = 0; layer < most_layers; ++layer) {
-    keep_within(window, 1);
+    keep_within(window, scale);
     scene.depth.bind(gl::Unit::depth);
     glEnable(GL_DEPTH_TEST);
     glDepthMask(GL_TRUE);
@@ -97,6 +107,8 @@ void GlassPass::draw(GlassPart part, const LitScene& scene, const Bounds& bounds
     const gl::Program& program = shade_.of(scene.has_panorama);
     program.use();
     program.set("part", context.glass_part);
+    program.set("glass_scale", static_cast<float>(scale));
+    program.set("steps", coarse ? 1 : 3);
     empty_array.bind();
     draw_screen();
     glDepthMask(GL_TRUE);

@@ -31,17 +31,18 @@ class GlassPass {
   GlassPass();
 
   /// Draws over `scene.color`. `bounds` is the bounding box of all glass. Unless part is `all`, LiquidPass::bind_surface
-  /// has been called, and `liquids` is the window around liquids.
+  /// has been called, and `liquids` is the window around liquids. `coarse`: layers have half the picture's edges.
   void draw(GlassPart part, const LitScene& scene, const Bounds& bounds, const Window& liquids,
-            SurfacesPass& surfaces, PassContext context, const gl::VertexArray& empty_array);
+            SurfacesPass& surfaces, PassContext context, bool coarse, const gl::VertexArray& empty_array);
 
  private:
   struct Targets {
+    int scale;                         // pixels of the picture per pixel of a layer along an edge
     std::array<gl::Texture, 2> entry;  // of this layer and of the one behind it
     gl::Texture look, exit, depth, behind;
     std::array<gl::Framebuffer, 2> entry_target;
     gl::Framebuffer exit_target, copy;
-    Targets(int width, int height);
+    Targets(int width, int height, int layer_scale);
   };
   bool find_layer(int layer, SurfacesPass& surfaces, PassContext& context);
   void copy(const gl::Framebuffer& color);

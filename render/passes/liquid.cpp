@@ -209,7 +209,7 @@ void LiquidPass::find_depth(const LiquidSplats& splats, int side, const RenderOp
 void LiquidPass::find_surface(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
                               const PassContext& context, const RenderOptions& options,
                               const gl::VertexArray& empty_array, PassClock& clock) {
-  resize(context.width, context.height, options.coarse_liquids ? coarse_scale : fine_scale);
+  resize(context.width, context.height, options.coarse ? coarse_scale : fine_scale);
   window_ = window_around(bounds, context);
   clear();
   keep_within(window_, 1);

@@ -54,7 +54,8 @@ struct Frame {
   Vec4 sky, horizon, floor_light;
   Vec4 shadow_size;  ///< edge of the cube that the map covers [m], 0, width of a texel [m], 1: on
   Vec4
-      sun_size;  ///< tangent of the sun's apparent radius; fraction of the softness that is blurred; 1: tone curve on
+      sun_size;  ///< tangent of the sun's apparent radius; fraction of the softness that is blurred; 1: tone curve on;
+                 ///< 1: shadows are filtered from fewer points
   Vec4 ground;  ///< height, edge of a tile [m], 1: shown, distance at which haze hides it [m]
   Vec4 ground_color, ground_second;
   Vec4 sample_info;  ///< index, count, a number in [0, 1) that differs between samples, 1: occlusion on
@@ -70,6 +71,7 @@ struct PassContext {
   Vec3f eye{};
   int layer = 0;         ///< targets of glass: number of layers drawn before
   float glass_part = 0;  ///< targets of glass: GlassPart
+  int glass_scale = 1;   ///< targets of glass: pixels of the picture per pixel along an edge
 };
 
 /// Draws a triangle that covers the screen; the vertex shader is screen.vert.glsl.

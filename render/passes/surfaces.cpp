@@ -280,6 +280,7 @@ void SurfacesPass::draw(const PassContext& context) {
       program.set("wire_width", 1.1f);
       program.set("layer", static_cast<float>(context.layer));
       program.set("glass_part", context.glass_part);
+      program.set("glass_scale", static_cast<float>(context.glass_scale));
     }
     used = &program;
     program.set("number", number);

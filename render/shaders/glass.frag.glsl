@@ -13,6 +13,8 @@ in vec3 ray;
 layout(location = 0) out vec4 out_color;
 
 uniform float part;  // as GlassPart
+uniform float glass_scale;  // pixels per pixel of the layer along an edge
+uniform int steps;  // towards what a ray meets
 uniform sampler2D color_map;  // the picture behind
 uniform sampler2D depth_map;
 uniform sampler2D liquid_depth_map;
@@ -30,15 +32,19 @@ float depth_behind(vec2 uv) {
   return liquid > 0.0 ? min(depth, liquid) : depth;
 }
 
-// Light from `direction` at a point of the glass.
-vec3 light_behind(vec3 point, vec3 direction) {
+// Where the light from `direction` at a point of the glass comes from: a point of the screen, or the sky.
+struct Source {
+  vec2 uv;
+  bool is_sky;
+};
+
+Source source_behind(vec3 point, vec3 direction) {
   vec2 here = gl_FragCoord.xy * frame.size.zw, uv = here;
   // In clip space, where w is the depth along the view.
   vec4 from = frame.projection * (frame.view * vec4(point, 1.0));
   vec4 to = frame.projection * (frame.view * vec4(direction, 0.0));
-  float depth = from.w, advance = to.w;
-  if (advance < 0.05) return sky_light(direction);  // to the side or back: not on the screen
-  for (int i = 0; i < 3; ++i) {
+  float depth = from.w, advance = max(to.w, 0.05);
+  for (int i = 0; i < steps; ++i) {
     vec4 clip = from + to * max((depth_behind(uv) - depth) / advance, 0.0);
     uv = 0.5 * clip.xy / clip.w + 0.5;
   }
@@ -47,14 +53,16 @@ vec3 light_behind(vec3 point, vec3 direction) {
   vec2 border = 0.5 * frame.size.zw;
   vec2 kept = clamp(hidden ? here : uv, border, 1.0 - border);
   bool outside = any(greaterThan(abs(uv - kept), vec2(0.05))) && !hidden;
-  return outside && direction.y > 0.0 ? sky_light(direction) : scene_light(texture(color_map, kept).rgb);
+  // To the side or back: not on the screen.
+  return Source(kept, to.w < 0.05 || (outside && direction.y > 0.0));
 }
 
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  vec4 entry = texelFetch(glass_entry_map, pixel, 0);
+  ivec2 of_layer = pixel / int(glass_scale);
+  vec4 entry = texelFetch(glass_entry_map, of_layer, 0);
   if (entry.w == 0.0) discard;
-  vec4 exit_ = texelFetch(glass_exit_map, pixel, 0), look = texelFetch(glass_look_map, pixel, 0);
+  vec4 exit_ = texelFetch(glass_exit_map, of_layer, 0), look = texelFetch(glass_look_map, of_layer, 0);
   vec3 along = normalize(ray), normal = folded(entry.xy);
   vec3 start = frame.eye.xyz + ray * entry.z, end = start, leaving = along;
   float cosine = clamp(-dot(along, normal), 0.02, 1.0);
@@ -76,8 +84,11 @@ void main() {
   vec3 to_eye = -along;
   vec3 spark = sun_color * min(0.04 * sun_mirrored(normal, to_eye, 0.12), 8.0);
   vec3 mirrored = sky_light(reflect(along, normal)) * (mirrors + (1.0 - mirrors) * (1.0 - mirrors) * mirrors_back);
+  Source source = source_behind(end, leaving);
+  vec2 uv = total ? gl_FragCoord.xy * frame.size.zw : source.uv;
+  vec3 behind = source.is_sky && !total ? sky_light(leaving) : scene_light(texture(color_map, uv).rgb);
   // After total reflection light crosses more walls, which the screen does not show: it comes from all around.
-  vec3 around = 0.35 * ambient_light(leaving) + 0.5 * scene_light(texelFetch(color_map, pixel, 0).rgb);
-  vec3 through = (total ? around : light_behind(end, leaving)) * left * ((1.0 - mirrors) * (1.0 - mirrors_back));
+  if (total) behind = 0.35 * ambient_light(leaving) + 0.5 * behind;
+  vec3 through = behind * left * ((1.0 - mirrors) * (1.0 - mirrors_back));
   out_color = vec4(tone_mapped(through + mirrored + spark), 1.0);
 }

@@ -13,19 +13,20 @@ uniform float number;  // of the surface, from 1
 uniform float thickness;  // of the wall [m]; 0: a sheet
 uniform float layer;
 uniform float glass_part;  // as GlassPart
+uniform float glass_scale;  // pixels of the picture per pixel along an edge
 uniform sampler2D depth_map;
 uniform sampler2D liquid_depth_map;
 uniform sampler2D glass_entry_map;  // target glass_entry: of the layer behind; target glass_exit: of this layer
 
 void main() {
-  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  ivec2 pixel = ivec2(gl_FragCoord.xy), of_picture = pixel * int(glass_scale);
   float depth = -(frame.view * vec4(world_point, 1.0)).z;
   vec4 known = texelFetch(glass_entry_map, pixel, 0);
 #ifdef TARGET_GLASS_ENTRY
   if (layer > 0.0 && depth >= known.z) discard;  // where there was no layer behind, known.z is 0
-  if (depth > opaque_depth(texelFetch(depth_map, pixel, 0).r)) discard;
+  if (depth > opaque_depth(texelFetch(depth_map, of_picture, 0).r)) discard;
   if (glass_part > 0.5) {
-    float liquid = texelFetch(liquid_depth_map, pixel, 0).r;
+    float liquid = texelFetch(liquid_depth_map, of_picture, 0).r;
     bool behind = liquid > 0.0 && depth > liquid;
     if (behind != (glass_part < 1.5)) discard;
   }

@@ -83,9 +83,10 @@ struct Refraction {
   float whole;  // length in the liquid where the path ends at an opaque object in it, otherwise 0 [m]
 };
 
-const int march_steps = 8;
+// Steps along the refracted path.
+int march_steps() { return frame.sun_size.w > 0.5 ? 4 : 8; }
 // Longest part of a path that the last step may leave out, as a factor: a path this much longer reaches its end.
-const float reaching = 1.0 / (1.0 - 1.0 / float(march_steps)) + 0.01;
+float reaching() { return 1.0 / (1.0 - 1.0 / float(march_steps())) + 0.01; }
 
 // `thickness` is that of all liquid on the ray [m].
 Refraction refraction_at(SurfacePoint surface, vec2 slope, float thickness, vec4 look) {
@@ -102,7 +103,7 @@ Refraction refraction_at(SurfacePoint surface, vec2 slope, float thickness, vec4
   float height = frame.ground.z > 0.5 ? surface.point.y - frame.ground.x : 0.0;
   float down = height / max(-bent.y, 0.3);
   float pool = smoothstep(0.5, 0.8, surface.normal.y) * smoothstep(0.03, 0.15, path / max(down, 1e-6));
-  path = mix(path, max(path, reaching * down), height > 0.0 ? pool : 0.0);
+  path = mix(path, max(path, reaching() * down), height > 0.0 ? pool : 0.0);
 
   // March until the path meets an opaque object behind the surface; w is the depth along the view.
   vec4 start = frame.projection * (frame.view * vec4(surface.point, 1.0));
@@ -110,14 +111,14 @@ Refraction refraction_at(SurfacePoint surface, vec2 slope, float thickness, vec4
   float part = 1.0, before = -1.0, noise = pixel_noise(gl_FragCoord.xy);
   bool hit = false;
   // An object that is nearer by more than this is not hit: the path passes behind it.
-  float tolerance = 4.0 * path / float(march_steps) + 0.5 * look.z;
-  for (int i = 1; i <= march_steps; ++i) {
-    float at = (float(i) - noise) / float(march_steps);
+  float tolerance = 4.0 * path / float(march_steps()) + 0.5 * look.z;
+  for (int i = 1; i <= march_steps(); ++i) {
+    float at = (float(i) - noise) / float(march_steps());
     vec4 clip = start + whole * at;
     float there = opaque_depth_at(uv_of(clip));
     float over = clip.w - there;
     if (over > 0.0 && over < tolerance && there > surface.depth) {
-      part = at - over / (over - before) / float(march_steps);
+      part = at - over / (over - before) / float(march_steps());
       hit = true;
       break;
     }
@@ -187,7 +188,7 @@ void main() {
     // The clouds of the lowest particles reach below the floor: liquid that stands on an object fills the gap.
     float gap = (opaque - z) * length(ray);
     float standing = optics.a > 0.0 ? 1.0 - smoothstep(1.5, 3.0, (gap - optics.a) / look.z) : 0.0;
-    float thickness = mix(optics.a, max(reaching * gap, optics.a), standing);
+    float thickness = mix(optics.a, max(reaching() * gap, optics.a), standing);
     Refraction refraction = refraction_at(surface, slope, thickness, look);
     // Where there is nothing behind, the sky in the light's direction is exact.
     bool only_sky = texelFetch(normal_map, ivec2(refraction.uv * frame.size.xy), 0).w == 0.0;

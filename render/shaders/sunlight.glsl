@@ -15,8 +15,8 @@ float pixel_noise(vec2 pixel) {
   return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))) + frame.sample_info.z);
 }
 
-const int blocker_taps = 8;
-const int shadow_taps = 14;
+int blocker_taps() { return frame.sun_size.w > 0.5 ? 5 : 8; }
+int shadow_taps() { return frame.sun_size.w > 0.5 ? 8 : 14; }
 
 // Rotation by the golden angle, about 137.5 degrees: points at r = sqrt((i + 0.5) / n), each rotated by it
 // relative to the previous one, are distributed evenly over the unit disk (Vogel's spiral). Arrays of
@@ -46,9 +46,9 @@ float sun_visibility(SurfacePoint surface) {
   vec2 direction = vec2(1.0 - t * t, 2.0 * t) / (1.0 + t * t);
 
   vec2 found = vec2(0.0);  // sum of the blockers' distances, and their number
-  int taps = inside ? blocker_taps : 0;
+  int taps = inside ? blocker_taps() : 0;
   for (int i = 0; i < taps; ++i) {
-    vec2 offset = direction * (search * sqrt((float(i) + 0.5) / float(blocker_taps)));
+    vec2 offset = direction * (search * sqrt((float(i) + 0.5) / float(blocker_taps())));
     float blocker = textureLod(shadow_map, p.xy + offset, 0.0).r;
     // Nothing was drawn at 1, the far end of the map.
     if (blocker < min(depth + dot(slope, offset), 1.0)) found += vec2(p.z - blocker, 1.0);
@@ -57,12 +57,12 @@ float sun_visibility(SurfacePoint surface) {
 
   float radius = clamp(spread * frame.sun_size.y * found.x / max(found.y, 1.0), 1.2 * texel_uv, search);
   float dark = 0.0;
-  taps = found.y > 0.0 ? shadow_taps : 0;
+  taps = found.y > 0.0 ? shadow_taps() : 0;
   for (int i = 0; i < taps; ++i) {
-    vec2 offset = direction * (radius * sqrt((float(i) + 0.5) / float(shadow_taps)));
+    vec2 offset = direction * (radius * sqrt((float(i) + 0.5) / float(shadow_taps())));
     float blocker = textureLod(shadow_map, p.xy + offset, 0.0).r;
     if (blocker < min(depth + dot(slope, offset), 1.0)) dark += 1.0;
     direction = golden_turn * direction;
   }
-  return 1.0 - dark / float(shadow_taps);
+  return 1.0 - dark / float(shadow_taps());
 }

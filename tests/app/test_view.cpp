@@ -2,6 +2,7 @@
 #include "tests/app/view_fixture.h"
 #include "tests/expect_error.h"
 
+#include <cmath>
 #include <cstddef>
 #include <fstream>
 #include <iterator>
@@ -198,6 +199,48 @@ TEST_F(View, ScreenshotsAreWrittenAndNeverOverwritten) {
   view.type("s");
   EXPECT_EQ(files(), (std::vector<std::string>{"souple-cloth-0001.png", "souple-cloth-0002.png"}));
   EXPECT_EQ(render::read_png(view.folder().path() / "souple-cloth-0001.png"), first);
+}
+
+/// Water, glass, cloth and shadows: the picture on screen, of one sample and coarse, against the screenshot of eight.
+TEST(ViewerPicture, IsCloseToTheScreenshot) {
+  constexpr const char* everything = R"({
+    "souple": 1, "camera": {"from": [1.1, 0.9, 1.6], "to": [0, 0.15, 0], "fov": 34},
+    "objects": [
+      {"name": "pool", "kind": "fluid", "box": {"lo": [-0.36, 0, -0.26], "hi": [0.36, 0.16, 0.26]},
+       "material": {"preset": "water", "spacing": 0.02}},
+      {"name": "cloth", "kind": "cloth", "mesh": {"grid": {"columns": 11, "rows": 11, "size": 0.4}},
+       "transform": {"translate": [-0.7, 0.3, -0.3], "rotate": [60, 20, 0]}}
+    ],
+    "colliders": [
+      {"name": "floor", "shape": {"plane": {}}},
+      {"name": "front", "shape": {"box": {"half_extents": [0.4, 0.15, 0.02]}}, "transform": {"translate": [0, 0.15, 0.29]},
+       "color": "#cfe3ea", "look": "glass"},
+      {"name": "back", "shape": {"box": {"half_extents": [0.4, 0.15, 0.02]}}, "transform": {"translate": [0, 0.15, -0.29]},
+       "color": "#cfe3ea", "look": "glass"},
+      {"name": "ball", "shape": {"sphere": {"radius": 0.12}}, "transform": {"translate": [0.1, 0.2, 0]}}
+    ]
+  })";
+  const TestFolder folder;
+  OffscreenViewer view(folder.write("everything.json", everything));
+  view.simulation().set_playing(false);
+  view.resize({640, 480, 1});
+  view.type("h");
+  view.picture();
+  const render::Image seen = view.image();
+  view.type("s");
+  const render::Image still = render::read_png(view.folder().path() / "souple-everything-0001.png");
+  ASSERT_EQ(still.width, seen.width);
+  ASSERT_EQ(still.height, seen.height);
+  double sum = 0;
+  int count = 0;
+  for (int y = 60; y < seen.height; ++y)  // below the line of text
+    for (int x = 0; x < seen.width; ++x)
+      for (int c = 0; c < 3; ++c, ++count) {
+        const double off = (seen.at(x, y)[c] - still.at(x, y)[c]) / 255.0;
+        sum += off * off;
+      }
+  EXPECT_LT(std::sqrt(sum / count), 0.03) << "root mean square, of the range";
+  EXPECT_GT(std::sqrt(sum / count), 0) << "the screenshot has more samples";
 }
 
 TEST_F(View, AScreenshotThatCannotBeWrittenIsSaid) {
