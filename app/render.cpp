@@ -282,6 +282,8 @@ class Rendering {
   }
 
   std::uint64_t pictures() const { return pictures_; }
+  /// Fractions of the width and the height that the subject fills, each in the picture where it is least.
+  render::Fraction filled() const { return filled_; }
   double seconds() const { return seconds_; }
 
  private:
@@ -315,6 +317,10 @@ class Rendering {
     const render::Subject& subject = source_.subject();
     if (!camera_)
       camera_ = camera_for(job_.camera, source_.camera(), extent_of(subject), job_.style.aspect());
+    const render::Fraction filled =
+        camera_->filled(extent_with_colliders(subject).points(), job_.style.aspect());
+    filled_.width = std::min(filled_.width, filled.width);
+    filled_.height = std::min(filled_.height, filled.height);
     const Clock::time_point start = Clock::now();
     const std::string label = job_.kind == OutputKind::sheet ? label_of(source_) : "";
     sink_.add(maker_.picture(subject, *camera_, job_.style, label), source_.frame());
@@ -327,6 +333,7 @@ class Rendering {
   PictureSink& sink_;
   std::optional<render::Camera> camera_;
   std::uint64_t pictures_ = 0;
+  render::Fraction filled_{1, 1};
   double seconds_ = 0;
 };
 
@@ -352,8 +359,12 @@ int report_interrupted(const RenderJob& job, const FrameSource& source, std::uin
 void print_summary(const RenderJob& job, const FrameSource& source, const Rendering& rendering) {
   std::string what = counted(rendering.pictures(), "picture");
   if (job.kind == OutputKind::picture) what = fmt::format("frame {}", job.frames.front());
-  std::printf("%s: %s of %dx%d in %.2f s, in %s\n", source.name().c_str(), what.c_str(), job.style.size.width,
-              job.style.size.height, rendering.seconds(), job.out.string().c_str());
+  const render::Fraction filled = rendering.filled();
+  std::printf(
+      "%s: %s of %dx%d in %.2f s, in %s; the subject fills %.0f %% of the width, %.0f %% of the height\n",
+      source.name().c_str(), what.c_str(), job.style.size.width, job.style.size.height, rendering.seconds(),
+      job.out.string().c_str(), 100 * static_cast<double>(filled.width),
+      100 * static_cast<double>(filled.height));
 }
 
 }  // namespace

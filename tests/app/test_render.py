@@ -111,7 +111,8 @@ class Pictures(RenderCase):
     def test_the_last_frame_by_default(self):
         done = self.render(self.scene(SCENE))
         self.assert_one_line(done.stdout)
-        self.assertRegex(done.stdout, r"^small: frame 20 of 160x90 in [\d.]+ s, in out/small.png\n$")
+        self.assertRegex(done.stdout, r"^small: frame 20 of 160x90 in [\d.]+ s, in out/small.png; "
+                                      r"the subject fills \d+ % of the width, \d+ % of the height\n$")
         self.assertEqual(done.stderr, "")
         self.assertEqual(png_size(self.folder / "out/small.png"), (160, 90))
         self.assertEqual(self.names(), ["out", "out/small.png", "small.json"])

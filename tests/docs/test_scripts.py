@@ -5,10 +5,12 @@ import json
 import os
 import pathlib
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
 import unittest
+import zlib
 
 SOURCE = pathlib.Path(sys.argv[1])
 
@@ -69,6 +71,43 @@ class Gallery(unittest.TestCase):
                       "left_over.webp: is not in script/gallery", "docs/pictures: has", "README.md: its gallery is not"):
             self.assertIn(words, found)
         self.assertNotIn("display_contacts.png", "\n".join(after - before), "the tablecloth has not changed")
+
+
+def png(shades):
+    """A gray picture one pixel high."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", len(shades), 1, 8, 0, 0, 0, 0))
+            + chunk(b"IDAT", zlib.compress(b"\0" + bytes(shades))) + chunk(b"IEND", b""))
+
+
+@unittest.skipUnless(shutil.which("ffmpeg"), "ffmpeg reads the pictures")
+class GalleryMeasure(unittest.TestCase):
+    """script/gallery --measure, with a program that writes a given picture and says how much of it the subject fills."""
+
+    def measured(self, scene, shades, width, height):
+        with tempfile.TemporaryDirectory() as folder:
+            pathlib.Path(folder, "picture.png").write_bytes(png(shades))
+            program = pathlib.Path(folder, "souple")
+            program.write_text('#!/bin/sh\nwhile [ $# -gt 1 ]; do [ "$1" = --out ] && out=$2; shift; done\n'
+                               f'cp {folder}/picture.png "$out"; echo "the subject fills {width} % of the width, '
+                               f'{height} % of the height"\n')
+            program.chmod(0o755)
+            return subprocess.run([sys.executable, "-B", SOURCE / "script/gallery", "--measure", "--program", program, scene],
+                                  capture_output=True, text=True)
+
+    def test_a_full_picture_with_black_and_white_passes(self):
+        done = self.measured("flag", [0, 128, 255], 35, 60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("flag: frame 160: 35 % of the width, 60 % of the height", done.stdout)
+
+    def test_each_bound_is_reported(self):
+        for shades, width, height, miss in (([0, 255], 34, 60, "fills less than 35 %"), ([0, 255], 60, 34, "fills less than 35 %"),
+                                            ([11, 255], 60, 60, "has no blacks"), ([0, 244], 60, 60, "has no whites")):
+            with self.subTest(shades=shades, width=width, height=height):
+                done = self.measured("flag", shades, width, height)
+                self.assertEqual(done.returncode, 1)
+                self.assertEqual([miss in line for line in done.stderr.splitlines()], [True], done.stderr)
 
 
 class Presets(unittest.TestCase):

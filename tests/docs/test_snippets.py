@@ -2,8 +2,8 @@
 """The manual's C++ compiles, and its commands exist: test_snippets.py SOURCE_FOLDER INCLUDES COMPILER [PROGRAM].
 
 Each ```cpp block of README and docs/ with a main function is compiled as it stands; one without is compiled inside what
-CONTEXT gives for it. Each line of a ```sh block is run with small numbers in place of large ones, or its script is checked
-to exist. Standard library only.
+CONTEXT gives for it. Each line of a ```sh block, and each command of the gallery's tables, is run with small numbers in place
+of large ones, or its script is checked to exist. Standard library only.
 """
 
 import os
@@ -89,6 +89,12 @@ class Commands(unittest.TestCase):
                 line = re.sub(r"\s+#.*", "", line).strip()
                 if line:
                     yield page, line
+        shown = {}  # the first page that shows each command of the gallery
+        for page in PAGES:
+            for line in re.findall(r"<code>(souple [^<]*)</code>", (SOURCE / page).read_text()):
+                shown.setdefault(line, page)
+        self.assertGreater(len(shown), 60, "the gallery's tables show two commands for each scene")
+        yield from ((page, line) for line, page in shown.items())
 
     def test_each_script_exists(self):
         for page, line in self.lines():
