@@ -188,7 +188,7 @@ void NearPairFinder::find_own_patches() {
   own_patches_.resize(patches.size());
   for (std::uint32_t first = 0, last = 0; first < patches.size(); first = last) {
     while (last < patches.size() && patches[last].object == patches[first].object) ++last;
-    std::fill(own_patches_.begin() + first, own_patches_.begin() + last, SpatialHash::Skip{first, last});
+    std::fill(own_patches_.data() + first, own_patches_.data() + last, SpatialHash::Skip{first, last});
   }
 }
 

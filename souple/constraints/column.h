@@ -1,6 +1,7 @@
 #pragma once
 
-#include <bit>
+#include "souple/math/bit_cast.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -58,7 +59,7 @@ class Column {
  private:
   // Compares bits: 0 and -0 differ.
   bool same(float value) const {
-    return std::bit_cast<std::uint32_t>(value) == std::bit_cast<std::uint32_t>(values_[0]);
+    return bit_cast<std::uint32_t>(value) == bit_cast<std::uint32_t>(values_[0]);
   }
   void expand() {
     values_.resize(size_, values_[0]);

@@ -52,7 +52,7 @@ class ColliderElementContacts final : public ContactProjector {
   int color_count() const override { return contacts_.empty() ? 0 : 1; }
   std::size_t color_size(int) const override { return contacts_.size(); }
   /// Contacts share particles, so one thread projects all of them.
-  std::size_t grain() const override { return std::size_t{1} << 40; }
+  std::size_t grain() const override { return ~std::size_t{0} / 2; }
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "souple/math/bit_cast.h"
 #include "souple/math/vec3.h"
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -36,12 +36,12 @@ Unsigned load(const std::byte* in) {
 
 template <ByteOrder order>
 void store_float(std::byte* out, float value) {
-  store<order>(out, std::bit_cast<std::uint32_t>(value));
+  store<order>(out, bit_cast<std::uint32_t>(value));
 }
 
 template <ByteOrder order>
 float load_float(const std::byte* in) {
-  return std::bit_cast<float>(load<order, std::uint32_t>(in));
+  return bit_cast<float>(load<order, std::uint32_t>(in));
 }
 
 /// Writes three floats per point; `out` has 12 bytes per point.

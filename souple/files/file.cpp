@@ -168,7 +168,7 @@ void ByteSource::read(std::uint64_t offset, std::span<std::byte> bytes) {
 
 std::string read_whole_file(const std::filesystem::path& path) {
   ByteSource source(path);
-  std::string bytes(source.size(), '\0');
+  std::string bytes(static_cast<std::size_t>(source.size()), '\0');
   source.read(0, std::as_writable_bytes(std::span(bytes)));
   return bytes;
 }

@@ -73,7 +73,7 @@ class CellOrder {
         row = first_row(lo[1], row->z);
         continue;
       }
-      const auto begin = cells_.begin() + row->begin, end = cells_.begin() + (row + 1)->begin;
+      const Cell *const begin = cells_.data() + row->begin, *const end = cells_.data() + (row + 1)->begin;
       const auto first = std::partition_point(begin, end, [&](const Cell& cell) { return cell.x < lo[0]; });
       const auto last = std::partition_point(first, end, [&](const Cell& cell) { return cell.x <= hi[0]; });
       if (first != last) f(first->begin, last->begin);

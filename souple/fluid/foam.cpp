@@ -114,7 +114,8 @@ Foam::Neighborhood Foam::neighborhood(const FluidView& fluid, const Vec3f& at) c
     };
     for (auto row = std::lower_bound(rows.begin(), rows.end() - 1, cell[1] - 1, before);
          row != rows.end() - 1 && row->z == layer && row->y <= cell[1] + 1; ++row) {
-      const auto first = cells.begin() + row->begin, last = cells.begin() + (row + 1)->begin;
+      const CellOrder::Cell *const first = cells.data() + row->begin, *const last =
+                                                                          cells.data() + (row + 1)->begin;
       for (auto c = std::lower_bound(first, last, cell[0] - 1,
                                      [](const CellOrder::Cell&one, std::int32_t x0) { return one.x < x0; });
            c != last && c->x <= cell[0] + 1; ++c)
@@ -238,8 +239,8 @@ void Foam::make(const FoamStep& step, const FoamParameters& parameters, Threads&
   }
   const std::uint64_t capacity =
       std::min<std::uint64_t>(total, parameters.max_particles - std::min(parameters.max_particles, size()));
-  report_.made = capacity;
-  report_.thinned = total - capacity;
+  report_.made = static_cast<std::size_t>(capacity);
+  report_.thinned = static_cast<std::size_t>(total - capacity);
   // New particle k stays if k capacity / total reaches a new integer: thins evenly over all spawners.
   const auto kept_before = [&](std::uint64_t k) { return total > 0 ? k * capacity / total : 0; };
   start_.clear();

@@ -17,7 +17,7 @@ constexpr int tet_edge[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 // A use of an edge by an element. After sorting, the uses of an edge are consecutive, in order of appearance.
 struct EdgeUse {
   std::uint32_t low, high;
-  std::uint64_t slot;  // element * sides + side
+  std::size_t slot;  // element * sides + side
   friend bool operator<(const EdgeUse& a, const EdgeUse& b) {
     if (a.low != b.low) return a.low < b.low;
     if (a.high != b.high) return a.high < b.high;
@@ -26,7 +26,7 @@ struct EdgeUse {
   bool same_edge(const EdgeUse& b) const { return low == b.low && high == b.high; }
 };
 
-EdgeUse edge_use(std::uint32_t a, std::uint32_t b, std::uint64_t slot) {
+EdgeUse edge_use(std::uint32_t a, std::uint32_t b, std::size_t slot) {
   return {std::min(a, b), std::max(a, b), slot};
 }
 
@@ -50,7 +50,7 @@ std::vector<EdgeUse> sorted_uses(std::span<const Triangle> triangles) {
   std::vector<EdgeUse> uses(begin.back());
   std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
   for_each_use(triangles, [&](const EdgeUse& use) { uses[next[use.low]++] = use; });
-  for (std::size_t v = 0; v < vertices; ++v) std::sort(uses.begin() + begin[v], uses.begin() + begin[v + 1]);
+  for (std::size_t v = 0; v < vertices; ++v) std::sort(uses.data() + begin[v], uses.data() + begin[v + 1]);
   return uses;
 }
 
@@ -61,12 +61,12 @@ std::size_t run_end(const std::vector<EdgeUse>& uses, std::size_t first) {
   return last;
 }
 
-Edge edge_at(std::span<const Triangle> triangles, std::uint64_t slot) {
+Edge edge_at(std::span<const Triangle> triangles, std::size_t slot) {
   const Triangle& t = triangles[slot / 3];
   return {t[slot % 3], t[(slot + 1) % 3]};
 }
 
-std::uint32_t opposite_at(std::span<const Triangle> triangles, std::uint64_t slot) {
+std::uint32_t opposite_at(std::span<const Triangle> triangles, std::size_t slot) {
   return triangles[slot / 3][(slot + 2) % 3];
 }
 
@@ -116,7 +116,7 @@ Components components_of(std::span<const Element> elements, std::size_t vertex_c
 TriangleEdges triangle_edges(std::span<const Triangle> triangles) {
   const std::vector<EdgeUse> uses = sorted_uses(triangles);
   // First store in each side the slot where its edge first appears, then number those slots in order.
-  std::vector<std::uint64_t> first_slot(triangles.size() * 3, ~std::uint64_t(0));
+  std::vector<std::size_t> first_slot(triangles.size() * 3, ~std::size_t{0});
   for (std::size_t first = 0; first < uses.size();) {
     const std::size_t last = run_end(uses, first);
     for (std::size_t u = first; u < last; ++u) first_slot[uses[u].slot] = uses[first].slot;
@@ -124,10 +124,10 @@ TriangleEdges triangle_edges(std::span<const Triangle> triangles) {
   }
   TriangleEdges result;
   result.of_triangle.resize(triangles.size());
-  for (std::uint64_t slot = 0; slot < first_slot.size(); ++slot) {
+  for (std::size_t slot = 0; slot < first_slot.size(); ++slot) {
     std::uint32_t& edge = result.of_triangle[slot / 3][slot % 3];
-    const std::uint64_t origin = first_slot[slot];
-    if (origin == ~std::uint64_t(0)) {
+    const std::size_t origin = first_slot[slot];
+    if (origin == ~std::size_t{0}) {
       edge = TriangleEdges::no_edge;
     } else if (origin == slot) {
       edge = static_cast<std::uint32_t>(result.edges.size());
@@ -152,13 +152,13 @@ std::vector<Edge> unique_edges(std::span<const Tet> tets) {
       if (a != b) uses.push_back(edge_use(a, b, t * 6 + i));
     }
   std::sort(uses.begin(), uses.end());
-  std::vector<std::uint64_t> slots;
+  std::vector<std::size_t> slots;
   for (std::size_t first = 0; first < uses.size(); first = run_end(uses, first))
     slots.push_back(uses[first].slot);
   std::sort(slots.begin(), slots.end());
   std::vector<Edge> edges;
   edges.reserve(slots.size());
-  for (const std::uint64_t slot : slots) {
+  for (const std::size_t slot : slots) {
     const int(&pair)[2] = tet_edge[slot % 6];
     edges.push_back({tets[slot / 6][std::size_t(pair[0])], tets[slot / 6][std::size_t(pair[1])]});
   }
@@ -167,16 +167,16 @@ std::vector<Edge> unique_edges(std::span<const Tet> tets) {
 
 std::vector<Hinge> interior_edges(std::span<const Triangle> triangles) {
   const std::vector<EdgeUse> uses = sorted_uses(triangles);
-  constexpr std::uint64_t none = ~std::uint64_t{0};
-  std::vector<std::uint64_t> next_use(triangles.size() * 3,
-                                      none);  // per slot: the next slot with the same edge
+  constexpr std::size_t none = ~std::size_t{0};
+  std::vector<std::size_t> next_use(triangles.size() * 3,
+                                    none);  // per slot: the next slot with the same edge
   std::size_t count = 0;
   for (std::size_t u = 0; u + 1 < uses.size(); ++u)
     if (uses[u].same_edge(uses[u + 1])) next_use[uses[u].slot] = uses[u + 1].slot, ++count;
   std::vector<Hinge> hinges;
   hinges.reserve(count);
-  for (std::uint64_t first = 0; first < next_use.size(); ++first) {
-    const std::uint64_t second = next_use[first];
+  for (std::size_t first = 0; first < next_use.size(); ++first) {
+    const std::size_t second = next_use[first];
     if (second == none) continue;
     const Edge edge = edge_at(triangles, first);
     const std::uint32_t c = opposite_at(triangles, first), d = opposite_at(triangles, second);
@@ -189,7 +189,7 @@ std::vector<Hinge> interior_edges(std::span<const Triangle> triangles) {
 
 std::vector<Edge> boundary_edges(std::span<const Triangle> triangles) {
   const std::vector<EdgeUse> uses = sorted_uses(triangles);
-  std::vector<std::uint64_t> slots;
+  std::vector<std::size_t> slots;
   for (std::size_t first = 0; first < uses.size();) {
     const std::size_t last = run_end(uses, first);
     if (last - first == 1) slots.push_back(uses[first].slot);
@@ -198,7 +198,7 @@ std::vector<Edge> boundary_edges(std::span<const Triangle> triangles) {
   std::sort(slots.begin(), slots.end());
   std::vector<Edge> edges;
   edges.reserve(slots.size());
-  for (const std::uint64_t slot : slots) edges.push_back(edge_at(triangles, slot));
+  for (const std::size_t slot : slots) edges.push_back(edge_at(triangles, slot));
   return edges;
 }
 
@@ -242,7 +242,7 @@ std::vector<Triangle> surface_triangles(std::span<const Tet> tets) {
   constexpr std::size_t face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   struct Use {
     Triangle key;
-    std::uint64_t slot;
+    std::size_t slot;
     bool operator<(const Use& b) const { return key != b.key ? key < b.key : slot < b.slot; }
   };
   std::vector<Use> uses;
@@ -254,7 +254,7 @@ std::vector<Triangle> surface_triangles(std::span<const Tet> tets) {
       uses.push_back({key, t * 4 + i});
     }
   std::sort(uses.begin(), uses.end());
-  std::vector<std::uint64_t> slots;
+  std::vector<std::size_t> slots;
   for (std::size_t first = 0; first < uses.size();) {
     std::size_t last = first + 1;
     while (last < uses.size() && uses[last].key == uses[first].key) ++last;
@@ -264,7 +264,7 @@ std::vector<Triangle> surface_triangles(std::span<const Tet> tets) {
   std::sort(slots.begin(), slots.end());
   std::vector<Triangle> triangles;
   triangles.reserve(slots.size());
-  for (const std::uint64_t slot : slots) {
+  for (const std::size_t slot : slots) {
     const Tet& tet = tets[slot / 4];
     const std::size_t(&f)[3] = face[slot % 4];
     triangles.push_back({tet[f[0]], tet[f[1]], tet[f[2]]});

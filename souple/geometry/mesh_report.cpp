@@ -20,7 +20,7 @@ using Indices = std::vector<std::uint32_t>;
 // A side of a triangle; `slot` = triangle * 3 + side.
 struct Side {
   std::uint32_t low = 0, high = 0;
-  std::uint64_t slot = 0;
+  std::size_t slot = 0;
   bool forward = false;  // from the lower to the higher vertex
   friend bool operator<(const Side& a, const Side& b) {
     if (a.low != b.low) return a.low < b.low;

@@ -77,7 +77,7 @@ void IntersectionFinder::set_surfaces(std::span<const ContactSurface> surfaces) 
   for (std::uint32_t a = 0; a < n; ++a) {
     const ContactSurface& surface = surfaces[a];
     ranges_.push_back({surface.begin, surface.end});
-    std::fill(surface_of_.begin() + surface.begin, surface_of_.begin() + surface.end, a);
+    std::fill(surface_of_.data() + surface.begin, surface_of_.data() + surface.end, a);
     const auto first = static_cast<std::uint32_t>(elements_.triangles().size());
     elements_.add_triangles(surface.triangles, surface.begin, a);
     own_triangles_.push_back({first, static_cast<std::uint32_t>(elements_.triangles().size())});

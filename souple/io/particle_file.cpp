@@ -3,10 +3,10 @@
 #include "souple/error.h"
 #include "souple/files/endian.h"
 #include "souple/files/file.h"
+#include "souple/math/bit_cast.h"
 #include "souple/mesh_files/mesh_write.h"
 
 #include <array>
-#include <bit>
 #include <charconv>
 #include <cstdint>
 #include <iterator>
@@ -28,7 +28,7 @@ class BigEndian {
     store<ByteOrder::big>(bytes.data(), value);
     text_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   }
-  void put(float value) { put(std::bit_cast<std::uint32_t>(value)); }
+  void put(float value) { put(bit_cast<std::uint32_t>(value)); }
   void put(const Vec3f& v) { put(v.x), put(v.y), put(v.z); }
   void put_text(std::string_view text) { text_ += text; }
 

@@ -50,12 +50,12 @@ void Dense::Impl::fill(const LinearSystem& system) {
   for (const LinearSystem::Block& block : system.blocks()) {
     const auto of = system.members(block);
     for (int r = 0; r < block.rows; ++r) {
-      const Eigen::Index row = Eigen::Index{block.row} + r;
+      const Eigen::Index row = static_cast<Eigen::Index>(block.row) + r;
       rhs[row] = system.b[static_cast<std::size_t>(row)];
       for (std::size_t k = 0; k < block.arity; ++k)
         for (int axis = 0; axis < 3; ++axis)
           if (of[k] != LinearSystem::pinned)
-            J(row, 3 * Eigen::Index{of[k]} + axis) =
+            J(row, 3 * static_cast<Eigen::Index>(of[k]) + axis) =
                 static_cast<double>(system.gradient_of(block, r)[k][axis]);
       for (int s = 0; s <= r; ++s)
         matrix(row, row - r + s) = matrix(row - r + s, row) =

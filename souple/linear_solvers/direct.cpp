@@ -163,7 +163,7 @@ void Direct::Impl::fill_primal(const LinearSystem& system) {
       for (std::size_t k = 0; k < block.arity; ++k)
         for (int axis = 0; axis < 3; ++axis)
           if (of[k] != LinearSystem::pinned)
-            rhs[3 * Eigen::Index{of[k]} + axis] +=
+            rhs[3 * static_cast<Eigen::Index>(of[k]) + axis] +=
                 force * static_cast<double>(system.gradient_of(block, r)[k][axis]);
     }
   }

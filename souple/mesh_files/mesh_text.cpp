@@ -1,6 +1,7 @@
 #include "souple/mesh_files/mesh_text.h"
 
 #include "souple/error.h"
+#include "souple/mesh_files/number_text.h"
 
 #include <algorithm>
 #include <charconv>
@@ -19,13 +20,6 @@ bool is_blank(char c) {
 }
 bool is_line_end(char c) {
   return c == '\n' || c == '\r';
-}
-
-// from_chars reports both 1e-400 and 1e400 as out of range; the first becomes 0 here.
-bool is_tiny(std::string_view word) {
-  const std::size_t exponent = word.find_first_of("eE");
-  if (exponent == std::string_view::npos) return word.substr(0, 1) == "0" || word.substr(0, 1) == ".";
-  return word.substr(exponent + 1, 1) == "-";
 }
 
 }  // namespace
@@ -51,14 +45,9 @@ bool parse_real(std::string_view word, double& value) {
   const bool negative = word[0] == '-';
   if (negative) word.remove_prefix(1);
   if (word.empty() || word[0] == '-') return false;
-  const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (rest != word.data() + word.size()) return false;
-  if (error == std::errc::result_out_of_range && is_tiny(word))
-    value = 0.0;
-  else if (error != std::errc())
-    return false;
+  if (!parse_unsigned_real(word, value)) return false;
   if (negative) value = -value;
-  return std::isfinite(value);
+  return true;
 }
 
 bool parse_integer(std::string_view word, std::int64_t& value) {

@@ -3,33 +3,27 @@
 #include "souple/error.h"
 #include "souple/mesh_files/mesh_bytes.h"
 #include "souple/mesh_files/mesh_groups.h"
+#include "souple/mesh_files/number_text.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 namespace souple {
 
 namespace {
 
-// Maximum lengths of to_chars for a float, and for an index.
-constexpr std::size_t longest_number = 32;
-
-template <class T>
-void append_number(std::string& out, T value) {
-  char digits[longest_number];
-  const auto result = std::to_chars(digits, digits + longest_number, value);
-  out.append(digits, result.ptr);
+void append_number(std::string& out, std::uint64_t value) {
+  out += fmt::format_int(value).c_str();
 }
 
 void append_vector(std::string& out, const Vec3f& v) {
   for (float component : {v.x, v.y, v.z}) {
     out += ' ';
-    append_number(out, component);
+    mesh_detail::append_real(out, component);
   }
 }
 
@@ -144,9 +138,9 @@ class TopologyWriter {
     for (const std::string& file : mesh_.appearance.material_files) out_ += "mtllib " + file + '\n';
     for (const auto& uv : mesh_.uvs) {
       out_ += "vt ";
-      append_number(out_, uv[0]);
+      mesh_detail::append_real(out_, uv[0]);
       out_ += ' ';
-      append_number(out_, uv[1]);
+      mesh_detail::append_real(out_, uv[1]);
       out_ += '\n';
     }
     for (const Vec3f& normal : mesh_.appearance.normals) {

@@ -84,7 +84,7 @@ void merge(std::vector<Link>& links, std::size_t particles) {
   const auto key = [](const Link& link) { return std::tuple(link.b, link.length, link.energy); };
   std::size_t count = 0;
   for (std::size_t a = 0; a < particles; ++a) {
-    std::sort(by_a.begin() + begin[a], by_a.begin() + begin[a + 1],
+    std::sort(by_a.data() + begin[a], by_a.data() + begin[a + 1],
               [&](const Link& p, const Link& q) { return key(p) < key(q); });
     for (std::size_t e = begin[a]; e < begin[a + 1]; ++e) {
       if (count > 0 && links[count - 1].a == by_a[e].a && links[count - 1].b == by_a[e].b) {

@@ -144,7 +144,7 @@ class Near {
     transpose(marches);
     threads.for_each(triangles.size(), grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        std::sort(reached_.begin() + begin_[i], reached_.begin() + begin_[i + 1], nearer);
+        std::sort(reached_.data() + begin_[i], reached_.data() + begin_[i + 1], nearer);
     });
   }
 

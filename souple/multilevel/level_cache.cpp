@@ -1,9 +1,9 @@
 #include "souple/multilevel/level_cache.h"
 
 #include "souple/assert.h"
+#include "souple/math/bit_cast.h"
 
 #include <algorithm>
-#include <bit>
 #include <unordered_map>
 #include <utility>
 
@@ -17,7 +17,7 @@ constexpr std::size_t large_block = 4096;
 std::uint64_t hash_of(std::span<const Link> links, std::span<const char> fixed) {
   std::uint64_t hash = 14695981039346656037u;
   const auto mix = [&hash](std::uint64_t value) { hash = (hash ^ value) * 1099511628211u; };
-  for (const Link& link : links) mix(link.a), mix(link.b), mix(std::bit_cast<std::uint32_t>(link.length));
+  for (const Link& link : links) mix(link.a), mix(link.b), mix(bit_cast<std::uint32_t>(link.length));
   for (const char f : fixed) mix(static_cast<std::uint64_t>(f));
   return hash;
 }

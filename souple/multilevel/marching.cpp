@@ -1,7 +1,8 @@
 #include "souple/multilevel/marching.h"
 
+#include "souple/math/bit_cast.h"
+
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -58,7 +59,7 @@ LinkEnds::LinkEnds(std::span<const Link> links, std::size_t particles, Threads& 
   }
   threads.for_each(particles, grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const auto first = ends_.begin() + begin_[i], last = ends_.begin() + begin_[i + 1];
+      End *const first = ends_.data() + begin_[i], *const last = ends_.data() + begin_[i + 1];
       if (last - first > static_cast<std::ptrdiff_t>(max_shortest))
         std::nth_element(first, first + max_shortest, last, [](const End& p, const End& q) {
           return std::pair(p.length, p.to) < std::pair(q.length, q.to);
@@ -129,7 +130,7 @@ void Marcher::begin(std::uint32_t source, float radius) {
 // Of the nearest particle that is not reached; infinite if there is none.
 float Marcher::next_length() {
   while (!heap_.empty() && squared_[static_cast<std::uint32_t>(heap_.front())] < infinity) pop();
-  return heap_.empty() ? infinity : std::bit_cast<float>(static_cast<std::uint32_t>(heap_.front() >> 32));
+  return heap_.empty() ? infinity : bit_cast<float>(static_cast<std::uint32_t>(heap_.front() >> 32));
 }
 
 std::uint32_t Marcher::reach_next() {
@@ -164,7 +165,7 @@ void Marcher::offer(std::uint32_t v, float length) {
   }
   seen.length = length;
   if (length > radius_) return;
-  heap_.push_back(std::uint64_t{std::bit_cast<std::uint32_t>(length)} << 32 | v);
+  heap_.push_back(std::uint64_t{bit_cast<std::uint32_t>(length)} << 32 | v);
   std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
 }
 

@@ -119,7 +119,7 @@ void BodyMatrix::analyze(std::uint32_t bodies,
   }
   for (std::uint32_t& row : below_) row = position_[row];
   for (std::uint32_t c = 0; c < bodies; ++c)
-    std::sort(below_.begin() + column_begin_[c], below_.begin() + column_begin_[c + 1]);
+    std::sort(below_.data() + column_begin_[c], below_.data() + column_begin_[c + 1]);
   diagonal_.resize(bodies), lower_.resize(below_.size());
 }
 
@@ -129,9 +129,9 @@ void BodyMatrix::clear() {
 }
 
 std::size_t BodyMatrix::find(std::uint32_t row, std::uint32_t column) const {
-  const auto at = std::lower_bound(below_.begin() + column_begin_[column],
-                                   below_.begin() + column_begin_[column + 1], row);
-  return static_cast<std::size_t>(at - below_.begin());
+  const std::uint32_t* at =
+      std::lower_bound(below_.data() + column_begin_[column], below_.data() + column_begin_[column + 1], row);
+  return static_cast<std::size_t>(at - below_.data());
 }
 
 std::pair<BodyMatrix::Block*, bool> BodyMatrix::beside(std::uint32_t i, std::uint32_t j) {

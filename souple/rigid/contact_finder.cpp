@@ -275,7 +275,7 @@ void ContactFinder::load(std::span<const std::byte> in) {
   get(count);
   std::vector<Pair> pairs;
   std::vector<RigidContact> contacts;
-  for (std::uint64_t p = 0; p < count; ++p) {
+  for (std::size_t p = 0; p < count; ++p) {
     for_each_field(pairs.emplace_back(), contacts.emplace_back(), get);
     const int kept = pairs.back().axis.points.count;
     if (contacts.back().count > contacts.back().points.size() || (kept != 0 && kept != 4) ||

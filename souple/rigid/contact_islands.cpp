@@ -65,7 +65,7 @@ void ContactIslands::color(Island& island, std::span<const ContactBlock> blocks)
     if (first[c] < first[c + 1]) colors_.push_back({begin + first[c], begin + first[c + 1]});
   island.colors.end = static_cast<std::uint32_t>(colors_.size());
   for (std::uint32_t k = begin; k < end; ++k) sorted_[begin + first[color_[k]]++] = order_[k];
-  std::copy(sorted_.begin() + begin, sorted_.begin() + end, order_.begin() + begin);
+  std::copy(sorted_.data() + begin, sorted_.data() + end, order_.data() + begin);
 }
 
 std::size_t ContactIslands::bytes() const {

@@ -145,7 +145,7 @@ void LinearSystem::fill(Block& block, const LinearConstraint& constraint) {
   block.inactive = false;
   double gradient_squared = 0;
   const auto of = members(block);
-  std::copy(constraint.gradient.begin(), constraint.gradient.end(), gradient.begin() + block.gradient);
+  std::copy(constraint.gradient.begin(), constraint.gradient.end(), gradient.data() + block.gradient);
   for (int r = 0; r < block.rows; ++r)
     for (std::size_t k = 0; k < block.arity; ++k)
       if (of[k] != pinned) gradient_squared += length_squared(Vec3d(gradient_of(block, r)[k]));
@@ -185,10 +185,10 @@ void LinearSystem::raise_to_floor(const Block& block, double inverse_h2) {
 void LinearSystem::deactivate(Block& block) {
   block.inactive = true;
   const std::size_t rows = block.rows;
-  std::fill_n(gradient.begin() + block.gradient, rows * block.arity, Vec3f{});
-  std::fill_n(compliance.begin() + block.compliance, rows * (rows + 1) / 2, 0.0);
+  std::fill_n(gradient.data() + block.gradient, rows * block.arity, Vec3f{});
+  std::fill_n(compliance.data() + block.compliance, rows * (rows + 1) / 2, 0.0);
   for (int r = 0; r < block.rows; ++r) compliance[block.compliance + packed(r, r)] = 1;
-  std::fill_n(b.begin() + block.row, rows, 0.0);
+  std::fill_n(b.data() + block.row, rows, 0.0);
 }
 
 void LinearSystem::invert_compliance() {
@@ -231,7 +231,7 @@ bool LinearSystem::deactivate_pulling() {
     const double bound = -1e-9 * std::fabs(lambda[block.row]);
     if (lambda[block.row] + dlambda[block.row] >= bound) continue;
     deactivate(block);
-    std::fill_n(dlambda.begin() + block.row, block.rows, 0.0);
+    std::fill_n(dlambda.data() + block.row, block.rows, 0.0);
     dropped = true;
   }
   return dropped;

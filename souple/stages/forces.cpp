@@ -112,8 +112,7 @@ bool find_wind_forces(const StageView& stage, float h, WindForces& forces) {
                      forces.of_triangle);
       gather_forces(*object, forces, stage.threads);
     } else {
-      std::fill(forces.of_particle.begin() + object->begin, forces.of_particle.begin() + object->end,
-                Vec4f{});
+      std::fill(forces.of_particle.data() + object->begin, forces.of_particle.data() + object->end, Vec4f{});
     }
   }
   return true;

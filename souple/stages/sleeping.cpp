@@ -54,7 +54,7 @@ void set_asleep(Particles& particles, Object& object, std::uint32_t island) {
   object.sleep.island = island;
   set_inverse_masses(particles, object);
   const auto stop = [&](std::vector<Vec4f>& array) {
-    std::fill(array.begin() + object.begin, array.begin() + object.end, Vec4f{});
+    std::fill(array.data() + object.begin, array.data() + object.end, Vec4f{});
   };
   stop(particles.velocity);
   if (object.traits().rolls) stop(particles.spin);

@@ -199,11 +199,11 @@ void SurfaceField::gather(const CellOrder& order, const ParticleKernels& particl
     row = std::partition_point(row, rows_end,
                                [&](const CellOrder::Row& r) { return r.z != z ? r.z < z : r.y < first[1]; });
     for (; row != rows_end && row->z == z && row->y <= last[1]; ++row) {
-      const auto end = cells.begin() + (row + 1)->begin;
-      auto cell = std::partition_point(cells.begin() + row->begin, end,
+      const CellOrder::Cell* const end = cells.data() + (row + 1)->begin;
+      auto cell = std::partition_point(cells.data() + row->begin, end,
                                        [&](const CellOrder::Cell& c) { return c.x < first[0]; });
       for (; cell != end && cell->x <= last[0]; ++cell) {
-        if (!cell_boxes_[static_cast<std::size_t>(cell - cells.begin())].overlaps(box)) continue;
+        if (!cell_boxes_[static_cast<std::size_t>(cell - cells.data())].overlaps(box)) continue;
         for (std::uint32_t i = cell->begin; i < (cell + 1)->begin; ++i)
           if (particles.boxes()[i].overlaps(box)) found.push_back(i);
       }

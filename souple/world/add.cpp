@@ -150,7 +150,8 @@ void remove_object(WorldState& world, const Object& object) {
   const std::uint32_t begin = object.begin, end = object.reserved_end();
   const std::size_t index = world.object_of[begin];
   world.particles.erase(begin, end);
-  world.object_of.erase(world.object_of.begin() + begin, world.object_of.begin() + end);
+  world.object_of.erase(world.object_of.begin() + static_cast<std::ptrdiff_t>(begin),
+                        world.object_of.begin() + static_cast<std::ptrdiff_t>(end));
   for (std::uint32_t& i : world.object_of)
     if (i > index) --i;
   for (const auto& other : world.objects)

@@ -150,7 +150,8 @@ std::size_t bytes_of_spins(const WorldState& world) {
   return count * sizeof(Vec4f);
 }
 
-std::size_t size_for(const WorldState& world, std::size_t contacts, std::size_t foam, std::size_t rigid) {
+std::uint64_t size_for(const WorldState& world, std::uint64_t contacts, std::uint64_t foam,
+                       std::uint64_t rigid) {
   return sizeof(Header) + bytes_of_particles(world) + bytes_of_spins(world) + contacts * contact_unit +
          world.objects.size() * sizeof(Rest) + world.flow.emitters.size() * sizeof(EmitterRecord::layers) +
          world.flow.drains.size() * sizeof(DrainRecord::credit) + foam * foam_bytes + rigid +
@@ -222,7 +223,7 @@ Snapshot World::snapshot() const {
                       {origin.x, origin.y, origin.z}};
   Snapshot result;
   std::vector<std::byte>& out = result.bytes;
-  out.reserve(size_for(world, header.contacts, foam.size(), bodies.size()));
+  out.reserve(static_cast<std::size_t>(size_for(world, header.contacts, foam.size(), bodies.size())));
   put(out, &header, 1);
   put(out, particles.position.data(), particles.size());
   put(out, particles.offset.data(), particles.size());
@@ -250,6 +251,9 @@ void World::restore(const Snapshot& snapshot) {
   require_callable(*world.calls, "restore", From::nowhere);
   const CallScope call(*world.calls, Calls::Doing::computing);
   const Header header = checked_header(world, snapshot.bytes);
+  // Not above the snapshot's size.
+  const auto contacts = static_cast<std::size_t>(header.contacts),
+             foam = static_cast<std::size_t>(header.foam), bodies = static_cast<std::size_t>(header.rigid);
   if (world.calls->broken) start_afresh(world);
   Edit edit(world);
   std::span<const std::byte> in = std::span(snapshot.bytes).subspan(sizeof header);
@@ -257,19 +261,19 @@ void World::restore(const Snapshot& snapshot) {
   world.time = header.time;
   world.steps = header.steps;
   std::span<const std::byte> later =
-      in.subspan(bytes_of_particles(world) + bytes_of_spins(world) + header.contacts * contact_unit);
+      in.subspan(bytes_of_particles(world) + bytes_of_spins(world) + contacts * contact_unit);
   resume_objects(world, later);
   const auto& origin = header.foam_origin;
-  world.fluids->foam().set_state(get_foam(later, header.foam), {origin[0], origin[1], origin[2]});
-  load_bodies(world, later.first(header.rigid));
-  later = later.subspan(header.rigid);
+  world.fluids->foam().set_state(get_foam(later, foam), {origin[0], origin[1], origin[2]});
+  load_bodies(world, later.first(bodies));
+  later = later.subspan(bodies);
   get_poses(world, later.first(later.size() - sizeof(std::uint64_t)));
   get(in, particles.position.data(), particles.size());
   get(in, particles.offset.data(), particles.size());
   get(in, particles.velocity.data(), particles.size());
   get(in, particles.contact_margin.data(), particles.size());
   for_each_spin(world, particles.spin, [&in](Vec4f* spin, std::size_t n) { get(in, spin, n); });
-  world.contact->contacts.load(in.first(header.contacts * contact_unit));
+  world.contact->contacts.load(in.first(contacts * contact_unit));
   world.contact->invalidate();
   world.contact->check_intersections = true;
   ++world.version;

@@ -47,7 +47,7 @@ void ElementSurfaces::set(std::vector<ContactSurface> surfaces) {
   longest_edge_.assign(surfaces_.size(), 0), mean_edge_.assign(surfaces_.size(), 0);
   for (std::uint32_t a = 0; a < surfaces_.size(); ++a) {
     const ContactSurface& surface = surfaces_[a];
-    std::fill(surface_of_.begin() + surface.begin, surface_of_.begin() + surface.end, a);
+    std::fill(surface_of_.data() + surface.begin, surface_of_.data() + surface.end, a);
     const EdgeLengths edges = edge_lengths(surface);
     mean_edge_[a] = edges.mean;
     if (!surface.self_collision) continue;
@@ -62,8 +62,8 @@ void ElementSurfaces::set_end(std::size_t surface, std::uint32_t end) {
   ContactSurface& one = surfaces_[surface];
   SOUPLE_ASSERT(one.begin <= end && end <= one.reserved_end, "particles of the surface's range");
   one.end = end;
-  std::fill(surface_of_.begin() + one.begin, surface_of_.begin() + end, static_cast<std::uint32_t>(surface));
-  std::fill(surface_of_.begin() + end, surface_of_.begin() + one.reserved_end, no_surface);
+  std::fill(surface_of_.data() + one.begin, surface_of_.data() + end, static_cast<std::uint32_t>(surface));
+  std::fill(surface_of_.data() + end, surface_of_.data() + one.reserved_end, no_surface);
 }
 
 void ElementSurfaces::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {

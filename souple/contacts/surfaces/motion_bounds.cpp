@@ -106,7 +106,7 @@ void MotionBounds::measure(const ElementSurfaces& surfaces, const ParticleView& 
 bool MotionBounds::may_have_moved(std::size_t index, const Chunk& chunk) const {
   if (chunk.blocks == too_many) return true;
   const auto& blocks = blocks_[index];
-  return std::any_of(blocks.begin(), blocks.begin() + chunk.blocks,
+  return std::any_of(blocks.data(), blocks.data() + chunk.blocks,
                      [&](std::uint32_t block) { return block_was_moved_[block] != 0; });
 }
 
