@@ -38,11 +38,11 @@ constexpr int max_side = 8192;
 constexpr float haze_reach = 20;  ///< distance at which haze hides the floor, in radii of the scene
 
 void require_extensions() {
-  const int version = epoxy_gl_version();
+  const int version = gl::version();
   if (gl::is_es() && version < 30) throw Error("the renderer needs OpenGL ES 3.0; this context has less");
   if (!gl::is_es() && version < 33) throw Error("the renderer needs OpenGL 3.3; this context has less");
   // Desktop OpenGL can draw into floating-point buffers since 3.0.
-  if (gl::is_es() && !epoxy_has_gl_extension("GL_EXT_color_buffer_float")) {
+  if (gl::is_es() && !gl::has_extension("GL_EXT_color_buffer_float")) {
     throw Error(
         "the renderer needs the OpenGL ES extension EXT_color_buffer_float, which this driver lacks; Mesa's "
         "llvmpipe has it (LIBGL_ALWAYS_SOFTWARE=1, Debian package libgl1-mesa-dri)");
@@ -53,7 +53,8 @@ void require_extensions() {
 struct Targets {
   int width, height;
   gl::Texture albedo, normal, depth, color;
-  gl::Framebuffer material, lighting;
+  // No pass draws into a texture that it reads: lighting reads the depth, so only lines have it attached.
+  gl::Framebuffer material, lighting, lines;
 
   Targets(int w, int h)
       : width(w),
@@ -63,7 +64,8 @@ struct Targets {
         depth(GL_DEPTH_COMPONENT32F, w, h),
         color(GL_RGBA16F, w, h),
         material("materials", {&albedo, &normal}, &depth),
-        lighting("light", {&color}, &depth) {}
+        lighting("light", {&color}, nullptr),
+        lines("lines", {&color}, &depth) {}
 };
 
 // Framebuffer of pictures that are read back to memory.
@@ -375,7 +377,7 @@ void Renderer::Impl::draw_clear(const DrawList& list, const PassContext& context
 }
 
 void Renderer::Impl::draw_lines(const DrawList& list, const PassContext& context) {
-  targets->lighting.bind();
+  targets->lines.bind();
   glDepthMask(GL_FALSE);
   glEnable(GL_DEPTH_TEST);
   lines.draw(list.lines, context);

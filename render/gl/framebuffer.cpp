@@ -8,7 +8,7 @@ namespace souple::render::gl {
 
 bool can_blend_floats() {
   // Always in desktop OpenGL since 3.0.
-  return epoxy_is_desktop_gl() || epoxy_has_gl_extension("GL_EXT_float_blend");
+  return !is_es() || has_extension("GL_EXT_float_blend");
 }
 
 Framebuffer::Framebuffer(std::string_view what, const std::vector<const Texture*>& colors,

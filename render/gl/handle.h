@@ -1,6 +1,7 @@
 #pragma once
 
-#include <epoxy/gl.h>
+#include "render/gl/api.h"
+
 #include <utility>
 
 namespace souple::render::gl {

@@ -97,10 +97,6 @@ Shader compile(GLenum stage, std::string_view name, const std::vector<std::strin
 
 }  // namespace
 
-bool is_es() {
-  return !epoxy_is_desktop_gl();
-}
-
 Program::Program(std::string_view vertex, std::string_view fragment,
                  const std::vector<std::string>& defines) {
   const Shader vertex_shader = compile(GL_VERTEX_SHADER, vertex, defines);

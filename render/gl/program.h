@@ -47,7 +47,4 @@ class Program {
   std::vector<std::pair<std::string, GLint>> uniforms_;
 };
 
-/// Whether the current context is OpenGL ES rather than desktop OpenGL.
-bool is_es();
-
 }  // namespace souple::render::gl

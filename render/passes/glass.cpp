@@ -6,7 +6,8 @@ namespace souple::render {
 
 namespace {
 
-constexpr int most_layers = 12;  // a ray through more walls passes the nearest unseen
+constexpr int most_layers = 12;      // a ray through more walls passes the nearest unseen
+constexpr int uncounted_layers = 4;  // where the last layer cannot be found out
 
 int parts_of(int side, int scale) {
   return (side + scale - 1) / scale;
@@ -50,12 +51,13 @@ bool GlassPass::find_layer(int layer, SurfacesPass& surfaces, PassContext& conte
   context.target = Target::glass_entry;
   context.layer = layer;
   glDepthFunc(GL_GREATER);
-  glBeginQuery(GL_ANY_SAMPLES_PASSED, query_.id());
+  const bool counts = gl::can_wait_for_queries();
+  if (counts) glBeginQuery(GL_ANY_SAMPLES_PASSED, query_.id());
   surfaces.draw(context);
-  glEndQuery(GL_ANY_SAMPLES_PASSED);
+  if (counts) glEndQuery(GL_ANY_SAMPLES_PASSED);
   glDepthFunc(GL_LEQUAL);
-  GLuint any = 0;
-  glGetQueryObjectuiv(query_.id(), GL_QUERY_RESULT, &any);
+  GLuint any = 1;
+  if (counts) glGetQueryObjectuiv(query_.id(), GL_QUERY_RESULT, &any);
   if (any == 0) return false;
   targets_->exit_target.bind();
   clear_buffer(0);
@@ -87,7 +89,8 @@ void GlassPass::draw(GlassPart part, const LitScene& scene, const Bounds& bounds
   const Window around = window_around(bounds, context);
   const Window window = part == GlassPart::behind_liquids ? common_part(around, liquids) : around;
   if (window.width <= 0 || window.height <= 0) return;
-  for (int layer = 0; layer < most_layers; ++layer) {
+  const int layers = gl::can_wait_for_queries() ? most_layers : uncounted_layers;
+  for (int layer = 0; layer < layers; ++layer) {
     keep_within(window, scale);
     scene.depth.bind(gl::Unit::depth);
     glEnable(GL_DEPTH_TEST);

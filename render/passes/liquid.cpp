@@ -20,7 +20,7 @@ constexpr int default_flow_steps = 40, default_range_passes = 2;
 /// For sums over hundreds of particles: 16 bits lose some per cent where hardware rounds down, as llvmpipe
 /// does.
 GLenum sum_format() {
-  const bool filters = epoxy_is_desktop_gl() || epoxy_has_gl_extension("GL_OES_texture_float_linear");
+  const bool filters = !gl::is_es() || gl::has_extension("GL_OES_texture_float_linear");
   return filters && gl::can_blend_floats() ? GL_RGBA32F : GL_RGBA16F;
 }
 

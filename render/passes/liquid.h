@@ -19,7 +19,7 @@ namespace souple::render {
 struct LitScene {
   const gl::Texture& normal;
   const gl::Texture& depth;
-  const gl::Framebuffer& color;  ///< with that depth
+  const gl::Framebuffer& color;  ///< without that depth, which passes read
   bool has_panorama;             ///< the sky is a panorama, which is bound
 };
 

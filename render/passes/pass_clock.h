@@ -1,9 +1,9 @@
 #pragma once
 
+#include "render/gl/api.h"
 #include "render/renderer.h"
 
 #include <chrono>
-#include <epoxy/gl.h>
 #include <vector>
 
 namespace souple::render {

@@ -3,9 +3,9 @@
 #include "render/gl/framebuffer.h"
 #include "render/gl/vertex_array.h"
 #include "render/point_tree.h"
+#include "souple/math/bit_cast.h"
 
 #include <array>
-#include <bit>
 #include <limits>
 #include <map>
 #include <optional>
@@ -38,7 +38,7 @@ struct Window {
 struct Texel {
   std::uint32_t pick = 0, element = 0, depth_bits = 0, unused = 0;
 
-  float depth() const { return std::bit_cast<float>(depth_bits); }
+  float depth() const { return bit_cast<float>(depth_bits); }
 };
 
 /// The world point that a pixel shows, y from the top.

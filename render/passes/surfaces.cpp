@@ -111,8 +111,8 @@ void upload_topology(Buffers& buffers, const Surface& surface) {
     buffers.vertices_needed = std::max(buffers.vertices_needed, largest + 1);
   }
   if (!buffers.expanded) {
+    buffers.array.elements(buffers.indices);  // first: WebGL decides now what the buffer may hold
     buffers.indices.upload(surface.triangles);
-    buffers.array.elements(buffers.indices);
   }
 }
 
