@@ -242,7 +242,7 @@ class SequenceSampler {
         point_of_(std::move(point_of)),
         import_(std::move(import)),
         transform_(transform),
-        now_(points_.points()) {}
+        now_(static_cast<std::size_t>(points_.points())) {}
 
   std::uint64_t points() const { return points_.points(); }
   Vec3d at(std::uint32_t vertex, double time) {
@@ -598,7 +598,8 @@ class Builder {
     const AnimatedPoints::Options options{sequence.frame_rate, sequence.start_time};
     const MeshImport import = sequence_import(sequence, import_of(description));
     AnimatedPoints points(scene_.folder / sequence.file, options, read_points(import.node));
-    std::vector<std::uint32_t> point_of = point_of_vertices(object, pin, points.points());
+    std::vector<std::uint32_t> point_of =
+        point_of_vertices(object, pin, static_cast<std::size_t>(points.points()));
     compare_first_frame(points, sequence.file, import);
     auto sampler = std::make_shared<SequenceSampler>(std::move(points), std::move(point_of), import,
                                                      transform_of(common(description).transform));
