@@ -10,7 +10,7 @@ namespace souple {
 inline std::vector<InstructionSet> all_sets() {
   std::vector<InstructionSet> result;
   for (const InstructionSet set : {InstructionSet::scalar, InstructionSet::sse, InstructionSet::avx2,
-                                   InstructionSet::avx512, InstructionSet::neon})
+                                   InstructionSet::avx512, InstructionSet::neon, InstructionSet::wasm})
     if (set <= instruction_set()) result.push_back(set);
   return result;
 }

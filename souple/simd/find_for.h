@@ -28,6 +28,10 @@ auto find_for(InstructionSet set, const Find& find) {
     case InstructionSet::neon:
       return find(std::type_identity<simd::Neon>{});
 #endif
+#if SOUPLE_HAS_WASM
+    case InstructionSet::wasm:
+      return find(std::type_identity<simd::Wasm>{});
+#endif
     default:
       return find(std::type_identity<simd::Scalar>{});
   }

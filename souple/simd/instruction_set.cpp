@@ -10,8 +10,8 @@
 namespace souple {
 namespace {
 
-constexpr std::array all{InstructionSet::scalar, InstructionSet::sse, InstructionSet::avx2,
-                         InstructionSet::avx512, InstructionSet::neon};
+constexpr std::array all{InstructionSet::scalar, InstructionSet::sse,  InstructionSet::avx2,
+                         InstructionSet::avx512, InstructionSet::neon, InstructionSet::wasm};
 
 /// Compiled, and known to this processor.
 bool is_supported(InstructionSet set) {
@@ -27,6 +27,9 @@ bool is_supported(InstructionSet set) {
 #elif defined(__aarch64__)
     case InstructionSet::neon:
       return SOUPLE_HAS_NEON != 0;
+#elif defined(__wasm_simd128__)
+    case InstructionSet::wasm:
+      return SOUPLE_HAS_WASM != 0;  // without it no browser loads the module
 #endif
     default:
       return set == InstructionSet::scalar;
@@ -65,6 +68,8 @@ std::string_view simd_name(InstructionSet set) {
       return "avx512";
     case InstructionSet::neon:
       return "neon";
+    case InstructionSet::wasm:
+      return "wasm";
     case InstructionSet::scalar:
       break;
   }

@@ -4,6 +4,8 @@
 #include <immintrin.h>
 #elif defined(__aarch64__)
 #include <arm_neon.h>
+#elif defined(__wasm_simd128__)
+#include <wasm_simd128.h>
 #endif
 
 #include <cstdint>
@@ -163,6 +165,35 @@ struct Neon {
   static Vector unpack_high(Vector a, Vector b) { return vzip2q_f32(a, b); }
   static Vector pair_low(Vector a, Vector b) { return vcombine_f32(vget_low_f32(a), vget_low_f32(b)); }
   static Vector pair_high(Vector a, Vector b) { return vcombine_f32(vget_high_f32(a), vget_high_f32(b)); }
+};
+#endif
+
+#if defined(__wasm_simd128__)
+/// 128 bits of WebAssembly.
+struct Wasm {
+  static constexpr int lanes = 4;
+  using Vector __attribute__((vector_size(16))) = float;
+  using Mask __attribute__((vector_size(16))) = std::int32_t;
+
+  static Vector broadcast(float a) { return (Vector)wasm_f32x4_splat(a); }
+  static bool any(Mask a) { return wasm_v128_any_true((v128_t)a); }
+  static std::uint32_t bits(Mask a) { return static_cast<std::uint32_t>(wasm_i32x4_bitmask((v128_t)a)); }
+  static Vector sqrt(Vector a) { return (Vector)wasm_f32x4_sqrt((v128_t)a); }
+  // pmin(a, b) is b < a ? b : a, and pmax(a, b) is a < b ? b : a.
+  static Vector min(Vector a, Vector b) { return (Vector)wasm_f32x4_pmin((v128_t)b, (v128_t)a); }
+  static Vector max(Vector a, Vector b) { return (Vector)wasm_f32x4_pmax((v128_t)b, (v128_t)a); }
+  static Vector load(const float* p) { return (Vector)wasm_v128_load(p); }
+  static void store(float* p, Vector a) { wasm_v128_store(p, (v128_t)a); }
+  static Vector load_records(const float* base, const std::uint32_t* i) { return load(base + i[0]); }
+  static void store_records(float* base, const std::uint32_t* i, Vector a) { store(base + i[0], a); }
+  static Vector difference_but_last(Vector a, Vector b) {
+    return __builtin_shufflevector(a - b, a, 0, 1, 2, 7);
+  }
+  static Vector broadcast_last(Vector a) { return __builtin_shufflevector(a, a, 3, 3, 3, 3); }
+  static Vector unpack_low(Vector a, Vector b) { return __builtin_shufflevector(a, b, 0, 4, 1, 5); }
+  static Vector unpack_high(Vector a, Vector b) { return __builtin_shufflevector(a, b, 2, 6, 3, 7); }
+  static Vector pair_low(Vector a, Vector b) { return __builtin_shufflevector(a, b, 0, 1, 4, 5); }
+  static Vector pair_high(Vector a, Vector b) { return __builtin_shufflevector(a, b, 2, 3, 6, 7); }
 };
 #endif
 
