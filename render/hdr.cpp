@@ -59,7 +59,7 @@ class Bytes {
   std::string_view line() {
     const std::string_view rest(&bytes_[0] + at_, left());
     const std::size_t end = rest.find('\n');
-    if (end == std::string_view::npos || end > 4096)
+    if (end > 4096)  // also where there is none
       fail("has no complete header of a Radiance picture (.hdr)");
     at_ += end + 1;
     const std::string_view text = rest.substr(0, end);
@@ -83,7 +83,8 @@ int side_of(std::string_view& line, std::string_view word) {
   line.remove_prefix(word.size());
   int value = 0;
   const auto read = std::from_chars(line.data(), line.data() + line.size(), value);
-  if (read.ec != std::errc()) return read.ec == std::errc::result_out_of_range ? most_pixels + 1 : 0;
+  if (read.ec == std::errc::result_out_of_range) return most_pixels + 1;
+  if (read.ptr == line.data()) return 0;  // no number
   line.remove_prefix(static_cast<std::size_t>(read.ptr - line.data()));
   return value;
 }
