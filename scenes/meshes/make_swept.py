@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes the meshes of the shipped scenes that are swept along a circle or a curve, beside itself: glass.obj, tube.obj,
-knot_left.obj, knot_right.obj, torso.obj, shirt.obj, coat.obj, water_balloon.obj. Meters."""
+knot_left.obj, knot_right.obj, torso.obj, shirt.obj, coat.obj, water_balloon.obj, bag_left.obj, bag_right.obj. Meters."""
 import math
 import pathlib
 
@@ -158,6 +158,25 @@ def water_balloon(radius, neck, height, edge=0.02, gores=4, gap=0.0006):
     write("water_balloon", "A balloon with a neck, of four gores that hang together nowhere.", vertices, triangles, groups)
 
 
+def bag(radius, neck, height, edge=0.03):
+    """Both halves of a bag that is sewn in the plane x = 0; the seam's vertices of both lie at the same points."""
+    profile = [(-radius * math.cos(a), radius * math.sin(a), 0) for a in (math.pi * k / 24 for k in range(15))]
+    profile += [(0.8 * height, 1.3 * neck, 0), (height, neck, 0)]
+    rings = smooth(profile, edge)
+    for name, start in ("bag_right", -math.pi / 2), ("bag_left", math.pi / 2):
+        vertices, triangles, rows = [], [], []
+        for y, r, _ in rings:
+            columns = max(2, round(math.pi * r / edge)) if r > 1e-6 else 0
+            rows.append(range(len(vertices), len(vertices) + columns + 1))
+            for c in range(columns + 1):
+                a = start + math.pi * c / max(columns, 1)
+                vertices.append((r * math.cos(a), y, r * math.sin(a)))
+        for below, above in zip(rows, rows[1:]):
+            triangles += zipped(below, above)
+        seam = [row[0] for row in rows] + [row[-1] for row in rows[1:]]
+        write(name, "Half of a bag.", vertices, triangles, {"seam": seam, "neck": list(rows[-1])})
+
+
 if __name__ == "__main__":
     glass(0.16, 0.4, 0.03)
     tube(0.06, 1.3, 12)
@@ -171,3 +190,4 @@ if __name__ == "__main__":
     garment("coat", "A coat that is half sunk into the shirt.", 0.06, 0.548, 22, 44,
             lambda a, down: 0.02 + min(4 * down, 1) * (0.009 * math.cos(3 * a + 1) - 0.007))
     water_balloon(0.15, 0.02, 0.26)
+    bag(0.2, 0.03, 0.36)
