@@ -26,6 +26,7 @@ FLOORS = {
     "souple/scene": 8,
     "souple/host": 8.5,
     "app": 9, "python": 9, "plugins": 9,
+    "web": 9.5,
 }
 # Files that lie in souple/ itself.
 SINGLE_FILES = {
@@ -54,8 +55,8 @@ OUTSIDE = [
     (r"(unsupported/)?Eigen/", lambda p: p == "souple/eigen.h" or p.endswith(".cpp"), "Eigen only in .cpp files"),
     (r"nlohmann/", lambda p: p.endswith(".cpp") and in_folder(p, "souple/scene", "souple/io"),
      "nlohmann only in .cpp files of souple/scene and souple/io"),
-    (r"fmt/", lambda p: p.endswith(".cpp") and in_folder(p, "souple", "render", "app"),
-     "fmt only in .cpp files of souple, render and app"),
+    (r"fmt/", lambda p: p.endswith(".cpp") and in_folder(p, "souple", "render", "app", "web"),
+     "fmt only in .cpp files of souple, render, app and web"),
     (r"CLI/", lambda p: p.endswith(".cpp") and in_folder(p, "app"), "CLI11 only in .cpp files of app"),
     (r"assimp/", lambda p: p.endswith(".cpp") and in_folder(p, "souple/mesh_files"),
      "assimp only in .cpp files of souple/mesh_files"),
@@ -121,7 +122,7 @@ def check_file(path, root, graph):
         if not match:
             continue
         quote, target = match.groups()
-        if target.startswith(("souple/", "render/", "app/", "python/", "plugins/")):
+        if target.startswith(("souple/", "render/", "app/", "python/", "plugins/", "web/")):
             graph.setdefault(path, []).append(target)
             problem = check_own_include(path, target, root)
         elif quote == '"':
@@ -156,7 +157,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent)
     root = parser.parse_args().root
-    files = [str(file.relative_to(root)) for top in ("souple", "render", "app", "python", "plugins")
+    files = [str(file.relative_to(root)) for top in ("souple", "render", "app", "python", "plugins", "web")
              for file in sorted((root / top).rglob("*")) if file.suffix in (".h", ".cpp")]
     if not files:
         sys.exit(f"check_floors: no source files below {root}")

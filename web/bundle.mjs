@@ -1,0 +1,28 @@
+// Makes the page of one file: node bundle.mjs BUILD_FOLDER SOURCE_FOLDER PAGE.html
+import { readFileSync, writeFileSync } from 'node:fs';
+import { gzipSync } from 'node:zlib';
+
+const [build, source, page] = process.argv.slice(2);
+const read = (file) => readFileSync(file, 'utf8');
+const scenes = ['curtain', 'flag', 'jelly_armada', 'balloon', 'rope_bridge', 'sand_pile', 'dam_break', 'ducks', 'folded_cloth'];
+
+/** A module without what it imports and exports: all of them become one. */
+const plain = (text) => text.replace(/^import .*?;\n/gm, '').replace(/^export default (\w+);/gm, 'const create = $1;').replace(/^export /gm, '');
+
+const files = { '/scenes/playground.json': read(`${source}/web/page/playground.json`) };
+for (const scene of scenes) {
+  files[`/scenes/${scene}.json`] = read(`${source}/scenes/${scene}.json`);
+  for (const [, mesh] of files[`/scenes/${scene}.json`].matchAll(/"file": "([^"]+)"/g))
+    files[`/scenes/${mesh}`] = read(`${source}/scenes/${mesh}`);
+}
+const parts = {
+  '/* page.css */': read(`${source}/web/page/page.css`),
+  '/* files */': JSON.stringify(files).replaceAll('<', '\\u003c'),
+  '/* wasm */': gzipSync(readFileSync(`${build}/souple_wasm.wasm`), { level: 9 }).toString('base64'),
+  '/* scripts */': [`${build}/souple_wasm.mjs`, `${source}/web/js/souple.js`, `${source}/web/page/page.js`]
+    .map((file) => plain(read(file))).join('\n').replaceAll('</script', '<\\/script'),
+};
+let html = read(`${source}/web/page/index.html`);
+for (const [mark, text] of Object.entries(parts)) html = html.replace(mark, () => text);
+writeFileSync(page, html);
+console.log(`${page}: ${(html.length / 1e6).toFixed(2)} MB, ${(gzipSync(html).length / 1e6).toFixed(2)} MB compressed`);

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <emscripten/emscripten.h>
+#include <exception>
+#include <new>
+#include <string>
+
+// How JavaScript calls C++: plain functions of numbers and pointers. An exception becomes a sentence, which JavaScript
+// takes with souple_error after each call and throws again.
+
+namespace souple::web {
+
+/// The sentence of the call that failed; empty: none has.
+inline std::string& last_error() {
+  static std::string text;
+  return text;
+}
+
+/// Calls f; `otherwise` if it throws.
+template <class F, class R>
+R guarded(R otherwise, const F& f) {
+  try {
+    return f();
+  } catch (const std::bad_alloc&) {
+    last_error() = "out of memory: the browser gives no more; open a smaller scene";
+  } catch (const std::exception& error) {
+    last_error() = error.what();
+  }
+  return otherwise;
+}
+template <class F>
+void guarded(const F& f) {
+  guarded(0, [&] { return f(), 0; });
+}
+
+/// The bytes stay until the next text is kept.
+inline const char* keep(std::string text) {
+  static std::string kept;
+  kept = std::move(text);
+  return kept.c_str();
+}
+
+}  // namespace souple::web
+
+#define SOUPLE_CALL extern "C" EMSCRIPTEN_KEEPALIVE
