@@ -2,6 +2,7 @@
 
 #ifdef __EMSCRIPTEN__
 #include <GLES3/gl3.h>
+#define GL_PROGRAM_POINT_SIZE 0x8642  // of desktop OpenGL; named where is_es() is false
 #else
 #include <epoxy/gl.h>
 #endif

@@ -5,7 +5,6 @@
 #include "souple/objects/kind_traits.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace souple::web {
 
@@ -35,7 +34,7 @@ void PageView::show(HeldWorld* world, int width, int height) {
   camera_ = world_->simulation().camera().value_or(render::Camera{});
   // On a narrow screen the scene keeps its width.
   const float aspect = static_cast<float>(width_) / static_cast<float>(height_);
-  if (aspect < usual_aspect) camera_.zoom(std::sqrt(usual_aspect / aspect));
+  if (aspect < usual_aspect) camera_.zoom(usual_aspect / aspect);
 }
 
 void PageView::draw(int width, int height) {

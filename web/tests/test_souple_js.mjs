@@ -42,8 +42,8 @@ test('pins hold, move and let go', () => {
   world.step();
   assert.ok(Math.abs(object.positions[1] - 0.5) < 1e-6);
   object.unpin([0]);
-  for (let i = 0; i < 20; ++i) world.step();
-  assert.ok(object.positions[1] < 0.4);
+  for (let i = 0; i < 90; ++i) world.step();  // the cloth was thrown up
+  assert.ok(object.positions[1] < 0, `${object.positions[1]} m`);
   world.free();
 });
 test('a hand pulls what its ray hits', () => {
