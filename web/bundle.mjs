@@ -1,4 +1,5 @@
 // Makes the page of one file: node bundle.mjs BUILD_FOLDER SOURCE_FOLDER PAGE.html
+import { execFileSync } from 'node:child_process';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { gzipSync } from 'node:zlib';
 
@@ -9,6 +10,14 @@ const scenes = ['curtain', 'flag', 'jelly_armada', 'balloon', 'rope_bridge', 'sa
 /** A module without what it imports and exports: all of them become one. */
 const plain = (text) => text.replace(/^import .*?;\n/gm, '').replace(/^export default (\w+);/gm, 'const create = $1;').replace(/^export /gm, '');
 
+/** The format of page/lzma.js, with the size in its header: xz leaves it out. */
+function packed(file) {
+  const size = readFileSync(file).length;
+  const bytes = execFileSync('xz', ['--format=lzma', '-9e', '--stdout', file], { maxBuffer: 1 << 26 });
+  bytes.writeBigUInt64LE(BigInt(size), 5);
+  return bytes;
+}
+
 const files = { '/scenes/playground.json': read(`${source}/web/page/playground.json`) };
 for (const scene of scenes) {
   files[`/scenes/${scene}.json`] = read(`${source}/scenes/${scene}.json`);
@@ -18,8 +27,9 @@ for (const scene of scenes) {
 const parts = {
   '/* page.css */': read(`${source}/web/page/page.css`),
   '/* files */': JSON.stringify(files).replaceAll('<', '\\u003c'),
-  '/* wasm */': gzipSync(readFileSync(`${build}/souple_wasm.wasm`), { level: 9 }).toString('base64'),
-  '/* scripts */': [`${build}/souple_wasm.mjs`, `${source}/web/js/souple.js`, `${source}/web/page/page.js`]
+  '/* wasm */': packed(`${build}/souple_wasm.wasm`).toString('base64'),
+  '/* scripts */': [`${build}/souple_wasm.mjs`, `${source}/web/js/souple.js`, `${source}/web/page/lzma.js`,
+    `${source}/web/page/page.js`]
     .map((file) => plain(read(file))).join('\n').replaceAll('</script', '<\\/script'),
 };
 let html = read(`${source}/web/page/index.html`);

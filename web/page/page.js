@@ -1,5 +1,6 @@
 // The page: panels in HTML around a View, the part of the module that draws a world on a canvas.
 import { load, SoupleError } from './souple.js';
+import { unpackLzma } from './lzma.js';
 
 const $ = (id) => document.getElementById(id);
 const files = JSON.parse($('files_inside').textContent);
@@ -396,7 +397,7 @@ async function start() {
   const lack = missing();
   if (lack) return fail(lack);
   try {
-    souple = await load({ wasm: await pack(fromBase64($('wasm_inside').textContent), new DecompressionStream('gzip')) });
+    souple = await load({ wasm: unpackLzma(fromBase64($('wasm_inside').textContent)) });
     for (const [path, content] of Object.entries(files)) souple.writeFile(path, content);
     Object.assign(canvas, { width: canvas.clientWidth, height: canvas.clientHeight });
     view = souple.call('view', '#canvas');
