@@ -56,6 +56,7 @@ function open(name, { own, overrides = {}, settings = [] } = {}) {
                                    : new souple.World(own, { name, folder: '/scenes', overrides });
     const before = world;
     world = next;
+    fitCanvas();
     souple.call('view_show', view, world.handle(), canvas.width, canvas.height);
     before?.free();
     Object.assign(shown, { scene: name, own, overrides });
@@ -355,10 +356,13 @@ function listen() {
 
 // --- pictures -----------------------------------------------------------------------------------------
 
-function draw() {
+function fitCanvas() {
   const width = Math.max(Math.round(canvas.clientWidth * scale), 1), height = Math.max(Math.round(canvas.clientHeight * scale), 1);
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
-  souple.call('view_draw', view, width, height);
+}
+function draw() {
+  fitCanvas();
+  souple.call('view_draw', view, canvas.width, canvas.height);
 }
 /** Fewer pixels where pictures take long. */
 function adapt(milliseconds) {
@@ -399,7 +403,7 @@ async function start() {
   try {
     souple = await load({ wasm: unpackLzma(fromBase64($('wasm_inside').textContent)) });
     for (const [path, content] of Object.entries(files)) souple.writeFile(path, content);
-    Object.assign(canvas, { width: canvas.clientWidth, height: canvas.clientHeight });
+    fitCanvas();
     view = souple.call('view', '#canvas');
   } catch (error) {
     return fail(`The page cannot start: ${error.message}`);

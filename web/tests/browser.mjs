@@ -19,6 +19,7 @@ export async function open(address, viewport = { width: 900, height: 600 }) {
   page.on('console', (message) => ['error', 'warn', 'warning'].includes(message.type()) && errors.push(message.text()));
   page.on('pageerror', (error) => errors.push(String(error)));
   page.on('request', (request) => requests.push(request.url()));
+  page.setDefaultTimeout(120000);  // in software, on a busy machine
   await page.setViewport(viewport);
   await page.goto(address);
   return { browser, page, errors, requests };

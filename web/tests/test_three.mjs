@@ -19,7 +19,7 @@ test('a cloth falls over a ball', { skip: skip || (!existsSync(`${SOUPLE_NPM}/no
     response.writeHead(200, { 'content-type': types[file.split('.').pop()] ?? 'text/plain' }).end(readFileSync(file));
   }).listen(0);
   const { browser, page, errors } = await open(`http://localhost:${server.address().port}/three.html`);
-  await page.waitForFunction('window.example?.world.time > 0.5', { timeout: 60000 });
+  await page.waitForFunction('window.example?.world.time > 0.5');
   await page.screenshot({ path: `${SOUPLE_PICTURES}/three.png` });
   const lowest = await page.evaluate(() => Math.min(...window.example.cloth.positions.filter((_, i) => i % 3 === 1)));
   assert.ok(lowest < 0.9, `${lowest} m`);
