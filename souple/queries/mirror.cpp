@@ -15,12 +15,18 @@
 namespace souple {
 namespace {
 
+/// Makes room for the values. An array that someone keeps stays as it is if it has another size.
+void resize(KeptPoints& out, std::size_t size, std::size_t capacity) {
+  if (out.size() != size && out.data() != nullptr && is_kept(out.data())) out = KeptPoints();
+  out.reserve(capacity);  // constant addresses while particles come and go
+  out.resize(size);
+}
+
 /// Fills `out` with a value for each user vertex: f(i) of its particle i, or the blend over a tet. f returns
 /// Vec3d.
 template <class Function>
-void fill(const Object& object, std::vector<Vec3f>& out, const Function& f) {
-  out.reserve(object.capacity);  // constant addresses while particles come and go
-  out.resize(object.vertex_count());
+void fill(const Object& object, KeptPoints& out, const Function& f) {
+  resize(out, object.vertex_count(), object.capacity);
   for (std::size_t v = 0; v < out.size(); ++v) {
     if (!object.embedding) {
       SOUPLE_ASSERT(object.begin + object.particle_of[v] < object.end, "a particle of the object");
@@ -45,7 +51,7 @@ void for_each(Threads* threads, std::size_t n, RangeFunction f) {
 
 // Per triangle: cross product of two sides; its length is twice the area.
 void fill_area_normals(Threads* threads, std::span<const Triangle> triangles, Mirror& mirror) {
-  const std::vector<Vec3f>& x = mirror.positions;
+  const KeptPoints& x = mirror.positions;
   for_each(threads, x.size(), [&](std::size_t v, std::size_t end) {
     for (; v < end; ++v) mirror.position_records[v].set_xyz(x[v]);
   });
@@ -67,7 +73,7 @@ void fill_normals(Threads* threads, std::span<const Triangle> triangles, Mirror&
   const std::size_t vertices = mirror.positions.size();
   if (mirror.triangles_of.begin.size() != vertices + 1)
     mirror.triangles_of = vertex_triangles(triangles, vertices);
-  mirror.normals.resize(vertices);
+  resize(mirror.normals, vertices, vertices);
   mirror.position_records.resize(vertices);
   mirror.area_normals.resize(triangles.size());
   fill_area_normals(threads, triangles, mirror);

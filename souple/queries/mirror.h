@@ -2,6 +2,7 @@
 
 #include "souple/geometry/adjacency.h"
 #include "souple/math/vec4.h"
+#include "souple/queries/kept_memory.h"
 #include "souple/queries/query_view.h"
 
 #include <cstdint>
@@ -14,7 +15,7 @@ namespace souple {
 struct Mirror {
   std::uint64_t version = 0;  ///< QueryView::version of `positions`
   std::uint64_t velocities_version = 0, normals_version = 0, angular_velocities_version = 0;
-  std::vector<Vec3f> positions, velocities, normals, angular_velocities;
+  KeptPoints positions, velocities, normals, angular_velocities;
 
   // Data for the normals, built on first use.
   VertexTriangles triangles_of;

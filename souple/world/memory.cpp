@@ -74,10 +74,12 @@ void add_objects(const WorldState& world, MemoryReport& report) {
     maps += sizeof(Object) + bytes_of_maps(*object);
   }
   for (const auto& [id, mirror] : world.caches->mirrors)
-    mirrors +=
-        sizeof mirror + bytes_of(mirror.positions, mirror.velocities, mirror.normals,
-                                 mirror.angular_velocities, mirror.triangles_of.begin,
-                                 mirror.triangles_of.items, mirror.position_records, mirror.area_normals);
+    mirrors += sizeof mirror +
+               bytes_of(mirror.triangles_of.begin, mirror.triangles_of.items, mirror.position_records,
+                        mirror.area_normals) +
+               (mirror.positions.capacity() + mirror.velocities.capacity() + mirror.normals.capacity() +
+                mirror.angular_velocities.capacity()) *
+                   sizeof(Vec3f);
   report.objects.push_back({"meshes", meshes});
   report.objects.push_back({"rest positions", rest});
   report.objects.push_back({"motions of obstacles", motions});
