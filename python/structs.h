@@ -1,0 +1,182 @@
+#pragma once
+
+#include "python/casters.h"
+#include "python/docs.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+// C++'s plain structs as Python classes: keyword arguments with the same names and defaults.
+
+namespace souple::python {
+
+/// Throws TypeError: "WHERE: expected TYPE, found VALUE".
+[[noreturn]] void throw_wrong_type(const std::string& where, const std::string& type, py::handle found);
+
+/// The name of a C++ type as Python has it, from the text that pybind11 has for it.
+std::string type_words(const char* pattern, const std::type_info* const* types);
+
+template <class M>
+M from_python(py::handle value, const std::string& where) {
+  py::detail::make_caster<M> caster;
+  bool loaded = false;
+  try {
+    loaded = caster.load(value, true);
+  } catch (const std::exception& error) {
+    throw py::value_error(where + ": " + error.what());
+  }
+  if (!loaded) {
+    constexpr auto pattern = py::detail::make_caster<M>::name;
+    static constexpr auto types = decltype(pattern)::types();
+    throw_wrong_type(where, type_words(pattern.text, types.data()), value);
+  }
+  return py::detail::cast_op<M>(std::move(caster));
+}
+
+template <class M>
+inline constexpr bool is_bound_class =
+    std::is_base_of_v<py::detail::type_caster_generic, py::detail::make_caster<M>>;
+template <class M>
+struct OptionalValue : std::false_type {};
+template <class M>
+struct OptionalValue<std::optional<M>> : std::true_type {
+  using Type = M;
+};
+
+/// A member in Python: a reference into its owner where it is a class, so that settings.wind.gust = 1 has its effect.
+template <class M>
+py::object member_to_python(M& member, py::handle owner) {
+  using py::return_value_policy;
+  if constexpr (OptionalValue<M>::value) {
+    if (!member) return py::none();
+    return member_to_python(*member, owner);
+  } else if constexpr (is_bound_class<M>) {
+    return py::cast(&member, return_value_policy::reference_internal, owner);
+  } else {
+    return py::cast(member, return_value_policy::copy);
+  }
+}
+
+/// The members of a struct, without its type.
+class StructFields {
+ public:
+  struct Field {
+    const char* name;
+    py::object (*get)(void* object, py::handle owner);
+    void (*set)(void* object, py::handle value, const std::string& where);
+    bool single;  ///< of type float: as few digits as tell it apart
+  };
+  using Address = void* (*)(py::handle);
+
+  StructFields(const py::object& type, std::string name, Address address)
+      : type_(type), name_(std::move(name)), address_(address) {}
+  /// Adds a member and the attribute of the class.
+  void add(const Field& field);
+  /// Sets members from keyword arguments, or from arguments in the order of declaration. Throws TypeError in words.
+  void fill(void* object, const py::args& args, const py::kwargs& kwargs, const char* caller = nullptr) const;
+  /// __repr__ and __eq__.
+  void add_methods() const;
+  /// replace, and what pickles need.
+  void add_changes() const;
+
+ private:
+  const Field* find(const std::string& name) const;
+  void set(void* object, const Field& field, py::handle value, const char* caller) const;
+  [[noreturn]] void throw_unknown(const std::string& name, const char* caller) const;
+  py::str text_of(py::handle object) const;
+  bool are_equal(py::handle a, py::handle b) const;
+  py::tuple values_of(py::handle object) const;
+
+  py::object type_;  // kept for ever, like the class
+  std::string name_;
+  Address address_;
+  std::vector<Field> fields_;
+};
+
+template <class T>
+inline StructFields* fields_of = nullptr;
+
+/// Declares a struct: Struct<Sphere>(m, "Sphere").field<&Sphere::center>("center")...
+template <class T>
+class Struct {
+ public:
+  Struct(py::handle scope, const char* name) : class_(scope, name, doc(doc_name(scope, name))) {
+    fields_of<T> =
+        new StructFields(class_, doc_name(scope, name), [](py::handle h) -> void* { return h.cast<T*>(); });
+    class_.def(py::init([](const py::args& args, const py::kwargs& kwargs) {
+      auto value = std::make_unique<T>();
+      fields_of<T>->fill(value.get(), args, kwargs);
+      return value;
+    }));
+    class_.def("__copy__", [](const T& value) { return value; });
+    class_.def("__deepcopy__", [](const T& value, const py::object&) { return value; });
+    fields_of<T>->add_methods();
+    fields_of<T>->add_changes();
+  }
+  template <auto Member>
+  Struct& field(const char* name) {
+    using M = std::remove_reference_t<decltype(std::declval<T&>().*Member)>;
+    fields_of<T>->add({name,
+                       [](void* object, py::handle owner) {
+                         return member_to_python(static_cast<T*>(object)->*Member, owner);
+                       },
+                       [](void* object, py::handle value, const std::string& where) {
+                         static_cast<T*>(object)->*Member = from_python<M>(value, where);
+                       },
+                       std::is_same_v<M, float> || std::is_same_v<M, std::optional<float>>});
+    return *this;
+  }
+  template <class Function>
+  Struct& def(const char* name, Function function) {
+    class_.def(name, function, doc((std::string(py::str(class_.attr("__qualname__"))) + "." + name).c_str()));
+    return *this;
+  }
+  operator py::object() const { return class_; }
+  py::class_<T>& python_class() { return class_; }
+
+ private:
+  py::class_<T> class_;
+};
+
+/// Declares a struct that functions return: its members are only read.
+template <class T>
+class Result {
+ public:
+  Result(py::handle scope, const char* name) : class_(scope, name, doc(doc_name(scope, name))) {
+    fields_of<T> =
+        new StructFields(class_, doc_name(scope, name), [](py::handle h) -> void* { return h.cast<T*>(); });
+    fields_of<T>->add_methods();
+  }
+  template <auto Member>
+  Result& field(const char* name) {
+    using M = std::remove_reference_t<decltype(std::declval<T&>().*Member)>;
+    fields_of<T>->add({name,
+                       [](void* object, py::handle owner) {
+                         return member_to_python(static_cast<T*>(object)->*Member, owner);
+                       },
+                       nullptr, std::is_same_v<M, float>});
+    return *this;
+  }
+  template <class Function>
+  Result& def(const char* name, Function function) {
+    class_.def(name, function, doc((std::string(py::str(class_.attr("__qualname__"))) + "." + name).c_str()));
+    return *this;
+  }
+
+ private:
+  py::class_<T> class_;
+};
+
+/// Options that a function takes as a struct, as keywords, or as both: keywords then replace members of the struct.
+template <class T>
+T with_keywords(const std::optional<T>& given, const py::kwargs& kwargs, const char* function) {
+  T options = given.value_or(T{});
+  fields_of<T>->fill(&options, py::args(), kwargs, function);
+  return options;
+}
+
+}  // namespace souple::python
