@@ -35,6 +35,10 @@ std::string source_of(const SceneDescription& scene) {
 
 HeldWorld::HeldWorld(SceneDescription scene, std::string name)
     : simulation_(std::move(scene), std::move(name)) {
+  simulation_.limit_past(1);  // one state, which a simulation needs
+}
+
+void HeldWorld::keep_past() {
   simulation_.limit_past(past_bytes);
 }
 

@@ -20,6 +20,8 @@ class HeldWorld {
 
   viewer::Simulation& simulation() { return simulation_; }
   World& world() { return simulation_.world(); }
+  /// From now on a user can step back.
+  void keep_past();
   /// One frame if dt is 0. Throws Error if a state is no longer finite. [s]
   void step(double dt);
   /// Returns to the start, without a grab.

@@ -31,6 +31,7 @@ void PageView::show(HeldWorld* world, int width, int height) {
   ++number_;
   width_ = std::max(width, 1), height_ = std::max(height, 1);
   if (world_ == nullptr) return;
+  world_->keep_past();
   camera_ = world_->simulation().camera().value_or(render::Camera{});
   // On a narrow screen the scene keeps its width.
   const float aspect = static_cast<float>(width_) / static_cast<float>(height_);
