@@ -5,7 +5,7 @@ import { tmpdir } from 'node:os';
 import { open } from './tests/browser.mjs';
 
 const [path, film] = process.argv.slice(2);
-const size = { width: 960, height: 540 }, frames = 60;
+const size = { width: 960, height: 540 }, frames = 42;
 const folder = mkdtempSync(`${tmpdir()}/souple-film-`);
 const { browser, page } = await open(`file://${path}#scene=playground`, size);
 await page.waitForFunction('window.page !== undefined');
@@ -29,4 +29,4 @@ for (let frame = 0; frame < frames; ++frame) {
 }
 await browser.close();
 execFileSync('ffmpeg', ['-loglevel', 'error', '-y', '-framerate', '15', '-i', `${folder}/%04d.png`, '-vf', 'scale=640:-1:flags=lanczos',
-  '-c:v', 'libwebp_anim', '-quality', '40', '-compression_level', '6', '-loop', '0', film]);
+  '-c:v', 'libwebp_anim', '-quality', '25', '-compression_level', '4', '-loop', '0', film]);
