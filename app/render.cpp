@@ -227,7 +227,7 @@ int colors_of(std::uint32_t colors, const RenderJob& job) {
 RenderJob job_of(const RenderRequest& request, const FrameSource& source, PictureStyle style,
                  CameraRequest camera, SheetShape sheet) {
   RenderJob job;
-  job.style = style;
+  job.style = std::move(style);
   job.camera = camera;
   job.sheet = sheet;
   job.quiet = request.quiet;

@@ -39,8 +39,8 @@ struct Key {
   bool repeats = false;  ///< whether the key repeats while it is pressed
 };
 
-/// ASCII escape: the window passes the key Esc as this character, so that a press shorter than a frame is not
-/// lost.
+/// ASCII escape: the window passes each press of the key Esc as this character, so that neither a press shorter than a
+/// frame nor two presses within a frame are lost.
 inline constexpr char escape = 27;
 
 inline constexpr std::array<Key, 17> keys{{
@@ -61,7 +61,7 @@ inline constexpr std::array<Key, 17> keys{{
     {"S", "screenshot", "screenshot", Action::screenshot, 's'},
     {"V", "film", "film on and off", Action::film, 'v'},
     {"H", "hide", "hide or show the panels", Action::hide_panel, 'h'},
-    {"Esc", "quit", "twice: quit", Action::quit, escape},
+    {"Esc", "quit", "twice: quit", Action::quit, escape, true},
 }};
 
 struct Gesture {
