@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Checks what each file may include: the floors of the architecture, and which outside library belongs where.
 
-An include goes to a strictly lower floor or stays in its folder, and never in a circle. Two habits are refused as well:
-`using namespace` in a header, and std::to_string. Prints one line per violation and exits with 1 if there is any.
+An include goes to a strictly lower floor or stays in its folder, and never in a circle. Three habits are refused as well:
+`using namespace` in a header, std::to_string, and in the library the C library's elementary functions. Prints one line per violation and exits with 1 if there is any.
 `--root DIR` checks another tree.
 """
 
@@ -69,6 +69,7 @@ OUTSIDE = [
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 USING_NAMESPACE = re.compile(r"^\s*using\s+namespace\b")
 TO_STRING = re.compile(r"\bstd::to_string\b")
+ELEMENTARY = re.compile(r"(?<!using )\bstd::(sin|cos|tan|asin|acos|atan2?|sinh|cosh|tanh|exp2?|expm1|log(2|10|1p)?|pow|cbrt|hypot)\(")
 
 
 def is_kernel(path):
@@ -118,6 +119,8 @@ def check_file(path, root, graph):
             problems.append((number, "using namespace in a header"))
         if TO_STRING.search(line) and not in_folder(path, "plugins"):
             problems.append((number, "std::to_string writes 1e-9 as 0.000000: use fmt::format"))
+        if ELEMENTARY.search(line) and in_folder(path, "souple"):
+            problems.append((number, "results of the C library differ in the last bit: use souple/math/elementary.h"))
         match = INCLUDE.match(line)
         if not match:
             continue

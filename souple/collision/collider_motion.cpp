@@ -1,6 +1,7 @@
 #include "souple/collision/collider_motion.h"
 
 #include "souple/error.h"
+#include "souple/math/elementary.h"
 #include "souple/math/limits.h"
 
 #include <string>
@@ -24,10 +25,10 @@ Quatd slerp(const Quatd& a, Quatd b, double s) {
     cosine = -cosine;
   }
   double weight_a = 1 - s, weight_b = s;
-  const double angle = acos(min(cosine, 1.0));
+  const double angle = elementary::acos(min(cosine, 1.0));
   if (angle > 1e-6) {
-    weight_a = sin((1 - s) * angle) / sin(angle);
-    weight_b = sin(s * angle) / sin(angle);
+    weight_a = elementary::sin((1 - s) * angle) / elementary::sin(angle);
+    weight_b = elementary::sin(s * angle) / elementary::sin(angle);
   }
   return normalized(Quatd{weight_a * a.x + weight_b * b.x, weight_a * a.y + weight_b * b.y,
                           weight_a * a.z + weight_b * b.z, weight_a * a.w + weight_b * b.w});

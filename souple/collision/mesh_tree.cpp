@@ -3,6 +3,7 @@
 #include "souple/assert.h"
 #include "souple/collision/nearest.h"
 #include "souple/error.h"
+#include "souple/math/elementary.h"
 
 #include <algorithm>
 #include <cmath>
@@ -128,7 +129,7 @@ double MeshTree::solid_angle(const Corners& t, const Vec3d& point) {
   const double la = length(a), lb = length(b), lc = length(c);
   const double sine = dot(a, cross(b, c));
   const double cosine = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
-  return 2 * std::atan2(sine, cosine);
+  return 2 * elementary::atan2(sine, cosine);
 }
 
 double MeshTree::winding_number(const Vec3d& point) const {

@@ -3,6 +3,7 @@
 #include "souple/constraints/constraint.h"
 #include "souple/constraints/dihedral_angle.h"
 #include "souple/constraints/rest_shape.h"
+#include "souple/math/elementary.h"
 
 #include <array>
 
@@ -38,7 +39,7 @@ struct DihedralBending {
     const double area2 = 0.5 * length(cross(e, x[2] - x[0])), area3 = 0.5 * length(cross(e, x[3] - x[0]));
     detail::require_valid_rest_shape(std::fmin(area2, area3), 0.4 * edge * edge, name);
     const DihedralAngle<double> angle = dihedral_angle(x);
-    const double norm = std::hypot(angle.sine, angle.cosine);
+    const double norm = elementary::hypot(angle.sine, angle.cosine);
     const double scale = length(e) / std::sqrt(area2 + area3), ee = dot(e, e);
     const double k2 = scale * length(e) / (2 * area2), k3 = scale * length(e) / (2 * area3);
     const double k1 = -(k2 * dot(x[2] - x[0], e) + k3 * dot(x[3] - x[0], e)) / ee;

@@ -2,6 +2,7 @@
 
 #include "souple/constraints/constraint.h"
 #include "souple/constraints/rest_shape.h"
+#include "souple/math/elementary.h"
 
 #include <array>
 
@@ -27,7 +28,7 @@ struct TetVolume {
     const double volume = dot(x[1] - x[0], cross(x[2] - x[0], x[3] - x[0])) / 6;
     const double edge = detail::longest_edge(x);
     detail::require_valid_rest_shape(volume, 0.1 * edge * edge * edge, name);
-    return {static_cast<float>(volume), static_cast<float>(std::cbrt(volume))};
+    return {static_cast<float>(volume), static_cast<float>(elementary::cbrt(volume))};
   }
 
   static std::array<float, 1> compliance(double bulk_modulus, double rest_volume) {

@@ -2,6 +2,7 @@
 
 #include "souple/constraints/constraint.h"
 #include "souple/constraints/dihedral_angle.h"
+#include "souple/math/elementary.h"
 
 namespace souple {
 
@@ -28,7 +29,7 @@ struct TwistLimit {
   /// The current angle becomes the rest angle.
   static Params<float> from_rest(const Vec3d (&x)[4], double max_angle) {
     const DihedralAngle<double> angle = dihedral_angle(x);
-    const double norm = std::hypot(angle.sine, angle.cosine);
+    const double norm = elementary::hypot(angle.sine, angle.cosine);
     if (!(norm > 0)) return {0, 1, static_cast<float>(max_angle)};
     return {static_cast<float>(angle.sine / norm), static_cast<float>(angle.cosine / norm),
             static_cast<float>(max_angle)};

@@ -2,6 +2,7 @@
 
 #include "souple/contacts/packed_collider.h"
 #include "souple/contacts/particle_position.h"
+#include "souple/math/elementary.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
@@ -60,7 +61,7 @@ std::size_t MotionMargins::bytes() const {
 double ColliderMargin::motion(const RigidPose& from, const RigidPose& to) const {
   double square = 0;
   for (int k = 0; k < 3; ++k) square += length_squared(to.rotation.column[k] - from.rotation.column[k]);
-  const double angle = 2 * std::asin(std::min(1.0, std::sqrt(square / 8)));
+  const double angle = 2 * elementary::asin(std::min(1.0, std::sqrt(square / 8)));
   const double turned = angle > 0 ? angle * radius_ : 0;  // radius_ may be infinite
   return length(to.to_world(center_) - from.to_world(center_)) + turned;
 }

@@ -1,5 +1,6 @@
 #include "souple/fluid/foam.h"
 
+#include "souple/math/elementary.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
@@ -134,7 +135,7 @@ FoamKind Foam::kind_of(const Neighborhood& neighborhood, const FoamParameters& p
 void Foam::move(const FoamStep& step, const FoamParameters& parameters, Threads& threads) {
   // dv/dt = -buoyancy g + drag (v_fluid - v)
   const Vec3f rise = step.gravity * (-parameters.buoyancy / parameters.drag);
-  const float dt = step.dt, kept = std::exp(-parameters.drag * dt);
+  const float dt = step.dt, kept = static_cast<float>(elementary::exp(double{-parameters.drag * dt}));
   FoamState& s = state_;
   start_.assign(s.position.begin(), s.position.end());
   for_each_index(size(), threads, [&](std::size_t k) {

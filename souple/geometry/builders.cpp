@@ -137,12 +137,17 @@ TriangleMesh subdivided(const TriangleMesh& coarse) {
   return fine;
 }
 
+// 20 * 4^subdivisions, of any number.
+double subdivided_faces(int subdivisions) {
+  return std::ldexp(20.0, 2 * std::min(subdivisions, 500));
+}
+
 }  // namespace
 
 TriangleMesh sphere(int subdivisions, double radius) {
   require_count("sphere", "subdivisions", subdivisions, 0);
   require_length("sphere", "radius", radius);
-  require_total("sphere", 20 * std::pow(4.0, subdivisions));
+  require_total("sphere", subdivided_faces(subdivisions));
   TriangleMesh mesh = icosahedron();
   for (int i = 0; i < subdivisions; ++i) mesh = subdivided(mesh);
   for (Vec3d& p : mesh.positions) p *= radius;
@@ -354,7 +359,7 @@ TetMesh tet_ball(int subdivisions, int layers, double radius) {
   require_count("tet_ball", "subdivisions", subdivisions, 0);
   require_count("tet_ball", "layers", layers, 1);
   require_length("tet_ball", "radius", radius);
-  require_total("tet_ball", 20 * std::pow(4.0, subdivisions) * (3 * double(layers) - 2));
+  require_total("tet_ball", subdivided_faces(subdivisions) * (3 * double(layers) - 2));
   const TriangleMesh skin = sphere(subdivisions, 1);
   const std::uint32_t shell = index32(std::int64_t(skin.positions.size()));
   TetMesh mesh;

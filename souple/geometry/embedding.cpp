@@ -3,6 +3,7 @@
 #include "souple/error.h"
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/measures.h"
+#include "souple/math/elementary.h"
 #include "souple/math/mat3.h"
 
 #include <algorithm>
@@ -80,7 +81,7 @@ class TetGrid {
     const double largest = std::max({size.x, size.y, size.z});
     // Flat directions have one layer; the other axes share the cubes in proportion to their length.
     const double wanted = std::min(double(usable.size()), 4e6);
-    cell_ = std::max(std::cbrt(size.x * size.y * size.z / wanted), largest / 256);
+    cell_ = std::max(elementary::cbrt(size.x * size.y * size.z / wanted), largest / 256);
     for (std::size_t i = 0; i < 3; ++i)
       count_[i] = std::max(1, int(std::min(256.0, std::floor(size[int(i)] / cell_) + 1)));
     fill(mesh, usable);

@@ -5,6 +5,7 @@
 #include "souple/geometry/close_holes.h"
 #include "souple/geometry/measures.h"
 #include "souple/geometry/mesh_report.h"
+#include "souple/math/elementary.h"
 
 #include <algorithm>
 #include <array>
@@ -313,8 +314,8 @@ class Marker {
       const Vec3d a = surface_.positions[t[0]] - middle, b = surface_.positions[t[1]] - middle,
                   c = surface_.positions[t[2]] - middle;
       const double la = length(a), lb = length(b), lc = length(c);
-      sum += 2 *
-             std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
+      sum += 2 * elementary::atan2(dot(a, cross(b, c)),
+                                   la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
     }
     return std::abs(sum) > 2 * pi;
   }
@@ -410,7 +411,7 @@ Lattice lattice_of_count(const Solid& solid, int target) {
     if (cubes_needed(solid, cell_size) <= max_cubes) {
       Lattice lattice = lattice_of_size(solid, cell_size);
       ratio = double(lattice.mesh.tets.size()) / double(target);
-      const double miss = std::abs(std::log(ratio));
+      const double miss = std::abs(elementary::log(ratio));
       if (best.mesh.tets.empty() || miss < best_miss) {
         best = std::move(lattice);
         best_miss = miss;
@@ -420,7 +421,7 @@ Lattice lattice_of_count(const Solid& solid, int target) {
     (ratio > 1 ? too_fine : too_coarse) = cell_size;
     // The count scales with the size to the power -2 (thin) to -3 (thick); the next size stays between tried
     // ones. Rounded to a float, because the last bit of pow differs between C libraries.
-    cell_size *= double(float(std::pow(ratio, 0.4)));
+    cell_size *= double(float(elementary::pow(ratio, 0.4)));
     if (too_fine > 0 && too_coarse > 0 && !(cell_size > too_fine && cell_size < too_coarse))
       cell_size = (too_fine + too_coarse) / 2;
   }

@@ -78,7 +78,8 @@ void Drawable::place_balls(Session& session) {
   for (std::size_t s = 0; s < segments.size(); s += 2) {
     const std::uint32_t a = segments[s], b = segments[s + 1];
     const float *from = &positions_[3 * std::size_t{a}], *to = &positions_[3 * std::size_t{b}];
-    const float length = std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+    const float x = to[0] - from[0], y = to[1] - from[1], z = to[2] - from[2];
+    const float length = std::sqrt(x * x + y * y + z * z);
     const float parts = std::clamp(std::ceil(length / radius_), 1.0f, most);
     for (float k = 1; k < parts; ++k) balls_.push_back({a, b, k / parts});
   }

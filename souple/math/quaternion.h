@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/elementary.h"
 #include "souple/math/mat3.h"
 
 namespace souple {
@@ -11,8 +12,9 @@ struct Quaternion {
 
   /// Rotation by `angle` radians about the unit vector `axis`.
   static Quaternion from_axis_angle(const Vec3<T>& axis, T angle) {
-    const T s = sin(angle / T(2));
-    return {axis.x * s, axis.y * s, axis.z * s, cos(angle / T(2))};
+    const double half = static_cast<double>(angle) / 2;
+    const T s = static_cast<T>(elementary::sin(half));
+    return {axis.x * s, axis.y * s, axis.z * s, static_cast<T>(elementary::cos(half))};
   }
   /// Rotations about X, then Y, then Z (fixed axes), in radians.
   static Quaternion from_euler_xyz(const Vec3<T>& angles) {

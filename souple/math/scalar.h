@@ -5,6 +5,8 @@
 // `select` takes, and the functions below, found by argument-dependent lookup for types that are not built
 // in.
 
+#include "souple/math/elementary.h"
+
 #include <cmath>
 
 namespace souple {
@@ -65,7 +67,7 @@ T arctangent(T y, T x) {
 }
 
 inline double atan2(double y, double x) {
-  return std::atan2(y, x);
+  return elementary::atan2(y, x);
 }
 /// By arithmetic alone, so that packs give the same bits: the C library's result differs between versions.
 inline float atan2(float y, float x) {

@@ -65,7 +65,8 @@ void add_links(const SetProjector<TriangleMembrane>& membranes, std::vector<Link
         {0, 0}, {p.b11 / determinant, -p.b10 / determinant}, {-p.b01 / determinant, p.b00 / determinant}};
     for (std::size_t k = 0; k < 3; ++k) {
       const std::size_t l = (k + 1) % 3;
-      const float length = std::hypot(rest[k][0] - rest[l][0], rest[k][1] - rest[l][1]);
+      const float x = rest[k][0] - rest[l][0], y = rest[k][1] - rest[l][1];
+      const float length = std::sqrt(x * x + y * y);
       if (!(length > 0) || !std::isfinite(length)) continue;
       links.push_back({std::min(indices[k], indices[l]), std::max(indices[k], indices[l]), length,
                        2 / (alpha[0] + alpha[2]), set.stiffness(i)});

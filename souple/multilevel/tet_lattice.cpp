@@ -1,5 +1,7 @@
 #include "souple/multilevel/tet_lattice.h"
 
+#include "souple/math/elementary.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -152,7 +154,7 @@ void Builder::choose_cells() {
   double volume = 0;
   for (const std::uint32_t t : tets_)
     volume += 1 / (6 * std::fabs(determinant(Mat3d(set_.params(t).rest_inverse))));
-  const double side = coarsening * std::cbrt(5 * volume / static_cast<double>(tets_.size()));
+  const double side = coarsening * elementary::cbrt(5 * volume / static_cast<double>(tets_.size()));
   for (int axis = 0; axis < 3; ++axis) {
     const double extent = high[axis] - low_[axis];
     const auto a = static_cast<std::size_t>(axis);

@@ -1,6 +1,7 @@
 #include "souple/solver/enclosed_volume.h"
 
 #include "souple/error.h"
+#include "souple/math/elementary.h"
 #include "souple/math/scalar.h"
 
 #include <algorithm>
@@ -139,7 +140,7 @@ void EnclosedVolume::project_one(std::size_t i, const ParticleView& particles, c
     max_gradient = std::fmax(max_gradient, w * std::sqrt(square));
   }
   ScalarStep step = project_scalar(state, surface.settings, surface.multiplier, substep);
-  const double move_limit = 0.25 * std::cbrt(surface.target_volume * 3 / (4 * pi));
+  const double move_limit = 0.25 * elementary::cbrt(surface.target_volume * 3 / (4 * pi));
   const double move = max_gradient * std::fabs(step.factor);
   if (move_limit > 0 && move > move_limit) {
     step.dlambda *= move_limit / move;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/elementary.h"
 #include "souple/solver/modes.h"
 #include "souple/state/particles.h"
 #include "souple/threads/threads.h"
@@ -44,7 +45,7 @@ struct Substep {
 
 /// PBD mode: k' of each of n iterations that together have the stiffness k. Müller et al. 2007, section 3.3.
 inline float stiffness_per_iteration(float k, int n) {
-  return 1 - std::pow(1 - k, 1 / static_cast<float>(n));
+  return 1 - static_cast<float>(elementary::pow(double{1 - k}, 1.0 / n));
 }
 
 /// The particles that a projector reads and moves. Projectors write to `moving` only: predicted positions

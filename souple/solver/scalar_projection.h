@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/constraints/constraint.h"
+#include "souple/math/elementary.h"
 #include "souple/solver/projector.h"
 
 #include <cmath>
@@ -42,7 +43,7 @@ inline ScalarStep project_scalar(const ScalarState& state, const ScalarSettings&
   dlambda *= static_cast<double>(substep.relaxation);
   // A violated inequality pushes, never pulls: the multiplier stays >= 0.
   if (settings.sense == Sense::non_negative) dlambda = std::fmax(dlambda, -lambda);
-  const double scale = pbd ? 1 - std::pow(1 - settings.stiffness, 1.0 / substep.iterations) : 1;
+  const double scale = pbd ? 1 - elementary::pow(1 - settings.stiffness, 1.0 / substep.iterations) : 1;
   return {dlambda, scale * dlambda};
 }
 

@@ -1,6 +1,7 @@
 #include "souple/solver/shape_matching.h"
 
 #include "souple/error.h"
+#include "souple/math/elementary.h"
 #include "souple/math/polar_decomposition.h"
 
 #include <algorithm>
@@ -71,7 +72,7 @@ Mat3d pseudo_inverse(const Mat3d& a, const Mat3d& missing) {
 
 // det(A)^(-1/n) for a shape of n dimensions.
 double to_unit_volume(double det, int dimensions) {
-  if (dimensions == 3) return 1 / std::cbrt(det);
+  if (dimensions == 3) return 1 / elementary::cbrt(det);
   return dimensions == 2 ? 1 / std::sqrt(det) : 1 / det;
 }
 

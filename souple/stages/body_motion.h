@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/elementary.h"
 #include "souple/state/rigid_bodies.h"
 
 #include <cmath>
@@ -12,7 +13,7 @@ inline BodyVelocity velocity_between(const BodyPose& from, const BodyPose& to, d
   const double sign = turn.w < 0 ? -1 : 1;
   const Vec3d axis{turn.x * sign, turn.y * sign, turn.z * sign};
   const double sine = length(axis);
-  const double angle = 2 * std::atan2(sine, turn.w * sign);
+  const double angle = 2 * elementary::atan2(sine, turn.w * sign);
   return {(to.position - from.position) / h, sine > 0 ? axis * (angle / (sine * h)) : Vec3d{}};
 }
 

@@ -1,5 +1,6 @@
 #include "souple/stages/damping.h"
 
+#include "souple/math/elementary.h"
 #include "souple/objects/object.h"
 
 #include <algorithm>
@@ -100,7 +101,7 @@ void damp(const ObjectsView& objects, const Object& object, float h, Threads& th
   if (!(rate > 0) || object.traits().rolls) return;
   Particles& particles = objects.particles;
   const RigidMotion motion = rigid_motion(particles, object, threads, sums);
-  const double k = -std::expm1(-static_cast<double>(rate) * static_cast<double>(h));
+  const double k = 1 - elementary::exp(-static_cast<double>(rate) * static_cast<double>(h));
   threads.for_each(object.particle_count(), chunk_size, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = object.begin + begin; i < object.begin + end; ++i) {
       if (particles.position[i].w == 0) continue;

@@ -1,5 +1,6 @@
 #include "souple/stages/forces.h"
 
+#include "souple/math/elementary.h"
 #include "souple/objects/object.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/solver/kernels/find_kernels.h"
@@ -94,7 +95,8 @@ Vec3f wind_at(const Settings& settings, double t) {
   constexpr double frequency[] = {1, 2.3, 5.1}, weight[] = {0.6, 0.3, 0.1};
   for (std::uint64_t k = 0; k < 3; ++k) {
     const double phase = hashed(settings.seed, k);
-    gust += weight[k] * std::sin(2 * pi * (frequency[k] * t / static_cast<double>(wind.gust_period) + phase));
+    gust += weight[k] *
+            elementary::sin(2 * pi * (frequency[k] * t / static_cast<double>(wind.gust_period) + phase));
   }
   return wind.velocity * static_cast<float>(1 + static_cast<double>(wind.gust) * gust);
 }

@@ -3,6 +3,7 @@
 #include "souple/fluid/stage/fluid_foam.h"
 #include "souple/fluid/stage/fluids.h"
 #include "souple/geometry/measures.h"
+#include "souple/math/elementary.h"
 #include "souple/objects/checks.h"
 #include "souple/objects/collider_record.h"
 #include "souple/objects/kind_functions.h"
@@ -278,7 +279,8 @@ World::TetStatistics World::tet_statistics(ObjectId id) const {
   TetStatistics statistics{object.tets.tets.size(), object.tets.positions.size(), 0};
   // A cube of the lattice has the volume of twelve of its tets.
   if (object.embedding && !object.tets.tets.empty())
-    statistics.cell_size = std::cbrt(12 * tet_volume(object.tets) / static_cast<double>(statistics.tets));
+    statistics.cell_size =
+        elementary::cbrt(12 * tet_volume(object.tets) / static_cast<double>(statistics.tets));
   return statistics;
 }
 

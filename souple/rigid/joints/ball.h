@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/elementary.h"
 #include "souple/rigid/joints/rows.h"
 
 namespace souple::joint {
@@ -24,14 +25,14 @@ inline Row swing_row(const Ends& ends) {
   const Vec3d &a = ends.axes_a.column[0], &b = ends.axes_b.column[0];
   const Vec3d n = cross(a, b);
   const double sine = length(n);
-  return row_about(sine > 1e-9 ? n / sine : Vec3d{}, std::atan2(sine, dot(a, b)));
+  return row_about(sine > 1e-9 ? n / sine : Vec3d{}, elementary::atan2(sine, dot(a, b)));
 }
 
 inline Row twist_row(const Ends& ends) {
   const Vec3d &a = ends.axes_a.column[0], &b = ends.axes_b.column[0];
   const Quatd q = relative_rotation(ends);
   const double cosine = 1 + dot(a, b);
-  return row_about(cosine > 1e-9 ? (a + b) / cosine : Vec3d{}, 2 * std::atan2(q.x, q.w));
+  return row_about(cosine > 1e-9 ? (a + b) / cosine : Vec3d{}, 2 * elementary::atan2(q.x, q.w));
 }
 
 inline void add_rows(const Ball& joint, const Ends& ends, Rows& rows) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/elementary.h"
 #include "souple/rigid/joints/rows.h"
 
 namespace souple::joint {
@@ -17,7 +18,7 @@ struct Hinge {
 inline double hinge_angle(const Ends& ends) {
   const Vec3d &ya = ends.axes_a.column[1], &za = ends.axes_a.column[2];
   const Vec3d &yb = ends.axes_b.column[1], &zb = ends.axes_b.column[2];
-  return next_turn(std::atan2(dot(yb, za) - dot(zb, ya), dot(yb, ya) + dot(zb, za)), ends.angle[0]);
+  return next_turn(elementary::atan2(dot(yb, za) - dot(zb, ya), dot(yb, ya) + dot(zb, za)), ends.angle[0]);
 }
 
 inline void add_rows(const Hinge& joint, const Ends& ends, Rows& rows) {

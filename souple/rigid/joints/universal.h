@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/elementary.h"
 #include "souple/rigid/joints/rows.h"
 
 namespace souple::joint {
@@ -18,8 +19,8 @@ struct Universal {
 /// Rotations about both axes.
 inline std::array<double, 2> universal_angles(const Ends& ends) {
   const Vec3d &x = ends.axes_a.column[0], &z = ends.axes_b.column[2];
-  const double first = std::atan2(-dot(z, ends.axes_a.column[1]), dot(z, ends.axes_a.column[2]));
-  const double second = std::atan2(-dot(x, ends.axes_b.column[1]), dot(x, ends.axes_b.column[0]));
+  const double first = elementary::atan2(-dot(z, ends.axes_a.column[1]), dot(z, ends.axes_a.column[2]));
+  const double second = elementary::atan2(-dot(x, ends.axes_b.column[1]), dot(x, ends.axes_b.column[0]));
   return {next_turn(first, ends.angle[0]), next_turn(second, ends.angle[1])};
 }
 

@@ -1,5 +1,6 @@
 #include "souple/world/joints/joints.h"
 
+#include "souple/math/elementary.h"
 #include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
 #include "souple/queries/nearest_name.h"
@@ -59,7 +60,7 @@ Quatd axes_of(const JointOptions& options) {
   // Turned about the first axis, as far as the projection of the second one is from the third.
   const Vec3d z = rotate(first, {0, 0, 1}), y = rotate(first, {0, 1, 0});
   const double along_y = dot(*options.second_axis, y), along_z = dot(*options.second_axis, z);
-  const double across = std::hypot(along_y, along_z);
+  const double across = elementary::hypot(along_y, along_z);
   if (!(across > 1e-6 * length(*options.second_axis)))
     throw Error(fmt::format("joint '{}': second_axis is parallel to axis, or 0; expected a perpendicular one",
                             options.name));
