@@ -22,31 +22,33 @@ void resize(KeptPoints& out, std::size_t size, std::size_t capacity) {
   out.resize(size);
 }
 
-/// Fills `out` with a value for each user vertex: f(i) of its particle i, or the blend over a tet. f returns
-/// Vec3d.
-template <class Function>
-void fill(const Object& object, KeptPoints& out, const Function& f) {
-  resize(out, object.vertex_count(), object.capacity);
-  for (std::size_t v = 0; v < out.size(); ++v) {
-    if (!object.embedding) {
-      SOUPLE_ASSERT(object.begin + object.particle_of[v] < object.end, "a particle of the object");
-      out[v] = Vec3f(f(object.begin + object.particle_of[v]));
-      continue;
-    }
-    const Tet& tet = object.embedding->vertices[v];
-    const std::array<double, 4>& weights = object.embedding->weights[v];
-    Vec3d sum;
-    for (std::size_t k = 0; k < 4; ++k) sum += f(object.begin + tet[k]) * weights[k];
-    out[v] = Vec3f(sum);
-  }
-}
-
 // Minimum number of triangles or vertices per thread.
 constexpr std::size_t grain = 1024;
 
 void for_each(Threads* threads, std::size_t n, RangeFunction f) {
   if (threads) return threads->for_each(n, grain, f);
   f(0, n);
+}
+
+/// Fills `out` with a value for each user vertex: f(i) of its particle i, or the blend over a tet. f returns
+/// Vec3d.
+template <class Function>
+void fill(Threads* threads, const Object& object, KeptPoints& out, const Function& f) {
+  resize(out, object.vertex_count(), object.capacity);
+  for_each(threads, out.size(), [&](std::size_t v, std::size_t end) {
+    for (; v < end; ++v) {
+      if (!object.embedding) {
+        SOUPLE_ASSERT(object.begin + object.particle_of[v] < object.end, "a particle of the object");
+        out[v] = Vec3f(f(object.begin + object.particle_of[v]));
+        continue;
+      }
+      const Tet& tet = object.embedding->vertices[v];
+      const std::array<double, 4>& weights = object.embedding->weights[v];
+      Vec3d sum;
+      for (std::size_t k = 0; k < 4; ++k) sum += f(object.begin + tet[k]) * weights[k];
+      out[v] = Vec3f(sum);
+    }
+  });
 }
 
 // Per triangle: cross product of two sides; its length is twice the area.
@@ -90,14 +92,15 @@ void fill_normals(Threads* threads, std::span<const Triangle> triangles, Mirror&
 
 std::span<const Vec3f> mirrored_positions(const QueryView& view, const Object& object, Mirror& mirror) {
   if (mirror.version == view.version) return mirror.positions;
-  fill(object, mirror.positions, [&](std::size_t i) { return view.exact_position(i); });
+  fill(view.threads, object, mirror.positions, [&](std::size_t i) { return view.exact_position(i); });
   mirror.version = view.version;
   return mirror.positions;
 }
 
 std::span<const Vec3f> mirrored_velocities(const QueryView& view, const Object& object, Mirror& mirror) {
   if (mirror.velocities_version == view.version) return mirror.velocities;
-  fill(object, mirror.velocities, [&](std::size_t i) { return Vec3d(view.particles.velocity[i].xyz()); });
+  fill(view.threads, object, mirror.velocities,
+       [&](std::size_t i) { return Vec3d(view.particles.velocity[i].xyz()); });
   mirror.velocities_version = view.version;
   return mirror.velocities;
 }
@@ -105,7 +108,8 @@ std::span<const Vec3f> mirrored_velocities(const QueryView& view, const Object& 
 std::span<const Vec3f> mirrored_angular_velocities(const QueryView& view, const Object& object,
                                                    Mirror& mirror) {
   if (mirror.angular_velocities_version == view.version) return mirror.angular_velocities;
-  fill(object, mirror.angular_velocities, [&](std::size_t i) { return Vec3d(view.particles.spin[i].xyz()); });
+  fill(view.threads, object, mirror.angular_velocities,
+       [&](std::size_t i) { return Vec3d(view.particles.spin[i].xyz()); });
   mirror.angular_velocities_version = view.version;
   return mirror.angular_velocities;
 }
