@@ -30,15 +30,35 @@ export function storeScenes(souple) {
     for (const file of readdirSync(join(root, folder)).filter((name) => /\.(json|obj|msh)$/.test(name)))
       souple.writeFile(`/${folder}/${file}`, readFileSync(join(root, folder, file)));
 }
+/** The lines of a scene's trace: object, quantity, codes of its frames. */
+const traceOf = (scene) => readFileSync(`${root}/tests/golden/trace/${scene}.txt`, 'utf8').trimEnd().split('\n').map((line) => line.split(' '));
 /** The first difference of a world from what native builds record, as a sentence; '' if there is none. */
 export function differenceOf(scene, frame, world) {
   const expected = hashes[scene][frame];
   if (expected !== undefined && world.hash !== expected) return `frame ${frame}: hash ${world.hash}, native ${expected}`;
-  const trace = readFileSync(`${root}/tests/golden/trace/${scene}.txt`, 'utf8').trimEnd().split('\n');
-  for (const line of trace) {
-    const [object, quantity, codes] = line.split(' ');
+  for (const [object, quantity, codes] of traceOf(scene)) {
     const code = codeOf(world.object(object)[quantity]);
     if (code !== codes.slice(2 * (frame - 1), 2 * frame)) return `frame ${frame}: ${quantity} of ${object} differ`;
   }
   return '';
+}
+/** The same for a world of a page of puppeteer that opens the scene: its difference after `frames` frames. */
+export async function differenceInPage(page, scene, frames) {
+  const wanted = traceOf(scene).map(([object, quantity]) => [object, quantity]);
+  const bits = await page.evaluate((name, count, arrays) => {
+    const world = window.page.souple.World.open(`/scenes/${name}.json`);
+    for (let i = 0; i < count; ++i) world.step();
+    const found = arrays.map(([object, quantity]) => {
+      const view = world.object(object)[quantity];
+      return Array.from(new Uint32Array(view.buffer, view.byteOffset, view.length));
+    });
+    const hash = world.hash;
+    world.free();
+    return { hash, found };
+  }, scene, frames, wanted);
+  const arrayOf = (object, quantity) => Uint32Array.from(bits.found[wanted.findIndex(([o, q]) => o === object && q === quantity)]);
+  return differenceOf(scene, frames, {
+    hash: bits.hash,
+    object: (name) => ({ get positions() { return arrayOf(name, 'positions'); }, get velocities() { return arrayOf(name, 'velocities'); } }),
+  });
 }

@@ -9,7 +9,7 @@ storeScenes(souple);
 
 test('the kernels are those of SIMD', () => assert.match(souple.version, /, wasm$/));
 
-for (const scene of (process.env.SOUPLE_SCENES ?? 'curtain flag jelly_armada balloon rope_bridge sand_pile folded_cloth brick_wall drop').split(' '))
+for (const scene of (process.env.SOUPLE_SCENES ?? 'curtain flag jelly_armada balloon rope_bridge sand_pile folded_cloth brick_wall drop rag_doll wrecking_ball dominoes').split(' '))
   test(scene, () => {
     const world = souple.World.open(`/scenes/${scene}.json`);
     const began = performance.now();
