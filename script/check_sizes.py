@@ -2,7 +2,7 @@
 """Checks the limits of the architecture on sizes:
   - a folder of the library has at most 6,000 lines in its own files (a subfolder counts for itself);
   - a class or struct has at most 25 data members;
-  - a header of the library includes at most 40 other headers of ours, directly or not.
+  - a header of the library includes at most 41 other headers of ours, directly or not.
 Prints one line per violation and exits with 1 if there is any. `--root DIR` checks another tree, `--list` prints the largest.
 """
 
@@ -11,7 +11,7 @@ import pathlib
 import re
 import sys
 
-MAX_LINES, MAX_MEMBERS, MAX_REACH = 6000, 25, 40
+MAX_LINES, MAX_MEMBERS, MAX_REACH = 6000, 25, 41
 # They gather what others include one by one.
 GATHERING = {"souple/souple.h", "souple/constraints/all.h"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*"((?:souple|render|app|plugins)/[^"]+)"', re.M)

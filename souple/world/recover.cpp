@@ -11,6 +11,7 @@
 #include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/call_scope.h"
+#include "souple/world/callbacks.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/step_scratch.h"
 
@@ -63,7 +64,7 @@ void abandon_step(WorldState& world, double start) noexcept {
   ++world.version;
   forget_projectors(world);
   world.contact->invalidate();
-  world.callbacks.erase_removed();
+  world.callbacks->erase_removed();
 }
 
 void start_afresh(WorldState& world) {

@@ -7,6 +7,7 @@
 #include "souple/stages/sleeping.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/call_scope.h"
+#include "souple/world/callbacks.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/impl.h"
 #include "souple/world/joints/ties.h"
@@ -53,7 +54,7 @@ void wake_disturbed(WorldState& world, double dt) {
 
 void fall_asleep(WorldState& world, double dt) {
   const StartOfStep start{world.current.last_valid.position, world.current.last_valid.offset};
-  world.report.asleep = fall_asleep(sleep_view(world), start, !world.callbacks.force_fields.empty(), dt);
+  world.report.asleep = fall_asleep(sleep_view(world), start, !world.callbacks->force_fields.empty(), dt);
 }
 
 void wake_island(WorldState& world, const Object& object) {

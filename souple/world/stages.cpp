@@ -12,6 +12,7 @@
 #include "souple/stages/spin.h"
 #include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
+#include "souple/world/callbacks.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/fluid_stage.h"
@@ -54,7 +55,7 @@ bool measures_balance(const WorldState& world) {
 void integrate(WorldState& world, const Substep& substep) {
   if (world.scratch->sleep->woken) find_candidates(world, static_cast<double>(substep.h) * substep.count);
   const StageView stage = world.stage_view();
-  note(world, predict_motion(stage, world.callbacks.force_fields, substep, world.scratch->motion));
+  note(world, predict_motion(stage, world.callbacks->force_fields, substep, world.scratch->motion));
   predict_spin(stage.objects, substep, stage.threads);
   drive_pins(stage, substep, part_of_step(world, substep));
   if (drive_obstacles(stage, substep)) world.contact->check_intersections = true;

@@ -14,6 +14,7 @@
 #include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/world/call_scope.h"
+#include "souple/world/callbacks.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/registry.h"
 #include "souple/world/step_scratch.h"
@@ -40,6 +41,7 @@ WorldState::WorldState()
       fluids(std::make_unique<Fluids>()),
       rigid(std::make_unique<RigidStage>()),
       scratch(std::make_unique<StepScratch>()),
+      callbacks(std::make_unique<Callbacks>()),
       calls(std::make_unique<Calls>()),
       caches(std::make_unique<Caches>()) {}
 WorldState::~WorldState() = default;

@@ -3,19 +3,15 @@
 // Internal state of a World, for the files of this folder. Users include world.h. Its parts are declared here: a file
 // includes the header of each part that it uses.
 
-#include "souple/objects/callbacks.h"
 #include "souple/objects/handles.h"
 #include "souple/objects/objects_view.h"
 #include "souple/solver/projector.h"
-#include "souple/stages/callback_list.h"
 #include "souple/stages/settings.h"
 #include "souple/state/particles.h"
 #include "souple/state/warnings.h"
 #include "souple/world/report.h"
 
-#include <array>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -27,6 +23,7 @@
 namespace souple {
 
 struct Caches;
+struct Callbacks;
 struct Calls;
 struct ColliderRecord;
 struct ConstraintGroups;
@@ -59,15 +56,6 @@ struct Changes {
   bool masses = true;       ///< particles were pinned or freed, or masses changed: prepare the solver
 
   void all() { constraints = objects = tables = true; }
-};
-
-/// Functions of the user.
-struct Callbacks {
-  CallbackList<VertexForceField> force_fields;
-  std::array<CallbackList<std::function<void(World&)>>, stage_count> before, after;
-  std::uint32_t next_id = 1;
-
-  void erase_removed();
 };
 
 /// Emitters and drains of fluids.
@@ -136,7 +124,7 @@ struct WorldState {
   std::unique_ptr<RigidStage> rigid;
   std::unique_ptr<StepScratch> scratch;
   Changes dirty;
-  Callbacks callbacks;
+  std::unique_ptr<Callbacks> callbacks;
   StepReport report;
   Warnings warnings{report.flags, report.message};
   CurrentStep current;

@@ -1,5 +1,6 @@
 #include "souple/world/arrivals.h"
 #include "souple/world/call_scope.h"
+#include "souple/world/callbacks.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/flow.h"
@@ -22,9 +23,9 @@ template <class Function>
 void run(World& self, WorldState& world, Stage stage, const Function& function) {
   const auto index = static_cast<std::size_t>(stage);
   const auto start = std::chrono::steady_clock::now();
-  run_callbacks(self, world, world.callbacks.before[index]);
+  run_callbacks(self, world, world.callbacks->before[index]);
   function();
-  run_callbacks(self, world, world.callbacks.after[index]);
+  run_callbacks(self, world, world.callbacks->after[index]);
   const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
   world.report.milliseconds[index] += spent.count();
 }
@@ -61,7 +62,7 @@ void end_step(WorldState& world, double dt, bool valid) {
   world.contact->valid = true;
   report_contacts(world);
   world.contact->tracker.end_step(world, valid);
-  world.callbacks.erase_removed();
+  world.callbacks->erase_removed();
   end_report(world, valid);
 }
 

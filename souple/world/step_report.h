@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/world/callbacks.h"
 #include "souple/world/state.h"
 
 // What a step reports, and what it does about states that are not finite.

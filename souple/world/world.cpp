@@ -16,6 +16,7 @@
 #include "souple/world/arrivals.h"
 #include "souple/world/build.h"
 #include "souple/world/call_scope.h"
+#include "souple/world/callbacks.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/impl.h"
@@ -88,8 +89,8 @@ CallbackId World::before(Stage stage, std::function<void(World&)> callback) {
   const CallScope call(*world.calls, "before", From::stages);
   require_stage(stage, "before");
   if (!callback) throw Error("before: the function is empty");
-  world.callbacks.before[static_cast<std::size_t>(stage)].add(world.callbacks.next_id, std::move(callback));
-  return {world.callbacks.next_id++};
+  world.callbacks->before[static_cast<std::size_t>(stage)].add(world.callbacks->next_id, std::move(callback));
+  return {world.callbacks->next_id++};
 }
 
 CallbackId World::after(Stage stage, std::function<void(World&)> callback) {
@@ -97,20 +98,20 @@ CallbackId World::after(Stage stage, std::function<void(World&)> callback) {
   const CallScope call(*world.calls, "after", From::stages);
   require_stage(stage, "after");
   if (!callback) throw Error("after: the function is empty");
-  world.callbacks.after[static_cast<std::size_t>(stage)].add(world.callbacks.next_id, std::move(callback));
-  return {world.callbacks.next_id++};
+  world.callbacks->after[static_cast<std::size_t>(stage)].add(world.callbacks->next_id, std::move(callback));
+  return {world.callbacks->next_id++};
 }
 
 void World::remove(CallbackId id) {
   WorldState& world = state();
   const CallScope call(*world.calls, "remove(CallbackId)", From::stages);
   bool found = false;
-  for (auto* lists : {&world.callbacks.before, &world.callbacks.after})
+  for (auto* lists : {&world.callbacks->before, &world.callbacks->after})
     for (auto& callbacks : *lists) found = found || callbacks.remove(id.value);
   if (!found)
     throw Error(
         fmt::format("no callback has the handle {}: it was removed, or belongs to another world", id.value));
-  if (!world.current.running) world.callbacks.erase_removed();
+  if (!world.current.running) world.callbacks->erase_removed();
 }
 
 // --- objects -------------------------------------------------------------------------------------
@@ -600,26 +601,26 @@ ForceFieldId World::add_force_field(VertexForceField field) {
   if (!field) throw Error("add_force_field: the function is empty");
   WorldState& world = state();
   const CallScope call(*world.calls, "add_force_field", From::stages);
-  world.callbacks.force_fields.add(world.callbacks.next_id, std::move(field));
+  world.callbacks->force_fields.add(world.callbacks->next_id, std::move(field));
   wake_all(world);
-  return {world.callbacks.next_id++};
+  return {world.callbacks->next_id++};
 }
 
 void World::remove(ForceFieldId id) {
   WorldState& world = state();
   const CallScope call(*world.calls, "remove(ForceFieldId)", From::stages);
-  if (!world.callbacks.force_fields.remove(id.value))
+  if (!world.callbacks->force_fields.remove(id.value))
     throw Error(fmt::format("no force field has the handle {}: it was removed, or belongs to another world",
                             id.value));
-  if (!world.current.running) world.callbacks.erase_removed();
+  if (!world.current.running) world.callbacks->erase_removed();
   wake_all(world);
 }
 
 void World::clear_force_fields() {
   WorldState& world = state();
   const CallScope call(*world.calls, "clear_force_fields", From::stages);
-  world.callbacks.force_fields.clear();
-  if (!world.current.running) world.callbacks.erase_removed();
+  world.callbacks->force_fields.clear();
+  if (!world.current.running) world.callbacks->erase_removed();
   wake_all(world);
 }
 
