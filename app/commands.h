@@ -68,6 +68,20 @@ struct SurfaceRequest {
 };
 int surface(const SurfaceRequest& request);
 
+/// Arguments of `souple sweep`; empty: the default.
+struct SweepRequest {
+  std::string scene;                    ///< a file or the name of a shipped scene
+  std::vector<std::string> settings;    ///< path=value, path=a:b:n, path=a:b:logn, path=a,b,c
+  std::optional<std::uint32_t> frames;  ///< instead of the scene's
+  std::filesystem::path out;            ///< empty: out/NAME_sweep
+  std::vector<std::string> formats;     ///< of the caches of each run; empty: none
+  std::optional<std::uint32_t> jobs;    ///< runs at a time; empty: as many as processors
+  std::optional<std::uint64_t> only;    ///< simulate this run, counted from 1
+  std::filesystem::path slurm;          ///< write an array job into this file
+  bool sheet = true, table = false, dry_run = false, quiet = false;
+};
+int sweep(const SweepRequest& request);
+
 /// Arguments of `souple bench`; empty: the default.
 struct BenchRequest {
   std::string name;  ///< empty: list the benchmarks

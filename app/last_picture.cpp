@@ -6,6 +6,8 @@
 #include "app/scene_colors.h"
 #include "souple/error.h"
 
+#include <utility>
+
 namespace souple::app {
 
 namespace {
@@ -21,14 +23,16 @@ SinkRequest sink_request(const std::filesystem::path& file) {
 }  // namespace
 
 struct LastPicture::Impl {
+  PictureLook look;
   PictureMaker maker;
   std::unique_ptr<PictureSink> sink;
 };
 
-LastPicture::LastPicture(const std::filesystem::path& file) {
+LastPicture::LastPicture(const std::filesystem::path& file, PictureLook look) {
   const SinkRequest request = sink_request(file);
   expect_driver_crashes();
   impl_ = std::make_unique<Impl>();
+  impl_->look = std::move(look);
   impl_->sink = open_sink(request);
 }
 
@@ -36,11 +40,12 @@ LastPicture::~LastPicture() = default;
 
 void LastPicture::write(const World& world, const SceneDescription& scene) {
   PictureStyle style;
+  style.size = {impl_->look.width, impl_->look.height};
   style.display.pins = false;
   render::Subject subject = render::subject_of(world);
   add_colors(scene, subject);
   const render::Camera camera = camera_for({}, &scene.camera, extent_of(subject), style.aspect());
-  impl_->sink->add(impl_->maker.picture(subject, camera, style), 0);
+  impl_->sink->add(impl_->maker.picture(subject, camera, style, impl_->look.label), 0);
 }
 
 }  // namespace souple::app

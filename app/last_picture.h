@@ -4,14 +4,20 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 
 namespace souple::app {
 
-/// `souple run --picture FILE.png`.
+struct PictureLook {
+  int width = 1280, height = 720;  ///< pixels
+  std::string label;               ///< in the lower left corner
+};
+
+/// `souple run --picture FILE.png`, and the pictures of a sweep.
 class LastPicture {
  public:
   /// Throws Error, before any simulation, when no picture can be made or written to this file.
-  explicit LastPicture(const std::filesystem::path& file);
+  explicit LastPicture(const std::filesystem::path& file, PictureLook look = {});
   ~LastPicture();
   LastPicture(const LastPicture&) = delete;
   LastPicture& operator=(const LastPicture&) = delete;

@@ -30,6 +30,7 @@ using souple::app::RenderRequest;
 using souple::app::RunOptions;
 using souple::app::success;
 using souple::app::SurfaceRequest;
+using souple::app::SweepRequest;
 using souple::app::ViewRequest;
 
 constexpr const char* scene_help = "a scene file, or the name of a shipped scene (see `souple list`)";
@@ -44,6 +45,7 @@ constexpr const char* main_footer = R"(Examples:
   souple view flag                             simulate a scene and show it in a window
   souple check my/scene.json                   read a scene and report what it contains
   souple surface out/dam                       make a mesh of a fluid's particles, frame by frame
+  souple sweep flag --set substeps=5:20:4      simulate a scene with several values and compare the results
   souple bench cloth                           measure how fast this machine simulates
 
 Exit codes: 0 success, 1 writing failed, 2 bad input or out of memory, 3 the simulation diverged, 130 interrupted.)";
@@ -70,6 +72,18 @@ Writes DIR/NAME_0001.obj, ... with normals, and DIR/run.json, so that other comm
 a fluid has no particles gets no file. --format vdb writes DIR/NAME_0001.vdb, ...: OpenVDB level sets, which other
 commands do not read. --particles writes DIR/NAME_particles_0001.bgeo, ... with velocities (if the cache holds none:
 displacement since the previous frame divided by its duration). Ctrl-C finishes the frame.)";
+
+constexpr const char* sweep_footer = R"(Examples:
+  souple sweep flag --set objects.flag.material.bending_stiffness=1e-6:1e-4:log5 --set wind.velocity.0=0:10:3 --out DIR
+  souple sweep flag --set mode=small_steps,xpbd --set substeps=10,20,40 --set drag=0.1 --write pc2
+  souple sweep flag --set substeps=5:20:4 --dry-run          list the runs
+  souple sweep flag --set substeps=5:20:4 --slurm job.sh     then: sbatch job.sh
+
+Values: A:B:N is N equal steps from A to B, A:B:logN N equal factors, A,B,C a list; any other value is one for all runs.
+Runs are all combinations; values of the last --set change first. Each run is a process with one thread and writes
+DIR/0001/result.json at its end; DIR/table.csv and DIR/table.json have a row for each run, DIR/sheet.png its last
+picture. The same command, after Ctrl-C, a crash or from another machine, does the runs that are missing. Another
+version, scene or setting is refused. Exit code 3: runs diverged, 2: runs failed; the table is complete.)";
 
 constexpr const char* render_footer = R"(Examples:
   souple render flag --out flag.png --frames 120 --size 1920x1080 --samples 64
@@ -315,6 +329,52 @@ void add_surface(CLI::App& app, std::function<int()>& action) {
   command.callback([request, &action] { action = [request] { return souple::app::surface(*request); }; });
 }
 
+void add_sweep_parts(CLI::App& command, SweepRequest& request) {
+  CLI::Option* const only =
+      command.add_option("--only", request.only, "simulate one run, counted from 1, and write no table")
+          ->type_name("N");
+  CLI::Option* const table = command.add_flag(
+      "--table", request.table, "write table and sheet of the runs that are done, and simulate none");
+  CLI::Option* const dry_run =
+      command.add_flag("--dry-run", request.dry_run, "list the runs, and write nothing");
+  CLI::Option* const slurm =
+      command
+          .add_option("--slurm", request.slurm,
+                      "write a script of Slurm with a task for each run, and simulate none")
+          ->type_name("FILE");
+  only->excludes(table)->excludes(dry_run)->excludes(slurm);
+  table->excludes(dry_run)->excludes(slurm);
+  dry_run->excludes(slurm);
+}
+
+void add_sweep(CLI::App& app, std::function<int()>& action) {
+  auto request = std::make_shared<SweepRequest>();
+  CLI::App& command = *app.add_subcommand("sweep", "simulate a scene with all combinations of some values");
+  command.footer(sweep_footer);
+  command.add_option("SCENE", request->scene, scene_help)->required();
+  command
+      .add_option("--set", request->settings,
+                  "a value of the scene as in `souple run`, or several, see below: PATH=VALUES; repeatable")
+      ->allow_extra_args(false)
+      ->type_name("PATH=VALUES");
+  command.add_option("--frames", request->frames, "number of frames to simulate, instead of the scene's")
+      ->type_name("N");
+  command.add_option("--out", request->out, "the folder to write to [out/NAME_sweep]")->type_name("DIR");
+  command.add_option("--write", request->formats, "caches of each run: pc2, mdd, obj, ply [none]")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(CLI::IsMember({"pc2", "mdd", "obj", "ply"}))
+      ->type_name("FORMATS");
+  command.add_option("--jobs", request->jobs, "runs at a time [one for each processor]")
+      ->check(CLI::Range(1, 1024))
+      ->type_name("N");
+  command.add_flag_callback(
+      "--no-sheet", [request] { request->sheet = false; }, "render no pictures");
+  add_sweep_parts(command, *request);
+  command.add_flag("--quiet", request->quiet, "print nothing but errors");
+  command.callback([request, &action] { action = [request] { return souple::app::sweep(*request); }; });
+}
+
 void add_bench_solver(CLI::App& command, BenchRequest& request) {
   command.add_option("--solver", request.solver, "how constraints are solved, see below [automatic]")
       ->type_name("SOLVER");
@@ -500,6 +560,7 @@ int main(int argc, char** argv) {
   add_list(app, action);
   add_check(app, action);
   add_surface(app, action);
+  add_sweep(app, action);
   add_bench(app, action);
   add_info(app, action);
   try {

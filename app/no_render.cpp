@@ -1,9 +1,10 @@
 #include "app/check_pictures.h"
 #include "app/commands.h"
 #include "app/last_picture.h"
+#include "app/sweep/sheet.h"
 #include "souple/error.h"
 
-// Replaces render.cpp, last_picture.cpp and check_pictures.cpp where the packages for render/ were missing.
+// Replaces render.cpp, last_picture.cpp, sweep/sheet.cpp and check_pictures.cpp where the packages for render/ were missing.
 
 namespace souple::app {
 
@@ -20,7 +21,7 @@ namespace {
 
 struct LastPicture::Impl {};
 
-LastPicture::LastPicture(const std::filesystem::path&) {
+LastPicture::LastPicture(const std::filesystem::path&, PictureLook) {
   refuse();
 }
 
@@ -28,6 +29,10 @@ LastPicture::~LastPicture() = default;
 
 void LastPicture::write(const World&, const SceneDescription&) {
   refuse();
+}
+
+bool write_sheet(const Sweep&) {
+  return false;
 }
 
 int render_frames(const RenderRequest&) {
