@@ -1,5 +1,6 @@
 #include "app/sweep/one_run.h"
 
+#include "app/check_pictures.h"
 #include "app/exit_codes.h"
 #include "app/interrupt.h"
 #include "app/last_picture.h"
@@ -102,7 +103,7 @@ class Run {
     if (code == interrupted) return code;
     result.hash = fmt::format("{:016x}", world.hash());
     result.values = measures_.values(world);
-    if (picture_) picture_->write(world, scene_);
+    if (picture_) without_errors([&] { picture_->write(world, scene_); });
     return code;
   }
 
@@ -114,8 +115,17 @@ class Run {
     if (!sweep_.pictures) return;
     PictureLook look{sheet_cell_width, sheet_cell_height,
                      fmt::format("{}: {}", number_, sweep_.plan.short_label_of(number_))};
-    try {
+    without_errors([&] {
+      check_pictures(scene_);
       picture_ = std::make_unique<LastPicture>(folder_ / run_picture_name, std::move(look));
+    });
+  }
+
+  /// Calls what makes pictures. An error is told once, by the first run.
+  template <class Function>
+  void without_errors(Function make) {
+    try {
+      make();
     } catch (const WriteError&) {
       throw;
     } catch (const Error& reason) {

@@ -195,6 +195,8 @@ std::string SweepPlan::label_of(std::uint64_t run) const {
     if (!label.empty()) label += " ";
     label += path + "=" + value;
   }
+  for (char& c : label)
+    if (static_cast<unsigned char>(c) < 0x20) c = ' ';  // a message stays on one line
   return label;
 }
 

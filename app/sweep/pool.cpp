@@ -120,7 +120,7 @@ class Pool {
     const std::uint64_t run = found->second;
     running_.erase(found);
     if (WIFSIGNALED(status)) {
-      if (!interrupt_requested())
+      if (code_ == success && !interrupt_requested())
         fail(run, fmt::format("the process of the run was ended by signal {} ({})", WTERMSIG(status),
                               strsignal(WTERMSIG(status))));
     } else {

@@ -438,6 +438,17 @@ class Runs(RenderCase):
         self.assertFalse((self.folder / "other").exists())
 
 
+class Sweeps(RenderCase):
+    def test_sheet_of_a_sweep(self):
+        sweep = [self.scene(SMALL), "--set", "drag=1,2", "--set", "substeps=1,2,3", "--frames", 1]
+        self.souple("sweep", *sweep, "--out", "out", "--only", 2)
+        self.assertEqual(png_size(self.folder / "out/0002/picture.png"), (480, 270))
+        said = self.souple("sweep", *sweep, "--out", "out", "--table").stdout
+        self.assertIn("6 runs, 5 missing, in out/table.csv and sheet.png", said)
+        width, height = png_size(self.folder / "out/sheet.png")
+        self.assertEqual((width // 480, height // 270), (3, 2))
+
+
 class Films(RenderCase):
     def test_mp4(self):
         self.needs_ffmpeg()

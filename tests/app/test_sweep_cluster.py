@@ -55,7 +55,7 @@ class Cluster(Case):
         self.begin("dask_scheduler", "--host", "127.0.0.1", "--port", str(port))
         workers = [self.begin("dask_worker", address, "--nthreads", "1", "--no-nanny", "--host", "127.0.0.1")
                    for _ in range(2)]
-        scene = self.scene(dict(SMALL, frames=200, substeps=40))
+        scene = self.scene(dict(SMALL, frames=100, substeps=30))
         sweep = [scene, "--set", "objects.flag.material.bending_stiffness=1e-6:1e-4:log8", "--set",
                  "wind.velocity.0=0:10:3", "--no-sheet"]
         client = subprocess.Popen([PYTHON, "-B", SOURCE / "python/souple/sweep.py", "--cluster", address, *sweep,
