@@ -94,6 +94,7 @@ class Pool {
     std::vector<std::string> words = arguments_;
     words.insert(words.end(), {"--only", fmt::format("{}", run)});
     std::vector<char*> pointers;
+    pointers.reserve(words.size() + 1);
     for (std::string& word : words) pointers.push_back(word.data());
     pointers.push_back(nullptr);
     const pid_t parent = getpid();
