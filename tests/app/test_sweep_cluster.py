@@ -89,27 +89,39 @@ class Dask(ClusterCase):
     def results(self, folder):
         return list((self.folder / folder).glob("*/result.json"))
 
-    def test_a_worker_is_killed(self):
+    def client_until(self, count, address, sweep):
+        """Begins the sweep, or continues it, until there are so many results."""
+        client = subprocess.Popen([self.python, "-B", SOURCE / "python/souple/sweep.py", "--cluster", address, *sweep,
+                                   "--out", "cluster"], cwd=self.folder, env=self.environment, stdout=subprocess.PIPE,
+                                  stderr=subprocess.PIPE, text=True)
+        for _ in range(6000):
+            if len(self.results("cluster")) >= count or client.poll() is not None:
+                break
+            time.sleep(0.01)
+        self.assertLess(len(self.results("cluster")), 24)
+        return client
+
+    def test_client_is_killed_twice_and_a_worker_once(self):
         port = free_port()
         address = f"tcp://127.0.0.1:{port}"
         self.start("dask_scheduler", "--host", "127.0.0.1", "--port", str(port))
         workers = [self.start("dask_worker", address, "--nthreads", "1", "--no-nanny", "--host", "127.0.0.1")
                    for _ in range(2)]
-        scene = self.scene(dict(SMALL, frames=100, substeps=30))
+        scene = self.scene(dict(SMALL, frames=60, substeps=20))
         sweep = [scene, "--set", "objects.flag.material.bending_stiffness=1e-6:1e-4:log8", "--set",
                  "wind.velocity.0=0:10:3", "--no-sheet"]
-        client = subprocess.Popen([self.python, "-B", SOURCE / "python/souple/sweep.py", "--cluster", address, *sweep,
-                                   "--out", "cluster"], cwd=self.folder, env=self.environment, stdout=subprocess.PIPE,
-                                  stderr=subprocess.PIPE, text=True)
-        for _ in range(6000):
-            if len(self.results("cluster")) >= 6 or client.poll() is not None:
-                break
-            time.sleep(0.01)
+        for count in 3, 7:
+            client = self.client_until(count, address, sweep)
+            client.kill()
+            client.communicate()
+        times = {file: file.stat().st_mtime_ns for file in self.results("cluster")}
+        client = self.client_until(11, address, sweep)
         workers[0].send_signal(signal.SIGKILL)
-        self.assertLess(len(self.results("cluster")), 24)
         out, error = client.communicate(timeout=120)
         self.assertEqual(client.returncode, 0, out + error)
         self.assertIn("24 runs, in cluster/table.csv", out)
+        for file, when in times.items():
+            self.assertEqual(file.stat().st_mtime_ns, when, f"{file} was done and is done again")
         self.souple("sweep", *sweep, "--out", "local")
         rows = self.rows("cluster")
         self.assertEqual([int(row["run"]) for row in rows], list(range(1, 25)))
