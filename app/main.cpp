@@ -79,7 +79,7 @@ constexpr const char* sweep_footer = R"(Examples:
   souple sweep flag --set substeps=5:20:4 --dry-run          list the runs
   souple sweep flag --set substeps=5:20:4 --slurm job.sh     then: sbatch job.sh
 
-Values: A:B:N is N equal steps from A to B, A:B:logN N equal factors, A,B,C a list; any other value is one for all runs.
+Values: A:B:N is N numbers from A to B in equal steps, A:B:logN in equal factors, A,B,C a list; others are one value.
 Runs are all combinations; values of the last --set change first. Each run is a process with one thread and writes
 DIR/0001/result.json at its end; DIR/table.csv and DIR/table.json have a row for each run, DIR/sheet.png its last
 picture. The same command, after Ctrl-C, a crash or from another machine, does the runs that are missing. Another
@@ -354,7 +354,7 @@ void add_sweep(CLI::App& app, std::function<int()>& action) {
   command.add_option("SCENE", request->scene, scene_help)->required();
   command
       .add_option("--set", request->settings,
-                  "a value of the scene as in `souple run`, or several, see below: PATH=VALUES; repeatable")
+                  "a value of the scene as in `souple run`, or several values, see below; repeatable")
       ->allow_extra_args(false)
       ->type_name("PATH=VALUES");
   command.add_option("--frames", request->frames, "number of frames to simulate, instead of the scene's")

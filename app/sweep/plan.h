@@ -13,8 +13,8 @@ struct SweepSetting {
   std::vector<std::string> values;  ///< as --set of `souple run` takes them; at least one
 };
 
-/// Parses "PATH=VALUE" as `souple run` does, "PATH=A:B:N" (N equal steps from A to B), "PATH=A:B:logN" (equal factors), or
-/// "PATH=A,B,C". A value that is JSON, such as [0,-1,0], is one value. Throws Error.
+/// Parses "PATH=VALUE" as `souple run` does, "PATH=A:B:N" (N numbers from A to B in equal steps), "PATH=A:B:logN"
+/// (in equal factors), or "PATH=A,B,C". A value that is JSON, such as [0,-1,0], is one value. Throws Error.
 SweepSetting parse_sweep_setting(const std::string& argument);
 
 /// All combinations of the values of some settings, as runs 1, 2, ...: values of the last setting change first.
