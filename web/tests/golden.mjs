@@ -27,7 +27,7 @@ function codeOf(view) {
 /** Stores the shipped scenes and meshes in the module. */
 export function storeScenes(souple) {
   for (const folder of ['scenes', 'scenes/meshes'])
-    for (const file of readdirSync(join(root, folder)).filter((name) => /\.(json|obj|msh)$/.test(name)))
+    for (const file of readdirSync(join(root, folder)).filter((name) => /\.(json|obj|msh|pc2)$/.test(name)))
       souple.writeFile(`/${folder}/${file}`, readFileSync(join(root, folder, file)));
 }
 /** The lines of a scene's trace: object, quantity, codes of its frames. */
