@@ -42,13 +42,17 @@ SurfaceMethod surface_method_of(const std::string& word, const char* option) {
       {{"anisotropic", SurfaceMethod::anisotropic}, {"isotropic", SurfaceMethod::isotropic}}, word, option);
 }
 
-fs::path surface_folder(const fs::path& cache) {
+fs::path folder_beside(const fs::path& cache, const char* ending) {
   fs::path folder = (cache.filename() == "run.json" ? cache.parent_path() : cache).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
   if (folder.empty() || folder == "." || folder == "..") folder = fs::absolute(folder).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
-  folder += "_surface";
+  folder += ending;
   return folder;
+}
+
+fs::path surface_folder(const fs::path& cache) {
+  return folder_beside(cache, "_surface");
 }
 
 float particle_spacing(const AnyObjectDescription& description) {
@@ -100,6 +104,10 @@ void SurfaceFiles::write(std::uint64_t frame, std::span<const Vec3f> positions,
                          std::span<const Vec3f> velocities, double rate) {
   const auto start = std::chrono::steady_clock::now();
   const SurfaceMesh& mesh = surface_.build(positions, threads_);
+  const bool needs_velocities = particles_ || format_ == SurfaceFormat::vdb;
+  if (velocities.empty() && needs_velocities) velocities = differences(positions, static_cast<float>(rate));
+  particles_now_ = positions;
+  velocities_now_ = velocities;
   vertices_ += mesh.positions.size();
   triangles_ += mesh.triangles.size();
   if (!mesh.triangles.empty()) {
@@ -110,8 +118,7 @@ void SurfaceFiles::write(std::uint64_t frame, std::span<const Vec3f> positions,
   }
   if (particles_ && !positions.empty()) {
     particles_->skip_to(frame);
-    particles_->append(positions,
-                       velocities.empty() ? differences(positions, static_cast<float>(rate)) : velocities);
+    particles_->append(positions, velocities);
   }
   previous_.assign(positions.begin(), positions.end());
   const std::chrono::duration<double, std::milli> spent = std::chrono::steady_clock::now() - start;
@@ -147,8 +154,16 @@ std::string SurfaceFiles::bytes() {
   const SurfaceMesh& mesh = surface_.mesh();
   if (format_ == SurfaceFormat::obj) return obj_text(mesh.positions, mesh.normals, mesh.triangles);
   if (format_ == SurfaceFormat::ply) return ply_bytes(mesh.positions, mesh.normals, mesh.triangles);
-  const float cell = surface_.options().cell;
-  return vdb_bytes(narrow_band(mesh.positions, mesh.triangles, cell, band_cells, threads_), object_);
+  return volume_bytes();
+}
+
+std::string SurfaceFiles::volume_bytes() {
+  const SurfaceMesh& mesh = surface_.mesh();
+  const SurfaceOptions& options = surface_.options();
+  const NarrowBand band = narrow_band(mesh.positions, mesh.triangles, options.cell, band_cells, threads_);
+  // As far as the outermost point of the band is from a particle below the surface.
+  const float radius = options.spacing + (band_cells + 1) * options.cell;
+  return vdb_bytes(band, object_, band_velocities(band, particles_now_, velocities_now_, radius));
 }
 
 void SurfaceFiles::add_first_to_manifest(std::uint64_t frame, const SurfaceMesh& mesh) {

@@ -54,7 +54,9 @@ struct SurfaceFileOptions {
 /// Parses "anisotropic" or "isotropic". Throws Error that names the option.
 SurfaceMethod surface_method_of(const std::string& word, const char* option);
 
-/// Maps out/dam, or out/dam/run.json, to out/dam_surface.
+/// Maps out/dam, or out/dam/run.json, with the ending "_surface" to out/dam_surface.
+std::filesystem::path folder_beside(const std::filesystem::path& cache, const char* ending);
+/// out/dam_surface
 std::filesystem::path surface_folder(const std::filesystem::path& cache);
 
 /// Spacing of an object's particles [m]; 0 if the object does not consist of particles.
@@ -86,6 +88,7 @@ class SurfaceFiles {
 
  private:
   std::string bytes();
+  std::string volume_bytes();
   void add_first_to_manifest(std::uint64_t frame, const SurfaceMesh& mesh);
   std::span<const Vec3f> differences(std::span<const Vec3f> positions, float rate);
 
@@ -99,6 +102,7 @@ class SurfaceFiles {
   std::optional<SequenceWriter> particles_;
   ManifestObject manifest_object_;
   std::vector<Vec3f> previous_, velocities_;
+  std::span<const Vec3f> particles_now_, velocities_now_;  // of the frame that is written
   std::uint64_t vertices_ = 0, triangles_ = 0;
   double milliseconds_ = 0;
 };

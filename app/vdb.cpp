@@ -17,6 +17,13 @@ namespace {
 using Leaf = openvdb::FloatGrid::TreeType::LeafNodeType;
 static_assert(Leaf::SIZE == NarrowBand::brick_points && Leaf::DIM == NarrowBand::side);
 
+/// What all grids of a file have in common.
+void describe(openvdb::GridBase& grid, const NarrowBand& band, const std::string& object) {
+  grid.setTransform(openvdb::math::Transform::createLinearTransform(double(band.cell)));
+  grid.setCreator(std::string("souple ") + version);
+  grid.insertMeta("object", openvdb::StringMetadata(object));
+}
+
 /// The library creates the grid: FloatGrid::create would instantiate all operations of a grid once more.
 openvdb::FloatGrid::Ptr grid_of(const NarrowBand& band, const std::string& object) {
   const openvdb::GridBase::Ptr made = openvdb::GridBase::createGrid(openvdb::FloatGrid::gridType());
@@ -24,9 +31,7 @@ openvdb::FloatGrid::Ptr grid_of(const NarrowBand& band, const std::string& objec
   grid->tree().root().setBackground(band.width, false);
   grid->setName("surface");
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
-  grid->setTransform(openvdb::math::Transform::createLinearTransform(double(band.cell)));
-  grid->setCreator(std::string("souple ") + version);
-  grid->insertMeta("object", openvdb::StringMetadata(object));
+  describe(*grid, band, object);
   for (const NarrowBand::Brick& brick : band.bricks) {
     Leaf* leaf = grid->tree().touchLeaf({brick.first[0], brick.first[1], brick.first[2]});
     for (std::size_t i = 0; i < NarrowBand::brick_points; ++i)
@@ -36,12 +41,33 @@ openvdb::FloatGrid::Ptr grid_of(const NarrowBand& band, const std::string& objec
   return grid;
 }
 
+/// Velocities at the points of the band.
+openvdb::Vec3SGrid::Ptr velocity_grid_of(const NarrowBand& band, const std::string& object,
+                                         std::span<const BrickVelocities> velocities) {
+  const openvdb::GridBase::Ptr made = openvdb::GridBase::createGrid(openvdb::Vec3SGrid::gridType());
+  openvdb::Vec3SGrid::Ptr grid = openvdb::gridPtrCast<openvdb::Vec3SGrid>(made);
+  grid->setName("velocity");
+  grid->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
+  grid->setSaveFloatAsHalf(true);  // three digits are enough for motion blur
+  describe(*grid, band, object);
+  for (std::size_t b = 0; b < band.bricks.size(); ++b) {
+    const NarrowBand::Brick& brick = band.bricks[b];
+    auto* leaf = grid->tree().touchLeaf({brick.first[0], brick.first[1], brick.first[2]});
+    for (std::size_t i = 0; i < NarrowBand::brick_points; ++i) {
+      if (!brick.in_band(i)) continue;
+      const Vec3f& v = velocities[b][i];
+      leaf->setValueOn(static_cast<openvdb::Index>(i), openvdb::Vec3s(v.x, v.y, v.z));
+    }
+  }
+  return grid;
+}
+
 /// A file in memory, as openvdb::io::File writes it: with offsets of its parts, which io::Stream omits.
 class Archive : public openvdb::io::Archive {
  public:
-  std::string bytes_of(const openvdb::GridBase::ConstPtr& grid) const {
+  std::string bytes_of(const openvdb::GridCPtrVec& grids) const {
     std::ostringstream stream(std::ios::binary);
-    write(stream, openvdb::GridCPtrVec{grid}, true);
+    write(stream, grids, true);
     return std::move(stream).str();
   }
 };
@@ -75,9 +101,12 @@ bool has_vdb() {
 
 void require_vdb() {}
 
-std::string vdb_bytes(const NarrowBand& band, const std::string& object) {
+std::string vdb_bytes(const NarrowBand& band, const std::string& object,
+                      std::span<const BrickVelocities> velocities) {
   openvdb::initialize();
-  std::string bytes = Archive().bytes_of(grid_of(band, object));
+  openvdb::GridCPtrVec grids{grid_of(band, object)};
+  if (!velocities.empty()) grids.push_back(velocity_grid_of(band, object, velocities));
+  std::string bytes = Archive().bytes_of(grids);
   name_by_content(bytes);
   return bytes;
 }

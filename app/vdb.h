@@ -1,7 +1,9 @@
 #pragma once
 
+#include "app/band_velocities.h"
 #include "souple/surface/narrow_band.h"
 
+#include <span>
 #include <string>
 
 namespace souple::app {
@@ -12,7 +14,9 @@ bool has_vdb();
 void require_vdb();
 
 /// An OpenVDB file with a level set named "surface" (float, negative inside, meters), tiles inside filled.
-/// `object` becomes its metadata entry of that name. The same band gives the same bytes.
-std::string vdb_bytes(const NarrowBand& band, const std::string& object);
+/// `object` becomes its metadata entry of that name. Unless `velocities`, per brick, are empty, a grid "velocity" (vectors,
+/// m/s) has them at the points of the band. The same values give the same bytes.
+std::string vdb_bytes(const NarrowBand& band, const std::string& object,
+                      std::span<const BrickVelocities> velocities = {});
 
 }  // namespace souple::app

@@ -88,6 +88,7 @@ std::string bgeo_bytes(std::span<const Vec3f> points, std::span<const Vec3f> vel
 struct PlyOfParticles {
   std::uint64_t points = 0;
   std::size_t floats = 0;  ///< floats per point
+  bool has_kinds = false;  ///< a byte follows them
   std::size_t begin = 0;   ///< offset of the first point
 };
 
@@ -111,6 +112,8 @@ std::optional<PlyOfParticles> parse_header(std::string_view text) {
     } else if (line.starts_with(property) && has_points && found.floats < std::size(properties) &&
                line.substr(property.size()) == properties[found.floats]) {
       ++found.floats;
+    } else if (line == "property uchar kind" && found.floats == std::size(properties) && !found.has_kinds) {
+      found.has_kinds = true;
     } else if (line == "end_header") {
       return found.floats == 3 || found.floats == 6 ? std::optional(found) : std::nullopt;
     } else if (!line.starts_with("comment")) {
@@ -127,7 +130,8 @@ std::optional<ParticleFrame> read_particle_ply(const std::filesystem::path& path
   file.read(0, std::as_writable_bytes(std::span(text)));
   const std::optional<PlyOfParticles> header = parse_header(text);
   if (!header) return std::nullopt;
-  const std::size_t bytes_each = 4 * header->floats, held = (text.size() - header->begin) / bytes_each;
+  const std::size_t bytes_each = 4 * header->floats + (header->has_kinds ? 1 : 0),
+                    held = (text.size() - header->begin) / bytes_each;
   if (held < header->points)
     throw Error(fmt::format("{}: holds {} points, its header says {}; it is damaged", path.string(), held,
                             header->points));
@@ -139,6 +143,7 @@ std::optional<ParticleFrame> read_particle_ply(const std::filesystem::path& path
     load_points<ByteOrder::little>(in, std::span(&frame.positions[i], 1));
     if (!frame.velocities.empty())
       load_points<ByteOrder::little>(in + 12, std::span(&frame.velocities[i], 1));
+    if (header->has_kinds) frame.kinds.push_back(std::to_integer<std::uint8_t>(in[bytes_each - 1]));
   }
   return frame;
 }

@@ -2,6 +2,7 @@
 
 #include "souple/math/vec3.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -27,8 +28,9 @@ std::string particle_bytes(ParticleFormat format, std::span<const Vec3f> points,
 
 /// One frame of particles.
 struct ParticleFrame {
-  std::vector<Vec3f> positions;   ///< m
-  std::vector<Vec3f> velocities;  ///< m/s; empty if the file has none
+  std::vector<Vec3f> positions;     ///< m
+  std::vector<Vec3f> velocities;    ///< m/s; empty if the file has none
+  std::vector<std::uint8_t> kinds;  ///< of foam: FoamKind; empty if the file has none
 };
 /// Reads a PLY as particle_bytes writes it, also without points. Returns nullopt for another kind of PLY
 /// (with faces, for example) or another format. Throws Error if the file cannot be read or is truncated.

@@ -186,6 +186,7 @@ void Track::read(std::uint64_t frame, Playback::Object& object) {
   object.positions.clear();
   object.normals.clear();
   object.velocities.clear();
+  object.foam_kinds.clear();
   if (cache_ && frame <= cache_frames_) {
     read_cache(frame, object);
   } else if (file != files_.end() && file->number == frame) {
@@ -218,6 +219,7 @@ void Track::read_file(const fs::path& path, Playback::Object& object) {
       require_finite(frame->positions, path.string());
       object.positions = std::move(frame->positions);
       object.velocities = std::move(frame->velocities);
+      object.foam_kinds = std::move(frame->kinds);
       return;
     }
   }

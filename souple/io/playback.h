@@ -27,6 +27,8 @@ class Playback {
     std::vector<Vec3f> positions, normals;
     /// Velocities of particles if their files hold them, else empty. [m/s]
     std::vector<Vec3f> velocities;
+    std::vector<std::uint8_t>
+        foam_kinds;  ///< FoamKind of each particle of foam if their files hold them, else empty
   };
 
   /// `path` is the folder or its run.json. Throws Error if the manifest or one of its files is missing or

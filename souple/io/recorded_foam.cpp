@@ -20,8 +20,8 @@ RecordedFoam::RecordedFoam(const RecordingPlan& plan, std::string file_name, std
       first_(kept > 0 ? 1 : before + 1),
       writer_(
           plan.folder, file_name_, "ply",
-          [](std::span<const Vec3f> positions, std::span<const Vec3f> velocities) {
-            return ply_bytes(positions, velocities);
+          [this](std::span<const Vec3f> positions, std::span<const Vec3f> velocities) {
+            return ply_bytes(positions, velocities, kinds_);
           },
           kept) {
   if (kept == 0) writer_.skip_to(first_);
@@ -29,6 +29,8 @@ RecordedFoam::RecordedFoam(const RecordingPlan& plan, std::string file_name, std
 
 void RecordedFoam::append(const World& world) {
   const FoamView foam = world.foam();
+  kinds_.clear();
+  for (const FoamKind kind : foam.kinds) kinds_.push_back(static_cast<std::uint8_t>(kind));
   writer_.append(foam.positions, foam.velocities);
 }
 

@@ -76,7 +76,8 @@ std::string obj_bytes(const RecordedShape& shape, std::span<const Vec3f> positio
 
 std::string ply_bytes_of(const RecordedShape& shape, std::span<const Vec3f> positions,
                          std::span<const Vec3f> velocities) {
-  return is_points(shape.kind) ? ply_bytes(positions, velocities) : ply_bytes(shape.mesh, positions);
+  return is_points(shape.kind) ? ply_bytes(positions, velocities)
+                               : ply_bytes(shape.mesh, positions, velocities);
 }
 
 }  // namespace

@@ -33,6 +33,14 @@ void require_positions(const TriangleMesh& mesh, std::span<const Vec3f> position
                           positions.size(), mesh.positions.size()));
 }
 
+void require_one_each(const char* what, std::size_t found, std::size_t points) {
+  if (found == 0 || found == points) return;
+  throw Error(fmt::format("writing particles: found {} {}, expected {}, one for each point, or none", found,
+                          what, points));
+}
+
+constexpr const char* velocity_properties = "property float vx\nproperty float vy\nproperty float vz\n";
+
 std::size_t face_count(const TriangleMesh& mesh) {
   return mesh.faces.empty() ? mesh.triangles.size() : mesh.faces.size();
 }
@@ -306,18 +314,22 @@ std::string obj_topology_text(const TriangleMesh& mesh) {
   return TopologyWriter(mesh).write();
 }
 
-std::string ply_bytes(const TriangleMesh& mesh, std::span<const Vec3f> positions) {
+std::string ply_bytes(const TriangleMesh& mesh, std::span<const Vec3f> positions,
+                      std::span<const Vec3f> velocities) {
   require_positions(mesh, positions);
+  require_one_each("velocities", velocities.size(), positions.size());
   const bool has_uvs = has_uv_per_vertex(mesh) && !mesh.uvs.empty();
   const bool long_lists =
       std::any_of(mesh.faces.begin(), mesh.faces.end(), [](const auto& f) { return f.size() > 255; });
   std::string out = ply_header(positions.size());
+  if (!velocities.empty()) out += velocity_properties;
   if (!mesh.colors.empty()) out += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
   if (has_uvs) out += "property float u\nproperty float v\n";
   out += fmt::format("element face {}\nproperty list {} uint vertex_indices\nend_header\n", face_count(mesh),
                      long_lists ? "uint" : "uchar");
   for (std::size_t i = 0; i < positions.size(); ++i) {
     append_bytes(out, positions[i]);
+    if (!velocities.empty()) append_bytes(out, velocities[i]);
     if (!mesh.colors.empty()) {
       const Vec3f& c = mesh.colors[i];
       for (float channel : {c.x, c.y, c.z}) mesh_detail::append_little_endian(out, color_byte(channel));
@@ -330,18 +342,18 @@ std::string ply_bytes(const TriangleMesh& mesh, std::span<const Vec3f> positions
   return out;
 }
 
-std::string ply_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velocities) {
-  if (!velocities.empty() && velocities.size() != points.size()) {
-    throw Error(
-        fmt::format("writing particles: found {} velocities, expected {}, one for each point, or none",
-                    velocities.size(), points.size()));
-  }
+std::string ply_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velocities,
+                      std::span<const std::uint8_t> kinds) {
+  require_one_each("velocities", velocities.size(), points.size());
+  require_one_each("kinds", kinds.size(), points.size());
   std::string out = ply_header(points.size());
-  if (!velocities.empty()) out += "property float vx\nproperty float vy\nproperty float vz\n";
+  if (!velocities.empty()) out += velocity_properties;
+  if (!kinds.empty()) out += "property uchar kind\n";
   out += "end_header\n";
   for (std::size_t i = 0; i < points.size(); ++i) {
     append_bytes(out, points[i]);
     if (!velocities.empty()) append_bytes(out, velocities[i]);
+    if (!kinds.empty()) mesh_detail::append_little_endian(out, kinds[i]);
   }
   return out;
 }

@@ -2,6 +2,7 @@
 
 #include "souple/geometry/triangle_mesh.h"
 
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -24,9 +25,10 @@ std::string obj_vertices_text(const TriangleMesh& mesh, std::span<const Vec3f> p
 /// back unchanged; `usemtl` alone gives the groups of materials.
 std::string obj_topology_text(const TriangleMesh& mesh);
 
-/// A binary little-endian PLY: float positions, uchar colors (if any), per-vertex UVs (if each vertex has
-/// exactly one), faces as polygons.
-std::string ply_bytes(const TriangleMesh& mesh, std::span<const Vec3f> positions);
+/// A binary little-endian PLY: float positions, velocities as vx, vy, vz [m/s] (unless empty), uchar colors (if any),
+/// per-vertex UVs (if each vertex has exactly one), faces as polygons.
+std::string ply_bytes(const TriangleMesh& mesh, std::span<const Vec3f> positions,
+                      std::span<const Vec3f> velocities = {});
 
 /// A surface with a normal per position: `v`, `vn` and `f a//a` lines.
 std::string obj_text(std::span<const Vec3f> positions, std::span<const Vec3f> normals,
@@ -36,7 +38,8 @@ std::string obj_text(std::span<const Vec3f> positions, std::span<const Vec3f> no
 std::string ply_bytes(std::span<const Vec3f> positions, std::span<const Vec3f> normals,
                       std::span<const Triangle> triangles);
 
-/// Particles: float positions and, unless empty, velocities as vx, vy, vz [m/s].
-std::string ply_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velocities);
+/// Particles: float positions and, unless empty, velocities as vx, vy, vz [m/s] and kinds as uchar kind.
+std::string ply_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velocities,
+                      std::span<const std::uint8_t> kinds = {});
 
 }  // namespace souple

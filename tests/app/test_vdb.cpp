@@ -35,18 +35,22 @@ std::string sphere_bytes(int threads, bool hollow = false) {
   return vdb_bytes(narrow_band(positions, mesh.triangles, float(cell), 3, *workers), "water, \"cold\"");
 }
 
-/// The grid that OpenVDB reads from a file of these bytes.
-openvdb::FloatGrid::Ptr read_back(const std::string& bytes) {
+/// A grid that OpenVDB reads from a file of these bytes and of so many grids.
+openvdb::GridBase::Ptr read_grid(const std::string& bytes, const char* name, std::size_t count) {
   const auto path = std::filesystem::temp_directory_path() / ("souple-" + std::to_string(getpid()) + ".vdb");
   std::ofstream(path, std::ios::binary) << bytes;
   openvdb::initialize();
   openvdb::io::File file(path.string());
   file.open(false);
-  openvdb::GridBase::Ptr grid = file.readGrid("surface");
-  EXPECT_EQ(file.getGrids()->size(), 1u);
+  openvdb::GridBase::Ptr grid = file.readGrid(name);
+  EXPECT_EQ(file.getGrids()->size(), count);
   file.close();
   std::filesystem::remove(path);
-  return openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
+  return grid;
+}
+
+openvdb::FloatGrid::Ptr read_back(const std::string& bytes, std::size_t grids = 1) {
+  return openvdb::gridPtrCast<openvdb::FloatGrid>(read_grid(bytes, "surface", grids));
 }
 
 TEST(Vdb, IsALevelSetOfTheSphere) {
@@ -86,6 +90,37 @@ TEST(Vdb, IsFilledBeyondTheBand) {
         const double distance = std::max(from_center - radius, radius / 2 - from_center);
         ASSERT_NEAR(accessor.getValue(nearest), std::clamp(distance, -width, width), 0.002) << from_center;
       }
+}
+
+// A body of particles that turns about the vertical: its velocity is the particles' at each point of the band.
+TEST(Vdb, HasVelocities) {
+  const TriangleMesh mesh = sphere(4, radius);
+  std::vector<Vec3f> positions, particles, velocities;
+  for (const Vec3d& x : mesh.positions) positions.emplace_back(x);
+  const auto turning = [](const Vec3d& x) { return Vec3d(x.z, 0, -x.x) * 2.0 + Vec3d(0, 1, 0); };
+  for (int i = -8; i <= 8; ++i)
+    for (int j = -8; j <= 8; ++j)
+      for (int k = -8; k <= 8; ++k) {
+        const Vec3d x = Vec3d(i, j, k) * (2 * cell);
+        if (length(x) > radius) continue;
+        particles.emplace_back(x);
+        velocities.emplace_back(turning(x));
+      }
+  const auto workers = make_threads(Threading::pool, 2);
+  const NarrowBand band = narrow_band(positions, mesh.triangles, float(cell), 3, *workers);
+  const std::string bytes =
+      vdb_bytes(band, "ball", band_velocities(band, particles, velocities, 6 * float(cell)));
+  const auto grid = openvdb::gridPtrCast<openvdb::Vec3SGrid>(read_grid(bytes, "velocity", 2));
+  ASSERT_TRUE(grid);
+  EXPECT_EQ(grid->getVectorType(), openvdb::VEC_CONTRAVARIANT_RELATIVE);
+  EXPECT_EQ(grid->activeVoxelCount(), read_back(bytes, 2)->activeVoxelCount());
+  for (auto value = grid->cbeginValueOn(); value; ++value) {
+    const openvdb::Vec3d at = grid->indexToWorld(value.getCoord());
+    const Vec3d expected = turning({at.x(), at.y(), at.z()});
+    // Outside, the mean is that of particles below the surface: up to 3 cells and half a weight inward.
+    EXPECT_NEAR(value->y(), 1, 1e-3);
+    EXPECT_LT(length(Vec3d(value->x(), value->y(), value->z()) - expected), 2 * 5 * cell);
+  }
 }
 
 // OpenVDB's random names are replaced by hashes of the content.

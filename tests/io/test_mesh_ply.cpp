@@ -117,6 +117,11 @@ TEST(PlyWriter, ReadsBackAsItWas) {
   EXPECT_EQ(again.uvs, mesh.uvs);
   EXPECT_EQ(again.face_uvs, mesh.face_uvs);
   EXPECT_EQ(again.colors, mesh.colors);
+  const std::string moving = ply_bytes(mesh, positions, positions);
+  EXPECT_NE(moving.find("property float vx\n"), std::string::npos);
+  EXPECT_EQ(parse(moving).faces, mesh.faces);
+  EXPECT_EQ(parse(moving).colors, mesh.colors);
+  expect_error([&] { ply_bytes(mesh, positions, std::span(positions).first(2)); }, {"2 velocities"});
 }
 
 TEST(PlyWriter, WritesParticles) {
@@ -124,6 +129,8 @@ TEST(PlyWriter, WritesParticles) {
   EXPECT_EQ(parse(ply_bytes(points, points)).positions[1], Vec3d(4, 5, 6));
   EXPECT_EQ(parse(ply_bytes(points, {})).positions.size(), 2u);
   expect_error([&] { ply_bytes(points, std::span(points).first(1)); }, {"1 velocities"});
+  const std::vector<std::uint8_t> kinds = {2, 1, 0};
+  expect_error([&] { ply_bytes(points, points, kinds); }, {"3 kinds"});
 }
 
 }  // namespace

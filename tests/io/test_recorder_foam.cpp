@@ -31,15 +31,19 @@ class RecordedFoamTest : public FolderTest {
 TEST_F(RecordedFoamTest, IsReadBackFrameByFrame) {
   World world = splash();
   std::vector<std::vector<Vec3f>> foam;
+  std::vector<std::vector<std::uint8_t>> kinds;
   {
     Recorder recorder(world, folder / "out", {.frames = 12});
     for (int frame = 0; frame < 12; ++frame) {
       world.step(dt);
       recorder.capture();
       foam.emplace_back(world.foam().positions.begin(), world.foam().positions.end());
+      kinds.emplace_back();
+      for (const FoamKind kind : world.foam().kinds) kinds.back().push_back(static_cast<std::uint8_t>(kind));
     }
   }
   EXPECT_GT(foam.back().size(), 20);
+  EXPECT_NE(kinds.back(), std::vector<std::uint8_t>(kinds.back().size(), 0));
   EXPECT_TRUE(has("out/foam_0001.ply"));
   const RunManifest manifest = read_manifest(folder / "out");
   ASSERT_EQ(manifest.objects.size(), 2);
@@ -51,6 +55,7 @@ TEST_F(RecordedFoamTest, IsReadBackFrameByFrame) {
     EXPECT_EQ(playback.objects()[1].kind, "foam");
     EXPECT_EQ(playback.objects()[1].positions, foam[frame - 1]);
     EXPECT_EQ(playback.objects()[1].velocities.size(), foam[frame - 1].size());
+    EXPECT_EQ(playback.objects()[1].foam_kinds, kinds[frame - 1]);
   }
 }
 
