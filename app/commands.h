@@ -82,6 +82,16 @@ struct SweepRequest {
 };
 int sweep(const SweepRequest& request);
 
+/// Arguments of `souple convert`; empty: the default.
+struct ConvertRequest {
+  std::filesystem::path cache;       ///< a run's folder, or its run.json
+  std::filesystem::path out;         ///< empty: NAME_converted, beside the cache
+  std::vector<std::string> formats;  ///< glb, usda
+  std::string layout = "auto";
+  bool quiet = false;
+};
+int convert(const ConvertRequest& request);
+
 /// Arguments of `souple bench`; empty: the default.
 struct BenchRequest {
   std::string name;  ///< empty: list the benchmarks

@@ -24,6 +24,7 @@ namespace {
 
 using souple::app::bad_input;
 using souple::app::BenchRequest;
+using souple::app::ConvertRequest;
 using souple::app::failed;
 using souple::app::InfoPart;
 using souple::app::RenderRequest;
@@ -45,6 +46,7 @@ constexpr const char* main_footer = R"(Examples:
   souple view flag                             simulate a scene and show it in a window
   souple check my/scene.json                   read a scene and report what it contains
   souple surface out/dam                       make a mesh of a fluid's particles, frame by frame
+  souple convert out/flag --write glb,usda     write a run for other programs
   souple sweep flag --set substeps=5:20:4      simulate a scene with several values and compare the results
   souple bench cloth                           measure how fast this machine simulates
 
@@ -84,6 +86,16 @@ Runs are all combinations; values of the last --set change first. Each run is a 
 DIR/0001/result.json at its end; DIR/table.csv and DIR/table.json have a row for each run, DIR/sheet.png its last
 picture. The same command, after Ctrl-C, a crash or from another machine, does the runs that are missing. Another
 version, scene or setting is refused. Exit code 3: runs diverged, 2: runs failed; the table is complete.)";
+
+constexpr const char* convert_footer = R"(Examples:
+  souple convert out/flag --write glb          out/flag_converted/flag.glb, with an animation
+  souple convert out/dam --write usda --out dam_usd
+  souple convert out/flag --write glb --layout frames
+
+glb is binary glTF 2.0. A run of at most 600 frames and 64 MB whose meshes keep their triangles becomes DIR/NAME.glb with
+a morph target a frame; others become DIR/NAME_0001.glb, ... with velocities. usda is the text form of USD: DIR/NAME.usda
+with time samples; above 100 MB these are value clips, DIR/NAME_clips/NAME_0001.usda, ... --layout one or frames decides
+instead. Where one format fails, the files of frames before it remain. docs/files.md lists what each file holds.)";
 
 constexpr const char* render_footer = R"(Examples:
   souple render flag --out flag.png --frames 120 --size 1920x1080 --samples 64
@@ -347,6 +359,24 @@ void add_sweep_parts(CLI::App& command, SweepRequest& request) {
   dry_run->excludes(slurm);
 }
 
+void add_convert(CLI::App& app, std::function<int()>& action) {
+  auto request = std::make_shared<ConvertRequest>();
+  CLI::App& command = *app.add_subcommand("convert", "write a run for other programs: glTF, USD");
+  command.footer(convert_footer);
+  command.add_option("CACHE", request->cache, "the folder of a run, or its run.json")->required();
+  command.add_option("--write", request->formats, "formats to write: glb, usda")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->type_name("FORMATS");
+  command.add_option("--out", request->out, "folder to write [CACHE_converted]")->type_name("DIR");
+  command
+      .add_option("--layout", request->layout,
+                  "one: a file with all frames; frames: a file per frame; auto: by size [auto]")
+      ->type_name("LAYOUT");
+  command.add_flag("--quiet", request->quiet, "print nothing but errors");
+  command.callback([request, &action] { action = [request] { return souple::app::convert(*request); }; });
+}
+
 void add_sweep(CLI::App& app, std::function<int()>& action) {
   auto request = std::make_shared<SweepRequest>();
   CLI::App& command = *app.add_subcommand("sweep", "simulate a scene with all combinations of some values");
@@ -560,6 +590,7 @@ int main(int argc, char** argv) {
   add_list(app, action);
   add_check(app, action);
   add_surface(app, action);
+  add_convert(app, action);
   add_sweep(app, action);
   add_bench(app, action);
   add_info(app, action);

@@ -1,7 +1,7 @@
 """Runs inside Blender: blender --background --factory-startup --python blender_import.py -- JOBS RESULTS.
 
-JOBS is a JSON list. Each job imports an OBJ or PLY file and says what Blender then shows: the coordinates of its vertices,
-in the object's own axes and in the world's, at each frame of a cache."""
+JOBS is a JSON list. Each job imports an OBJ, PLY or GLB file and says what Blender then shows: the coordinates of its
+vertices, in the object's own axes and in the world's, at each frame of a cache."""
 
 import array
 import base64
@@ -68,7 +68,30 @@ def add_cache(obj, job):
         setattr(modifier, key, value)
 
 
+def import_glb(job):
+    """All objects of a .glb by name, below an empty that is turned and scaled; the scene has the job's frame rate."""
+    import numpy
+    numpy.bool = bool  # Debian 12 pairs Blender 3.4, whose importer uses the name, with a numpy that removed it
+    clear()
+    bpy.context.scene.render.fps = job["fps"]
+    bpy.ops.import_scene.gltf(filepath=job["file"])
+    objects = [o for o in bpy.context.scene.objects if o.type == "MESH"]
+    parent = bpy.data.objects.new("parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    parent.location, parent.rotation_euler, parent.scale = job["location"], job["rotation"], job["scale"]
+    for obj in objects:
+        obj.parent = parent
+    bpy.context.view_layer.update()
+    return {"matrix": [list(row) for row in parent.matrix_world],
+            "objects": {o.name: {"frames": [shown(o, frame) for frame in job["frames"]],
+                                 "edges": len(o.data.edges), "polygons": len(o.data.polygons),
+                                 "materials": [m.name for m in o.data.materials],
+                                 "uvs": len(o.data.uv_layers)} for o in objects}}
+
+
 def perform(job):
+    if job["kind"] == "glb":
+        return import_glb(job)
     if job["kind"] == "script":
         clear()
         exec(job["script"], {"bpy": bpy})

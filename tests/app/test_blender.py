@@ -16,6 +16,8 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from studio_files import Glb, Run
+
 PROGRAM = str(Path(sys.argv[1]).resolve()) if len(sys.argv) > 2 else ""
 SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
 BLENDER = shutil.which("blender")
@@ -134,6 +136,53 @@ class EveryScene(Case):
                 self.assert_close(unpacked(frame["local"]), expected, what)
                 if job["importer"] != "ply":
                     self.assert_close(unpacked(frame["world"]), z_up(expected), what)
+
+
+class BinaryGltf(Case):
+    """`souple convert --write glb`: objects below an empty that is turned and scaled, in scenes of 24 and 60 frames a second."""
+
+    SCENE = {"souple": 1, "frames": 4, "substeps": 4, "objects": [
+        {"name": "flag", "kind": "cloth", "mesh": {"grid": {"columns": 9, "rows": 7, "size": 1}}, "color": "#ff0000",
+         "pins": [{"vertices": [0, 8]}]},
+        {"name": "rope", "kind": "rope", "points": [[1, 2, 0], [2, 2, 0]], "segments": 6, "pins": [{"vertices": [0]}]},
+        {"name": "sand", "kind": "grains", "grid": {"counts": [3, 3, 3]}, "transform": {"translate": [0, 2, 0]}},
+        {"name": "crate", "kind": "rigid_body", "mesh": {"box": {"size": [1, 1, 1]}},
+         "transform": {"translate": [3, 2, 0]}, "angular_velocity": [1, 2, 3]}]}
+
+    def test_below_a_parent(self):
+        jobs, runs = [], []
+        for rate in 24, 60:
+            out = self.folder / f"at{rate}"
+            self.souple("run", self.write_scene(dict(self.SCENE, frame_rate=rate)), "--out", out, "--quiet")
+            for layout in "one", "frames":
+                self.souple("convert", out, "--write", "glb", "--layout", layout, "--out", f"{out}_{layout}", "--quiet")
+                file = f"at{rate}.glb" if layout == "one" else f"at{rate}_0004.glb"
+                jobs.append({"kind": "glb", "file": str(self.folder / f"at{rate}_{layout}" / file), "fps": rate,
+                             "location": [1, -2, 3], "rotation": [0.5, 1, -0.7], "scale": [2, 2, 0.5],
+                             "frames": [1, 2, 4] if layout == "one" else [4]})
+                runs.append(out)
+        for job, out, result in zip(jobs, runs, self.blender(jobs)):
+            self.assertEqual(sorted(result["objects"]), ["crate", "flag", "rope", "sand"])
+            self.check_objects(job, out, result)
+
+    def check_objects(self, job, out, result):
+        nodes, matrix = Glb(job["file"]).nodes(), result["matrix"]
+        for name, found in result["objects"].items():
+            primitive, = nodes[name]["primitives"]
+            used = sorted(set(primitive["indices"] or range(len(primitive["attributes"]["POSITION"]))))
+            source = primitive["attributes"].get("_SOUPLE_VERTEX", range(len(primitive["attributes"]["POSITION"])))
+            for number, frame in zip(job["frames"], found["frames"]):
+                truth = Run(out, number).objects[name]["positions"]
+                local = z_up([c for v in used for c in truth[int(source[v])]])
+                world = [sum(row[k] * x for k, x in enumerate(local[i:i + 3])) + row[3]
+                         for i in range(0, len(local), 3) for row in matrix[:3]]
+                self.assertEqual(len(unpacked(frame["world"])), len(world), (job, name))
+                worst = max(abs(a - b) for a, b in zip(unpacked(frame["world"]), world))
+                self.assertLess(worst, 5e-6, (job, name, number))
+        self.assertEqual([re.sub(r"\.\d+$", "", result["objects"][n]["materials"][0]) for n in ("flag", "crate")],
+                         ["flag", "crate"])
+        self.assertEqual((result["objects"]["flag"]["polygons"], result["objects"]["flag"]["uvs"]), (96, 1))
+        self.assertEqual((result["objects"]["rope"]["edges"], result["objects"]["sand"]["polygons"]), (6, 0))
 
 
 class Appearance(Case):

@@ -14,7 +14,7 @@ from cli_case import PROGRAM, SMALL, SOURCE, Case
 
 class Talking(Case):
     def test_help_everywhere(self):
-        for command in [], ["run"], ["render"], ["list"], ["check"], ["info"]:
+        for command in [], ["run"], ["render"], ["list"], ["check"], ["info"], ["surface"], ["convert"]:
             out = self.souple(*command, "--help").stdout
             self.assertIn("Usage", out)
             self.assertIn("Example", out)

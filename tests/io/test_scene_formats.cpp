@@ -1,0 +1,108 @@
+#include "io_test.h"
+#include "souple/files/endian.h"
+#include "souple/io/glb_model.h"
+#include "souple/io/glb_run.h"
+#include "souple/io/usda_run.h"
+#include "souple/io/usda_text.h"
+
+#include <cstdio>
+#include <utility>
+
+// What the program's own tests (tests/app/test_cli_convert.py), which read whole files back, do not see.
+
+namespace souple::test {
+namespace {
+
+std::uint32_t number_at(const std::string& bytes, std::size_t offset) {
+  return load<ByteOrder::little, std::uint32_t>(reinterpret_cast<const std::byte*>(bytes.data() + offset));
+}
+
+TEST(GlbModel, ChunksArePadded) {
+  for (std::size_t letters = 0; letters < 4; ++letters) {
+    GlbModel model;
+    model.name = std::string(letters, 'n');
+    model.add_scalars(std::vector<float>{1, 2, 3});
+    const std::string bytes = model.bytes();
+    EXPECT_EQ(bytes.substr(0, 4), "glTF");
+    EXPECT_EQ(number_at(bytes, 8), bytes.size());
+    const std::uint32_t json = number_at(bytes, 12);
+    EXPECT_EQ(json % 4, 0u);
+    EXPECT_EQ(number_at(bytes, 20 + json), 12u);
+    EXPECT_EQ(bytes.size(), 20 + json + 8 + 12);
+  }
+}
+
+TEST(GlbModel, NamesMustBeUtf8) {
+  GlbModel model;
+  model.name = "\xff";
+  expect_says(error_of([&] { (void)model.bytes(); }), "is not UTF-8");
+}
+
+/// A point that stays and one that moves.
+std::vector<ExportObject> two_points(const std::vector<Vec3f>& still, const std::vector<Vec3f>& moving) {
+  static const TriangleMesh none;
+  std::vector<ExportObject> objects(2);
+  for (ExportObject& object : objects)
+    object.shape = ExportShape::grains, object.kind = "grains", object.mesh = &none;
+  objects[0].name = "still", objects[0].positions = still;
+  objects[1].name = "moving", objects[1].positions = moving;
+  return objects;
+}
+
+TEST(GlbClip, ObjectsAtRestHaveNoTargets) {
+  GlbClip clip("run");
+  const std::vector<Vec3f> still{{1, 2, 3}}, here{{0, 0, 0}}, there{{0, 1, 0}};
+  clip.add(0.1, two_points(still, here));
+  clip.add(0.2, two_points(still, there));
+  clip.add(0.3, two_points(still, here));
+  const std::string bytes = std::move(clip).bytes();
+  const auto count = [&](const char* word) {
+    std::size_t found = 0;
+    for (std::size_t at = bytes.find(word); at != std::string::npos; at = bytes.find(word, at + 1)) ++found;
+    return found;
+  };
+  EXPECT_EQ(count("\"targets\""), 1u);
+  EXPECT_EQ(count("\"channels\""), 1u);
+  EXPECT_NE(bytes.find("[\"frame 2\",\"frame 3\"]"), std::string::npos);
+}
+
+TEST(UsdaText, NamesArePrimNames) {
+  usda::PrimNames names;
+  EXPECT_EQ(names.add("ball"), "ball");
+  EXPECT_EQ(names.add("ball"), "ball_2");
+  EXPECT_EQ(names.add("7-up"), "_7_up");
+  EXPECT_EQ(names.add(""), "_");
+  EXPECT_EQ(names.add("\xc3\xbc"), "__");
+}
+
+TEST(UsdaText, ValuesReadBackToTheSameFloats) {
+  const std::vector<Vec3f> values{{0.1f, -1e-20f, 123456.789f}};
+  const std::string text = usda::exact(values);
+  float x = 0, y = 0, z = 0;
+  ASSERT_EQ(std::sscanf(text.c_str(), "[(%f, %f, %f)]", &x, &y, &z), 3) << text;
+  EXPECT_EQ(Vec3f(x, y, z), values[0]);
+  EXPECT_EQ(usda::rounded(values, 3), "[(0.1, -1e-20, 1.23e+05)]");
+  EXPECT_EQ(usda::exact({}), "[]");
+  EXPECT_EQ(usda::extent(std::vector<Vec3f>{{1, 2, 3}, {0, 5, 3}}, 1), "[(-1, 1, 2), (2, 6, 4)]");
+  EXPECT_EQ(usda::string_text("a\"b\\\n"), "\"a\\\"b\\\\ \"");
+}
+
+// A value that stays is written where it begins and ends, so that readers that interpolate see no change.
+TEST(UsdaRun, SamplesOfAPauseAreItsEnds) {
+  UsdaRun::Options options{.run = "run", .frame_rate = 24, .frames = 5};
+  const std::vector<Vec3f> still{{1, 2, 3}}, here{{0, 0, 0}}, there{{0, 1, 0}};
+  UsdaRun usda(options, two_points(still, here));
+  for (std::uint64_t frame = 1; frame <= 5; ++frame)
+    usda.add(frame, two_points(still, frame < 4 ? here : there));
+  const std::string stage = usda.stage();
+  expect_says(stage, "point3f[] positions = [(1, 2, 3)]\n");
+  const std::size_t begin = stage.find("point3f[] positions.timeSamples");
+  ASSERT_NE(begin, std::string::npos);
+  std::string samples = stage.substr(begin, stage.find('}', begin) - begin);
+  std::erase(samples, ' ');
+  EXPECT_EQ(samples,
+            "point3f[]positions.timeSamples={\n1:[(0,0,0)],\n3:[(0,0,0)],\n4:[(0,1,0)],\n5:[(0,1,0)],\n");
+}
+
+}  // namespace
+}  // namespace souple::test
