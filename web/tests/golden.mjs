@@ -45,7 +45,8 @@ export function differenceOf(scene, frame, world) {
 /** The same for a world of a page of puppeteer that opens the scene: its difference after `frames` frames. */
 export async function differenceInPage(page, scene, frames) {
   const wanted = traceOf(scene).map(([object, quantity]) => [object, quantity]);
-  const bits = await page.evaluate((name, count, arrays) => {
+  const bits = await page.evaluate((name, text, count, arrays) => {
+    window.page.souple.writeFile(`/scenes/${name}.json`, text);  // the page has ten
     const world = window.page.souple.World.open(`/scenes/${name}.json`);
     for (let i = 0; i < count; ++i) world.step();
     const found = arrays.map(([object, quantity]) => {
@@ -55,7 +56,7 @@ export async function differenceInPage(page, scene, frames) {
     const hash = world.hash;
     world.free();
     return { hash, found };
-  }, scene, frames, wanted);
+  }, scene, readFileSync(`${root}/scenes/${scene}.json`, 'utf8'), frames, wanted);
   const arrayOf = (object, quantity) => Uint32Array.from(bits.found[wanted.findIndex(([o, q]) => o === object && q === quantity)]);
   return differenceOf(scene, frames, {
     hash: bits.hash,

@@ -27,7 +27,7 @@ async function open(hash) {
 const time = () => page.evaluate('page.world.time');
 async function pass(seconds) {
   const from = await time();
-  await page.waitForFunction((until) => window.page.world.time >= until, {}, from + seconds);
+  await page.waitForFunction((until) => window.page.world.time >= until, { timeout: 120000 * (1 + seconds) }, from + seconds);
 }
 /** How many colors a picture of the canvas has, of 16 x 16 samples; also saves it. */
 async function colors(name) {
