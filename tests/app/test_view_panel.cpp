@@ -138,7 +138,7 @@ TEST(ViewPicture, OfTheManual) {
   view.viewer().rendering().shadows = view.viewer().rendering().ambient_occlusion = true;
   view.resize(size);
   view.pictures(2);
-  render::write_png(file, view.image(), 48);
+  render::write_png(file, view.image(), 40);
   EXPECT_TRUE(view.viewer().mouse().grabbing());
   EXPECT_LT(std::filesystem::file_size(file), 150'000u);
 }
