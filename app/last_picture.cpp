@@ -6,7 +6,6 @@
 #include "app/scene_colors.h"
 #include "souple/error.h"
 
-#include <utility>
 
 namespace souple::app {
 
@@ -28,11 +27,11 @@ struct LastPicture::Impl {
   std::unique_ptr<PictureSink> sink;
 };
 
-LastPicture::LastPicture(const std::filesystem::path& file, PictureLook look) {
+LastPicture::LastPicture(const std::filesystem::path& file, const PictureLook& look) {
   const SinkRequest request = sink_request(file);
   expect_driver_crashes();
   impl_ = std::make_unique<Impl>();
-  impl_->look = std::move(look);
+  impl_->look = look;
   impl_->sink = open_sink(request);
 }
 

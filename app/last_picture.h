@@ -17,7 +17,7 @@ struct PictureLook {
 class LastPicture {
  public:
   /// Throws Error, before any simulation, when no picture can be made or written to this file.
-  explicit LastPicture(const std::filesystem::path& file, PictureLook look = {});
+  explicit LastPicture(const std::filesystem::path& file, const PictureLook& look = {});
   ~LastPicture();
   LastPicture(const LastPicture&) = delete;
   LastPicture& operator=(const LastPicture&) = delete;

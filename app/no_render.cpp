@@ -21,7 +21,7 @@ namespace {
 
 struct LastPicture::Impl {};
 
-LastPicture::LastPicture(const std::filesystem::path&, PictureLook) {
+LastPicture::LastPicture(const std::filesystem::path&, const PictureLook&) {
   refuse();
 }
 

@@ -23,7 +23,6 @@
 #include <new>
 #include <optional>
 #include <thread>
-#include <utility>
 
 #include <fmt/core.h>
 
@@ -113,11 +112,11 @@ class Run {
     std::error_code error;
     fs::remove(folder_ / run_picture_name, error);
     if (!sweep_.pictures) return;
-    PictureLook look{sheet_cell_width, sheet_cell_height,
-                     fmt::format("{}: {}", number_, sweep_.plan.short_label_of(number_))};
+    const PictureLook look{sheet_cell_width, sheet_cell_height,
+                           fmt::format("{}: {}", number_, sweep_.plan.short_label_of(number_))};
     without_errors([&] {
       check_pictures(scene_);
-      picture_ = std::make_unique<LastPicture>(folder_ / run_picture_name, std::move(look));
+      picture_ = std::make_unique<LastPicture>(folder_ / run_picture_name, look);
     });
   }
 
