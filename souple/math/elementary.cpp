@@ -62,7 +62,7 @@ double arctangent_of_fraction(double y, double x) {  // 0 <= y <= x, x > 0
                                    0x1.4978fa3269ee1p-1,
                                    0x1.700a7c5784634p-1,
                                    0x1.921fb54442d18p-1};
-  const int nearest = static_cast<int>(8 * (y / x) + 0.5);
+  const auto nearest = static_cast<int>(std::lround(8 * (y / x)));
   const double c = 0.125 * nearest;
   const double t = nearest == 0 ? y / x : (y - c * x) / (x + c * y);
   const double z = t * t;
