@@ -6,7 +6,6 @@
 #include "app/scene_colors.h"
 #include "souple/error.h"
 
-
 namespace souple::app {
 
 namespace {
