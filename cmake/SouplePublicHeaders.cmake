@@ -10,7 +10,7 @@ set(SOUPLE_PUBLIC_HEADERS
     souple/constraints/all.h souple/solver/custom_constraint.h souple/solver/set_projector.h
     # files
     souple/io/animated_points.h souple/io/animated_target.h souple/io/checkpoint_file.h souple/io/mdd.h
-    souple/mesh_files/mesh_file.h souple/mesh_files/mesh_write.h souple/io/particle_file.h souple/io/pc2.h souple/io/playback.h
+    souple/mesh_files/mesh_animation.h souple/mesh_files/mesh_file.h souple/mesh_files/mesh_write.h souple/io/particle_file.h souple/io/pc2.h souple/io/playback.h
     souple/io/recorder.h souple/scene/scene.h
     # surfaces of fluids
     souple/surface/fluid_surface.h

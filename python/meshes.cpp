@@ -6,6 +6,7 @@
 #include "souple/geometry/mesh_report.h"
 #include "souple/geometry/tet_mesh.h"
 #include "souple/geometry/vertex_maps.h"
+#include "souple/mesh_files/mesh_animation.h"
 #include "souple/mesh_files/mesh_write.h"
 
 namespace souple::python {
@@ -39,6 +40,15 @@ void bind_mesh_structs(py::module_& m) {
       .field<&MeshImport::scale>("scale")
       .field<&MeshImport::up>("up")
       .field<&MeshImport::node>("node");
+  using I = MeshAnimationImport;
+  Struct<I>(m, "MeshAnimationImport")
+      .field<&I::animation>("animation")
+      .field<&I::node>("node")
+      .field<&I::frame_rate>("frame_rate");
+  Result<MeshAnimation>(m, "MeshAnimation")
+      .field<&MeshAnimation::points>("points")
+      .field<&MeshAnimation::times>("times")
+      .field<&MeshAnimation::positions>("positions");
 }
 
 void bind_builders(py::module_& m) {
@@ -82,6 +92,13 @@ void bind_mesh_files(py::module_& m) {
         return read_tet_mesh(path, import_of(options, kwargs, "read_tet_mesh"));
       },
       py::arg("path"), py::arg("options") = py::none(), doc("read_tet_mesh"));
+  m.def(
+      "read_mesh_animation",
+      [](const std::string& path, const std::optional<MeshAnimationImport>& options,
+         const py::kwargs& kwargs) {
+        return read_mesh_animation(path, with_keywords(options, kwargs, "read_mesh_animation"));
+      },
+      py::arg("path"), py::arg("options") = py::none(), doc("read_mesh_animation"));
   m.def("mesh_import_has_assimp", &mesh_import_has_assimp, doc("mesh_import_has_assimp"));
   m.def(
       "obj_text",

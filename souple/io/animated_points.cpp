@@ -4,9 +4,11 @@
 #include "souple/io/mdd.h"
 #include "souple/io/pc2.h"
 #include "souple/io/sequence.h"
+#include "souple/mesh_files/mesh_animation.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <utility>
 
@@ -73,6 +75,28 @@ class MeshFrames final : public PointFrames {
   std::uint64_t points_;
 };
 
+/// Bones, shapes and nodes of a mesh file, evaluated when it is read.
+class EvaluatedFrames final : public PointFrames {
+ public:
+  explicit EvaluatedFrames(MeshAnimation animation) : animation_(std::move(animation)) {}
+  std::uint64_t points() const override { return animation_.points; }
+  std::uint64_t frames() const override { return animation_.times.size(); }
+  double time(std::uint64_t frame) const override { return animation_.times[frame]; }
+  void read(std::uint64_t frame, std::span<Vec3f> positions) override {
+    std::copy_n(animation_.positions.begin() + static_cast<std::ptrdiff_t>(frame * animation_.points),
+                animation_.points, positions.begin());
+  }
+
+ private:
+  MeshAnimation animation_;
+};
+
+/// NAME_0001.glb
+bool is_one_of_a_sequence(const std::filesystem::path& path) {
+  const std::string stem = path.stem().string();
+  return !stem.empty() && stem.back() >= '0' && stem.back() <= '9';
+}
+
 std::string lower_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   for (char& c : extension) {
@@ -91,8 +115,16 @@ std::unique_ptr<PointFrames> open_frames(const std::filesystem::path& path,
   const std::string extension = is_folder ? "" : lower_extension(path);
   if (extension == ".pc2") return std::make_unique<Pc2Frames>(path, options.frame_rate);
   if (extension == ".mdd") return std::make_unique<MddFrames>(path);
+  if (!is_folder && may_hold_mesh_animation(path) &&
+      (!options.animation.empty() || !is_one_of_a_sequence(path)))
+    return std::make_unique<EvaluatedFrames>(
+        read_mesh_animation(path, {options.animation, options.node, options.frame_rate}));
+  if (!options.animation.empty())
+    throw Error(path.string() +
+                ": holds no animation with a name; expected a .gltf, .glb, .fbx or .dae file");
   if (!read_mesh)
-    throw Error(path.string() + ": no animation can be read from it; expected a .pc2 or a .mdd");
+    throw Error(path.string() +
+                ": no animation can be read from it; expected a .pc2, a .mdd, a .gltf, .glb, .fbx or .dae");
   return std::make_unique<MeshFrames>(path, options.frame_rate, read_mesh);
 }
 

@@ -33,11 +33,14 @@ class AnimatedPoints {
   struct Options {
     /// Frames per second of a .pc2 or a sequence of meshes; a .mdd stores its own times.
     double frame_rate = 60;
-    double start_time = 0;  ///< time of the first frame [s]
+    double start_time = 0;    ///< time of the first frame [s]
+    std::string animation{};  ///< of a .gltf, .glb, .fbx or .dae: its name; empty: the only one
+    std::string node{};       ///< of such a file: moves only this object's vertices, as MeshImport::node
   };
 
-  /// `path` is a .pc2, a .mdd, or a sequence of meshes for `read_mesh`: one of its files (NAME_0001.obj) or
-  /// its folder. Throws Error for an invalid file, no frames, decreasing times, or a changing number of
+  /// `path` is a .pc2, a .mdd, a file with an animation (read_mesh_animation; `frame_rate` is the rate at which
+  /// it is evaluated), or a sequence of meshes for `read_mesh`: one of its files (NAME_0001.obj) or its folder. A
+  /// NAME_0001.glb is one of a sequence unless Options::animation is given. Throws Error for an invalid file, no frames, decreasing times, or a changing number of
   /// vertices.
   AnimatedPoints(const std::filesystem::path& path, const Options& options, const ReadMesh& read_mesh = {});
   AnimatedPoints(std::unique_ptr<PointFrames> frames, std::string name, double start_time);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/geometry/triangle_mesh.h"
+#include "souple/mesh_files/mesh_animation.h"
 
 #include <filesystem>
 #include <string>
@@ -15,5 +16,7 @@ bool assimp_knows(const std::string& extension);
 /// follow the order of the scene's nodes and are transformed by them. Many formats have a vertex per face corner.
 /// Groups: nodes by their names, materials as "material:NAME". Throws Error if the reader fails or is missing.
 TriangleMesh read_with_assimp(const std::filesystem::path& path);
+MeshAnimation read_animation_with_assimp(const std::filesystem::path& path,
+                                         const MeshAnimationImport& options);
 
 }  // namespace souple::mesh_detail

@@ -5,6 +5,7 @@
 #include "souple/mesh_files/assimp_reader.h"
 #include "souple/mesh_files/mesh_parse.h"
 #include "souple/mesh_files/mesh_text.h"
+#include "souple/mesh_files/read_mesh_bytes.h"
 
 #include <cmath>
 #include <fstream>
@@ -23,25 +24,6 @@ constexpr const char* assimp_examples = ".gltf, .glb, .fbx, .dae, .3ds, .blend, 
 
 std::string extension_of(const std::filesystem::path& path) {
   return mesh_detail::lower_case(path.extension().string());
-}
-
-std::string read_bytes(const std::filesystem::path& path) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) throw Error(path.string() + ": no such file, expected a mesh file");
-  if (std::filesystem::is_directory(status))
-    throw Error(path.string() + ": is a folder, expected a mesh file");
-  if (!std::filesystem::is_regular_file(status))
-    throw Error(path.string() + ": is no regular file, expected a mesh file");
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  std::ifstream file(path, std::ios::binary);
-  if (error || !file)
-    throw Error(path.string() + ": cannot be opened, expected a file that this user may read");
-  std::string bytes(std::size_t(size), '\0');
-  file.read(bytes.data(), std::streamsize(size));
-  if (file.bad() || std::uintmax_t(file.gcount()) != size)
-    throw Error(path.string() + ": cannot be read to its end");
-  return bytes;
 }
 
 template <class T>
@@ -88,15 +70,15 @@ void check_scale(const std::filesystem::path& path, const MeshImport& options) {
 
 TriangleMesh read_surface(const std::filesystem::path& path) {
   const std::string extension = extension_of(path), name = path.string();
-  if (extension == ".obj") return parse_obj(read_bytes(path), name);
-  if (extension == ".ply") return parse_ply(read_bytes(path), name);
-  if (extension == ".stl") return parse_stl(read_bytes(path), name);
+  if (extension == ".obj") return parse_obj(read_mesh_bytes(path), name);
+  if (extension == ".ply") return parse_ply(read_mesh_bytes(path), name);
+  if (extension == ".stl") return parse_stl(read_mesh_bytes(path), name);
   if (extension == ".msh" || extension == ".node" || extension == ".ele" || extension == ".vtk") {
     throw Error(name + ": found a tet mesh by its extension " + extension +
                 ", expected a surface (.obj, .ply, .stl)");
   }
   if (mesh_detail::assimp_knows(extension)) {
-    read_bytes(path);  // for its errors, which are more specific than assimp's
+    read_mesh_bytes(path);  // for its errors, which are more specific than assimp's
     return mesh_detail::read_with_assimp(path);
   }
   const std::string known =
@@ -116,14 +98,14 @@ TetMesh read_tetgen(const std::filesystem::path& path) {
     ele_path.replace_extension(capitals ? ".ELE" : ".ele");
   else
     node_path.replace_extension(capitals ? ".NODE" : ".node");
-  const std::string nodes = read_bytes(node_path), tets = read_bytes(ele_path);
+  const std::string nodes = read_mesh_bytes(node_path), tets = read_mesh_bytes(ele_path);
   return parse_tetgen(nodes, node_path.string(), tets, ele_path.string());
 }
 
 TetMesh read_volume(const std::filesystem::path& path) {
   const std::string extension = extension_of(path);
-  if (extension == ".msh") return parse_msh(read_bytes(path), path.string());
-  if (extension == ".vtk") return parse_vtk(read_bytes(path), path.string());
+  if (extension == ".msh") return parse_msh(read_mesh_bytes(path), path.string());
+  if (extension == ".vtk") return parse_vtk(read_mesh_bytes(path), path.string());
   if (extension == ".node" || extension == ".ele") return read_tetgen(path);
   throw Error(path.string() + ": found the unknown extension \"" + extension +
               "\", expected a tet mesh: .msh (Gmsh), .node or .ele (TetGen) or .vtk");
@@ -141,6 +123,25 @@ auto within_memory(const std::filesystem::path& path, Read read) {
 }
 
 }  // namespace
+
+std::string read_mesh_bytes(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  if (!std::filesystem::exists(status)) throw Error(path.string() + ": no such file, expected a mesh file");
+  if (std::filesystem::is_directory(status))
+    throw Error(path.string() + ": is a folder, expected a mesh file");
+  if (!std::filesystem::is_regular_file(status))
+    throw Error(path.string() + ": is no regular file, expected a mesh file");
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  std::ifstream file(path, std::ios::binary);
+  if (error || !file)
+    throw Error(path.string() + ": cannot be opened, expected a file that this user may read");
+  std::string bytes(std::size_t(size), '\0');
+  file.read(bytes.data(), std::streamsize(size));
+  if (file.bad() || std::uintmax_t(file.gcount()) != size)
+    throw Error(path.string() + ": cannot be read to its end");
+  return bytes;
+}
 
 Vec3d imported(const Vec3d& x, const MeshImport& options) {
   return with_y_up(x, options.up) * options.scale;

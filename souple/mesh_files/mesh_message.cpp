@@ -13,7 +13,7 @@ namespace souple::mesh_detail {
 namespace {
 
 constexpr std::string_view first_line = "souple mesh 1\n", last_line = "end of mesh\n";
-enum Kind : std::uint8_t { is_mesh, is_failure };
+enum Kind : std::uint8_t { is_mesh, is_failure, is_animation };
 
 using Indices = std::vector<std::uint32_t>;
 
@@ -92,6 +92,7 @@ class Reader {
     return list<Indices>(8, [&] { return indices(limit); });
   }
   float real() { return bytes_.real32("number of a mesh"); }
+  double real64() { return bytes_.real64("time of a frame"); }
   Vec3f vector() {
     const float x = real(), y = real(), z = real();
     return {x, y, z};
@@ -163,6 +164,25 @@ void read_appearance(Reader& reader, TriangleMesh& mesh) {
   check_shape(reader, look.face_normals, mesh);
 }
 
+/// What is between the first and the last line.
+std::string_view content_of(std::string_view message, const std::string& name) {
+  if (!is_whole_message(message)) throw Error(name + ": the answer of souple-mesh-reader breaks off");
+  message.remove_prefix(first_line.size());
+  message.remove_suffix(last_line.size());
+  return message;
+}
+
+/// Throws Error for a failure, with its reason.
+void check_kind(Reader& reader, Kind expected) {
+  const auto kind = reader.number<std::uint8_t>();
+  if (kind == expected) return;
+  reader.require(kind == is_failure);
+  std::string why = reader.text();
+  std::replace_if(
+      why.begin(), why.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
+  throw Error(why);
+}
+
 }  // namespace
 
 std::string message_of_mesh(const TriangleMesh& mesh) {
@@ -186,6 +206,14 @@ std::string message_of_mesh(const TriangleMesh& mesh) {
   return out.finish();
 }
 
+std::string message_of_animation(const MeshAnimation& animation) {
+  Writer out(is_animation);
+  out.number(std::uint64_t(animation.points));
+  out.list(animation.times, [&](double time) { out.number(time); });
+  out.vectors(animation.positions);
+  return out.finish();
+}
+
 std::string message_of_failure(std::string_view why) {
   Writer out(is_failure);
   out.text(why.substr(0, longest_reader_message));
@@ -199,21 +227,27 @@ bool is_whole_message(std::string_view message) {
 }
 
 TriangleMesh mesh_of_message(std::string_view message, const std::string& name) {
-  if (!is_whole_message(message)) throw Error(name + ": the answer of souple-mesh-reader breaks off");
-  message.remove_prefix(first_line.size());
-  message.remove_suffix(last_line.size());
-  Reader reader(message, name);
-  if (reader.number<std::uint8_t>() != is_mesh) {
-    std::string why = reader.text();
-    std::replace_if(
-        why.begin(), why.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
-    throw Error(why);
-  }
+  Reader reader(content_of(message, name), name);
+  check_kind(reader, is_mesh);
   TriangleMesh mesh;
   read_geometry(reader, mesh);
   read_appearance(reader, mesh);
   reader.require(!mesh.positions.empty());
   return mesh;
+}
+
+MeshAnimation animation_of_message(std::string_view message, const std::string& name) {
+  Reader reader(content_of(message, name), name);
+  check_kind(reader, is_animation);
+  MeshAnimation animation;
+  animation.points = std::size_t(reader.number<std::uint64_t>());
+  animation.times = reader.list<double>(8, [&] { return reader.real64(); });
+  animation.positions = reader.vectors();
+  const std::size_t frames = animation.times.size();
+  reader.require(frames > 0 && animation.times.front() == 0 && animation.positions.size() % frames == 0 &&
+                 animation.positions.size() / frames == animation.points);
+  for (std::size_t i = 1; i < frames; ++i) reader.require(animation.times[i] > animation.times[i - 1]);
+  return animation;
 }
 
 }  // namespace souple::mesh_detail

@@ -1,21 +1,24 @@
 #pragma once
 
 #include "souple/geometry/triangle_mesh.h"
+#include "souple/mesh_files/mesh_animation.h"
 
 #include <string>
 #include <string_view>
 
-/// The answer of souple-mesh-reader: a mesh, or why there is none. Little-endian numbers and counted lists between a
+/// The answer of souple-mesh-reader: a mesh or an animation, or why there is none. Little-endian numbers and counted lists between a
 /// first line and a last one, by which an answer that breaks off is known.
 namespace souple::mesh_detail {
 
 std::string message_of_mesh(const TriangleMesh& mesh);
+std::string message_of_animation(const MeshAnimation& animation);
 std::string message_of_failure(std::string_view why);
 
-/// The mesh of a message, whose numbers and indices are all checked: what wrote it read an untrusted file. Throws
+/// What a message holds; its numbers and indices are all checked: what wrote it read an untrusted file. Throws
 /// Error with the reason that the message gives, or, for a message that breaks off or makes no sense, one that
 /// begins with `name`.
 TriangleMesh mesh_of_message(std::string_view message, const std::string& name);
+MeshAnimation animation_of_message(std::string_view message, const std::string& name);
 
 /// Whether the message is whole.
 bool is_whole_message(std::string_view message);

@@ -18,6 +18,7 @@
 #include <sys/wait.h>
 #include <system_error>
 #include <unistd.h>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -117,9 +118,10 @@ class Pipe {
 /// The running reader; ended by the destructor at the latest.
 class Process {
  public:
-  Process(const fs::path& program, const fs::path& mesh, int output) {
-    std::string file = fs::absolute(mesh).string(), name = program.string();
-    std::array<char*, 3> arguments = {name.data(), file.data(), nullptr};
+  Process(const fs::path& program, std::vector<std::string> words, int output) {
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
     posix_spawn_file_actions_t files;
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_adddup2(&files, output, STDOUT_FILENO);
@@ -213,7 +215,7 @@ void check_end(const fs::path& mesh, int status, std::uint64_t seconds) {
 
 }  // namespace
 
-std::string run_mesh_reader(const fs::path& mesh) {
+std::string run_mesh_reader(const fs::path& mesh, const std::vector<std::string>& arguments) {
   const fs::path program = find_reader(mesh);
   std::error_code error;
   const std::uintmax_t size = fs::file_size(mesh, error);
@@ -227,7 +229,9 @@ std::string run_mesh_reader(const fs::path& mesh) {
         fmt::format("{}: cannot start {}: {}", mesh.string(), program.string(), std::strerror(reason)));
   };
   if (!pipe.opened()) fail_start(errno);
-  Process process(program, mesh, pipe.writer());
+  std::vector<std::string> words = {program.string(), fs::absolute(mesh).string()};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  Process process(program, std::move(words), pipe.writer());
   if (process.failure() != 0) fail_start(process.failure());
   pipe.close_writer();
   std::string message;

@@ -495,8 +495,10 @@ class Builder {
   MeshSequence read_sequence(const ObstacleSequenceDescription& description, const MeshImport& import) const {
     const std::size_t vertices = mesh_.size();
     try {
-      AnimatedPoints points(scene_.folder / description.file, {description.frame_rate},
-                            read_points(import.node));
+      AnimatedPoints points(
+          scene_.folder / description.file,
+          {.frame_rate = description.frame_rate, .animation = description.animation, .node = import.node},
+          read_points(import.node));
       if (points.points() != vertices)
         throw Error(fmt::format("{} has {} vertices, but the mesh has {}", description.file, points.points(),
                                 vertices));
@@ -595,8 +597,9 @@ class Builder {
   Target sequence_target(ObjectId object, const PinDescription& pin,
                          const AnyObjectDescription& description) const {
     const SequenceDescription& sequence = *pin.sequence;
-    const AnimatedPoints::Options options{sequence.frame_rate, sequence.start_time};
     const MeshImport import = sequence_import(sequence, import_of(description));
+    const AnimatedPoints::Options options{sequence.frame_rate, sequence.start_time, sequence.animation,
+                                          import.node};
     AnimatedPoints points(scene_.folder / sequence.file, options, read_points(import.node));
     std::vector<std::uint32_t> point_of =
         point_of_vertices(object, pin, static_cast<std::size_t>(points.points()));

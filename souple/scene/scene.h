@@ -96,10 +96,11 @@ struct MeshDescription {
 };
 
 // --- pins and maps
-/// Positions of all vertices of an object over time, from a .pc2 file, a .mdd file or a sequence of meshes
-/// (one of its files, or its folder).
+/// Positions of all vertices of an object over time, from a .pc2 file, a .mdd file, an animation of a .glb, .gltf, .fbx
+/// or .dae file, or a sequence of meshes (one of its files, or its folder).
 struct SequenceDescription {
   std::string file;
+  std::string animation{};  ///< its name in the file; empty: the only one
   double frame_rate = 60;
   double start_time = 0;        ///< s
   std::optional<double> scale;  ///< meters per unit of the file; if not given, that of the mesh

@@ -6,6 +6,7 @@ Blender runs without a window. Where it is not installed, the exit code is 77 an
 import array
 import base64
 import json
+import math
 import os
 import re
 import shutil
@@ -392,6 +393,82 @@ walk("skirt")
             self.assertNotIn("first frame", done.stderr)
             ends.append(obj_points(self.folder / "out/body_0012.obj"))
         self.assert_close(ends[0], ends[1], "MDD and OBJ files")
+
+
+class Rig(Case):
+    """docs/files.md, "Characters from glTF": a skin of three bones below a moving parent, as Blender evaluates and exports it."""
+
+    MODEL = """
+import json
+import bpy
+try:
+    import numpy
+    numpy.bool = bool  # Debian's numpy is newer than Blender's exporter
+except ImportError:
+    pass
+scene = bpy.context.scene
+scene.render.fps, scene.frame_start, scene.frame_end = 24, 1, 25
+bones = bpy.data.armatures.new("Rig")
+rig = bpy.data.objects.new("Rig", bones)
+scene.collection.objects.link(rig)
+bpy.context.view_layer.objects.active = rig
+bpy.ops.object.mode_set(mode="EDIT")
+for i in range(3):
+    bone = bones.edit_bones.new(f"b{i}")
+    bone.head, bone.tail, bone.parent = (0, 0, i), (0, 0.05 * i, i + 1), bones.edit_bones.get(f"b{i - 1}")
+bpy.ops.object.mode_set(mode="OBJECT")
+rig.location, rig.rotation_euler, rig.scale = (1, 2, 0.5), (0.3, -0.2, 0.9), (1.5, 1.5, 1.5)
+bpy.ops.mesh.primitive_cylinder_add(vertices=12, radius=0.3, depth=3, location=(0, 0, 1.5))
+body = bpy.context.object
+body.name = "Body"
+bpy.ops.object.transform_apply(location=True)
+bpy.ops.object.mode_set(mode="EDIT")
+bpy.ops.mesh.select_all(action="SELECT")
+bpy.ops.mesh.subdivide(number_cuts=4)
+bpy.ops.object.mode_set(mode="OBJECT")
+for i in range(3):
+    group = body.vertex_groups.new(name=f"b{i}")
+    for v in body.data.vertices:
+        group.add([v.index], max(0, 1 - abs(v.co.z - (i + 0.5))), "REPLACE")
+body.parent = rig
+body.modifiers.new("Rig", "ARMATURE").object = rig
+for frame, angle in ((1, 0), (9, 0.6), (17, -0.5), (25, 0.1)):
+    for i in range(3):
+        bone = rig.pose.bones[f"b{i}"]
+        bone.rotation_mode = "XYZ"
+        bone.rotation_euler, bone.location = (angle * (i + 1) / 2, angle * 0.3, angle * 0.7 * i), (0.05 * angle, 0.1 * angle, 0)
+        bone.keyframe_insert("rotation_euler", frame=frame)
+        bone.keyframe_insert("location", frame=frame)
+    rig.location.y = 2 + angle
+    rig.keyframe_insert("location", frame=frame)
+bpy.ops.export_scene.gltf(filepath=FOLDER + "/rig.glb", export_frame_range=True)
+bpy.ops.export_scene.fbx(filepath=FOLDER + "/rig.fbx", add_leaf_bones=False, bake_anim_simplify_factor=0)
+shown = {}
+for frame in (2, 13, 25):
+    scene.frame_set(frame)
+    mesh = body.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    shown[frame] = [tuple(mesh.matrix_world @ v.co) for v in mesh.to_mesh().vertices]
+json.dump(shown, open(FOLDER + "/shown.json", "w"))
+"""
+
+    # File: tolerance [m], and Blender's frame at its time 0. FBX holds degrees and centimeters as Blender rounds them.
+    FILES = {"rig.glb": (5e-6, 0), "rig.fbx": (5e-5, 1)}
+
+    def test_skin(self):
+        if "through assimp: yes" not in self.souple("info").stdout:
+            self.skipTest("built without assimp")
+        self.blender([{"kind": "script", "script": self.MODEL.replace("FOLDER", repr(str(self.folder)))}])
+        shown = json.loads((self.folder / "shown.json").read_text())
+        for name, (tolerance, first) in self.FILES.items():
+            with self.subTest(file=name):
+                self.souple("run", self.write_scene({"souple": 1, "frame_rate": 24, "frames": 25, "objects": [
+                    {"name": "body", "kind": "obstacle", "mesh": {"file": name, "node": "Body"},
+                     "sequence": {"file": name, "frame_rate": 24}}]}), "--out", "out", "--write", "obj")
+                for frame, expected in shown.items():
+                    found = z_up(obj_points(self.folder / f"out/body_{int(frame) - first:04}.obj"))
+                    points = [found[i:i + 3] for i in range(0, len(found), 3)]
+                    worst = max(min(math.dist(p, x) for p in points) for x in expected)
+                    self.assertLess(worst, tolerance, f"frame {frame}")
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 SOURCE_FOLDER [unittest's arguments]."""
 
 import itertools
+import math
 import resource
 import shutil
 import struct
@@ -96,6 +97,23 @@ class ConvertMixed(ConvertCase):
         self.assertEqual(nodes["sand"]["primitives"][0]["attributes"]["_RADIUS"][0], struct_float(0.01))
         # An obstacle at rest has no animation.
         self.assertEqual(len(nodes["7stone"]["frames"]), 1)
+
+    def test_a_clip_moves_pins(self):
+        """What was written is read: a cloth whose vertices all follow the clip is where the run's cloth was."""
+        out = self.run_of(MIXED)
+        self.convert("--write", "glb")
+        clip = {"file": "out_converted/out.glb", "frame_rate": 24}
+        scene = self.scene({"souple": 1, "frame_rate": 24, "frames": 4, "objects": [
+            {"name": "flag", "kind": "cloth", "mesh": {"file": "out_converted/out.glb", "node": "flag"},
+             "pins": [{"all": True, "sequence": clip}]},
+            {"name": "jelly", "kind": "obstacle", "mesh": {"file": "out_converted/out.glb", "node": "jelly"}, "sequence": clip}]})
+        self.souple("run", scene, "--out", "again", "--quiet")
+        for frame in 2, 4:
+            first, again = Run(out, frame), Run(self.folder / "again", frame)
+            for name in "flag", "jelly":
+                found, expected = again.objects[name]["positions"], first.objects[name]["positions"]
+                worst = max(min(math.dist(x, y) for y in found) for x in expected)
+                self.assertLess(worst, 2e-6, f"{name}, frame {frame}")
 
     def test_stage(self):
         out = self.run_of(MIXED)

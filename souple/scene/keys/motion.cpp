@@ -10,11 +10,19 @@ std::shared_ptr<Table<S>> sequence_table(const char* heading) {
       heading,
       "Positions of all vertices of the object over time, in the coordinates of its mesh: the `transform` of "
       "the object applies. Linear between frames; constant before the first and after the last.");
-  keys->template required<&S::file>("file", file_or_folder(),
-                                    "a .pc2 file, a .mdd file, or a sequence of OBJ files: one of its files "
-                                    "(NAME_0001.obj), or the folder if it contains no other sequence")
-      .template key<&S::frame_rate>("frame_rate", number<double>(positive(1e4)),
-                                    "frames per second; ignored for .mdd files, which store their own times")
+  keys->template required<&S::file>(
+          "file", file_or_folder(),
+          "a .pc2 file, a .mdd file, a .glb, .gltf, .fbx or .dae file whose bones, "
+          "shapes or nodes move the mesh, or a sequence of OBJ files: one of its files "
+          "(NAME_0001.obj), or the folder if it contains no other sequence")
+      .template key<&S::animation>(
+          "animation", text(),
+          "name of an animation in a .glb, .gltf, .fbx or .dae file; may be left out "
+          "where the file has only one")
+      .template key<&S::frame_rate>(
+          "frame_rate", number<double>(positive(1e4)),
+          "frames per second; ignored for .mdd files, which store their own times; animations "
+          "with bones, shapes or nodes are evaluated this often")
       .template key<&S::start_time>("start_time", number<double>(signed_range(1e6)),
                                     "time of the first frame [s]")
       .template key<&S::scale>("scale", maybe(number<double>(positive(1e6))),
