@@ -44,4 +44,4 @@ SOUPLE_PYTHON_ENUM(souple::CacheFormat, "CacheFormat");
 SOUPLE_PYTHON_ENUM(souple::Diagonals, "Diagonals");
 SOUPLE_PYTHON_ENUM(souple::UpAxis, "UpAxis");
 SOUPLE_PYTHON_ENUM(souple::SurfaceMethod, "SurfaceMethod");
-SOUPLE_PYTHON_ENUM(souple::joint::Motor::Target, "Motor.Target");
+SOUPLE_PYTHON_ENUM(souple::joint::Motor::Target, "joint.Motor.Target");

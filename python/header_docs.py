@@ -23,12 +23,23 @@ MORE = {
     "KindReport": "The constraints of one kind after a step.",
     "LogLevel": "How serious a line of the log is.",
     "MemoryPart": "Heap memory for one purpose.",
+    "MemoryReport.total": "The sum of all parts [bytes].",
+    "MeshReport.is_clean": "Whether nothing was found that a simulation would suffer from.",
     "ObjectKind": "Kind of an object.",
     "RecorderOptions": "What a Recorder writes.",
     "RopeMaterial": "A rope. SI units.",
     "SoftBodyMaterial": "A soft solid. SI units.",
     "SolverSettings": "The solver of the constraints, and its numbers.",
     "Sphere": "All points within a radius of the center.",
+    "StepReport.has": "Whether the step set this flag.",
+    "StepReport.ok": "Whether all numbers are finite.",
+    "StepReport.total_milliseconds": "The sum of the stages [ms].",
+    "Transform.direction": "The direction, rotated.",
+    "Transform.point": "The point, scaled, then rotated, then translated.",
+    "World.add_cloth": "Makes a cloth of a surface: one particle per vertex, its triangles stretch and bend.",
+    "World.add_grains": "Makes grains: balls with these centers [m].",
+    "World.closest_point": "The nearest point on the surface of all objects and colliders that the filter lets through.",
+    "from_euler_xyz": "The rotation about the fixed axes X, then Y, then Z [radians].",
     "TetStatistics": "Size of the tet mesh of a soft body; zeros for other kinds.",
 }
 KEYWORDS = {"if", "for", "while", "return", "requires", "decltype", "explicit", "constexpr", "noexcept", "operator", "sizeof"}
@@ -147,6 +158,7 @@ constexpr Row rows[] = {{
 }}  // namespace
 
 const char* doc(std::string_view name) {{
+  if (name.ends_with('_')) name.remove_suffix(1);  // except_: "except" is a word of Python
   const Row* const row = std::lower_bound(std::begin(rows), std::end(rows), name,
                                           [](const Row& a, std::string_view b) {{ return a.name < b; }});
   return row != std::end(rows) && row->name == name ? row->text : "";

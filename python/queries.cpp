@@ -32,7 +32,7 @@ void bind_queries(py::module_& m) {
       .field<&QueryFilter::groups>("groups")
       .field<&QueryFilter::kinds>("kinds")
       .field<&QueryFilter::only>("only")
-      .field<&QueryFilter::except>("except")
+      .field<&QueryFilter::except>("except_")
       .field<&QueryFilter::except_colliders>("except_colliders")
       .field<&QueryFilter::objects>("objects")
       .field<&QueryFilter::colliders>("colliders")

@@ -14,7 +14,15 @@ std::string readable(std::string type) {
     for (std::size_t at = type.find(prefix); at != std::string::npos; at = type.find(prefix))
       type.erase(at, prefix.size());
   }
+  for (std::size_t at = type.find("::"); at != std::string::npos; at = type.find("::"))
+    type.replace(at, 2, ".");
   return type;
+}
+
+/// With the module joint before it, as users write it.
+std::string class_name(py::handle type) {
+  const std::string name(py::str(type.attr("__qualname__"))), module(py::str(type.attr("__module__")));
+  return module.ends_with(".joint") ? "joint." + name : name;
 }
 
 /// A float as few digits as tell it apart, as C++ has it: 0.4, not 0.4000000059604645.
@@ -40,7 +48,9 @@ std::string type_words(const char* pattern, const std::type_info* const* types) 
   for (const char* c = pattern; *c != 0; ++c) {
     if (*c == '{' || *c == '}') continue;
     if (*c == '%') {
-      words += readable((*types++)->name());
+      const std::type_info& type = **types++;
+      const auto* const known = py::detail::get_type_info(type);
+      words += known ? class_name(reinterpret_cast<PyObject*>(known->type)) : readable(type.name());
     } else {
       words += *c;
     }
@@ -69,6 +79,8 @@ void StructFields::add(const Field& field) {
     });
   const py::handle property(reinterpret_cast<PyObject*>(&PyProperty_Type));
   type_.attr(field.name) = property(get, set, py::none(), doc(where));
+  if (fields_.empty()) type_.attr("_member_types") = py::dict();
+  type_.attr("_member_types")[field.name] = field.type();
   fields_.push_back(field);
 }
 

@@ -20,6 +20,14 @@ namespace souple::python {
 /// The name of a C++ type as Python has it, from the text that pybind11 has for it.
 std::string type_words(const char* pattern, const std::type_info* const* types);
 
+/// What Python calls the type of a value.
+template <class M>
+std::string python_type() {
+  constexpr auto pattern = py::detail::make_caster<M>::name;
+  static constexpr auto types = decltype(pattern)::types();
+  return type_words(pattern.text, types.data());
+}
+
 template <class M>
 M from_python(py::handle value, const std::string& where) {
   py::detail::make_caster<M> caster;
@@ -29,11 +37,7 @@ M from_python(py::handle value, const std::string& where) {
   } catch (const std::exception& error) {
     throw py::value_error(where + ": " + error.what());
   }
-  if (!loaded) {
-    constexpr auto pattern = py::detail::make_caster<M>::name;
-    static constexpr auto types = decltype(pattern)::types();
-    throw_wrong_type(where, type_words(pattern.text, types.data()), value);
-  }
+  if (!loaded) throw_wrong_type(where, python_type<M>(), value);
   return py::detail::cast_op<M>(std::move(caster));
 }
 
@@ -69,12 +73,13 @@ class StructFields {
     py::object (*get)(void* object, py::handle owner);
     void (*set)(void* object, py::handle value, const std::string& where);
     bool single;  ///< of type float: as few digits as tell it apart
+    std::string (*type)();
   };
   using Address = void* (*)(py::handle);
 
   StructFields(const py::object& type, std::string name, Address address)
       : type_(type), name_(std::move(name)), address_(address) {}
-  /// Adds a member and the attribute of the class.
+  /// Adds a member and the attribute of the class, and its type to the attribute _member_types, which stubs are made of.
   void add(const Field& field);
   /// Sets members from keyword arguments, or from arguments in the order of declaration. Throws TypeError in words.
   void fill(void* object, const py::args& args, const py::kwargs& kwargs, const char* caller = nullptr) const;
@@ -127,7 +132,7 @@ class Struct {
                        [](void* object, py::handle value, const std::string& where) {
                          static_cast<T*>(object)->*Member = from_python<M>(value, where);
                        },
-                       std::is_same_v<M, float> || std::is_same_v<M, std::optional<float>>});
+                       std::is_same_v<M, float> || std::is_same_v<M, std::optional<float>>, &python_type<M>});
     return *this;
   }
   template <class Function>
@@ -158,7 +163,7 @@ class Result {
                        [](void* object, py::handle owner) {
                          return member_to_python(static_cast<T*>(object)->*Member, owner);
                        },
-                       nullptr, std::is_same_v<M, float>});
+                       nullptr, std::is_same_v<M, float>, &python_type<M>});
     return *this;
   }
   template <class Function>

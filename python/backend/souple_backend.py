@@ -73,8 +73,9 @@ def get_requires_for_build_sdist(config_settings=None):
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     module = build_library()
     info = f"souple-{version()}.dist-info"
-    files = {f"souple/{file.name}": file.read_bytes() for pattern in ("*.py", "*.pyi", "py.typed") for file in sorted(PACKAGE.glob(pattern))}
-    files[f"souple/{module.name}"] = module.read_bytes()
+    files = {f"souple/{file.name}": file.read_bytes() for pattern in ("*.py", "py.typed") for file in sorted(PACKAGE.glob(pattern))}
+    for made in (module, *sorted(module.parent.glob("_souple/*.pyi"))):
+        files[f"souple/{made.relative_to(module.parent)}"] = made.read_bytes()
     files[f"{info}/METADATA"] = metadata().encode()
     files[f"{info}/LICENSE"] = (ROOT / "LICENSE").read_bytes()
     files[f"{info}/WHEEL"] = f"Wheel-Version: 1.0\nGenerator: souple\nRoot-Is-Purelib: false\nTag: {tag()}\n".encode()

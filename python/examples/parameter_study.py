@@ -18,7 +18,7 @@ def sag(stiffness):
     return -float(world.positions(strip)[:, 1].min())
 
 
-stiffnesses = numpy.logspace(-6, -2, 9)
+stiffnesses = numpy.logspace(-4, 0, 9)
 depths = [sag(float(stiffness)) for stiffness in stiffnesses]
 for stiffness, depth in zip(stiffnesses, depths):
     print(f"{stiffness:8.1e} N m  {depth:.3f} m")

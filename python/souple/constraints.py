@@ -63,7 +63,8 @@ def _numbers(values, what):
     return array
 
 
-class SetProjector:
+def SetProjector(kind, particles, parameters=None, *, rest=None, compliance=0, damping_time=0,
+                 stiffness=1) -> _souple._ConstraintArrays:
     """Many constraints of one kind of the catalogue, for World.add_projector. They run at C++'s speed.
 
     kind: "distance", "neo_hookean", ...; see constraint_kinds().
@@ -72,29 +73,27 @@ class SetProjector:
     rest: in place of parameters: positions at rest, (n, particles, 3) [m].
     compliance: alpha [(unit of C)^2 / J], one number or one for each constraint; damping_time [s]; stiffness: PBD mode only.
     """
-
-    def __new__(cls, kind, particles, parameters=None, *, rest=None, compliance=0, damping_time=0, stiffness=1):
-        kinds = _souple._constraint_kinds()
-        if kind not in kinds:
-            raise _souple.Error(f"SetProjector: no kind of constraints is called {kind!r}; known: {', '.join(kinds)}")
-        arity, _, count, compliances, has_rest = kinds[kind]
-        indices = numpy.asarray(particles)
-        if indices.ndim != 2 or indices.shape[1] != arity or indices.dtype.kind not in "iu":
-            raise _souple.Error(f"SetProjector: expected particles as whole numbers of shape (n, {arity}) for {kind}, "
-                                f"found {indices.dtype} of shape {indices.shape}")
-        if indices.size and (indices.min() < 0 or indices.max() >= 2**32):
-            raise _souple.Error("SetProjector: a particle's index is negative or too large")
-        if (parameters is None) == (rest is None):
-            raise _souple.Error("SetProjector: expected parameters, or rest positions in their place")
-        if rest is not None:
-            parameters = _rest_parameters(kind, rest, arity, has_rest)
-        elif isinstance(parameters, dict):
-            parameters = _named_parameters(kind, parameters, len(indices))
-        alpha = _numbers(compliance, "compliance")
-        if compliances > 1 and alpha.ndim == 0:
-            alpha = numpy.array([alpha if _on_diagonal(k) else 0 for k in range(compliances)])
-        return _souple._constraint_arrays(kind, numpy.ascontiguousarray(indices, dtype="u4"), _numbers(parameters, "parameters"),
-                                          alpha, _numbers(damping_time, "damping_time"), _numbers(stiffness, "stiffness"))
+    kinds = _souple._constraint_kinds()
+    if kind not in kinds:
+        raise _souple.Error(f"SetProjector: no kind of constraints is called {kind!r}; known: {', '.join(kinds)}")
+    arity, _, count, compliances, has_rest = kinds[kind]
+    indices = numpy.asarray(particles)
+    if indices.ndim != 2 or indices.shape[1] != arity or indices.dtype.kind not in "iu":
+        raise _souple.Error(f"SetProjector: expected particles as whole numbers of shape (n, {arity}) for {kind}, "
+                            f"found {indices.dtype} of shape {indices.shape}")
+    if indices.size and (indices.min() < 0 or indices.max() >= 2**32):
+        raise _souple.Error("SetProjector: a particle's index is negative or too large")
+    if (parameters is None) == (rest is None):
+        raise _souple.Error("SetProjector: expected parameters, or rest positions in their place")
+    if rest is not None:
+        parameters = _rest_parameters(kind, rest, arity, has_rest)
+    elif isinstance(parameters, dict):
+        parameters = _named_parameters(kind, parameters, len(indices))
+    alpha = _numbers(compliance, "compliance")
+    if compliances > 1 and alpha.ndim == 0:
+        alpha = numpy.array([alpha if _on_diagonal(k) else 0 for k in range(compliances)])
+    return _souple._constraint_arrays(kind, numpy.ascontiguousarray(indices, dtype="u4"), _numbers(parameters, "parameters"),
+                                      alpha, _numbers(damping_time, "damping_time"), _numbers(stiffness, "stiffness"))
 
 
 def _on_diagonal(k):

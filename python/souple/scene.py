@@ -49,30 +49,30 @@ def _parts(scene):
     return _json(scene), getattr(scene, "folder", "."), getattr(scene, "source", "scene")
 
 
-def load_scene(file, overrides=()):
+def load_scene(file, overrides=()) -> Scene:
     """Reads a scene file. `overrides`: a dict such as {"objects.flag.material.friction": 0.1}, or a list of "path=value".
     Every object and collider of the result has a name. Throws Error: file, path inside it, the value, what was expected."""
     return _scene(_souple._load_scene(os.fspath(file), _texts(overrides)))
 
 
-def parse_scene(scene, folder=None, source=None, overrides=()):
+def parse_scene(scene, folder=None, source=None, overrides=()) -> Scene:
     """Checks a scene, a dict or JSON text, and returns it in normalized form: fixed order of keys, no defaults."""
     text, of_folder, of_source = (scene, ".", "scene") if isinstance(scene, str) else _parts(scene)
     return _scene(_souple._parse_scene(text, os.fspath(folder or of_folder), source or of_source, _texts(overrides)))
 
 
-def save_scene(scene, file):
+def save_scene(scene, file) -> None:
     """Checks a scene and writes it to a file, in normalized form."""
     text, _, _ = _souple._parse_scene(*_parts(scene), [])
     with open(file, "w", encoding="utf-8") as out:
         out.write(text)
 
 
-def build_world(scene, log=None):
+def build_world(scene, log=None) -> _souple.World:
     """Reads the meshes of a scene, a dict, and builds a World. Repairs and warnings go to log(level, text)."""
     return _souple._build_world(*_parts(scene), log)
 
 
-def add_to_world(scene, index, world):
+def add_to_world(scene, index, world) -> None:
     """Adds scene["objects"][index] to a world that has the objects before it."""
     _souple._add_to_world(*_parts(scene), index, world)

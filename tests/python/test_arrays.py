@@ -138,9 +138,9 @@ class Costs(unittest.TestCase):
         for _ in range(5):
             world.set_wind_exposure(grains, 1)
             world.teleport(grains, souple.Transform(translation=(0.1, 0, 0)))
-            start = time.process_time()
+            start = time.perf_counter()
             again = world.positions(grains)
-            refresh.append(time.process_time() - start)
+            refresh.append(time.perf_counter() - start)
         print(f"refresh: {min(refresh) * 1e3:.2f} ms")
         self.assertEqual(again.ctypes.data, x.ctypes.data)
         self.assertLess(min(refresh), 0.05)
