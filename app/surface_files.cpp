@@ -1,5 +1,6 @@
 #include "app/surface_files.h"
 
+#include "app/surface_velocities.h"
 #include "app/vdb.h"
 #include "souple/mesh_files/mesh_write.h"
 #include "souple/version.h"
@@ -104,7 +105,7 @@ void SurfaceFiles::write(std::uint64_t frame, std::span<const Vec3f> positions,
                          std::span<const Vec3f> velocities, double rate) {
   const auto start = std::chrono::steady_clock::now();
   const SurfaceMesh& mesh = surface_.build(positions, threads_);
-  const bool needs_velocities = particles_ || format_ == SurfaceFormat::vdb;
+  const bool needs_velocities = particles_ || format_ != SurfaceFormat::obj;
   if (velocities.empty() && needs_velocities) velocities = differences(positions, static_cast<float>(rate));
   particles_now_ = positions;
   velocities_now_ = velocities;
@@ -153,8 +154,11 @@ void SurfaceFiles::finish() {
 std::string SurfaceFiles::bytes() {
   const SurfaceMesh& mesh = surface_.mesh();
   if (format_ == SurfaceFormat::obj) return obj_text(mesh.positions, mesh.normals, mesh.triangles);
-  if (format_ == SurfaceFormat::ply) return ply_bytes(mesh.positions, mesh.normals, mesh.triangles);
-  return volume_bytes();
+  if (format_ == SurfaceFormat::vdb) return volume_bytes();
+  constexpr float radius = 2;  // vertices are half a spacing above the outermost particles
+  return ply_bytes(mesh.positions, mesh.normals, mesh.triangles,
+                   surface_velocities(mesh.positions, particles_now_, velocities_now_,
+                                      radius * surface_.options().spacing, threads_));
 }
 
 std::string SurfaceFiles::volume_bytes() {

@@ -109,9 +109,11 @@ void bind_mesh_files(py::module_& m) {
   m.def(
       "ply_bytes",
       [](std::span<const Vec3f> positions, std::span<const Vec3f> normals,
-         std::span<const Triangle> triangles) { return py::bytes(ply_bytes(positions, normals, triangles)); },
-      py::arg("positions"), py::arg("normals"), py::arg("triangles"),
-      "A surface as the bytes of a PLY file.");
+         std::span<const Triangle> triangles, const std::optional<std::vector<Vec3f>>& velocities) {
+        return py::bytes(ply_bytes(positions, normals, triangles, velocities.value_or(std::vector<Vec3f>())));
+      },
+      py::arg("positions"), py::arg("normals"), py::arg("triangles"), py::arg("velocities") = py::none(),
+      "A surface as the bytes of a PLY file, with velocities [m/s] if they are given.");
 }
 
 void bind_mesh_reports(py::module_& m) {

@@ -6,6 +6,7 @@
 #include "souple/math/bit_cast.h"
 #include "souple/mesh_files/mesh_write.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdint>
@@ -122,6 +123,47 @@ std::optional<PlyOfParticles> parse_header(std::string_view text) {
   }
 }
 
+/// Where the velocities of a PLY's vertices are.
+struct PlyVelocities {
+  std::uint64_t vertices = 0;
+  std::size_t begin = 0, stride = 0;  ///< of the first vertex in the file, and from one to the next
+  std::optional<std::size_t> offset;  ///< of vx in a vertex; vy and vz follow
+};
+
+/// The next line of a text, without its end, which it loses.
+std::string_view take_line(std::string_view& text) {
+  const std::size_t end = std::min(text.find('\n'), text.size());
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return line;
+}
+
+/// Nothing for a PLY that Souple does not write, or one without velocities.
+std::optional<PlyVelocities> find_velocities(std::string_view text) {
+  constexpr std::string_view first = "ply\nformat binary_little_endian 1.0\n", last = "end_header\n",
+                             element = "element vertex ", floats = "property float ",
+                             bytes = "property uchar ";
+  const std::size_t end = text.find(last), vertices = text.find("element ");
+  if (!text.starts_with(first) || end == std::string_view::npos || vertices > end) return std::nullopt;
+  PlyVelocities found;
+  found.begin = end + last.size();
+  std::string_view header = text.substr(vertices, end - vertices), line = take_line(header);
+  if (!line.starts_with(element)) return std::nullopt;
+  std::from_chars(line.data() + element.size(), line.data() + line.size(), found.vertices);
+  for (int in_succession = 0; !header.empty();) {
+    line = take_line(header);
+    if (!line.starts_with(floats) && !line.starts_with(bytes)) break;
+    constexpr std::string_view components[] = {"vx", "vy", "vz"};
+    const bool next = in_succession < 3 && line.starts_with(floats) &&
+                      line.substr(floats.size()) == components[in_succession];
+    if (next && ++in_succession == 3) found.offset = found.stride - 8;
+    found.stride += line.starts_with(floats) ? 4 : 1;
+  }
+  // An element with lists or other types has no fixed size.
+  const bool known = line.starts_with(floats) || line.starts_with(bytes) || line.starts_with("element ");
+  return known && found.offset ? std::optional(found) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<ParticleFrame> read_particle_ply(const std::filesystem::path& path) {
@@ -146,6 +188,23 @@ std::optional<ParticleFrame> read_particle_ply(const std::filesystem::path& path
     if (header->has_kinds) frame.kinds.push_back(std::to_integer<std::uint8_t>(in[bytes_each - 1]));
   }
   return frame;
+}
+
+std::vector<Vec3f> read_ply_velocities(const std::filesystem::path& path) {
+  File file(path, File::Mode::read);
+  std::string text(file.size(), '\0');
+  file.read(0, std::as_writable_bytes(std::span(text)));
+  const std::optional<PlyVelocities> found = find_velocities(text);
+  if (!found) return {};
+  const std::uint64_t held = (text.size() - found->begin) / found->stride;
+  if (held < found->vertices)
+    throw Error(fmt::format("{}: holds {} vertices, its header says {}; it is damaged", path.string(), held,
+                            found->vertices));
+  std::vector<Vec3f> velocities(found->vertices);
+  const std::byte* in = std::as_bytes(std::span(text)).data() + found->begin + *found->offset;
+  for (std::size_t i = 0; i < velocities.size(); ++i)
+    load_points<ByteOrder::little>(in + i * found->stride, std::span(&velocities[i], 1));
+  return velocities;
 }
 
 std::string_view particle_format_name(ParticleFormat format) {

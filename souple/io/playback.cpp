@@ -226,6 +226,7 @@ void Track::read_file(const fs::path& path, Playback::Object& object) {
   TriangleMesh mesh = read_triangle_mesh(path);
   for (const Vec3d& x : mesh.positions) object.positions.push_back(Vec3f(x));
   require_finite(object.positions, path.string());
+  if (path.extension() == ".ply") object.velocities = read_ply_velocities(path);
   const auto is_as = [&](const std::vector<Triangle>& triangles, const std::vector<Vec3d>& rest) {
     return mesh.positions.size() == rest.size() && mesh.triangles == triangles;
   };

@@ -250,7 +250,8 @@ std::vector<UsdaRun::Value> UsdaRun::values_of(const ExportObject& object) const
   const bool surface = object.shape == ExportShape::surface;
   values.push_back(
       {is_instancer(object) ? "point3f[] positions" : "point3f[] points", exact(object.positions)});
-  if (!surface || object.constant) values.push_back({"vector3f[] velocities", velocities_text(object)});
+  if (!surface || object.constant || object.velocities.size() == object.positions.size())
+    values.push_back({"vector3f[] velocities", velocities_text(object)});
   values.push_back({"float3[] extent", extent(object.positions, radius_of(object))});
   if (surface && object.smooth) values.push_back({"normal3f[] normals", rounded(object.normals, 4)});
   if (object.constant) return values;

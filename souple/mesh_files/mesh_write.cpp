@@ -382,14 +382,20 @@ std::string obj_text(std::span<const Vec3f> positions, std::span<const Vec3f> no
 }
 
 std::string ply_bytes(std::span<const Vec3f> positions, std::span<const Vec3f> normals,
-                      std::span<const Triangle> triangles) {
+                      std::span<const Triangle> triangles, std::span<const Vec3f> velocities) {
+  if (normals.size() != positions.size())
+    throw Error(fmt::format("a PLY of {} positions: found {} normals, expected as many", positions.size(),
+                            normals.size()));
+  require_one_each("velocities", velocities.size(), positions.size());
   std::string out = ply_header(positions.size());
-  out += fmt::format(
-      "property float nx\nproperty float ny\nproperty float nz\n"
-      "element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
-      triangles.size());
-  for (std::size_t i = 0; i < positions.size(); ++i)
+  out += "property float nx\nproperty float ny\nproperty float nz\n";
+  if (!velocities.empty()) out += velocity_properties;
+  out +=
+      fmt::format("element face {}\nproperty list uchar uint vertex_indices\nend_header\n", triangles.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
     append_bytes(out, positions[i]), append_bytes(out, normals[i]);
+    if (!velocities.empty()) append_bytes(out, velocities[i]);
+  }
   for (const Triangle& triangle : triangles) {
     mesh_detail::append_little_endian(out, std::uint8_t{3});
     for (const std::uint32_t corner : triangle) mesh_detail::append_little_endian(out, corner);

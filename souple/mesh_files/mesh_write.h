@@ -34,9 +34,10 @@ std::string ply_bytes(const TriangleMesh& mesh, std::span<const Vec3f> positions
 std::string obj_text(std::span<const Vec3f> positions, std::span<const Vec3f> normals,
                      std::span<const Triangle> triangles);
 
-/// A surface with a normal per position as a binary little-endian PLY: x, y, z, nx, ny, nz.
+/// A surface with a normal per position as a binary little-endian PLY: x, y, z, nx, ny, nz and, unless empty, velocities
+/// as vx, vy, vz [m/s].
 std::string ply_bytes(std::span<const Vec3f> positions, std::span<const Vec3f> normals,
-                      std::span<const Triangle> triangles);
+                      std::span<const Triangle> triangles, std::span<const Vec3f> velocities);
 
 /// Particles: float positions and, unless empty, velocities as vx, vy, vz [m/s] and kinds as uchar kind.
 std::string ply_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velocities,

@@ -214,6 +214,22 @@ class ConvertParticles(ConvertCase):
             self.assertEqual(sum(at(prim["faceVertexCounts"], frame)), len(corners))
             self.assertLess(max(corners), len(at(prim["points"], frame)))
 
+    def test_surfaces_have_velocities(self):
+        """A block of water that flies sideways without gravity: so does each vertex of its surface."""
+        self.run_of({"souple": 1, "frames": 3, "substeps": 4, "gravity": [0, 0, 0], "objects": [
+            {"name": "water", "kind": "fluid", "box": {"lo": [0, 0, 0], "hi": [0.3, 0.3, 0.3]},
+             "material": {"spacing": 0.05}, "velocity": [2, 0, 1]}]})
+        self.souple("surface", "out", "--format", "ply", "--quiet")
+        self.souple("convert", "out_surface", "--write", "glb,usda", "--quiet")
+        folder = self.folder / "out_surface_converted"
+        shown = Glb(folder / "out_surface_0003.glb").nodes()["water"]["primitives"][0]["attributes"]
+        prim = usda(folder / "out_surface.usda")["out_surface/water"]
+        for points, velocities in ((shown["POSITION"], shown["_VELOCITY"]), (at(prim["points"], 3), at(prim["velocities"], 3))):
+            self.assertEqual(len(points), len(velocities))
+            self.assertGreater(len(points), 100)
+            for velocity in velocities:
+                self.assertLess(math.dist(velocity, (2, 0, 1)), 0.1)
+
 
 class ConvertBadInput(ConvertCase):
     def says(self, code, text, *arguments):

@@ -2,6 +2,7 @@
 #include "souple/error.h"
 #include "souple/files/endian.h"
 #include "souple/io/particle_file.h"
+#include "souple/mesh_files/mesh_write.h"
 
 #include <algorithm>
 #include <vector>
@@ -92,6 +93,30 @@ TEST_F(ParticleFileTest, PlyReadsBack) {
   }
   put("p.ply", particle_bytes(ParticleFormat::ply, points_, {}));
   EXPECT_TRUE(read_particle_ply(folder / "p.ply")->velocities.empty());
+}
+
+TEST_F(ParticleFileTest, VelocitiesOfMeshesAreRead) {
+  const std::vector<Vec3f> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, normals(3, Vec3f{0, 0, 1}),
+      velocities{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
+  const std::vector<Triangle> triangles{{0, 1, 2}};
+  put("m.ply", ply_bytes(corners, normals, triangles, velocities));
+  EXPECT_EQ(read_ply_velocities(folder / "m.ply"), velocities);
+  put("m.ply", ply_bytes(corners, normals, triangles, {}));
+  EXPECT_TRUE(read_ply_velocities(folder / "m.ply").empty());
+  TriangleMesh colored;
+  colored.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  colored.triangles = triangles;
+  colored.colors.assign(3, Vec3f{1, 0, 0});
+  const std::string bytes = ply_bytes(colored, corners, velocities);
+  put("m.ply", bytes);
+  EXPECT_EQ(read_ply_velocities(folder / "m.ply"), velocities);
+  put("m.ply", bytes.substr(0, bytes.find("end_header") + 50));
+  EXPECT_THROW(read_ply_velocities(folder / "m.ply"), Error);
+  for (std::size_t length = 0; length < bytes.find("end_header"); ++length) {
+    put("m.ply", bytes.substr(0, length));
+    EXPECT_TRUE(read_ply_velocities(folder / "m.ply").empty()) << length;
+  }
+  EXPECT_THROW(ply_bytes(corners, std::span(normals).first(2), triangles, {}), Error);
 }
 
 TEST_F(ParticleFileTest, OtherFilesAreNotTaken) {
