@@ -68,21 +68,27 @@ def add_cache(obj, job):
         setattr(modifier, key, value)
 
 
-def import_glb(job):
-    """All objects of a .glb by name, below an empty that is turned and scaled; the scene has the job's frame rate."""
-    import numpy
-    numpy.bool = bool  # Debian 12 pairs Blender 3.4, whose importer uses the name, with a numpy that removed it
-    clear()
-    bpy.context.scene.render.fps = job["fps"]
-    bpy.ops.import_scene.gltf(filepath=job["file"])
-    objects = [o for o in bpy.context.scene.objects if o.type == "MESH"]
+def put_below_parent(job, objects):
+    """Below an empty that is moved, turned and scaled; returns its matrix."""
     parent = bpy.data.objects.new("parent", None)
     bpy.context.scene.collection.objects.link(parent)
     parent.location, parent.rotation_euler, parent.scale = job["location"], job["rotation"], job["scale"]
     for obj in objects:
         obj.parent = parent
     bpy.context.view_layer.update()
-    return {"matrix": [list(row) for row in parent.matrix_world],
+    return [list(row) for row in parent.matrix_world]
+
+
+def import_glb(job):
+    """All objects of a .glb by name, below an empty; the scene has the job's frame rate."""
+    import numpy
+    numpy.bool = bool  # Debian 12 pairs Blender 3.4, whose importer uses the name, with a numpy that removed it
+    clear()
+    bpy.context.scene.render.fps = job["fps"]
+    bpy.ops.import_scene.gltf(filepath=job["file"])
+    objects = [o for o in bpy.context.scene.objects if o.type == "MESH"]
+    matrix = put_below_parent(job, objects)
+    return {"matrix": matrix,
             "objects": {o.name: {"frames": [shown(o, frame) for frame in job["frames"]],
                                  "edges": len(o.data.edges), "polygons": len(o.data.polygons),
                                  "materials": [m.name for m in o.data.materials],
@@ -121,6 +127,9 @@ def perform(job):
         result["normals"] = [list(loop.normal) for loop in mesh.loops]
     if job.get("cache"):
         add_cache(obj, job)
+    if job.get("location"):
+        bpy.context.scene.render.fps = job["fps"]
+        result["matrix"] = put_below_parent(job, [obj])
     result["frames"] = [shown(obj, frame) for frame in job.get("frames", [1])]
     return result
 

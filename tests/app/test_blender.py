@@ -139,8 +139,9 @@ class EveryScene(Case):
                     self.assert_close(unpacked(frame["world"]), z_up(expected), what)
 
 
-class BinaryGltf(Case):
-    """`souple convert --write glb`: objects below an empty that is turned and scaled, in scenes of 24 and 60 frames a second."""
+class BelowAParent(Case):
+    """GLB of `souple convert`, and OBJ with PC2: objects below an empty that is moved, turned and scaled, in scenes of 24 and 60
+    frames a second."""
 
     SCENE = {"souple": 1, "frames": 4, "substeps": 4, "objects": [
         {"name": "flag", "kind": "cloth", "mesh": {"grid": {"columns": 9, "rows": 7, "size": 1}}, "color": "#ff0000",
@@ -148,9 +149,36 @@ class BinaryGltf(Case):
         {"name": "rope", "kind": "rope", "points": [[1, 2, 0], [2, 2, 0]], "segments": 6, "pins": [{"vertices": [0]}]},
         {"name": "sand", "kind": "grains", "grid": {"counts": [3, 3, 3]}, "transform": {"translate": [0, 2, 0]}},
         {"name": "crate", "kind": "rigid_body", "mesh": {"box": {"size": [1, 1, 1]}},
-         "transform": {"translate": [3, 2, 0]}, "angular_velocity": [1, 2, 3]}]}
+         "transform": {"translate": [3, 2, 0]}, "angular_velocity": [1, 2, 3]},
+        {"name": "jelly", "kind": "soft_body", "mesh": {"tet_bar": {"cells": [3, 3, 4], "size": [0.3, 0.3, 0.4]}},
+         "transform": {"translate": [-2, 2, 0], "rotate": [10, 20, 30]}, "pins": [{"vertices": [0]}]}]}
+    PARENT = {"location": [1, -2, 3], "rotation": [0.5, 1, -0.7], "scale": [2, 2, 0.5]}
 
-    def test_below_a_parent(self):
+    @staticmethod
+    def placed(matrix, points):
+        """Points in Souple's axes, flat, where the parent puts them."""
+        local = z_up(points)
+        return [sum(row[k] * x for k, x in enumerate(local[i:i + 3])) + row[3]
+                for i in range(0, len(local), 3) for row in matrix[:3]]
+
+    def test_pc2(self):
+        jobs, truths = [], []
+        for rate in 24, 60:
+            out = self.folder / f"at{rate}"
+            self.souple("run", self.write_scene(dict(self.SCENE, frame_rate=rate)), "--out", out, "--quiet")
+            for name in "flag", "rope", "jelly", "crate":
+                points, frames = pc2_frames(out / f"{name}.pc2")
+                self.assertEqual(points, len(obj_points(out / f"{name}.obj")) // 3)
+                jobs.append({"kind": "import", "importer": "obj", "file": str(out / f"{name}.obj"), "fps": rate,
+                             "cache": str(out / f"{name}.pc2"), "format": "PC2", "frames": [1, 2, 4], **self.PARENT})
+                truths.append([frames[k - 1] for k in (1, 2, 4)])
+        self.assertLess(len(truths[2][0]) // 3, 4 * 4 * 5)  # without the vertices inside the bar
+        for job, truth, result in zip(jobs, truths, self.blender(jobs)):
+            for expected, frame in zip(truth, result["frames"]):
+                worst = max(abs(a - b) for a, b in zip(unpacked(frame["world"]), self.placed(result["matrix"], expected)))
+                self.assertLess(worst, TOLERANCE, job["file"])
+
+    def test_glb(self):
         jobs, runs = [], []
         for rate in 24, 60:
             out = self.folder / f"at{rate}"
@@ -158,12 +186,11 @@ class BinaryGltf(Case):
             for layout in "one", "frames":
                 self.souple("convert", out, "--write", "glb", "--layout", layout, "--out", f"{out}_{layout}", "--quiet")
                 file = f"at{rate}.glb" if layout == "one" else f"at{rate}_0004.glb"
-                jobs.append({"kind": "glb", "file": str(self.folder / f"at{rate}_{layout}" / file), "fps": rate,
-                             "location": [1, -2, 3], "rotation": [0.5, 1, -0.7], "scale": [2, 2, 0.5],
+                jobs.append({"kind": "glb", "file": str(self.folder / f"at{rate}_{layout}" / file), "fps": rate, **self.PARENT,
                              "frames": [1, 2, 4] if layout == "one" else [4]})
                 runs.append(out)
         for job, out, result in zip(jobs, runs, self.blender(jobs)):
-            self.assertEqual(sorted(result["objects"]), ["crate", "flag", "rope", "sand"])
+            self.assertEqual(sorted(result["objects"]), ["crate", "flag", "jelly", "rope", "sand"])
             self.check_objects(job, out, result)
 
     def check_objects(self, job, out, result):
@@ -174,9 +201,7 @@ class BinaryGltf(Case):
             source = primitive["attributes"].get("_SOUPLE_VERTEX", range(len(primitive["attributes"]["POSITION"])))
             for number, frame in zip(job["frames"], found["frames"]):
                 truth = Run(out, number).objects[name]["positions"]
-                local = z_up([c for v in used for c in truth[int(source[v])]])
-                world = [sum(row[k] * x for k, x in enumerate(local[i:i + 3])) + row[3]
-                         for i in range(0, len(local), 3) for row in matrix[:3]]
+                world = self.placed(matrix, [c for v in used for c in truth[int(source[v])]])
                 self.assertEqual(len(unpacked(frame["world"])), len(world), (job, name))
                 worst = max(abs(a - b) for a, b in zip(unpacked(frame["world"]), world))
                 self.assertLess(worst, 5e-6, (job, name, number))
