@@ -1,6 +1,7 @@
 """Arrays are views of the world's own data that outlive it; arrays of any layout go in; the costs are bounded."""
 
 import gc
+import os
 import subprocess
 import sys
 import time
@@ -118,6 +119,7 @@ class Inputs(unittest.TestCase):
         world.step(1 / 60)
 
 
+@unittest.skipIf("LD_PRELOAD" in os.environ, "a sanitizer is loaded")
 class Costs(unittest.TestCase):
     def test_importing_takes_a_third_of_a_second(self):
         code = "import numpy, time; t = time.process_time(); import souple; print(time.process_time() - t)"
