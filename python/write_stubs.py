@@ -108,7 +108,6 @@ class Stubs:
         shown = [part for argument in arguments for part in self.argument(argument, keywords)]
         if keywords:
             shown += ["*", *keywords]
-        # A parameter without a default after one that has one is a keyword for mypy only.
         return f"({', '.join(shown)}) -> {returned(match[2])}"
 
     def function(self, function, indent, name, static=False):
@@ -127,18 +126,19 @@ class Stubs:
             lines += [f"{indent}def {name}{self.signature(name, first)}:", *text_of(words, indent + "    "), f"{indent}    ...", ""]
         return lines
 
+    @staticmethod
+    def attribute(name, kind, doc, indent):
+        return [f"{indent}@property", f"{indent}def {name}(self) -> {returned(kind)}:", *text_of(doc or "", indent + "    "),
+                f"{indent}    ..."]
+
     def struct(self, cls, path, indent):
         lines, members = [], cls._member_types
         made = "_souple" in (cls.__init__.__doc__ or "")
         for name, kind in members.items():
             prop = inspect.getattr_static(cls, name)
+            lines += self.attribute(name, kind, prop.__doc__, indent)
             if made:
-                lines += [f"{indent}@property", f"{indent}def {name}(self) -> {returned(kind)}:",
-                          *text_of(prop.__doc__ or "", indent + "    "), f"{indent}    ...",
-                          f"{indent}@{name}.setter", f"{indent}def {name}(self, value: {taken(kind, self.enums)}) -> None: ..."]
-            else:
-                lines += [f"{indent}@property", f"{indent}def {name}(self) -> {returned(kind)}:",
-                          *text_of(prop.__doc__ or "", indent + "    "), f"{indent}    ..."]
+                lines += [f"{indent}@{name}.setter", f"{indent}def {name}(self, value: {taken(kind, self.enums)}) -> None: ..."]
         if made:
             arguments = ", ".join(f"{name}: {taken(kind, self.enums)} = ..." for name, kind in members.items())
             lines += [f"{indent}def __init__(self, {arguments}) -> None: ...",
@@ -167,8 +167,7 @@ class Stubs:
                 continue
             if isinstance(value, property):
                 got = re.search(r"-> (.+)", value.fget.__doc__ or "")
-                lines += [f"{inner}@property", f"{inner}def {key}(self) -> {returned(got[1]) if got else 'Any'}:",
-                          *text_of(value.__doc__ or "", inner + "    "), f"{inner}    ..."]
+                lines += self.attribute(key, got[1] if got else "Any", value.__doc__, inner)
             elif key == "__eq__":
                 lines.append(f"{inner}def __eq__(self, other: Any) -> bool: ...")
             elif isinstance(value, staticmethod):

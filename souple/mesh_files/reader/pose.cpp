@@ -1,6 +1,6 @@
 #include "souple/mesh_files/reader/pose.h"
 
-#include "souple/math/quaternion.h"
+#include "souple/math/slerp.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,24 +31,6 @@ Quatd quaternion_of(const aiQuaternion& q) {
   return {double(q.x), double(q.y), double(q.z), double(q.w)};
 }
 
-/// Constant speed along the shorter arc (Shoemake 1985); a chord where the arc is too short to divide by its sine.
-Quatd between(const Quatd& a, Quatd b, double s) {
-  double cosine = a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
-  if (cosine < 0) {
-    b = {-b.x, -b.y, -b.z, -b.w};
-    cosine = -cosine;
-  }
-  double of_a = 1 - s, of_b = s;
-  constexpr double nearly_equal = 1 - 1e-8;
-  if (cosine < nearly_equal) {
-    const double angle = elementary::acos(cosine);
-    of_a = elementary::sin((1 - s) * angle) / elementary::sin(angle);
-    of_b = elementary::sin(s * angle) / elementary::sin(angle);
-  }
-  return normalized(Quatd{of_a * a.x + of_b * b.x, of_a * a.y + of_b * b.y, of_a * a.z + of_b * b.z,
-                          of_a * a.w + of_b * b.w});
-}
-
 /// The keys around a time: the earlier and the later one, and how far it is from one to the other.
 struct Span {
   unsigned earlier, later;
@@ -75,8 +57,8 @@ Vec3d vector_at(const aiVectorKey* keys, unsigned count, double ticks, const Vec
 Quatd rotation_at(const aiQuatKey* keys, unsigned count, double ticks) {
   if (count == 0) return {};
   const Span span = span_at(keys, count, ticks);
-  return between(normalized(quaternion_of(keys[span.earlier].mValue)),
-                 normalized(quaternion_of(keys[span.later].mValue)), span.share);
+  return slerp(normalized(quaternion_of(keys[span.earlier].mValue)),
+               normalized(quaternion_of(keys[span.later].mValue)), span.share);
 }
 
 /// Scaled first, then rotated, then translated.
