@@ -1,6 +1,6 @@
 // Makes the page of one file: node bundle.mjs BUILD_FOLDER SOURCE_FOLDER PAGE.html
 import { execFileSync } from 'node:child_process';
-import { readFileSync, writeFileSync } from 'node:fs';
+import { existsSync, readFileSync, writeFileSync } from 'node:fs';
 import { gzipSync } from 'node:zlib';
 
 const [build, source, page] = process.argv.slice(2);
@@ -24,11 +24,16 @@ for (const scene of scenes) {
   for (const [, mesh] of files[`/scenes/${scene}.json`].matchAll(/"file": "([^"]+)"/g))
     files[`/scenes/${mesh}`] = read(`${source}/scenes/${mesh}`);
 }
+// The loader and the worker of a build with threads, as workers get them.
+const worker = `${build}/souple_wasm.worker.js`;
+const asText = (file) => (existsSync(worker) ? read(file).replaceAll('</script', '<\\/script') : '');
 const parts = {
   '/* page.css */': read(`${source}/web/page/page.css`),
   '/* files */': JSON.stringify(files).replaceAll('<', '\\u003c'),
   '/* wasm */': packed(`${build}/souple_wasm.wasm`).toString('base64'),
-  '/* scripts */': [`${build}/souple_wasm.mjs`, `${source}/web/js/souple.js`, `${source}/web/page/lzma.js`,
+  '/* loader */': asText(`${build}/souple_wasm.mjs`),
+  '/* worker */': asText(worker),
+  '/* scripts */': [`${build}/package/build.js`, `${build}/souple_wasm.mjs`, `${source}/web/js/souple.js`, `${source}/web/page/lzma.js`,
     `${source}/web/page/page.js`]
     .map((file) => plain(read(file))).join('\n').replaceAll('</script', '<\\/script'),
 };

@@ -8,9 +8,13 @@ export function checkView<View extends ArrayBufferView>(view: View, what?: strin
 export interface LoadOptions {
   /** souple_wasm.wasm, if it does not lie beside souple.js. */
   wasm?: ArrayBuffer | Uint8Array;
+  /** Addresses of souple_wasm.mjs and souple_wasm.worker.js of a build with threads, likewise. */
+  scripts?: { loader: string; worker: string };
   /** Views that throw when they are read after they were detached: slow, for searching mistakes. */
   checked?: boolean;
 }
+/** Why this build cannot run on this page, in a sentence; empty if it can. */
+export function whyNot(): string;
 export function load(options?: LoadOptions): Promise<Souple>;
 
 /** A scene or an object, with the keys of docs/scene-format.md. */
@@ -96,6 +100,8 @@ export interface Souple {
   readonly World: typeof World;
   /** "Souple 0.1.0, wasm": the version and the instruction set. */
   readonly version: string;
+  /** Threads that run now: 1, or more in a build with threads. */
+  readonly threads: number;
   /** Bytes of the module's memory. */
   readonly memory: number;
   /** Bytes of it in use. */

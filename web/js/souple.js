@@ -1,5 +1,6 @@
 // Souple for browsers and node. docs/browser.md explains it, souple.d.ts has the types.
 import create from './souple_wasm.mjs';
+import { threads } from './build.js';
 
 /** What went wrong, in a sentence. */
 export class SoupleError extends Error {
@@ -58,13 +59,24 @@ async function readWasm() {
   return readFile(url);
 }
 
+/** Why this build cannot run here, in a sentence; empty if it can. */
+export function whyNot() {
+  if (!threads || globalThis.crossOriginIsolated) return '';
+  return 'This build of Souple has threads, which browsers allow only on pages that their server isolates, with the headers '
+    + 'Cross-Origin-Opener-Policy: same-origin and Cross-Origin-Embedder-Policy: require-corp. Use the build without threads.';
+}
+
 /**
- * Loads the module. `wasm` is its binary, if it does not lie beside this file. With `checked` a view that is detached
- * throws when it is read.
+ * Loads the module. `wasm` is its binary, if it does not lie beside this file; `scripts` are the addresses of the loader and
+ * of the worker of a build with threads, likewise. With `checked` a view that is detached throws when it is read.
  */
-export async function load({ wasm, checked = false } = {}) {
+export async function load({ wasm, scripts, checked = false } = {}) {
+  if (whyNot() !== '') throw new SoupleError(whyNot());
   const print = (line) => console.warn(line);
-  const M = await create({ wasmBinary: wasm ?? await readWasm(), print, printErr: print });
+  const elsewhere = scripts && { mainScriptUrlOrBlob: scripts.loader, locateFile: () => scripts.worker };
+  const M = await create({ wasmBinary: wasm ?? await readWasm(), print, printErr: print, ...elsewhere });
+  /** The module's memory as it is now: of a build with threads another thread may have made it grow. */
+  const memory = () => M.wasmMemory?.buffer ?? M.HEAPU8.buffer;
 
   /** Calls souple_NAME; texts and arrays are copied into the module's memory for the call. */
   function call(name, ...values) {
@@ -76,7 +88,7 @@ export async function load({ wasm, checked = false } = {}) {
       const at = M._malloc(Math.max(size, 1));
       copies.push(at);
       if (isText) M.stringToUTF8(value, at, size);
-      else M.HEAPU8.set(new Uint8Array(value.buffer, value.byteOffset, value.byteLength), at);
+      else new Uint8Array(memory(), at, size).set(new Uint8Array(value.buffer, value.byteOffset, value.byteLength));
       return at;
     });
     const result = M[`_souple_${name}`](...arguments_);
@@ -96,7 +108,7 @@ export async function load({ wasm, checked = false } = {}) {
     #view(name, Type, size) {
       const world = this.world.handle(name), at = call(name, world, this.id);
       const count = name === 'triangles' ? this.triangleCount : call('vertex_count', world, this.id);
-      const view = new Type(M.HEAPU8.buffer, at, at === 0 ? 0 : size * count);
+      const view = new Type(memory(), at, at === 0 ? 0 : size * count);
       return checked ? checkedView(view, `${this.name}.${name}`) : view;
     }
     get vertexCount() { return call('vertex_count', this.world.handle('vertexCount'), this.id); }
@@ -206,5 +218,7 @@ export async function load({ wasm, checked = false } = {}) {
   }
 
   return { World, writeFile, call, callText, version: callText('version'),
-           get memory() { return M.HEAPU8.buffer.byteLength; }, get memoryUsed() { return call('memory_used'); } };
+           /** Threads that run now, this one included. */
+           get threads() { return 1 + (M.PThread?.runningWorkers.length ?? 0); },
+           get memory() { return memory().byteLength; }, get memoryUsed() { return call('memory_used'); } };
 }

@@ -1,5 +1,5 @@
 // The page: panels in HTML around a View, the part of the module that draws a world on a canvas.
-import { load, SoupleError } from './souple.js';
+import { load, SoupleError, whyNot } from './souple.js';
 import { unpackLzma } from './lzma.js';
 
 const $ = (id) => document.getElementById(id);
@@ -394,14 +394,20 @@ function missing() {
   if (typeof WebAssembly !== 'object') return 'This browser runs no WebAssembly. Use a newer one.';
   if (!WebAssembly.validate(new Uint8Array(simd))) return 'This browser lacks the SIMD instructions of WebAssembly. Use Chrome 91, Firefox 89, Safari 16.4 or newer.';
   if (typeof DecompressionStream !== 'function') return 'This browser cannot unpack the page. Use Chrome 80, Firefox 113, Safari 16.4 or newer.';
+  if (whyNot() !== '') return whyNot();
   if (!document.createElement('canvas').getContext('webgl2')) return 'This browser shows no WebGL 2. Turn on hardware acceleration, or use a newer browser.';
   return '';
+}
+/** The scripts that workers of a build with threads load. */
+function workerScripts() {
+  const address = (id) => URL.createObjectURL(new Blob([$(id).textContent], { type: 'text/javascript' }));
+  return $('worker_inside').textContent === '' ? undefined : { loader: address('loader_inside'), worker: address('worker_inside') };
 }
 async function start() {
   const lack = missing();
   if (lack) return fail(lack);
   try {
-    souple = await load({ wasm: unpackLzma(fromBase64($('wasm_inside').textContent)) });
+    souple = await load({ wasm: unpackLzma(fromBase64($('wasm_inside').textContent)), scripts: workerScripts() });
     for (const [path, content] of Object.entries(files)) souple.writeFile(path, content);
     fitCanvas();
     view = souple.call('view', '#canvas');
