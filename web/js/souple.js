@@ -72,7 +72,8 @@ export function whyNot() {
  */
 export async function load({ wasm, scripts, checked = false } = {}) {
   if (whyNot() !== '') throw new SoupleError(whyNot());
-  const print = (line) => console.warn(line);
+  // Emscripten warns where the page waits for a thread to end. Those of a freed world end at once.
+  const print = (line) => line.startsWith('Blocking on the main thread') || console.warn(line);
   const elsewhere = scripts && { mainScriptUrlOrBlob: scripts.loader, locateFile: () => scripts.worker };
   const M = await create({ wasmBinary: wasm ?? await readWasm(), print, printErr: print, ...elsewhere });
   /** The module's memory as it is now: of a build with threads another thread may have made it grow. */
