@@ -75,7 +75,7 @@ TEST_F(AnimatedPointsTest, BadAnimationsAreErrors) {
   put_mdd({0, std::numeric_limits<double>::quiet_NaN()});
   EXPECT_THROW(open("a.mdd"), Error);
   EXPECT_THROW(open("none.pc2"), Error);
-  expect_says(error_of([&] { AnimatedPoints(folder / "a_1.obj", {}); }), ".pc2 or a .mdd");
+  expect_says(error_of([&] { AnimatedPoints(folder / "a_1.obj", {}); }), ".pc2, a .mdd");
   expect_says(error_of([&] { AnimatedPoints(folder / "a.pc2", {.frame_rate = 0}); }), "frame rate");
 }
 
