@@ -2,6 +2,7 @@
 #include "souple/mesh_files/mesh_parse.h"
 #include "souple/mesh_files/mesh_write.h"
 
+#include <chrono>
 #include <ctime>
 #include <vector>
 
