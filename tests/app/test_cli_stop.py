@@ -195,7 +195,8 @@ class Stopping(Case):
         heavy["substeps"] = 10000
         heavy["objects"][0]["mesh"]["grid"] = {"columns": 60, "rows": 60, "size": 1}
         run = self.start(self.scene(heavy), "--out", "out")
-        self.wait_for(lambda: (self.folder / "out").exists())
+        # The folder is there before interrupts are watched, its files come after.
+        self.wait_for(lambda: list((self.folder / "out").glob("*.obj")))
         run.send_signal(signal.SIGINT)
         time.sleep(0.2)
         self.assertIsNone(run.poll(), "a frame of this scene takes seconds")
