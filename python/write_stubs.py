@@ -10,6 +10,7 @@ import inspect
 import pathlib
 import re
 import sys
+import types
 
 HEADER = '''import enum
 from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, Union, overload
@@ -202,7 +203,10 @@ def text_of(words, indent):
 
 def main():
     package = pathlib.Path(sys.argv[1])
-    sys.path.insert(0, str(package.parent))
+    # Without the package around it, which needs NumPy: pip builds where none is.
+    parent = types.ModuleType("souple")
+    parent.__path__ = [str(package)]
+    sys.modules["souple"] = parent
     module = importlib.import_module("souple._souple")
     stubs = Stubs(module)
     (package / "_souple").mkdir(exist_ok=True)
