@@ -50,9 +50,8 @@ std::vector<ScenePart> find_parts(const aiScene& scene, const std::string& node,
 
 /// [s]
 double duration_of(const aiAnimation& animation) {
-  constexpr double ticks_if_not_stated = 25;  // of assimp
-  const double rate = animation.mTicksPerSecond > 0 ? animation.mTicksPerSecond : ticks_if_not_stated;
-  return std::isfinite(animation.mDuration) && animation.mDuration > 0 ? animation.mDuration / rate : 0;
+  const double ticks = animation.mDuration;
+  return std::isfinite(ticks) && ticks > 0 ? ticks / ticks_per_second(animation) : 0;
 }
 
 /// The last frame is the end itself, so that a cycle closes; one just before it would be there twice.

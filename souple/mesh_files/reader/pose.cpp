@@ -88,6 +88,11 @@ std::vector<double> weights_at(const aiMeshMorphAnim& channel, double ticks) {
 
 }  // namespace
 
+double ticks_per_second(const aiAnimation& animation) {
+  constexpr double if_not_stated = 25;  // of assimp
+  return animation.mTicksPerSecond > 0 ? animation.mTicksPerSecond : if_not_stated;
+}
+
 std::vector<ScenePart> parts_of(const aiScene& scene) {
   std::vector<ScenePart> parts;
   // An explicit stack: a file may nest nodes deeper than the call stack allows.
@@ -121,9 +126,7 @@ void Pose::move_down() {
 }
 
 void Pose::set(const aiAnimation& animation, double seconds) {
-  constexpr double ticks_if_not_stated = 25;  // of assimp
-  const double ticks =
-      seconds * (animation.mTicksPerSecond > 0 ? animation.mTicksPerSecond : ticks_if_not_stated);
+  const double ticks = seconds * ticks_per_second(animation);
   for (unsigned i = 0; i < animation.mNumChannels; ++i) {
     const aiNodeAnim& channel = *animation.mChannels[i];
     const auto node = by_name_.find(channel.mNodeName.C_Str());

@@ -31,6 +31,9 @@ struct ScenePart {
 /// All meshes in the order of the scene's nodes, parents first. A mesh that several nodes hold is there several times.
 std::vector<ScenePart> parts_of(const aiScene& scene);
 
+/// Units of an animation's times in a second.
+double ticks_per_second(const aiAnimation& animation);
+
 /// Where a scene's nodes and vertices are: as the file states it, or at a time of an animation.
 class Pose {
  public:
