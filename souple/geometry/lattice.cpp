@@ -198,6 +198,26 @@ Mark overlap(Points4 tet, Points3 triangle) {
   return depth > contact ? crossed : touched;
 }
 
+// Whether a box and a triangle are apart along the triangle's normal, or a cross product of one of its sides and
+// one of the box's (Akenine-Moller 2001, classes 2 and 3). In cubes; rounding finds no pair apart that meets.
+bool apart(const BoundingBox& box, const Points3& triangle) {
+  constexpr double rounding = 1e-6;
+  const Vec3d center = box.center(), half = box.size() / 2;
+  const Points3 p{triangle[0] - center, triangle[1] - center, triangle[2] - center};
+  const auto separated = [&](const Vec3d& direction) {
+    const Vec3d axis = normalized(direction);
+    const double reach = std::abs(axis.x) * half.x + std::abs(axis.y) * half.y + std::abs(axis.z) * half.z;
+    const auto [low, high] = std::minmax({dot(axis, p[0]), dot(axis, p[1]), dot(axis, p[2])});
+    return low > reach + rounding || high < -reach - rounding;
+  };
+  const Vec3d sides[3] = {p[1] - p[0], p[2] - p[1], p[0] - p[2]};
+  if (separated(cross(sides[0], sides[1]))) return true;
+  for (const Vec3d& side : sides)
+    for (const Vec3d& axis : {Vec3d(1, 0, 0), Vec3d(0, 1, 0), Vec3d(0, 0, 1)})
+      if (separated(cross(axis, side))) return true;
+  return false;
+}
+
 /// A surface in units of cubes, with the origin at the lattice's lower corner.
 struct Scaled {
   std::vector<Vec3d> positions;
@@ -211,9 +231,15 @@ class Marker {
  public:
   explicit Marker(const Scaled& surface) : surface_(surface), index_(surface.index) {}
 
-  std::vector<std::uint8_t> run() {
+  /// Marks the tets near the surface, and returns how many it crosses.
+  std::size_t mark_surface() {
     marks_.assign(index_.tets(), clear);
     for (const Triangle& t : *surface_.triangles) mark_triangle(t);
+    return std::size_t(std::count(marks_.begin(), marks_.end(), crossed));
+  }
+
+  /// Marks all others, after mark_surface().
+  std::vector<std::uint8_t> mark_rest() {
     flood();
     classify_touched();
     // Rounding in the overlap test must not leave a vertex uncovered.
@@ -244,10 +270,44 @@ class Marker {
       first[std::size_t(i)] = int(i == axis ? std::ceil(lo[i] - 0.5) : std::floor(lo[i]));
       last[std::size_t(i)] = int(i == axis ? std::floor(hi[i] + 0.5) : std::floor(hi[i]));
     }
+    mark_block(axis, first, last, lo, hi, p);
+  }
+
+  // Halves large blocks of faces until they are small or apart from the triangle: the box of a long, slanted triangle
+  // is nearly empty.
+  void mark_block(int axis, const Cube& first, const Cube& last, const Vec3d& lo, const Vec3d& hi,
+                  const Points3& p) {
+    constexpr std::int64_t small = 64;
+    std::int64_t faces = 1;
+    std::size_t longest = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (last[i] < first[i]) return;
+      faces *= last[i] - first[i] + 1;
+      if (last[i] - first[i] > last[longest] - first[longest]) longest = i;
+    }
+    if (faces > small) {
+      if (apart(block_of(axis, first, last), p)) return;
+      Cube end = last, begin = first;
+      end[longest] = first[longest] + (last[longest] - first[longest]) / 2;
+      begin[longest] = end[longest] + 1;
+      mark_block(axis, first, end, lo, hi, p);
+      mark_block(axis, begin, last, lo, hi, p);
+      return;
+    }
     for (int z = first[2]; z <= last[2]; ++z)
       for (int y = first[1]; y <= last[1]; ++y)
         for (int x = first[0]; x <= last[0]; ++x)
           for (int quadrant = 0; quadrant < 4; ++quadrant) mark_tet({{x, y, z}, axis, quadrant}, lo, hi, p);
+  }
+
+  // The box of the tets of faces across `axis`.
+  static BoundingBox block_of(int axis, const Cube& first, const Cube& last) {
+    BoundingBox box;
+    for (int i = 0; i < 3; ++i) {
+      box.lo[i] = first[std::size_t(i)] - (i == axis ? 0.5 : 0.0);
+      box.hi[i] = last[std::size_t(i)] + (i == axis ? 0.5 : 1.0);
+    }
+    return box;
   }
 
   void mark_tet(const TetId& id, const Vec3d& lo, const Vec3d& hi, const Points3& p) {
@@ -397,31 +457,54 @@ double guess_cell_size(const Solid& solid, double target) {
   return hi;
 }
 
-Lattice lattice_of_size(const Solid& solid, double cell_size) {
+/// The lattice, or one without tets if the surface alone crosses more than `most`; and its number of tets, or of
+/// the crossed ones.
+std::pair<Lattice, std::size_t> lattice_of_at_most(const Solid& solid, double cell_size, std::size_t most) {
   const Scaled surface = scaled(solid, cell_size);
-  return assemble(surface, Marker(surface).run());
+  Marker marker(surface);
+  const std::size_t crossings = marker.mark_surface();
+  if (crossings > most) return {Lattice{}, crossings};
+  Lattice lattice = assemble(surface, marker.mark_rest());
+  const std::size_t count = lattice.mesh.tets.size();
+  return {std::move(lattice), count};
 }
 
-// Tries at most eight sizes until the count is within 5 % of the target; the nearest count wins.
+Lattice lattice_of_size(const Solid& solid, double cell_size) {
+  return lattice_of_at_most(solid, cell_size, std::numeric_limits<std::size_t>::max()).first;
+}
+
+// Tries at most eight sizes until the count is within 5 % of the target; the nearest count wins. A size that is far
+// too fine is not completed, which would take most of the time, unless it is the last one.
 Lattice lattice_of_count(const Solid& solid, int target) {
-  double cell_size = guess_cell_size(solid, target), too_fine = 0, too_coarse = 0, best_miss = 0;
+  constexpr int attempts = 8;
+  const std::size_t far = std::size_t(target) * 4;
+  double cell_size = guess_cell_size(solid, target), too_fine = 0, too_coarse = 0, best_miss = 0,
+         last_ratio = 0;
   Lattice best;
-  for (int attempt = 0; attempt < 8; ++attempt) {
+  for (int attempt = 0; attempt < attempts; ++attempt) {
     double ratio = 4;  // count over target
+    // The count scales with the size to the power -2 (thin) to -3 (thick); a wire's to -1: the second of two tries that
+    // is still more than twice too fine tells.
+    double power = 0.4;
     if (cubes_needed(solid, cell_size) <= max_cubes) {
-      Lattice lattice = lattice_of_size(solid, cell_size);
-      ratio = double(lattice.mesh.tets.size()) / double(target);
+      auto [lattice, count] = lattice_of_at_most(
+          solid, cell_size, attempt + 1 < attempts ? far : std::numeric_limits<std::size_t>::max());
+      ratio = double(count) / double(target);
       const double miss = std::abs(elementary::log(ratio));
-      if (best.mesh.tets.empty() || miss < best_miss) {
+      if (!lattice.mesh.tets.empty() && (best.mesh.tets.empty() || miss < best_miss)) {
         best = std::move(lattice);
         best_miss = miss;
       }
       if (miss < 0.05) break;
+      if (last_ratio > ratio && ratio > 2)
+        power =
+            std::clamp(elementary::log(cell_size / too_fine) / elementary::log(last_ratio / ratio), 0.4, 1.0);
+      last_ratio = ratio;
     }
     (ratio > 1 ? too_fine : too_coarse) = cell_size;
-    // The count scales with the size to the power -2 (thin) to -3 (thick); the next size stays between tried
-    // ones. Rounded to a float, because the last bit of pow differs between C libraries.
-    cell_size *= double(float(elementary::pow(ratio, 0.4)));
+    // The next size stays between tried ones. Rounded to a float, because the last bit of pow differs between C
+    // libraries.
+    cell_size *= double(float(elementary::pow(ratio, power)));
     if (too_fine > 0 && too_coarse > 0 && !(cell_size > too_fine && cell_size < too_coarse))
       cell_size = (too_fine + too_coarse) / 2;
   }

@@ -116,6 +116,14 @@ TEST(Lattice, MeetsATargetCount) {
   EXPECT_GT(build_lattice(sphere(1, 1), {.cells = 1}).mesh.tets.size(), 0u);
 }
 
+// The count of a wire falls with the size, not with its square: the search must tell, or it ends far off.
+TEST(Lattice, MeetsATargetCountForAWire) {
+  const TriangleMesh ring = torus(0.3, 1e-6, 8, 5);
+  const Lattice lattice = build_lattice(ring, {.cells = 2000});
+  EXPECT_NEAR(double(lattice.mesh.tets.size()) / 2000, 1, 0.05);
+  expect_covers(ring, lattice);
+}
+
 // Two surfaces in one mesh.
 TriangleMesh joined(TriangleMesh a, const TriangleMesh& b, const Vec3d& shift) {
   const std::uint32_t first = std::uint32_t(a.positions.size());
