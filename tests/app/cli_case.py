@@ -76,9 +76,12 @@ class Case(unittest.TestCase):
                               stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120,
                               preexec_fn=limit)
 
+    def has_sanitizer(self):
+        """Whether the program was built with one: no such program starts in 4 GB."""
+        return self.limited(4096, "--version").returncode != 0
+
     def skip_sanitizers(self, why):
-        """Skips the test where the program was built with a sanitizer: no such program starts in 4 GB."""
-        if self.limited(4096, "--version").returncode != 0:
+        if self.has_sanitizer():
             self.skipTest(f"the program has a sanitizer, and {why}")
 
     def assert_one_line(self, text):

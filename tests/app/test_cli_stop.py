@@ -13,6 +13,11 @@ from cli_case import PROGRAM, SMALL, WATER, Case
 
 
 class Stopping(Case):
+    def setUp(self):
+        super().setUp()
+        # Frames that take long enough for a signal to come before the last one.
+        self.slow_frames = dict(SMALL, substeps=5 if self.has_sanitizer() else 20)
+
     def start(self, scene, *arguments):
         return subprocess.Popen([PROGRAM, "run", scene, *map(str, arguments)], cwd=self.folder,
                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment)
@@ -58,7 +63,7 @@ class Stopping(Case):
         return run.returncode, out, error
 
     def test_interrupt_and_resume(self):
-        scene = self.scene(dict(SMALL, frames=3000, substeps=20))
+        scene = self.scene(dict(self.slow_frames, frames=3000))
         self.souple("run", scene, "--out", "whole", "--write", "pc2,mdd")
         for how in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
             folder = f"stopped{int(how)}"
@@ -85,7 +90,7 @@ class Stopping(Case):
             self.assertEqual(json.loads((self.folder / folder / "run.json").read_text())["frames"], frames)
 
     def test_signals_that_were_ignored_stay_ignored(self):
-        scene = self.scene(dict(SMALL, frames=600, substeps=20))
+        scene = self.scene(dict(self.slow_frames, frames=600))
         for how in signal.SIGINT, signal.SIGHUP:
             before = signal.signal(how, signal.SIG_IGN)  # as nohup does, and shells in the background
             try:
@@ -103,7 +108,7 @@ class Stopping(Case):
         self.assertIn("souple: ", run.stderr)
 
     def test_resume_writes_a_missing_rest_mesh_again(self):
-        scene = self.scene(dict(SMALL, frames=3000, substeps=20))
+        scene = self.scene(dict(self.slow_frames, frames=3000))
         code, out, error = self.stopped(scene, "out", signal.SIGINT)
         self.assertEqual(code, 130, out + error)
         mesh = (self.folder / "out/flag.obj").read_bytes()
@@ -116,7 +121,7 @@ class Stopping(Case):
         self.assertTrue((self.folder / "out/sand.obj").exists())
 
     def test_interrupted_twice(self):
-        scene = self.scene(dict(SMALL, frames=4000, substeps=20))
+        scene = self.scene(dict(self.slow_frames, frames=4000))
         self.souple("run", scene, "--out", "whole")
         self.assertEqual(self.stopped(scene, "out", signal.SIGINT)[0], 130)
         again = subprocess.Popen([PROGRAM, "run", "--resume", "out"], cwd=self.folder, stderr=subprocess.PIPE,
@@ -130,7 +135,7 @@ class Stopping(Case):
         self.assert_same_contents("whole", "out")
 
     def test_killed_and_resumed_from_a_regular_checkpoint(self):
-        scene = self.scene(dict(SMALL, frames=2000, substeps=20))
+        scene = self.scene(dict(self.slow_frames, frames=2000))
         self.souple("run", scene, "--out", "whole", "--checkpoint-every", 50)
         run = self.start(scene, "--out", "out", "--checkpoint-every", 50)
         self.wait_for(lambda: (self.folder / "out/checkpoint.souple").exists() or run.poll() is not None)
@@ -177,14 +182,14 @@ class Stopping(Case):
         self.assert_same_contents("whole_surface", "out_surface")
 
     def test_resume_with_more_frames(self):
-        scene = self.scene(dict(SMALL, frames=3000, substeps=20))
+        scene = self.scene(dict(self.slow_frames, frames=3000))
         self.assertEqual(self.stopped(scene, "out", signal.SIGINT)[0], 130)
         self.souple("run", "--resume", "out", "--frames", 3100)
         self.souple("run", scene, "--out", "whole", "--frames", 3100)
         self.assert_same_contents("whole", "out")
 
     def test_fewer_frames_than_there_are(self):
-        scene = self.scene(dict(SMALL, frames=3000, substeps=20))
+        scene = self.scene(dict(self.slow_frames, frames=3000))
         self.assertEqual(self.stopped(scene, "out", signal.SIGINT)[0], 130)
         self.assertIn("--frames 1", self.souple("run", "--resume", "out", "--frames", 1, code=2).stderr)
         self.souple("run", "--resume", "out")  # no frame is missing
