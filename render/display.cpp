@@ -18,6 +18,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <tuple>
 
 #include <fmt/core.h>
 
@@ -267,6 +268,7 @@ void SubjectDrawing::Impl::draw_colliders(const Subject& subject, const DisplayO
     }
     list.ground.shown = true;
     list.ground.height = *height;
+    std::tie(list.ground.color, list.ground.second) = floor_colors(collider.color);
     list.ground.tile = tile_for(size());
   }
 }

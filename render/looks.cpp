@@ -2,6 +2,7 @@
 
 #include "souple/objects/kind_traits.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -131,6 +132,15 @@ Look measured_look() {
 Look collider_look(const std::optional<Color>& chosen) {
   const Color color = chosen.value_or(srgb(0xcfd1d3));
   return {.color = color, .second = color, .roughness = 0.6f};
+}
+
+std::pair<Color, Color> floor_colors(const std::optional<Color>& chosen) {
+  if (!chosen) return {Ground().color, Ground().second};
+  const auto times = [&](float factor) {
+    return Color{std::min(chosen->r * factor, 1.0f), std::min(chosen->g * factor, 1.0f),
+                 std::min(chosen->b * factor, 1.0f)};
+  };
+  return {times(1.3f), times(0.7f)};
 }
 
 Look glass_look(const std::optional<Color>& chosen) {

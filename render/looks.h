@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 // Appearance of objects.
@@ -22,6 +23,8 @@ Look pale(const Look& look);
 /// For objects with colors per vertex: a neutral look, so that only these colors show.
 Look measured_look();
 Look collider_look(const std::optional<Color>& chosen = {});
+/// The two ends of the floor's colors, whose mean is `chosen`; concrete without it.
+std::pair<Color, Color> floor_colors(const std::optional<Color>& chosen = {});
 /// `chosen` tints the glass.
 Look glass_look(const std::optional<Color>& chosen = {});
 Look pin_look();

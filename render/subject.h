@@ -49,7 +49,7 @@ struct ColliderBody {
   std::string_view name;
   const Shape* shape = nullptr;
   Transform pose{};                        ///< current pose
-  std::optional<Color> color{};            ///< empty: light gray
+  std::optional<Color> color{};            ///< empty: light gray, and concrete for a level floor
   bool glass = false;                      ///< transparent
   const ColliderMotion* motion = nullptr;  ///< nullptr: unknown, or it stands still
   double time = 0;                         ///< of `pose` in `motion` [s]

@@ -351,6 +351,21 @@ TEST(Display, ALevelFloorIsTheGroundAtItsHeight) {
   EXPECT_FALSE(list.ground.shown);
 }
 
+TEST(Display, ALevelFloorHasTheColorOfItsPlane) {
+  World world;
+  world.add_cloth(grid(4, 4, 1.0));
+  world.add_collider(Plane{});
+  Subject subject = subject_of(world);
+  SubjectDrawing drawing;
+  EXPECT_EQ(drawing.update(subject, {}).ground.color, Ground().color);
+  const Color green = srgb(0x306020);
+  subject.colliders[0].color = green;
+  const Ground& ground = drawing.update(subject, {}).ground;
+  EXPECT_NEAR((ground.color.g + ground.second.g) / 2, green.g, 1e-6);
+  EXPECT_NEAR((ground.color.r + ground.second.r) / 2, green.r, 1e-6);
+  EXPECT_GT(ground.color.g, ground.second.g);
+}
+
 TEST(Display, ATiltedPlaneIsASquareOnItUnderTheObjects) {
   World world;
   world.add_cloth(grid(4, 4, 1.0), {}, {.transform = {.translation = {8, 3, 0}}});
