@@ -204,7 +204,7 @@ class BelowAParent(Case):
                 world = self.placed(matrix, [c for v in used for c in truth[int(source[v])]])
                 self.assertEqual(len(unpacked(frame["world"])), len(world), (job, name))
                 worst = max(abs(a - b) for a, b in zip(unpacked(frame["world"]), world))
-                self.assertLess(worst, 5e-6, (job, name, number))
+                self.assertLess(worst, TOLERANCE, (job, name, number))
         self.assertEqual([re.sub(r"\.\d+$", "", result["objects"][n]["materials"][0]) for n in ("flag", "crate")],
                          ["flag", "crate"])
         self.assertEqual((result["objects"]["flag"]["polygons"], result["objects"]["flag"]["uvs"]), (96, 1))
