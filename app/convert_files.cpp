@@ -66,6 +66,11 @@ bool takes_one_glb(const ConvertJob& job, std::uint64_t size) {
         "--layout one: " + job.cache.string() +
         " has objects whose points or triangles change from frame to frame, which a .glb cannot hold; "
         "leave the option out to write a .glb per frame");
+  if (job.layout == ConvertLayout::one_file && size > GlbClip::most_bytes)
+    throw Error(fmt::format(
+        "--layout one: {} frames would take {} MB, and a .glb holds at most 4 GiB; leave the option out "
+        "to write a .glb per frame",
+        frames, size / 1'000'000));
   return job.layout == ConvertLayout::one_file;
 }
 

@@ -91,10 +91,11 @@ class EvaluatedFrames final : public PointFrames {
   MeshAnimation animation_;
 };
 
-/// NAME_0001.glb
+/// NAME_0001.glb beside NAME_0002.glb
 bool is_one_of_a_sequence(const std::filesystem::path& path) {
   const std::string stem = path.stem().string();
-  return !stem.empty() && stem.back() >= '0' && stem.back() <= '9';
+  const bool numbered = !stem.empty() && stem.back() >= '0' && stem.back() <= '9';
+  return numbered && find_sequence(path).size() > 1;
 }
 
 std::string lower_extension(const std::filesystem::path& path) {
@@ -134,10 +135,12 @@ constexpr std::uint64_t no_frame = std::numeric_limits<std::uint64_t>::max();
 
 AnimatedPoints::AnimatedPoints(const std::filesystem::path& path, const Options& options,
                                const ReadMesh& read_mesh)
-    : AnimatedPoints(open_frames(path, options, read_mesh), path.string(), options.start_time) {}
+    : AnimatedPoints(open_frames(path, options, read_mesh), path.string(), options.start_time, options.loop) {
+}
 
-AnimatedPoints::AnimatedPoints(std::unique_ptr<PointFrames> frames, std::string name, double start_time)
-    : frames_(std::move(frames)), name_(std::move(name)), start_time_(start_time) {
+AnimatedPoints::AnimatedPoints(std::unique_ptr<PointFrames> frames, std::string name, double start_time,
+                               bool loop)
+    : frames_(std::move(frames)), name_(std::move(name)), start_time_(start_time), loop_(loop) {
   if (!std::isfinite(start_time_))
     throw Error(name_ + ": the start time of an animation must be a finite number");
   if (frames_->frames() == 0) throw Error(name_ + ": holds no frame, so nothing can follow it");
@@ -185,7 +188,8 @@ void AnimatedPoints::evaluate(double time, std::span<Vec3f> positions) {
   if (!std::isfinite(time)) throw Error(name_ + ": was asked for its positions at a time that is not finite");
   if (positions.size() != points())
     throw Error(fmt::format("{}: has {} points, {} were asked for", name_, points(), positions.size()));
-  const double t = time - start_time_;
+  double t = time - start_time_;
+  if (loop_ && times_.back() > 0) t -= std::floor(t / times_.back()) * times_.back();
   const auto later = std::upper_bound(times_.begin(), times_.end(), t);
   const auto after = static_cast<std::uint64_t>(later - times_.begin());
   if (after == 0 || after == times_.size()) {

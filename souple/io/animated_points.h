@@ -36,14 +36,15 @@ class AnimatedPoints {
     double start_time = 0;    ///< time of the first frame [s]
     std::string animation{};  ///< of a .gltf, .glb, .fbx or .dae: its name; empty: the only one
     std::string node{};       ///< of such a file: moves only this object's vertices, as MeshImport::node
+    bool loop = false;        ///< repeats the frames after the last, which should equal the first
   };
 
   /// `path` is a .pc2, a .mdd, a file with an animation (read_mesh_animation; `frame_rate` is the rate at which
   /// it is evaluated), or a sequence of meshes for `read_mesh`: one of its files (NAME_0001.obj) or its folder. A
-  /// NAME_0001.glb is one of a sequence unless Options::animation is given. Throws Error for an invalid file, no frames, decreasing times, or a changing number of
-  /// vertices.
+  /// NAME_0001.glb beside a NAME_0002.glb is one of a sequence unless Options::animation is given. Throws Error for an
+  /// invalid file, no frames, decreasing times, or a changing number of vertices.
   AnimatedPoints(const std::filesystem::path& path, const Options& options, const ReadMesh& read_mesh = {});
-  AnimatedPoints(std::unique_ptr<PointFrames> frames, std::string name, double start_time);
+  AnimatedPoints(std::unique_ptr<PointFrames> frames, std::string name, double start_time, bool loop = false);
   AnimatedPoints(AnimatedPoints&&) noexcept;
   AnimatedPoints& operator=(AnimatedPoints&&) noexcept;
   ~AnimatedPoints();
@@ -67,6 +68,7 @@ class AnimatedPoints {
   std::unique_ptr<PointFrames> frames_;
   std::string name_;
   double start_time_;
+  bool loop_;
   std::vector<double> times_;     ///< per frame: time since the first frame [s]
   std::array<Loaded, 2> loaded_;  ///< frame f is in loaded_[f % 2], so successive frames coexist
 };

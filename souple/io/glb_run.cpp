@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include <fmt/core.h>
@@ -76,14 +77,15 @@ class ObjectWriter {
   Index material_of(const ExportObject& object, const std::string& name, const ExportLook& look) {
     const Vec3f& c = look.color;
     const std::array<float, 4> color{c.x, c.y, c.z, look.opacity};
-    const auto [known, is_new] =
-        materials_.try_emplace({name, color}, static_cast<Index>(model_.materials.size()));
-    if (is_new) model_.materials.push_back({name, color, look.roughness, object.kind == "cloth"});
+    const bool two_sided = object.kind == "cloth";
+    const auto [known, is_new] = materials_.try_emplace({name, color, look.roughness, two_sided},
+                                                        static_cast<Index>(model_.materials.size()));
+    if (is_new) model_.materials.push_back({name, color, look.roughness, two_sided});
     return known->second;
   }
 
   GlbModel& model_;
-  std::map<std::pair<std::string, std::array<float, 4>>, Index> materials_;
+  std::map<std::tuple<std::string, std::array<float, 4>, float, bool>, Index> materials_;
 };
 
 SplitMesh split_of(const ExportObject& object) {

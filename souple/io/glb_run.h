@@ -28,6 +28,7 @@ class GlbClip {
   /// Ten seconds at 60 frames per second. Each target has a key in each frame, and renderers keep targets in the layers
   /// of a texture: WebGL 2 promises 256, graphics cards have 2048.
   static constexpr std::uint64_t most_frames = 600;
+  static constexpr std::uint64_t most_bytes = 0xffffffff;  ///< the format states sizes in 32 bits
 
   explicit GlbClip(const std::string& run);
   /// `seconds`: time of the frame in the animation, later than that of the frame before.

@@ -157,6 +157,7 @@ std::optional<PlyVelocities> find_velocities(std::string_view text) {
     const bool next = in_succession < 3 && line.starts_with(floats) &&
                       line.substr(floats.size()) == components[in_succession];
     if (next && ++in_succession == 3) found.offset = found.stride - 8;
+    if (!next && in_succession < 3) in_succession = 0;
     found.stride += line.starts_with(floats) ? 4 : 1;
   }
   // An element with lists or other types has no fixed size.
@@ -185,7 +186,11 @@ std::optional<ParticleFrame> read_particle_ply(const std::filesystem::path& path
     load_points<ByteOrder::little>(in, std::span(&frame.positions[i], 1));
     if (!frame.velocities.empty())
       load_points<ByteOrder::little>(in + 12, std::span(&frame.velocities[i], 1));
-    if (header->has_kinds) frame.kinds.push_back(std::to_integer<std::uint8_t>(in[bytes_each - 1]));
+    if (!header->has_kinds) continue;
+    frame.kinds.push_back(std::to_integer<std::uint8_t>(in[bytes_each - 1]));
+    if (frame.kinds.back() > 2)
+      throw Error(fmt::format("{}: point {} has the kind {}, expected 0 (spray), 1 (foam) or 2 (bubble)",
+                              path.string(), i, frame.kinds.back()));
   }
   return frame;
 }

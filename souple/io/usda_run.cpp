@@ -227,10 +227,11 @@ std::string UsdaRun::spheres_of(const ExportObject& object, const std::string& p
 
 /// The line that binds a material, which it defines when it is new.
 std::string UsdaRun::bind(const ExportObject& object, const std::string& name, const ExportLook& look) {
-  const std::string prim = PrimNames().add(object.name) + "_" + PrimNames().add(name);
+  std::string& prim = material_prims_[{object.name, name}];
+  const bool is_new = prim.empty();
+  if (is_new) prim = material_names_.add(PrimNames().add(object.name) + "_" + PrimNames().add(name));
   const std::string path = fmt::format("</{}/{}/{}", root_, materials_name, prim);
-  const auto has_name = [&](const MaterialPrim& material) { return material.name == prim; };
-  if (std::none_of(materials_.begin(), materials_.end(), has_name)) {
+  if (is_new) {
     const std::string shader =
         block("def Shader \"Shader\"",
               fmt::format("uniform token info:id = \"UsdPreviewSurface\"\n"

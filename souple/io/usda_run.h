@@ -1,10 +1,13 @@
 #pragma once
 
 #include "souple/io/export_frames.h"
+#include "souple/io/usda_text.h"
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace souple {
@@ -74,6 +77,9 @@ class UsdaRun {
   std::string root_;  ///< prim name
   std::vector<Prim> prims_;
   std::vector<MaterialPrim> materials_;
+  std::map<std::pair<std::string, std::string>, std::string>
+      material_prims_;  // by the names of object and material
+  usda::PrimNames material_names_;
 };
 
 }  // namespace souple

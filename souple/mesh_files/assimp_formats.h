@@ -15,9 +15,9 @@ constexpr std::array<std::string_view, 8> assimp_formats = {".gltf", ".glb",   "
 /// Address space of the reader. [bytes]
 constexpr std::uint64_t reader_memory = std::uint64_t(4) << 30;
 
-/// Processor time of the reader for a file of `size` bytes: 10 s, and 1 s for each MiB. [s]
-constexpr std::uint64_t reader_seconds(std::uint64_t size) {
-  return 10 + (size >> 20);
+/// Processor time of the reader for a file of `size` bytes: 10 s, 1 s for each MiB, and 30 s to evaluate an animation. [s]
+constexpr std::uint64_t reader_seconds(std::uint64_t size, bool animation) {
+  return 10 + (size >> 20) + (animation ? 30 : 0);
 }
 
 /// The longest message of the reader. [bytes]

@@ -136,7 +136,7 @@ std::string read_mesh_bytes(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   if (error || !file)
     throw Error(path.string() + ": cannot be opened, expected a file that this user may read");
-  std::string bytes(std::size_t(size), '\0');
+  std::string bytes = within_memory(path, [&](const auto&) { return std::string(std::size_t(size), '\0'); });
   file.read(bytes.data(), std::streamsize(size));
   if (file.bad() || std::uintmax_t(file.gcount()) != size)
     throw Error(path.string() + ": cannot be read to its end");

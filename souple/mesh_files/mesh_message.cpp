@@ -21,6 +21,8 @@ class Writer {
  public:
   explicit Writer(Kind kind) : out_(first_line) { number(std::uint8_t(kind)); }
 
+  void reserve(std::size_t bytes) { out_.reserve(out_.size() + bytes); }
+
   template <class T>
   void number(T value) {
     append_little_endian(out_, value);
@@ -208,6 +210,9 @@ std::string message_of_mesh(const TriangleMesh& mesh) {
 
 std::string message_of_animation(const MeshAnimation& animation) {
   Writer out(is_animation);
+  constexpr std::size_t counts_and_end = 64;
+  out.reserve(animation.times.size() * sizeof(double) + animation.positions.size() * 3 * sizeof(float) +
+              counts_and_end);
   out.number(std::uint64_t(animation.points));
   out.list(animation.times, [&](double time) { out.number(time); });
   out.vectors(animation.positions);

@@ -196,16 +196,19 @@ Heard hear(int pipe, std::uint64_t seconds, std::string& message) {
 }
 
 [[noreturn]] void fail_late(const fs::path& mesh, std::uint64_t seconds) {
-  throw Error(
-      fmt::format("{}: assimp takes more than {} s to read it; a file of another format may do, such as OBJ",
-                  mesh.string(), seconds));
+  throw Error(fmt::format(
+      "{}: assimp takes more than {} s to read it; a file of another format may do, such as OBJ, or a lower "
+      "frame rate or one object of an animation",
+      mesh.string(), seconds));
 }
 
 void check_end(const fs::path& mesh, int status, std::uint64_t seconds) {
   if (WIFSIGNALED(status)) {
     if (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL) fail_late(mesh, seconds);
     throw Error(
-        fmt::format("{}: assimp crashes on it (signal {}); the file is damaged, or was made to do that",
+        fmt::format("{}: assimp crashes on it (signal {}); the file is damaged, was made to do that, or "
+                    "holds what assimp cannot read, such "
+                    "as a glTF skin without inverseBindMatrices",
                     mesh.string(), WTERMSIG(status)));
   }
   if (WEXITSTATUS(status) != 0) {
@@ -220,7 +223,7 @@ std::string run_mesh_reader(const fs::path& mesh, const std::vector<std::string>
   const fs::path program = find_reader(mesh);
   std::error_code error;
   const std::uintmax_t size = fs::file_size(mesh, error);
-  const std::uint64_t seconds = reader_seconds(error ? 0 : size);
+  const std::uint64_t seconds = reader_seconds(error ? 0 : size, !arguments.empty());
   // A machine that is busy gives the reader a part of its time only.
   constexpr std::uint64_t wall_clock_factor = 6;
 

@@ -492,7 +492,7 @@ class Builder {
       log_(LogLevel::warning, fmt::format("{}: the first frame of {} {}", name_, file, remark));
   }
 
-  MeshSequence read_sequence(const ObstacleSequenceDescription& description, const MeshImport& import) const {
+  MeshSequence read_sequence(const SequenceDescription& description, const MeshImport& import) const {
     const std::size_t vertices = mesh_.size();
     try {
       AnimatedPoints points(
@@ -599,7 +599,7 @@ class Builder {
     const SequenceDescription& sequence = *pin.sequence;
     const MeshImport import = sequence_import(sequence, import_of(description));
     const AnimatedPoints::Options options{sequence.frame_rate, sequence.start_time, sequence.animation,
-                                          import.node};
+                                          import.node, sequence.loop};
     AnimatedPoints points(scene_.folder / sequence.file, options, read_points(import.node));
     std::vector<std::uint32_t> point_of =
         point_of_vertices(object, pin, static_cast<std::size_t>(points.points()));

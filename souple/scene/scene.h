@@ -105,6 +105,7 @@ struct SequenceDescription {
   double start_time = 0;        ///< s
   std::optional<double> scale;  ///< meters per unit of the file; if not given, that of the mesh
   std::optional<UpAxis> up;     ///< the file's up axis; if not given, that of the mesh
+  bool loop = false;            ///< repeats the frames after the last, which should equal the first
 };
 
 struct PinDescription {
@@ -248,9 +249,6 @@ using ShapeDescription = std::variant<Plane, Sphere, Box, Capsule, Cylinder, Sig
 /// Material of a collider or obstacle in pictures.
 enum class SurfaceLook { solid, glass };
 
-struct ObstacleSequenceDescription : SequenceDescription {
-  bool loop = false;
-};
 /// Of the common fields it uses the name, transform, color, layer and collision groups.
 struct ObstacleDescription : ObjectDescription {
   MeshDescription mesh;
@@ -258,7 +256,7 @@ struct ObstacleDescription : ObjectDescription {
   SurfaceLook look = SurfaceLook::solid;  ///< in pictures
   std::vector<KeyframeDescription> keyframes;
   bool loop = false;
-  std::optional<ObstacleSequenceDescription> sequence;
+  std::optional<SequenceDescription> sequence;
 };
 
 /// A shape of a rigid body of several.

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -219,6 +220,117 @@ TEST(MeshAnimation, SaysWhatIsWrong) {
   const std::size_t begin = still.find("\"animations\""), end = still.find("\"buffers\"");
   still.erase(begin, end - begin);
   expect_error([&] { read_mesh_animation(write("souple_still.gltf", still)); }, {"holds no animation"});
+}
+
+/// An FBX of a triangle whose shape "A" moves it by 5 along z and has keys at 0 and 1 s, with the weights 0 and 1; "B" has
+/// three keys of 0. assimp lists per key only the shapes that have one at its time.
+std::string shapes_fbx() {
+  const auto shape = [](int id, const char* name, const char* by) {
+    return fmt::format(
+        "Geometry: {}, \"Geometry::{}\", \"Shape\" {{\nIndexes: *3 {{\na: 0,1,2\n}}\nVertices: *9 {{\na: "
+        "{},{},{}\n}}\nNormals: *9 {{\na: 0,0,0,0,0,0,0,0,0\n}}\n}}\n",
+        id, name, by, by, by);
+  };
+  const auto channel = [](int id, const char* name) {
+    return fmt::format(
+        "Deformer: {}, \"SubDeformer::{}\", \"BlendShapeChannel\" {{\nDeformPercent: 0\nFullWeights: *1 "
+        "{{\na: 100\n}}\n}}\n",
+        id, name);
+  };
+  const auto curve = [](int id, const char* times, const char* values, int keys) {
+    return fmt::format(
+        "AnimationCurve: {}, \"AnimCurve::\", \"\" {{\nKeyTime: *{} {{\na: {}\n}}\nKeyValueFloat: *{} {{\na: "
+        "{}\n}}\n}}\n",
+        id, keys, times, keys, values);
+  };
+  const char* const node = "AnimationCurveNode: {}, \"AnimCurveNode::DeformPercent\", \"\" {{\n}}\n";
+  return "; FBX 7.4.0 project file\nFBXHeaderExtension:  {\nFBXHeaderVersion: 1003\nFBXVersion: 7400\n}\n"
+         "GlobalSettings:  {\nProperties70:  {\nP: \"UnitScaleFactor\", \"double\", \"Number\", \"\",100\n"
+         "P: \"TimeMode\", \"enum\", \"\", \"\",11\n}\n}\nObjects:  {\n"
+         "Geometry: 100, \"Geometry::Mesh\", \"Mesh\" {\nVertices: *9 {\na: 0,0,0,1,0,0,0,1,0\n}\n"
+         "PolygonVertexIndex: *3 {\na: 0,1,-3\n}\n}\n" +
+         shape(101, "A", "0,0,5") + shape(102, "B", "7,0,0") +
+         "Model: 200, \"Model::Tri\", \"Mesh\" {\n}\nDeformer: 300, \"Deformer::\", \"BlendShape\" {\n}\n" +
+         channel(301, "A") + channel(302, "B") +
+         "AnimationStack: 400, \"AnimStack::Take\", \"\" {\nProperties70:  {\nP: \"LocalStart\", \"KTime\", "
+         "\"Time\", \"\",0\n"
+         "P: \"LocalStop\", \"KTime\", \"Time\", \"\",46186158000\n}\n}\nAnimationLayer: 401, "
+         "\"AnimLayer::Base\", \"\" {\n}\n" +
+         fmt::format(fmt::runtime(node), 402) + fmt::format(fmt::runtime(node), 403) +
+         curve(404, "0,46186158000", "0,100", 2) + curve(405, "0,23093079000,46186158000", "0,0,0", 3) +
+         "}\nConnections:  {\nC: \"OO\",200,0\nC: \"OO\",100,200\nC: \"OO\",300,100\nC: \"OO\",301,300\nC: "
+         "\"OO\",302,300\n"
+         "C: \"OO\",101,301\nC: \"OO\",102,302\nC: \"OO\",401,400\nC: \"OO\",402,401\nC: \"OO\",403,401\n"
+         "C: \"OP\",402,301, \"DeformPercent\"\nC: \"OP\",403,302, \"DeformPercent\"\n"
+         "C: \"OP\",404,402, \"d|DeformPercent\"\nC: \"OP\",405,403, \"d|DeformPercent\"\n}\n";
+}
+
+TEST(MeshAnimation, ShapesOfAnFbxHaveKeysOfTheirOwn) {
+  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+  const MeshAnimation animation =
+      read_mesh_animation(write("souple_shapes.fbx", shapes_fbx()), {.frame_rate = 4});
+  ASSERT_EQ(animation.times.size(), 5u);
+  ASSERT_EQ(animation.points, 3u);
+  for (std::size_t frame = 0; frame < 5; ++frame) {
+    const Vec3f x = animation.positions[frame * 3];
+    EXPECT_NEAR(x.z, 5 * double(frame) / 4, 1e-6) << frame;
+    EXPECT_EQ(x.x, 0) << frame;
+  }
+}
+
+std::string with(std::string text, const std::string& old, const std::string& next) {
+  EXPECT_NE(text.find(old), std::string::npos) << old;
+  for (std::size_t at = text.find(old); at != std::string::npos; at = text.find(old, at + next.size()))
+    text.replace(at, old.size(), next);
+  return text;
+}
+
+// assimp finds bones and animated nodes by their names, and knows one skin of a mesh.
+TEST(MeshAnimation, WhatAssimpWouldMixUpIsRefused) {
+  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+  const auto two = write("souple_two.gltf", with(arm_gltf(), R"("name":"rig")", R"("name":"fore")"));
+  expect_error([&] { read_mesh_animation(two, {.animation = "bend"}); }, {"souple_two.gltf", "\"fore\""});
+  expect_error([&] { read_triangle_mesh(two); }, {"souple_two.gltf", "\"fore\""});
+  const auto twice = write("souple_twice.gltf", with(arm_gltf(), R"("mesh":1)", R"("mesh":0)"));
+  expect_error([&] { read_triangle_mesh(twice); }, {"souple_twice.gltf", "2 nodes"});
+}
+
+TEST(MeshAnimation, KeysThatAreNotFiniteAreRefused) {
+  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+  for (const float end : {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+    const auto path = write("souple_endless.gltf", arm_gltf(end));
+    expect_error([&] { read_mesh_animation(path, {.animation = "bend"}); },
+                 {"souple_endless.gltf", "not finite"});
+  }
+}
+
+// The weights that a mesh states apply where no animation moves them.
+TEST(MeshAnimation, StatedWeightsOfShapesApply) {
+  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+  const auto path = write("souple_weights.gltf", with(arm_gltf(), R"("weights":[0])", R"("weights":[0.5])"));
+  const TriangleMesh mesh = read_triangle_mesh(path, {.node = "flag"});
+  EXPECT_NEAR(mesh.positions[1].z, 1, 1e-6);
+  const MeshAnimation wave = read_mesh_animation(path, {.animation = "wave", .node = "flag"});
+  EXPECT_NEAR(wave.positions[1].z, 1, 1e-6);
+}
+
+TEST(MeshAnimation, ANumberedFileAloneIsNoSequence) {
+  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+  const std::string one = with(arm_gltf(), R"({"name":"wave",)", R"({"name":"bend",)");
+  const std::size_t second = one.rfind(R"(,{"name":"bend",)"), end = one.find("\"buffers\"");
+  const auto path = write("souple_hero2.gltf", one.substr(0, second) + "]," + one.substr(end));
+  AnimatedPoints points(path, {.node = "arm"});
+  EXPECT_NEAR(points.end_time(), 1, 1e-12);
+}
+
+TEST(MeshAnimation, Loops) {
+  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+  const auto path = write("souple_arm.gltf", arm_gltf());
+  AnimatedPoints points(path, {.start_time = 2, .animation = "bend", .node = "arm", .loop = true});
+  std::vector<Vec3f> x(points.points()), later(points.points());
+  points.evaluate(2.25, x);
+  points.evaluate(5.25, later);
+  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_LT(length(x[i] - later[i]), 1e-6f) << i;
 }
 
 TEST(MeshAnimation, TooLongAnimationsAreRefused) {

@@ -95,6 +95,14 @@ TEST_F(ParticleFileTest, PlyReadsBack) {
   EXPECT_TRUE(read_particle_ply(folder / "p.ply")->velocities.empty());
 }
 
+TEST_F(ParticleFileTest, UnknownKindsOfFoamAreRefused) {
+  const std::vector<std::uint8_t> known{0, 2}, unknown{1, 200};
+  put("f.ply", ply_bytes(points_, velocities_, known));
+  EXPECT_EQ(read_particle_ply(folder / "f.ply")->kinds, known);
+  put("f.ply", ply_bytes(points_, velocities_, unknown));
+  expect_says(error_of([&] { (void)read_particle_ply(folder / "f.ply"); }), "point 1 has the kind 200");
+}
+
 TEST_F(ParticleFileTest, VelocitiesOfMeshesAreRead) {
   const std::vector<Vec3f> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, normals(3, Vec3f{0, 0, 1}),
       velocities{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
@@ -110,6 +118,10 @@ TEST_F(ParticleFileTest, VelocitiesOfMeshesAreRead) {
   const std::string bytes = ply_bytes(colored, corners, velocities);
   put("m.ply", bytes);
   EXPECT_EQ(read_ply_velocities(folder / "m.ply"), velocities);
+  std::string apart = bytes;
+  apart.insert(apart.find("property float vy"), "property float s\n");
+  put("m.ply", apart);
+  EXPECT_TRUE(read_ply_velocities(folder / "m.ply").empty());
   put("m.ply", bytes.substr(0, bytes.find("end_header") + 50));
   EXPECT_THROW(read_ply_velocities(folder / "m.ply"), Error);
   for (std::size_t length = 0; length < bytes.find("end_header"); ++length) {

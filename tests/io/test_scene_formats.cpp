@@ -104,5 +104,17 @@ TEST(UsdaRun, SamplesOfAPauseAreItsEnds) {
             "point3f[]positions.timeSamples={\n1:[(0,0,0)],\n3:[(0,0,0)],\n4:[(0,1,0)],\n5:[(0,1,0)],\n");
 }
 
+TEST(UsdaRun, ObjectsWhoseNamesBecomeEqualKeepTheirMaterials) {
+  const std::vector<Vec3f> point{{1, 2, 3}};
+  std::vector<ExportObject> objects = two_points(point, point);
+  objects[0].name = "a-b", objects[0].look.color = {0, 1, 0};
+  objects[1].name = "a_b", objects[1].look.color = {1, 0, 0};
+  UsdaRun usda({.run = "run", .frame_rate = 24, .frames = 1}, objects);
+  usda.add(1, objects);
+  const std::string stage = usda.stage();
+  expect_says(stage, "inputs:diffuseColor = (0, 1, 0)");
+  expect_says(stage, "inputs:diffuseColor = (1, 0, 0)");
+}
+
 }  // namespace
 }  // namespace souple::test

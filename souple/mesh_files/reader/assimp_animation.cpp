@@ -1,6 +1,7 @@
 #include "souple/mesh_files/reader/assimp_animation.h"
 
 #include "souple/error.h"
+#include "souple/mesh_files/mesh_bytes.h"
 #include "souple/mesh_files/mesh_text.h"
 #include "souple/mesh_files/reader/assimp_file.h"
 #include "souple/mesh_files/reader/pose.h"
@@ -8,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,37 +23,92 @@ namespace {
 
 constexpr std::uint64_t most_bytes = std::uint64_t(1) << 30;
 
+/// "a", "b" and 3 more
+std::string listed(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 20;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(most, names.size()); ++i)
+    text += (i == 0 ? "\"" : ", \"") + names[i] + "\"";
+  return names.size() > most ? fmt::format("{} and {} more", text, names.size() - most) : text;
+}
+
 const aiAnimation& find_animation(const aiScene& scene, const std::string& wanted, const std::string& file) {
-  std::string names;
+  std::vector<std::string> names;
   for (unsigned i = 0; i < scene.mNumAnimations; ++i) {
     const aiAnimation& animation = *scene.mAnimations[i];
-    const std::string name = animation.mName.C_Str();
-    if (wanted.empty() ? scene.mNumAnimations == 1 : name == wanted) return animation;
-    constexpr unsigned most = 20;
-    if (i < most) names += (i == 0 ? "\"" : ", \"") + name + "\"";
-    if (i == most) names += fmt::format(" and {} more", scene.mNumAnimations - most);
+    names.emplace_back(animation.mName.C_Str());
+    if (wanted.empty() ? scene.mNumAnimations == 1 : names.back() == wanted) return animation;
   }
   if (names.empty()) throw Error(file + ": holds no animation, expected keys of nodes, bones or shapes");
   if (wanted.empty())
-    throw Error(fmt::format("{}: holds {} animations, expected the name of one: {}", file,
-                            scene.mNumAnimations, names));
-  throw Error(fmt::format("{}: holds no animation \"{}\"; expected one of {}", file, wanted, names));
+    throw Error(fmt::format("{}: holds {} animations, expected the name of one: {}", file, names.size(),
+                            listed(names)));
+  throw Error(fmt::format("{}: holds no animation \"{}\"; expected one of {}", file, wanted, listed(names)));
 }
 
 /// The parts that a node of this name holds; all, if it is empty.
 std::vector<ScenePart> find_parts(const aiScene& scene, const std::string& node, const std::string& file) {
-  std::vector<ScenePart> parts = parts_of(scene);
-  if (!node.empty())
-    std::erase_if(parts, [&](const ScenePart& part) { return part.node->mName.C_Str() != node; });
+  std::vector<ScenePart> parts;
+  std::set<std::string> names;
+  for (const ScenePart& part : parts_of(scene)) {
+    const std::string name = part.node->mName.C_Str();
+    if (node.empty() || name == node) parts.push_back(part);
+    names.insert(name);
+  }
+  if (names.empty()) throw Error(file + ": holds no mesh that an animation could move");
   if (parts.empty())
-    throw Error(fmt::format("{}: holds no object \"{}\" that an animation could move", file, node));
+    throw Error(fmt::format("{}: holds no object \"{}\" with a mesh; expected one of {}", file, node,
+                            listed({names.begin(), names.end()})));
   return parts;
 }
 
-/// [s]
-double duration_of(const aiAnimation& animation) {
-  const double ticks = animation.mDuration;
-  return std::isfinite(ticks) && ticks > 0 ? ticks / ticks_per_second(animation) : 0;
+bool is_finite_value(const aiVector3D& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+bool is_finite_value(const aiQuaternion& q) {
+  return std::isfinite(q.x) && std::isfinite(q.y) && std::isfinite(q.z) && std::isfinite(q.w);
+}
+bool is_finite_key(const aiMeshMorphKey& key) {
+  return std::isfinite(key.mTime) && std::all_of(key.mWeights, key.mWeights + key.mNumValuesAndWeights,
+                                                 [](double w) { return std::isfinite(w); });
+}
+template <class Key>
+bool is_finite_key(const Key& key) {
+  return std::isfinite(key.mTime) && is_finite_value(key.mValue);
+}
+
+/// Checks the keys of one kind, and lengthens `last` to the time of the last one [ticks].
+template <class Key>
+void check_keys(const Key* keys, unsigned count, const char* name, const std::string& file, double& last) {
+  for (unsigned k = 0; k < count; ++k) {
+    if (!is_finite_key(keys[k]))
+      throw Error(fmt::format(
+          "{}: key {} of \"{}\" has a time or a value that is not finite, expected numbers", file, k, name));
+    last = std::max(last, keys[k].mTime);
+  }
+}
+
+/// [s]. A file that states none lasts until its last key. Throws Error where a key is not finite.
+double duration_of(const aiAnimation& animation, const std::string& file) {
+  double last = 0;
+  for (unsigned i = 0; i < animation.mNumChannels; ++i) {
+    const aiNodeAnim& channel = *animation.mChannels[i];
+    const char* const name = channel.mNodeName.C_Str();
+    check_keys(channel.mPositionKeys, channel.mNumPositionKeys, name, file, last);
+    check_keys(channel.mRotationKeys, channel.mNumRotationKeys, name, file, last);
+    check_keys(channel.mScalingKeys, channel.mNumScalingKeys, name, file, last);
+  }
+  for (unsigned i = 0; i < animation.mNumMorphMeshChannels; ++i) {
+    const aiMeshMorphAnim& channel = *animation.mMorphMeshChannels[i];
+    check_keys(channel.mKeys, channel.mNumKeys, channel.mName.C_Str(), file, last);
+  }
+  const double ticks = animation.mDuration == 0 ? last : animation.mDuration;
+  // assimp makes nonsense of an FBX that states neither LocalStart nor LocalStop.
+  if (!std::isfinite(ticks) || ticks < 0)
+    throw Error(
+        fmt::format("{}: the animation \"{}\" lasts {:.6g} s, expected a finite time that the file states",
+                    file, animation.mName.C_Str(), ticks / ticks_per_second(animation)));
+  return ticks / ticks_per_second(animation);
 }
 
 /// The last frame is the end itself, so that a cycle closes; one just before it would be there twice.
@@ -73,6 +130,15 @@ void require_room(double frames, std::size_t points, double duration, const std:
       file, duration, points, frames, most));
 }
 
+void require_finite(const Vec3d& x, std::size_t vertex, const ScenePart& part, double time,
+                    const std::string& file) {
+  if (is_finite(x) && std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)}) <= largest_coordinate) return;
+  throw Error(
+      fmt::format("{}: vertex {} of \"{}\" is at ({:.3g}, {:.3g}, {:.3g}) after {:.6g} s, expected finite "
+                  "numbers within 1e18",
+                  file, vertex, part.node->mName.C_Str(), x.x, x.y, x.z, time));
+}
+
 }  // namespace
 
 MeshAnimation read_assimp_animation(const std::filesystem::path& path, const MeshAnimationImport& options) {
@@ -82,17 +148,22 @@ MeshAnimation read_assimp_animation(const std::filesystem::path& path, const Mes
     const aiAnimation& animation = find_animation(scene, options.animation, file);
     const std::vector<ScenePart> parts = find_parts(scene, options.node, file);
     for (const ScenePart& part : parts) result.points += part.mesh->mNumVertices;
-    const double duration = duration_of(animation);
+    const double duration = duration_of(animation, file);
     require_room(std::ceil(duration * options.frame_rate) + 1, result.points, duration, file);
     result.times = frame_times(duration, options.frame_rate);
-    Pose pose(scene);
+    result.positions.reserve(result.times.size() * result.points);
+    Pose pose(scene, file);
+    pose.animate(animation);
     for (const double time : result.times) {
-      pose.set(animation, time);
+      pose.set(time);
       for (const ScenePart& part : parts) {
         const std::vector<Affine> placements = pose.placements(part);
         const std::vector<Vec3d> vertices = pose.vertices(part);
-        for (std::size_t i = 0; i < vertices.size(); ++i)
-          result.positions.emplace_back(axes * placements[i].point(vertices[i]) * unit);
+        for (std::size_t i = 0; i < vertices.size(); ++i) {
+          const Vec3d x = axes * placements[i].point(vertices[i]) * unit;
+          require_finite(x, i, part, time, file);
+          result.positions.emplace_back(x);
+        }
       }
     }
   });

@@ -27,8 +27,8 @@ class SceneReader {
   SceneReader(const aiScene& scene, const std::string& name) : scene_(scene), name_(name) {}
 
   TriangleMesh read() {
-    const Pose pose(scene_);
-    for (const ScenePart& part : parts_of(scene_)) append(part, pose.placements(part));
+    const Pose pose(scene_, name_);
+    for (const ScenePart& part : parts_of(scene_)) append(part, pose.placements(part), pose.vertices(part));
     if (mesh_.positions.empty()) throw Error(name_ + ": found no vertex, expected a mesh");
     if (!mesh_.colors.empty()) mesh_.colors.resize(mesh_.positions.size(), white_);
     if (appearance_.materials.empty()) appearance_.face_materials.clear();
@@ -39,12 +39,13 @@ class SceneReader {
   }
 
  private:
-  void append(const ScenePart& of_node, const std::vector<Affine>& placements) {
+  void append(const ScenePart& of_node, const std::vector<Affine>& placements,
+              const std::vector<Vec3d>& vertices) {
     const aiMesh& part = *of_node.mesh;
     const std::size_t first = mesh_.positions.size();
     if (first + part.mNumVertices >= FaceList::no_uv)
       throw Error(name_ + ": holds more than 2^32 - 2 vertices");
-    append_vertices(part, placements);
+    append_vertices(part, placements, vertices);
     const std::size_t first_uv = mesh_.uvs.size();
     if (part.HasTextureCoords(0)) {
       for (unsigned i = 0; i < part.mNumVertices; ++i) {
@@ -87,11 +88,11 @@ class SceneReader {
     return std::uint32_t(names.size() - 1);
   }
 
-  void append_vertices(const aiMesh& part, const std::vector<Affine>& placements) {
+  void append_vertices(const aiMesh& part, const std::vector<Affine>& placements,
+                       const std::vector<Vec3d>& vertices) {
     const std::size_t first = mesh_.positions.size();
     for (unsigned i = 0; i < part.mNumVertices; ++i) {
-      const aiVector3D& p = part.mVertices[i];
-      const Vec3d position = placements[i].point({double(p.x), double(p.y), double(p.z)});
+      const Vec3d position = placements[i].point(vertices[i]);
       const double size = std::max({std::abs(position.x), std::abs(position.y), std::abs(position.z)});
       if (!is_finite(position) || size > largest_coordinate) {
         throw Error(fmt::format(

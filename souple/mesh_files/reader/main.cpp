@@ -41,10 +41,10 @@ void limit(Resource resource, std::uint64_t soft, std::uint64_t hard) {
   setrlimit(resource, &limits);
 }
 
-void limit_resources(const std::filesystem::path& mesh) {
+void limit_resources(const std::filesystem::path& mesh, bool animation) {
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(mesh, error);
-  const std::uint64_t seconds = reader_seconds(error ? 0 : size);
+  const std::uint64_t seconds = reader_seconds(error ? 0 : size, animation);
   limit(RLIMIT_CPU, seconds, seconds + 1);
   limit(RLIMIT_CORE, 0, 0);
   limit(RLIMIT_FSIZE, 0, 0);  // of files; the answer goes to a pipe
@@ -86,7 +86,7 @@ int main(int argc, char** argv) {
         stderr);
     return 2;
   }
-  limit_resources(arguments.front());
+  limit_resources(arguments.front(), animation);
   const std::string bytes = answer(arguments);
   const bool written = std::fwrite(bytes.data(), 1, bytes.size(), stdout) == bytes.size();
   return written && std::fflush(stdout) == 0 ? 0 : 1;

@@ -1,13 +1,17 @@
 #include "souple/mesh_files/reader/pose.h"
 
+#include "souple/error.h"
 #include "souple/math/slerp.h"
+#include "souple/mesh_files/mesh_text.h"
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <utility>
 
 #include <assimp/anim.h>
 #include <assimp/scene.h>
+#include <fmt/core.h>
 
 namespace souple::mesh_detail {
 
@@ -69,21 +73,12 @@ Affine affine_at(const aiNodeAnim& channel, double ticks) {
           vector_at(channel.mPositionKeys, channel.mNumPositionKeys, ticks, {})};
 }
 
-std::vector<double> weights_at(const aiMeshMorphAnim& channel, double ticks) {
-  std::vector<double> weights;
-  if (channel.mNumKeys == 0) return weights;
-  const Span span = span_at(channel.mKeys, channel.mNumKeys, ticks);
-  const auto add = [&](const aiMeshMorphKey& key, double factor) {
-    for (unsigned i = 0; i < key.mNumValuesAndWeights; ++i) {
-      constexpr unsigned most_shapes = 1u << 16;
-      if (key.mValues[i] >= most_shapes) continue;
-      if (key.mValues[i] >= weights.size()) weights.resize(key.mValues[i] + std::size_t(1));
-      weights[key.mValues[i]] += factor * key.mWeights[i];
-    }
-  };
-  add(channel.mKeys[span.earlier], 1 - span.share);
-  if (span.share > 0) add(channel.mKeys[span.later], span.share);
-  return weights;
+/// NAME*0 of an FBX is NAME.
+std::string without_number(const std::string& name) {
+  const std::size_t star = name.find_last_of('*');
+  const bool numbered = star != std::string::npos && star + 1 < name.size() &&
+                        name.find_first_not_of("0123456789", star + 1) == std::string::npos;
+  return numbered ? name.substr(0, star) : name;
 }
 
 }  // namespace
@@ -106,12 +101,16 @@ std::vector<ScenePart> parts_of(const aiScene& scene) {
   return parts;
 }
 
-Pose::Pose(const aiScene& scene) {
+Pose::Pose(const aiScene& scene, const std::string& file) : file_(file) {
+  const std::string extension = lower_case(std::filesystem::path(file).extension().string());
+  is_gltf_ = extension == ".gltf" || extension == ".glb";
+  is_fbx_ = extension == ".fbx";
   nodes_.push_back({scene.mRootNode, 0, affine_of(scene.mRootNode->mTransformation), {}});
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     const aiNode* const node = nodes_[i].node;
     place_of_[node] = i;
-    by_name_.emplace(node->mName.C_Str(), i);
+    if (!by_name_.emplace(node->mName.C_Str(), i).second) shared_names_.insert(node->mName.C_Str());
+    for (unsigned m = 0; m < node->mNumMeshes; ++m) ++holders_[scene.mMeshes[node->mMeshes[m]]];
     for (unsigned child = 0; child < node->mNumChildren; ++child)
       nodes_.push_back({node->mChildren[child], i, affine_of(node->mChildren[child]->mTransformation), {}});
   }
@@ -125,36 +124,79 @@ void Pose::move_down() {
   }
 }
 
-void Pose::set(const aiAnimation& animation, double seconds) {
-  const double ticks = seconds * ticks_per_second(animation);
-  for (unsigned i = 0; i < animation.mNumChannels; ++i) {
-    const aiNodeAnim& channel = *animation.mChannels[i];
+std::size_t Pose::find(const std::string& name) const {
+  const auto node = by_name_.find(name);
+  if (node == by_name_.end()) return nodes_.size();
+  if (shared_names_.count(name) > 0)
+    throw Error(
+        fmt::format("{}: several nodes are named \"{}\", and bones or an animation move one of them; "
+                    "expected names of their "
+                    "own, which assimp needs to tell them apart",
+                    file_, name));
+  return node->second;
+}
+
+// A key of an FBX holds the shapes that have a key at its time, one of glTF all shapes.
+std::vector<Pose::ShapeTrack> Pose::tracks_of(const aiMeshMorphAnim& channel) {
+  constexpr unsigned most_shapes = 1u << 16;
+  std::map<unsigned, std::vector<ShapeTrack::Key>> keys;
+  for (unsigned k = 0; k < channel.mNumKeys; ++k) {
+    const aiMeshMorphKey& key = channel.mKeys[k];
+    for (unsigned i = 0; i < key.mNumValuesAndWeights; ++i) {
+      if (key.mValues[i] < most_shapes) keys[key.mValues[i]].push_back({key.mTime, key.mWeights[i]});
+    }
+  }
+  std::vector<ShapeTrack> tracks;
+  for (auto& [shape, of_shape] : keys) tracks.push_back({shape, std::move(of_shape)});
+  return tracks;
+}
+
+void Pose::animate(const aiAnimation& animation) {
+  animation_ = &animation;
+  for (unsigned i = 0; i < animation.mNumChannels; ++i) find(animation.mChannels[i]->mNodeName.C_Str());
+  shape_tracks_.clear();
+  for (unsigned i = 0; i < animation.mNumMorphMeshChannels; ++i) {
+    const aiMeshMorphAnim& channel = *animation.mMorphMeshChannels[i];
+    const std::string name = is_fbx_ ? without_number(channel.mName.C_Str()) : channel.mName.C_Str();
+    find(name);
+    shape_tracks_[name] = tracks_of(channel);
+  }
+}
+
+void Pose::set(double seconds) {
+  const double ticks = seconds * ticks_per_second(*animation_);
+  for (unsigned i = 0; i < animation_->mNumChannels; ++i) {
+    const aiNodeAnim& channel = *animation_->mChannels[i];
     const auto node = by_name_.find(channel.mNodeName.C_Str());
     if (node != by_name_.end()) nodes_[node->second].own = affine_at(channel, ticks);
   }
-  for (unsigned i = 0; i < animation.mNumMorphMeshChannels; ++i) {
-    const aiMeshMorphAnim& channel = *animation.mMorphMeshChannels[i];
-    const std::string name = channel.mName.C_Str();
-    shapes_[name.substr(0, name.find('*'))] = weights_at(channel, ticks);  // FBX: NAME*0
+  for (const auto& [name, tracks] : shape_tracks_) {
+    std::vector<double>& weights = weights_[name];
+    for (const ShapeTrack& track : tracks) {
+      if (track.shape >= weights.size()) weights.resize(track.shape + std::size_t(1));
+      const Span span = span_at(track.keys.data(), unsigned(track.keys.size()), ticks);
+      weights[track.shape] =
+          track.keys[span.earlier].weight * (1 - span.share) + track.keys[span.later].weight * span.share;
+    }
   }
   move_down();
 }
 
-const Affine* Pose::find(const std::string& name) const {
-  const auto node = by_name_.find(name);
-  return node == by_name_.end() ? nullptr : &nodes_[node->second].to_scene;
-}
-
 std::vector<Affine> Pose::placements(const ScenePart& part) const {
   const aiMesh& mesh = *part.mesh;
+  if (mesh.mNumBones > 0 && holders_.at(part.mesh) > 1)
+    throw Error(
+        fmt::format("{}: the mesh \"{}\" has bones, and {} nodes hold it; expected one, because assimp knows "
+                    "one skin of a mesh",
+                    file_, mesh.mName.C_Str(), holders_.at(part.mesh)));
   const Affine& of_node = nodes_[place_of_.at(part.node)].to_scene;
   std::vector<Affine> placements(mesh.mNumVertices, of_node);
   std::vector<double> weights(mesh.mNumVertices, 0.0);
   for (unsigned b = 0; b < mesh.mNumBones; ++b) {
     const aiBone& bone = *mesh.mBones[b];
-    const Affine* const to_scene = find(bone.mName.C_Str());
-    if (to_scene == nullptr) continue;
-    const Affine moved = *to_scene * affine_of(bone.mOffsetMatrix);
+    const std::size_t place = find(bone.mName.C_Str());
+    if (place == nodes_.size()) continue;
+    const Affine moved = nodes_[place].to_scene * affine_of(bone.mOffsetMatrix);
     for (unsigned i = 0; i < bone.mNumWeights; ++i) {
       const unsigned vertex = bone.mWeights[i].mVertexId;
       const double weight = double(bone.mWeights[i].mWeight);
@@ -172,17 +214,36 @@ std::vector<Affine> Pose::placements(const ScenePart& part) const {
   return placements;
 }
 
+std::vector<double> Pose::weights_of(const ScenePart& part) const {
+  const aiMesh& mesh = *part.mesh;
+  auto animated = weights_.find(part.node->mName.C_Str());
+  if (animated == weights_.end() && by_name_.count(mesh.mName.C_Str()) == 0)
+    animated = weights_.find(mesh.mName.C_Str());
+  std::vector<double> weights;
+  if (animated != weights_.end()) {
+    weights = animated->second;
+    // assimp takes the tangents of several shapes' cubic keys for weights.
+    if (is_gltf_ && mesh.mNumAnimMeshes > 0 && weights.size() > mesh.mNumAnimMeshes)
+      throw Error(
+          fmt::format("{}: the shapes of \"{}\" have cubic keys, which assimp cannot read; expected linear "
+                      "keys, or a key a frame",
+                      file_, part.node->mName.C_Str()));
+  } else if (is_gltf_) {
+    for (unsigned s = 0; s < mesh.mNumAnimMeshes; ++s)
+      weights.push_back(double(mesh.mAnimMeshes[s]->mWeight));
+  }
+  weights.resize(mesh.mNumAnimMeshes);
+  return weights;
+}
+
 std::vector<Vec3d> Pose::vertices(const ScenePart& part) const {
   const aiMesh& mesh = *part.mesh;
   std::vector<Vec3d> vertices(mesh.mNumVertices);
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) vertices[i] = vector_of(mesh.mVertices[i]);
-  auto weights = shapes_.find(part.node->mName.C_Str());
-  if (weights == shapes_.end()) weights = shapes_.find(mesh.mName.C_Str());
-  if (weights == shapes_.end()) return vertices;
-  const std::size_t shapes = std::min<std::size_t>(weights->second.size(), mesh.mNumAnimMeshes);
-  for (std::size_t s = 0; s < shapes; ++s) {
+  const std::vector<double> weights = weights_of(part);
+  for (std::size_t s = 0; s < weights.size(); ++s) {
     const aiAnimMesh& shape = *mesh.mAnimMeshes[s];
-    const double weight = weights->second[s];
+    const double weight = weights[s];
     if (weight == 0 || shape.mVertices == nullptr || shape.mNumVertices != mesh.mNumVertices) continue;
     for (unsigned i = 0; i < mesh.mNumVertices; ++i)
       vertices[i] += (vector_of(shape.mVertices[i]) - vector_of(mesh.mVertices[i])) * weight;

@@ -2,37 +2,32 @@
 
 namespace souple::scene_format {
 
-namespace {
-
-template <class S>
-std::shared_ptr<Table<S>> sequence_table(const char* heading) {
+CodecPtr<SequenceDescription> sequence_codec() {
+  using S = SequenceDescription;
   auto keys = table<S>(
-      heading,
+      "sequence",
       "Positions of all vertices of the object over time, in the coordinates of its mesh: the `transform` of "
       "the object applies. Linear between frames; constant before the first and after the last.");
-  keys->template required<&S::file>(
-          "file", file_or_folder(),
-          "a .pc2 file, a .mdd file, a .glb, .gltf, .fbx or .dae file whose bones, "
-          "shapes or nodes move the mesh, or a sequence of OBJ files: one of its files "
-          "(NAME_0001.obj), or the folder if it contains no other sequence")
-      .template key<&S::animation>(
-          "animation", text(),
-          "name of an animation in a .glb, .gltf, .fbx or .dae file; may be left out "
-          "where the file has only one")
-      .template key<&S::frame_rate>(
+  keys->required<&S::file>("file", file_or_folder(),
+                           "a .pc2 file, a .mdd file, a .glb, .gltf, .fbx or .dae file whose bones, "
+                           "shapes or nodes move the mesh, or a sequence of OBJ files: one of its files "
+                           "(NAME_0001.obj), or the folder if it contains no other sequence")
+      .key<&S::animation>("animation", text(),
+                          "name of an animation in a .glb, .gltf, .fbx or .dae file; may be left out "
+                          "where the file has only one, but for NAME_0001.glb beside NAME_0002.glb, which "
+                          "are a sequence of meshes")
+      .key<&S::frame_rate>(
           "frame_rate", number<double>(positive(1e4)),
           "frames per second; ignored for .mdd files, which store their own times; animations "
           "with bones, shapes or nodes are evaluated this often")
-      .template key<&S::start_time>("start_time", number<double>(signed_range(1e6)),
-                                    "time of the first frame [s]")
-      .template key<&S::scale>("scale", maybe(number<double>(positive(1e6))),
-                               "meters per unit of the file; if not given, the `scale` of the mesh")
-      .template key<&S::up>("up", maybe(up_codec()),
-                            "the axis that points up in the file; if not given, the `up` of the mesh");
+      .key<&S::start_time>("start_time", number<double>(signed_range(1e6)), "time of the first frame [s]")
+      .key<&S::scale>("scale", maybe(number<double>(positive(1e6))),
+                      "meters per unit of the file; if not given, the `scale` of the mesh")
+      .key<&S::up>("up", maybe(up_codec()),
+                   "the axis that points up in the file; if not given, the `up` of the mesh")
+      .key<&S::loop>("loop", boolean(), "repeats the frames after the last, which should equal the first");
   return keys;
 }
-
-}  // namespace
 
 CodecPtr<TransformDescription> transform_codec() {
   using T = TransformDescription;
@@ -76,17 +71,6 @@ void check_times(const std::vector<KeyframeDescription>& keyframes, const JsonPa
     item.key("time").fail("must be later than the previous keyframe, at " +
                           number_text(keyframes[i - 1].time) + " s; found " + number_text(keyframes[i].time));
   }
-}
-
-CodecPtr<SequenceDescription> sequence_codec() {
-  return sequence_table<SequenceDescription>("sequence");
-}
-
-CodecPtr<ObstacleSequenceDescription> obstacle_sequence_codec() {
-  using S = ObstacleSequenceDescription;
-  auto keys = sequence_table<S>("obstacle_sequence");
-  keys->key<&S::loop>("loop", boolean(), "repeats the frames after the last, which should equal the first");
-  return keys;
 }
 
 }  // namespace souple::scene_format

@@ -279,7 +279,7 @@ std::shared_ptr<Table<ObstacleDescription>> obstacle_table() {
       .key<&T::keyframes>("keyframes", keyframes_codec(),
                           "moves the mesh after `transform`: rotated about the origin first, then translated")
       .key<&T::loop>("loop", boolean(), "repeats the keyframes after the last")
-      .key<&T::sequence>("sequence", maybe(obstacle_sequence_codec()), "deforms the mesh")
+      .key<&T::sequence>("sequence", maybe(sequence_codec()), "deforms the mesh")
       .needs("loop", "keyframes")
       .check([](const T& obstacle, const JsonPath& path) { check_times(obstacle.keyframes, path); });
   add_collision_keys(*keys);

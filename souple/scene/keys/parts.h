@@ -86,7 +86,6 @@ CodecPtr<std::vector<KeyframeDescription>> keyframes_codec();
 /// Fails unless each keyframe is later than the previous one.
 void check_times(const std::vector<KeyframeDescription>& keyframes, const JsonPath& path);
 CodecPtr<SequenceDescription> sequence_codec();
-CodecPtr<ObstacleSequenceDescription> obstacle_sequence_codec();
 
 // --- meshes.cpp ------------------------------------------------------------------------------------------
 
