@@ -77,9 +77,11 @@ void RigidStage::aim(const StageView& stage, double dt) {
     if (!record || !record->drive) continue;
     Drive& drive = *record->drive;
     drive.from = record->pose, drive.start = stage.time, drive.length = dt;
-    const bool jumps = drive.path && drive.path->jumps(stage.time, stage.time + dt);
-    record->velocity =
-        jumps ? BodyVelocity{} : velocity_between(record->pose, pose_at(*record, stage.time + dt), dt);
+    record->velocity = {};  // where its motion fails, it stands
+    stage.warnings.guarded("a rigid body's motion", [&] {
+      if (!drive.path || !drive.path->jumps(stage.time, stage.time + dt))
+        record->velocity = velocity_between(record->pose, pose_at(*record, stage.time + dt), dt);
+    });
     const Mat3d R = rotation_matrix(record->pose.rotation);
     std::size_t i = object->begin;
     for (const Vec3d& local : record->definition.particles)
@@ -93,9 +95,13 @@ void RigidStage::place_kinematic(const StageView& stage, const Substep& substep)
   for (std::size_t k = 0; k < records_.size(); ++k) {
     const Record& record = records_[k];
     if (!record.drive) continue;
-    const BodyPose after = pose_at(record, stage.time + h);
-    if (record.drive->path && record.drive->path->jumps(stage.time, stage.time + h)) bodies_.pose[k] = after;
-    bodies_.velocity[k] = velocity_between(bodies_.pose[k], after, h);
+    bodies_.velocity[k] = {};
+    stage.warnings.guarded("a rigid body's motion", [&] {
+      const BodyPose after = pose_at(record, stage.time + h);
+      if (record.drive->path && record.drive->path->jumps(stage.time, stage.time + h))
+        bodies_.pose[k] = after;
+      bodies_.velocity[k] = velocity_between(bodies_.pose[k], after, h);
+    });
   }
 }
 
@@ -104,7 +110,9 @@ void RigidStage::end_kinematic(const StageView& stage, const Substep& substep) {
   const double t = stage.time + static_cast<double>(substep.h);
   for (std::size_t k = 0; k < records_.size(); ++k) {
     if (!records_[k].drive) continue;
-    bodies_.pose[k] = predicted_[k] = pose_at(records_[k], t);
+    BodyPose pose = predicted_[k];
+    stage.warnings.guarded("a rigid body's motion", [&] { pose = pose_at(records_[k], t); });
+    bodies_.pose[k] = predicted_[k] = pose;
     if (!(bodies_.velocity[k].linear == Vec3d{}) || !(bodies_.velocity[k].angular == Vec3d{})) continue;
     // It stands, or has jumped: it did not move there.
     write_positions(stage, k, bodies_.pose[k]);

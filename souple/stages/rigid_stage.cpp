@@ -269,11 +269,12 @@ void RigidStage::begin_step(const StageView& stage, const ContactTables& tables,
   }
   for (std::size_t k = records_.size(); k < bodies_.size(); ++k) {
     const ColliderMotion& motion = colliders_[k - records_.size()]->motion;
-    bodies_.mass[k] = {}, bodies_.inverse_inertia[k] = {};
-    bodies_.pose[k] = pose_of(motion.at(stage.time));
-    bodies_.velocity[k] = motion.is_static() || motion.jumps(stage.time, stage.time + dt)
-                              ? BodyVelocity{}
-                              : velocity_between(bodies_.pose[k], pose_of(motion.at(stage.time + dt)), dt);
+    bodies_.mass[k] = {}, bodies_.inverse_inertia[k] = {}, bodies_.velocity[k] = {};
+    stage.warnings.guarded("a collider's motion", [&] {
+      bodies_.pose[k] = pose_of(motion.at(stage.time));
+      if (!motion.is_static() && !motion.jumps(stage.time, stage.time + dt))
+        bodies_.velocity[k] = velocity_between(bodies_.pose[k], pose_of(motion.at(stage.time + dt)), dt);
+    });
   }
   const double gravity = length(Vec3d(stage.settings.gravity));
   const double part = 1.0 / stage.settings.substeps;
@@ -287,10 +288,14 @@ void RigidStage::place_colliders(const StageView& stage, const Substep& substep)
   for (std::size_t k = records_.size(); k < bodies_.size(); ++k) {
     const ColliderMotion& motion = colliders_[k - records_.size()]->motion;
     if (motion.is_static()) continue;
-    const BodyPose after = pose_of(motion.at(stage.time + h));
-    const BodyPose before = motion.jumps(stage.time, stage.time + h) ? after : pose_of(motion.at(stage.time));
-    bodies_.pose[k] = before;
-    bodies_.velocity[k] = velocity_between(before, after, h);
+    bodies_.velocity[k] = {};  // where its motion fails, it stands
+    stage.warnings.guarded("a collider's motion", [&] {
+      const BodyPose after = pose_of(motion.at(stage.time + h));
+      const BodyPose before =
+          motion.jumps(stage.time, stage.time + h) ? after : pose_of(motion.at(stage.time));
+      bodies_.pose[k] = before;
+      bodies_.velocity[k] = velocity_between(before, after, h);
+    });
   }
 }
 

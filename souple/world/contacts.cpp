@@ -179,7 +179,7 @@ void find_candidates(WorldState& world, double dt) {
   ContactTables& tables = world.contact->tables;
   Particles& particles = world.particles;
   predict_obstacles(world.stage_view(), dt);
-  world.warnings.guarded("a rigid body's motion", [&] { world.rigid->aim(world.stage_view(), dt); });
+  world.rigid->aim(world.stage_view(), dt);
   wake_disturbed(world, dt);
   particles.start = world.settings.form == Form::plain ? particles.position : particles.offset;
   const ParticleView view = world.view();
@@ -188,8 +188,7 @@ void find_candidates(WorldState& world, double dt) {
   const ContactInput input{
       view, particles.velocity, particles.radius, particles.element_radius, particles.contact_margin, tables,
       step};
-  world.warnings.guarded("a collider's motion",
-                         [&] { world.rigid->begin_step(world.stage_view(), tables, dt); });
+  world.rigid->begin_step(world.stage_view(), tables, dt);
   world.warnings.guarded("a collider's motion", [&] {
     const bool search_intersections = may_intersect(world);
     world.contact->check_intersections = false;

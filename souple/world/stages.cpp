@@ -59,7 +59,7 @@ void integrate(WorldState& world, const Substep& substep) {
   predict_spin(stage.objects, substep, stage.threads);
   drive_pins(stage, substep, part_of_step(world, substep));
   if (drive_obstacles(stage, substep)) world.contact->check_intersections = true;
-  world.warnings.guarded("a collider's motion", [&] { world.rigid->predict(stage, substep); });
+  world.rigid->predict(stage, substep);
   drive_ties(world, stage.time + static_cast<double>(substep.h));
   drive_attachments(world.constraints.users, stage.time + static_cast<double>(substep.h), stage.warnings);
   keep_prediction(stage, world.scratch->motion);

@@ -6,6 +6,8 @@
 #include "tests/expect_error.h"
 
 #include <cmath>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -55,6 +57,17 @@ double largest_error(const World& world) {
   double result = 0;
   for (const JointId id : world.joints()) result = std::max(result, world.joint_report(id).distance_error);
   return result;
+}
+
+TEST(WorldJoints, AMotionThatThrowsIsReported) {
+  World world;
+  const ObjectId box = world.add_rigid_body(brick, {}, at(8, 0, 0));
+  world.add_joint({}, box, joint::Hinge{});
+  world.add_collider(Sphere{}, {.motion = ColliderMotion::callback([](double) -> Transform {
+                                  throw std::runtime_error("collider trouble");
+                                })});
+  for (int i = 0; i < 3; ++i)
+    EXPECT_NE(world.step(1.0 / 60).message.find("collider trouble"), std::string::npos);
 }
 
 TEST(WorldJoints, APhysicalPendulumHasItsPeriod) {
