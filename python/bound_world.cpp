@@ -15,6 +15,8 @@ thread_local BoundWorld* stepped = nullptr;
 
 // --- errors
 
+thread_local PendingError* PendingError::outside_of_steps = nullptr;
+
 void PendingError::keep(py::error_already_set& error) {
   if (value_) return;
   type_ = error.type();
@@ -86,17 +88,18 @@ Callback::State::~State() {
 Callback::Callback(BoundWorld* world, std::string what, py::object function)
     : state_(new State{world, std::move(what), std::move(function)}) {}
 
-void Callback::fail(py::error_already_set& error) const {
-  BoundWorld* const world = state_->world ? state_->world : stepped;
+void Callback::fail(const State& state, py::error_already_set& error) {
+  BoundWorld* const world = state.world ? state.world : stepped;
+  PendingError* const pending = world ? &world->pending() : PendingError::outside_of_steps;
   const std::string words = error.what();
-  if (world) world->pending().keep(error);
-  throw std::runtime_error(words);
+  if (pending) pending->keep(error);
+  throw PythonFailure(words, error);
 }
 
-void Callback::fail(const py::builtin_exception& error) const {
+void Callback::fail(const State& state, const py::builtin_exception& error) {
   error.set_error();
   py::error_already_set python;
-  fail(python);
+  fail(state, python);
 }
 
 const py::object& require_callable(const py::object& function, const char* what) {

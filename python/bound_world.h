@@ -1,6 +1,7 @@
 #pragma once
 
 #include "python/enums.h"
+#include "python/gil.h"
 #include "python/structs.h"
 #include "souple/error.h"
 #include "souple/world/world.h"
@@ -8,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -27,6 +29,8 @@ class PendingError {
   void keep(py::error_already_set& error);
   /// Raises what was kept, and forgets it.
   void raise();
+  /// The one of functions that no world owns, which this thread calls outside of steps; null: their exceptions pass on.
+  static thread_local PendingError* outside_of_steps;
 
  private:
   py::object type_, value_, trace_;
@@ -49,7 +53,7 @@ class BoundWorld {
   auto without_gil(const char* function, const Function& f) {
     World& world = use(function);
     const Busy busy(*this, function);
-    pending_ = {};
+    const Nested nested(pending_);
     if constexpr (std::is_void_v<decltype(f(world))>) {
       released(world, f);
       pending_.raise();
@@ -66,9 +70,21 @@ class BoundWorld {
  private:
   template <class Function>
   static auto released(World& world, const Function& f) {
-    const py::gil_scoped_release release;
+    const ReleasedGil released;
     return f(world);
   }
+  /// What an outer call has kept is not that of the inner one.
+  class Nested {
+   public:
+    explicit Nested(PendingError& pending) : pending_(pending), outer_(std::exchange(pending, {})) {}
+    ~Nested() { pending_ = std::move(outer_); }
+    Nested(const Nested&) = delete;
+    Nested& operator=(const Nested&) = delete;
+
+   private:
+    PendingError& pending_;
+    PendingError outer_;
+  };
   /// While the world is busy on this thread.
   class Busy {
    public:
@@ -92,6 +108,18 @@ class BoundWorld {
   static std::uint64_t next_number();
 };
 
+/// An exception of a Python function, on its way through C++.
+class PythonFailure : public std::runtime_error {
+ public:
+  PythonFailure(const std::string& words, const py::error_already_set& error)
+      : std::runtime_error(words), error_(error) {}
+  /// Makes it Python's current exception.
+  void restore() { error_.restore(); }
+
+ private:
+  py::error_already_set error_;
+};
+
 /// An argument of a function of Python.
 template <class T>
 py::object to_python(const T& value) {
@@ -107,18 +135,19 @@ class Callback {
   /// `what` names it in messages: "target of pin". `world`: may be null, for motions that no world owns.
   Callback(BoundWorld* world, std::string what, py::object function);
 
-  /// Calls it with the GIL. An exception is kept for the step that is running, and throws std::runtime_error with its words.
+  /// Calls it with the GIL. An exception is kept for the step that is running, and throws PythonFailure.
   template <class R, class... A>
   R call(const A&... arguments) const {
-    const py::gil_scoped_acquire gil;
-    const Inside inside(state_->world);
+    const HeldGil gil;
+    const std::shared_ptr<State> state = state_;  // the function may destroy this callback
+    const Inside inside(state->world);
     try {
-      const py::object result = state_->function(to_python(arguments)...);
-      if constexpr (!std::is_void_v<R>) return from_python<R>(result, state_->what + " returned");
+      const py::object result = state->function(to_python(arguments)...);
+      if constexpr (!std::is_void_v<R>) return from_python<R>(result, state->what + " returned");
     } catch (py::error_already_set& error) {
-      fail(error);
+      fail(*state, error);
     } catch (const py::builtin_exception& error) {
-      fail(error);
+      fail(*state, error);
     }
   }
 
@@ -145,8 +174,8 @@ class Callback {
   };
   friend class BoundWorld;
 
-  [[noreturn]] void fail(py::error_already_set& error) const;
-  [[noreturn]] void fail(const py::builtin_exception& error) const;
+  [[noreturn]] static void fail(const State& state, py::error_already_set& error);
+  [[noreturn]] static void fail(const State& state, const py::builtin_exception& error);
 
   std::shared_ptr<State> state_;
 };

@@ -9,6 +9,7 @@ bool read_number(PyObject* item, double& value) {
     PyErr_Clear();
     return false;
   }
+  if (is_complex(item)) return false;
   value = PyFloat_AsDouble(item);
   if (value == -1.0 && PyErr_Occurred() != nullptr) {
     PyErr_Clear();
@@ -19,9 +20,18 @@ bool read_number(PyObject* item, double& value) {
 
 }  // namespace
 
+bool is_complex(py::handle value) {
+  if (PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr())) return false;
+  static PyObject* const of_numpy =
+      py::object(py::module_::import("numpy").attr("complexfloating")).release().ptr();
+  return PyComplex_Check(value.ptr()) || PyObject_IsInstance(value.ptr(), of_numpy) == 1;
+}
+
 bool read_numbers(py::handle source, double* values, std::size_t count) {
   PyObject* const object = source.ptr();
-  if (PySequence_Check(object) == 0 || PyUnicode_Check(object) || PyBytes_Check(object)) return false;
+  if (PySequence_Check(object) == 0 || PyUnicode_Check(object) || PyBytes_Check(object) ||
+      PyByteArray_Check(object))
+    return false;
   if (PySequence_Size(object) != static_cast<Py_ssize_t>(count)) {
     PyErr_Clear();
     return false;
@@ -47,7 +57,9 @@ bool read_member(py::handle source, PyObject* enum_class, long& value) {
     return false;
   }
   value = PyLong_AsLong(source.ptr());
-  return true;
+  if (PyErr_Occurred() == nullptr) return true;
+  PyErr_Clear();  // a combination of flags that no long holds
+  return false;
 }
 
 py::object member_of(PyObject* enum_class, long value) {

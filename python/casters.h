@@ -18,6 +18,9 @@ namespace souple::python {
 /// Reads `count` numbers of a sequence; false if it is none of them.
 bool read_numbers(py::handle source, double* values, std::size_t count);
 
+/// Whether it is a complex number, of Python or NumPy.
+bool is_complex(py::handle value);
+
 /// A types.SimpleNamespace: what a struct that is only read becomes.
 template <class... Members>
 py::object namespace_of(Members&&... members) {

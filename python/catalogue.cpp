@@ -169,7 +169,7 @@ class PythonConstraint final : public CustomConstraint {
   std::span<const std::uint32_t> particles() const override { return particles_; }
   Vec3f origin() const override { return origin_; }
   float evaluate(std::span<const Vec3f> x, std::span<Vec3f> gradient) override {
-    const py::gil_scoped_acquire gil;
+    const HeldGil gil;
     std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(x.size()), 3};
     const py::array positions(py::dtype("f4"), shape, x.data()),
         gradients(py::dtype("f4"), shape, gradient.data());

@@ -16,7 +16,8 @@ void enumeration(py::handle scope, const char* name, std::initializer_list<std::
                  const char* base = "IntEnum") {
   py::list members;
   for (const auto& [word, value] : words) members.append(py::make_tuple(word, static_cast<long>(value)));
-  const py::object made = py::module_::import("enum").attr(base)(name, members, py::arg("module") = "souple",
+  const py::object module = PyModule_Check(scope.ptr()) != 0 ? py::str("souple") : scope.attr("__module__");
+  const py::object made = py::module_::import("enum").attr(base)(name, members, py::arg("module") = module,
                                                                  py::arg("qualname") = doc_name(scope, name));
   made.attr("__doc__") = doc(doc_name(scope, name));
   scope.attr(name) = made;

@@ -18,6 +18,8 @@ void handle(py::module_& m, const char* name, const char* text) {
            [](const Id& a, const py::object& b) {
              return py::isinstance<Id>(b) && a.value == b.cast<Id>().value;
            })
+      .def("__copy__", [](const Id& id) { return id; })
+      .def("__deepcopy__", [](const Id& id, const py::object&) { return id; })
       .def("__hash__", [](const Id& id) { return py::hash(py::int_(id.value)); })
       .def("__repr__", [type](const Id& id) { return py::str("<{} {}>").format(type, id.value); });
 }

@@ -9,6 +9,9 @@
 #include "souple/mesh_files/mesh_animation.h"
 #include "souple/mesh_files/mesh_write.h"
 
+#include <filesystem>
+#include <pybind11/stl/filesystem.h>
+
 namespace souple::python {
 
 namespace {
@@ -82,19 +85,21 @@ MeshImport import_of(const std::optional<MeshImport>& options, const py::kwargs&
 void bind_mesh_files(py::module_& m) {
   m.def(
       "read_triangle_mesh",
-      [](const std::string& path, const std::optional<MeshImport>& options, const py::kwargs& kwargs) {
+      [](const std::filesystem::path& path, const std::optional<MeshImport>& options,
+         const py::kwargs& kwargs) {
         return read_triangle_mesh(path, import_of(options, kwargs, "read_triangle_mesh"));
       },
       py::arg("path"), py::arg("options") = py::none(), doc("read_triangle_mesh"));
   m.def(
       "read_tet_mesh",
-      [](const std::string& path, const std::optional<MeshImport>& options, const py::kwargs& kwargs) {
+      [](const std::filesystem::path& path, const std::optional<MeshImport>& options,
+         const py::kwargs& kwargs) {
         return read_tet_mesh(path, import_of(options, kwargs, "read_tet_mesh"));
       },
       py::arg("path"), py::arg("options") = py::none(), doc("read_tet_mesh"));
   m.def(
       "read_mesh_animation",
-      [](const std::string& path, const std::optional<MeshAnimationImport>& options,
+      [](const std::filesystem::path& path, const std::optional<MeshAnimationImport>& options,
          const py::kwargs& kwargs) {
         return read_mesh_animation(path, with_keywords(options, kwargs, "read_mesh_animation"));
       },

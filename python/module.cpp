@@ -15,7 +15,13 @@ void bind_error(py::module_& m) {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const Error& e) {
-      error(e.what());
+      // Texts of files may not be UTF-8.
+      const std::string_view words = e.what();
+      const auto text = py::reinterpret_steal<py::object>(
+          PyUnicode_DecodeUTF8(words.data(), static_cast<Py_ssize_t>(words.size()), "replace"));
+      PyErr_SetObject(error.ptr(), text.ptr());
+    } catch (PythonFailure& e) {
+      e.restore();
     }
   });
 }

@@ -4,6 +4,9 @@
 #include "python/bound_world.h"
 #include "souple/io/playback.h"
 
+#include <filesystem>
+#include <pybind11/stl/filesystem.h>
+
 namespace souple::python {
 
 namespace {
@@ -11,7 +14,8 @@ namespace {
 /// A recorder, and the world that it records.
 class BoundRecorder {
  public:
-  BoundRecorder(std::shared_ptr<BoundWorld> world, const std::string& folder, const RecorderOptions& options)
+  BoundRecorder(std::shared_ptr<BoundWorld> world, const std::filesystem::path& folder,
+                const RecorderOptions& options)
       : world_(std::move(world)), recorder_(world_->use("Recorder"), folder, options) {}
   Recorder& use(const char* function) {
     world_->use(function);
@@ -33,11 +37,12 @@ void bind_recorder_class(py::module_& m) {
       .field<&O::resume_from>("resume_from");
   using R = BoundRecorder;
   py::class_<R>(m, "Recorder", doc("Recorder"))
-      .def(py::init([](std::shared_ptr<BoundWorld> world, const std::string& folder,
+      .def(py::init([](std::shared_ptr<BoundWorld> world, const std::filesystem::path& folder,
                        const std::optional<O>& options, const py::kwargs& kwargs) {
              return std::make_unique<R>(std::move(world), folder, with_keywords(options, kwargs, "Recorder"));
            }),
-           py::arg("world"), py::arg("folder"), py::arg("options") = py::none(), doc("Recorder.__init__"))
+           py::arg("world").none(false), py::arg("folder"), py::arg("options") = py::none(),
+           doc("Recorder.__init__"))
       .def(
           "capture", [](R& r) { r.use("capture").capture(); }, doc("Recorder.capture"))
       .def(
@@ -75,9 +80,9 @@ py::list objects_of(const Playback& playback) {
 void bind_recorder(py::module_& m) {
   bind_recorder_class(m);
   py::class_<Playback>(m, "Playback", doc("Playback"))
-      .def(py::init([](const std::string& path) { return std::make_unique<Playback>(path); }),
+      .def(py::init([](const std::filesystem::path& path) { return std::make_unique<Playback>(path); }),
            py::arg("path"), doc("Playback.__init__"))
-      .def("frames", &Playback::frames, doc("Playback.frames"))
+      .def("frames", on_self(&Playback::frames), doc("Playback.frames"))
       .def(
           "time",
           [](const Playback& playback, std::uint64_t frame) {
@@ -94,7 +99,7 @@ void bind_recorder(py::module_& m) {
           py::arg("frame"),
           "Reads a frame, in [1, frames()], and returns its objects: name, kind, triangles, rest, positions, "
           "normals, velocities.")
-      .def("frame", &Playback::frame, doc("Playback.frame"))
+      .def("frame", on_self(&Playback::frame), doc("Playback.frame"))
       .def("objects", &objects_of, "The objects of the last frame read.");
 }
 

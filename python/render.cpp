@@ -8,6 +8,8 @@
 #include "render/subject.h"
 
 #include <algorithm>
+#include <filesystem>
+#include <pybind11/stl/filesystem.h>
 
 namespace souple::python {
 
@@ -66,13 +68,16 @@ py::array picture(BoundWorld& world, int width, int height, const std::optional<
   return py::array(py::dtype("u1"), shape, image.pixels.data());
 }
 
-void write_png(const std::string& file,
-               const py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>& pixels) {
+void write_png(const std::filesystem::path& file, const py::array& any) {
+  if (any.dtype().kind() != 'u' || any.itemsize() != 1)
+    throw Error("write_png: expected an array of bytes (uint8), found one of type " +
+                py::str(any.dtype()).cast<std::string>());
+  const py::array_t<std::uint8_t, py::array::c_style> pixels(any);
   if (pixels.ndim() != 3 || pixels.shape(2) != 4)
     throw Error("write_png: expected an array of shape (height, width, 4)");
   render::Image image(static_cast<int>(pixels.shape(1)), static_cast<int>(pixels.shape(0)));
   std::copy_n(pixels.data(), image.pixels.size(), image.pixels.begin());
-  render::write_png(file, image);
+  render::write_png(file.string(), image);
 }
 
 }  // namespace

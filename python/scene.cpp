@@ -4,6 +4,8 @@
 #include "python/bound_world.h"
 
 #include <filesystem>
+#include <pybind11/stl/filesystem.h>
+#include <utility>
 
 namespace souple::python {
 
@@ -29,14 +31,25 @@ SceneLog log_of(const py::object& function) {
 std::shared_ptr<BoundWorld> build(const std::string& text, const std::string& folder,
                                   const std::string& source, const py::object& log) {
   const SceneLog to = log_of(log);
-  const py::gil_scoped_release release;
-  return std::make_shared<BoundWorld>(build_world(parsed(text, folder, source, {}), to));
+  PendingError raised;
+  PendingError* const before = std::exchange(PendingError::outside_of_steps, &raised);
+  std::shared_ptr<BoundWorld> world;
+  try {
+    const ReleasedGil released;
+    world = std::make_shared<BoundWorld>(build_world(parsed(text, folder, source, {}), to));
+  } catch (...) {
+    PendingError::outside_of_steps = before;
+    throw;
+  }
+  PendingError::outside_of_steps = before;
+  raised.raise();
+  return world;
 }
 
 }  // namespace
 
 void bind_scene(py::module_& m) {
-  m.def("_load_scene", [](const std::string& file, const std::vector<std::string>& overrides) {
+  m.def("_load_scene", [](const std::filesystem::path& file, const std::vector<std::string>& overrides) {
     return parts_of(load_scene(file, overrides));
   });
   m.def("_parse_scene", [](const std::string& text, const std::string& folder, const std::string& source,

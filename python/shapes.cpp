@@ -14,19 +14,19 @@ namespace {
 void bind_field(py::module_& m) {
   using F = SignedDistanceField;
   py::class_<F>(m, "SignedDistanceField", doc("SignedDistanceField"))
-      .def(py::init([](const TriangleMesh& mesh, double spacing) {
-             const py::gil_scoped_release release;
+      .def(py::init([](TriangleMesh mesh, double spacing) {  // a copy: another thread may change the caller's
+             const ReleasedGil released;
              return std::make_unique<F>(mesh, spacing);
            }),
            py::arg("mesh"), py::arg("spacing"), doc("SignedDistanceField.__init__"))
       .def_static("spacing_of", &F::spacing_of, py::arg("mesh"), py::arg("resolution"),
                   doc("SignedDistanceField.spacing_of"))
-      .def("spacing", &F::spacing, "Spacing of the grid [m].")
-      .def("lo", &F::lo, doc("SignedDistanceField.lo"))
-      .def("hi", &F::hi, doc("SignedDistanceField.lo"))
-      .def("positions", &F::positions, doc("SignedDistanceField.positions"))
-      .def("triangles", &F::triangles, doc("SignedDistanceField.positions"))
-      .def("bytes", &F::bytes, doc("SignedDistanceField.bytes"));
+      .def("spacing", on_self(&F::spacing), "Spacing of the grid [m].")
+      .def("lo", on_self(&F::lo), doc("SignedDistanceField.lo"))
+      .def("hi", on_self(&F::hi), doc("SignedDistanceField.lo"))
+      .def("positions", on_self(&F::positions), doc("SignedDistanceField.positions"))
+      .def("triangles", on_self(&F::triangles), doc("SignedDistanceField.positions"))
+      .def("bytes", on_self(&F::bytes), doc("SignedDistanceField.bytes"));
 }
 
 void bind_motion(py::module_& m) {
@@ -43,11 +43,18 @@ void bind_motion(py::module_& m) {
           [](std::vector<PoseKey> keys, bool loop) { return M::keyframes(std::move(keys), loop); },
           py::arg("keys"), py::arg("loop") = false, doc("ColliderMotion.keyframes"))
       .def_static("callback", &motion_of, py::arg("callback"), doc("ColliderMotion.callback"))
-      .def("at", &M::at, py::arg("time"), doc("ColliderMotion.at"))
-      .def("jumps", &M::jumps, py::arg("from_"), py::arg("to"), doc("ColliderMotion.jumps"))
-      .def("is_static", &M::is_static, doc("ColliderMotion.is_static"))
-      .def("keys", &M::keys, doc("ColliderMotion.keys"))
-      .def("loops", &M::loops, "Whether the keys repeat.");
+      // Of copies: its function may replace the motion.
+      .def(
+          "at", [](const M& motion, double time) { return M(motion).at(time); }, py::arg("time"),
+          doc("ColliderMotion.at"))
+      .def(
+          "jumps", [](const M& motion, double from, double to) { return M(motion).jumps(from, to); },
+          py::arg("from_"), py::arg("to"), doc("ColliderMotion.jumps"))
+      .def("is_static", on_self(&M::is_static), doc("ColliderMotion.is_static"))
+      .def("keys", on_self(&M::keys), doc("ColliderMotion.keys"))
+      .def("loops", on_self(&M::loops), "Whether the keys repeat.")
+      .def("__copy__", [](const M& motion) { return motion; })
+      .def("__deepcopy__", [](const M& motion, const py::object&) { return motion; });
   Struct<MeshSequence>(m, "MeshSequence")
       .field<&MeshSequence::frames>("frames")
       .field<&MeshSequence::frame_rate>("frame_rate")

@@ -37,6 +37,27 @@ std::string shown(py::handle value) {
   return text;
 }
 
+/// Arrays in lists and dicts included, of which Python's == makes no truth.
+bool equal_values(const py::object& x, const py::object& y) {
+  if (py::isinstance<py::array>(x) || py::isinstance<py::array>(y))
+    return py::module_::import("numpy").attr("array_equal")(x, y).cast<bool>();
+  if (py::isinstance<py::list>(x) && py::isinstance<py::list>(y)) {
+    const auto a = py::list(x), b = py::list(y);
+    if (a.size() != b.size()) return false;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      if (!equal_values(a[i], b[i])) return false;
+    return true;
+  }
+  if (py::isinstance<py::dict>(x) && py::isinstance<py::dict>(y)) {
+    const auto a = py::dict(x), b = py::dict(y);
+    if (a.size() != b.size()) return false;
+    for (const auto& [key, value] : a)
+      if (!b.contains(key) || !equal_values(py::reinterpret_borrow<py::object>(value), b[key])) return false;
+    return true;
+  }
+  return x.equal(y);
+}
+
 }  // namespace
 
 void throw_wrong_type(const std::string& where, const std::string& type, py::handle found) {
@@ -129,13 +150,8 @@ py::str StructFields::text_of(py::handle object) const {
 }
 
 bool StructFields::are_equal(py::handle a, py::handle b) const {
-  for (const Field& field : fields_) {
-    const py::object x = field.get(address_(a), a), y = field.get(address_(b), b);
-    const bool equal = py::isinstance<py::array>(x)
-                           ? py::module_::import("numpy").attr("array_equal")(x, y).cast<bool>()
-                           : x.equal(y);
-    if (!equal) return false;
-  }
+  for (const Field& field : fields_)
+    if (!equal_values(field.get(address_(a), a), field.get(address_(b), b))) return false;
   return true;
 }
 

@@ -29,19 +29,6 @@ std::string python_type() {
 }
 
 template <class M>
-M from_python(py::handle value, const std::string& where) {
-  py::detail::make_caster<M> caster;
-  bool loaded = false;
-  try {
-    loaded = caster.load(value, true);
-  } catch (const std::exception& error) {
-    throw py::value_error(where + ": " + error.what());
-  }
-  if (!loaded) throw_wrong_type(where, python_type<M>(), value);
-  return py::detail::cast_op<M>(std::move(caster));
-}
-
-template <class M>
 inline constexpr bool is_bound_class =
     std::is_base_of_v<py::detail::type_caster_generic, py::detail::make_caster<M>>;
 template <class M>
@@ -50,6 +37,62 @@ template <class M>
 struct OptionalValue<std::optional<M>> : std::true_type {
   using Type = M;
 };
+
+/// Whether pybind11 would convert the value to an M and lose a part of it: 3.7 as an integer, bytes as a text.
+template <class M>
+bool loses_in(py::handle value) {
+  if constexpr (OptionalValue<M>::value)
+    return !value.is_none() && loses_in<typename OptionalValue<M>::Type>(value);
+  else if constexpr (std::is_same_v<M, std::string>)
+    return !PyUnicode_Check(value.ptr());
+  else if constexpr (std::is_integral_v<M> && !std::is_same_v<M, bool>)
+    return PyIndex_Check(value.ptr()) == 0;
+  else if constexpr (std::is_floating_point_v<M>)
+    return is_complex(value);
+  else if constexpr (is_bound_class<M>)
+    return value.is_none();
+  else
+    return false;
+}
+
+template <class M>
+M from_python(py::handle value, const std::string& where) {
+  if (loses_in<M>(value)) throw_wrong_type(where, python_type<M>(), value);
+  py::detail::make_caster<M> caster;
+  try {
+    if (caster.load(value, true)) return py::detail::cast_op<M>(std::move(caster));
+  } catch (const py::reference_cast_error&) {  // None in a list or a variant
+  } catch (const std::exception& error) {
+    throw py::value_error(where + ": " + error.what());
+  }
+  throw_wrong_type(where, python_type<M>(), value);
+}
+
+/// The object of a Python instance. Throws TypeError for None, another class, or an instance that __init__ has not made.
+template <class T>
+T* instance_of(py::handle h) {
+  if (!py::isinstance<T>(h)) throw_wrong_type("self", python_type<T>(), h);
+  auto* const instance = reinterpret_cast<py::detail::instance*>(h.ptr());
+  if (instance->get_value_and_holder().value_ptr() == nullptr)
+    throw py::type_error("expected " + python_type<T>() + ", found an object that __init__ has not made");
+  return h.cast<T*>();
+}
+
+/// A member function for def() that refuses None as its object.
+template <class C, class R, class... A>
+auto on_self(R (C::*function)(A...)) {
+  return [function](C& self, A... arguments) -> R { return (self.*function)(std::forward<A>(arguments)...); };
+}
+template <class C, class R, class... A>
+auto on_self(R (C::*function)(A...) const) {
+  return [function](const C& self, A... arguments) -> R {
+    return (self.*function)(std::forward<A>(arguments)...);
+  };
+}
+template <class Function>
+auto on_self(Function function) {
+  return function;
+}
 
 /// A member in Python: a reference into its owner where it is a class, so that settings.wind.gust = 1 has its effect.
 template <class M>
@@ -110,8 +153,8 @@ template <class T>
 class Struct {
  public:
   Struct(py::handle scope, const char* name) : class_(scope, name, doc(doc_name(scope, name))) {
-    fields_of<T> =
-        new StructFields(class_, doc_name(scope, name), [](py::handle h) -> void* { return h.cast<T*>(); });
+    fields_of<T> = new StructFields(class_, doc_name(scope, name),
+                                    [](py::handle h) -> void* { return instance_of<T>(h); });
     class_.def(py::init([](const py::args& args, const py::kwargs& kwargs) {
       auto value = std::make_unique<T>();
       fields_of<T>->fill(value.get(), args, kwargs);
@@ -137,7 +180,8 @@ class Struct {
   }
   template <class Function>
   Struct& def(const char* name, Function function) {
-    class_.def(name, function, doc((std::string(py::str(class_.attr("__qualname__"))) + "." + name).c_str()));
+    class_.def(name, on_self(function),
+               doc((std::string(py::str(class_.attr("__qualname__"))) + "." + name).c_str()));
     return *this;
   }
   operator py::object() const { return class_; }
@@ -152,8 +196,8 @@ template <class T>
 class Result {
  public:
   Result(py::handle scope, const char* name) : class_(scope, name, doc(doc_name(scope, name))) {
-    fields_of<T> =
-        new StructFields(class_, doc_name(scope, name), [](py::handle h) -> void* { return h.cast<T*>(); });
+    fields_of<T> = new StructFields(class_, doc_name(scope, name),
+                                    [](py::handle h) -> void* { return instance_of<T>(h); });
     fields_of<T>->add_methods();
   }
   template <auto Member>
@@ -168,7 +212,8 @@ class Result {
   }
   template <class Function>
   Result& def(const char* name, Function function) {
-    class_.def(name, function, doc((std::string(py::str(class_.attr("__qualname__"))) + "." + name).c_str()));
+    class_.def(name, on_self(function),
+               doc((std::string(py::str(class_.attr("__qualname__"))) + "." + name).c_str()));
     return *this;
   }
 

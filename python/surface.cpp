@@ -1,24 +1,37 @@
 #include "python/bind.h"
 #include "python/enums.h"
+#include "python/gil.h"
 #include "python/structs.h"
 #include "souple/error.h"
 #include "souple/surface/fluid_surface.h"
+
+#include <string>
+#include <vector>
 
 namespace souple::python {
 
 namespace {
 
+int checked_threads(int threads) {
+  constexpr int most = 1024;  // as Settings::threads
+  if (threads < 0 || threads > most)
+    throw Error("FluidSurface: threads is " + std::to_string(threads) + ", expected 0 (all processors) to " +
+                std::to_string(most));
+  return threads;
+}
+
 /// A surface, and the threads that compute it.
 class BoundSurface {
  public:
   BoundSurface(const SurfaceOptions& options, int threads)
-      : surface_(options), threads_(make_threads(Threading::automatic, threads)) {}
-  py::object build(std::span<const Vec3f> positions) {
+      : surface_(options), threads_(make_threads(Threading::automatic, checked_threads(threads))) {}
+  py::object build(std::span<const Vec3f> given) {
+    const std::vector<Vec3f> positions(given.begin(), given.end());  // another thread may change the caller's
     if (busy_) throw Error("FluidSurface.build: another thread is in build of this surface");
     busy_ = true;
     const SurfaceMesh* mesh = nullptr;
     try {
-      const py::gil_scoped_release release;
+      const ReleasedGil released;
       mesh = &surface_.build(positions, *threads_);
     } catch (...) {
       busy_ = false;
@@ -61,9 +74,9 @@ void bind_surface(py::module_& m) {
            }),
            py::arg("options") = py::none(), py::arg("threads") = 0,
            "Keywords are members of SurfaceOptions: FluidSurface(spacing=0.02).")
-      .def("build", &BoundSurface::build, py::arg("positions"),
+      .def("build", on_self(&BoundSurface::build), py::arg("positions"),
            "The mesh of these particles [m]: positions, normals, triangles, as arrays of their own.")
-      .def("options", &BoundSurface::options, doc("FluidSurface.options"));
+      .def("options", on_self(&BoundSurface::options), doc("FluidSurface.options"));
 }
 
 }  // namespace souple::python

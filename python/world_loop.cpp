@@ -10,6 +10,7 @@ namespace {
 StepReport step(BoundWorld& world, double dt) {
   StepReport report = world.without_gil("step", [dt](World& w) { return w.step(dt); });
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();  // Ctrl-C, before the next frame
+  if (report.flags == 0 && report.message.ends_with("nothing was done")) throw Error(report.message);
   return report;
 }
 

@@ -13,6 +13,7 @@ import sys
 import types
 
 HEADER = '''import enum
+import os
 from typing import Any, Callable, Dict, Iterable, List, Optional, Sequence, Tuple, Union, overload
 
 import numpy
@@ -59,6 +60,7 @@ def taken(text, enums):
     text = VECTOR.sub("Union[Sequence[float], numpy.typing.NDArray[Any]]", text)
     text = text.replace("numpy.typing.NDArray[Any]", "numpy.typing.ArrayLike") if text.startswith("numpy.") else text
     text = re.sub(r"^List\[", "Iterable[", text)
+    text = text.replace("os.PathLike", "Union[str, bytes, os.PathLike[str], os.PathLike[bytes]]")
     return f"Union[{text}, str]" if text in enums else text
 
 

@@ -3,8 +3,12 @@
 Calls every function of every class with hostile arguments. A crash ends the process, and the test fails.
 """
 
-import inspect
+import gc
+import os
+import pathlib
 import random
+import subprocess
+import sys
 import threading
 import time
 import unittest
@@ -132,7 +136,87 @@ class EveryFunction(unittest.TestCase):
                 getattr(world, name)(stale)
 
 
+    def test_none_is_no_object(self):
+        """Functions called through their class, as map() calls them, and Recorder's world."""
+        with self.assertRaises(TypeError):
+            souple.Recorder(None, "out")
+        for name in souple.__all__:
+            made = getattr(souple, name)
+            if not isinstance(made, type) or issubclass(made, (BaseException, dict)):
+                continue
+            for member in set(vars(made)) - LEFT_OUT - {"__init__"}:
+                value = vars(made)[member]
+                for function in (value.fget, value.fset) if isinstance(value, property) else [value]:
+                    if callable(function):
+                        self.call(function, None)
+                        self.call(function, None, None)
+
+    def test_an_instance_that_was_not_made_is_refused(self):
+        with self.assertRaisesRegex(TypeError, "expected Settings"):
+            souple.Settings.__new__(souple.Settings).substeps
+
+    def test_what_would_be_lost_is_refused(self):
+        for value in (numpy.float32(3.7), 3.7, "3", None):
+            with self.assertRaisesRegex(TypeError, "substeps: expected int"):
+                souple.World(substeps=value)
+        self.assertEqual(souple.World(substeps=numpy.int16(3)).settings().substeps, 3)
+        for value in (numpy.complex64(1 + 2j), 1j):
+            with self.assertRaisesRegex(TypeError, "drag: expected float"):
+                souple.Settings(drag=value)
+        for value in (numpy.array([1 + 2j, 0, 0]), bytearray(b"abc")):
+            with self.assertRaisesRegex(TypeError, "gravity: expected Tuple"):
+                souple.Settings(gravity=value)
+        with self.assertRaisesRegex(TypeError, "name: expected str"):
+            souple.World().add_cloth(souple.grid(3, 3, 1.0), name=b"flag")
+        with self.assertRaisesRegex(TypeError, "transform: expected Transform, found None"):
+            souple.World().add_cloth(souple.grid(3, 3, 1.0), transform=None)
+        with self.assertRaisesRegex(souple.Error, "uint8"):
+            souple.write_png("no.png", numpy.full((2, 2, 4), 0.5))
+
+    def test_steps_of_no_duration_are_refused(self):
+        world, _ = full_world()
+        for dt in (0, -1, float("nan"), float("inf")):
+            with self.assertRaisesRegex(souple.Error, "expected a positive time"):
+                world.step(dt)
+        world.step(1 / 60)
+
+    def test_words_that_are_not_utf8(self):
+        with self.assertRaisesRegex(souple.Error, "no such file"):
+            souple.read_triangle_mesh(b"/no/\xff.obj")
+        with self.assertRaisesRegex(souple.Error, "no such file"):
+            souple.read_triangle_mesh(pathlib.Path("/no/file.obj"))
+        with self.assertRaises((TypeError, ValueError)):
+            souple.read_triangle_mesh("/no\0.obj")
+
+
 class Threads(unittest.TestCase):
+    def test_a_mesh_that_changes_while_it_is_read(self):
+        for delay in (0.001, 0.01):
+            mesh = souple.sphere(5, 1.0)
+
+            def change(mesh=mesh, delay=delay):
+                time.sleep(delay)
+                mesh.positions, mesh.triangles = numpy.zeros((0, 3)), numpy.zeros((0, 3), int)
+
+            thread = threading.Thread(target=change)
+            thread.start()
+            self.assertGreater(souple.SignedDistanceField(mesh, 0.1).bytes(), 0)
+            thread.join()
+
+    def test_the_program_ends_while_a_daemon_thread_steps(self):
+        for line in ("", "world.add_force_field(lambda *a: (0, 0, 0))"):
+            program = f"""
+import souple, threading, time
+world = souple.World(threads=1, substeps=50)
+world.add_cloth(souple.grid(60, 60, 1.0))
+{line}
+def loop():
+    while True: world.step(1 / 60)
+threading.Thread(target=loop, daemon=True).start()
+time.sleep(0.5)
+"""
+            self.assertEqual(subprocess.run([sys.executable, "-c", program], timeout=60).returncode, 0)
+
     def test_a_world_that_is_stepping_refuses_other_threads(self):
         world, handles = full_world()
         started, leave = threading.Event(), threading.Event()
@@ -216,6 +300,52 @@ class Inside(unittest.TestCase):
                     world.step(1 / 60)
                 except ALLOWED as error:
                     self.assertTrue(str(error))
+
+    def test_an_inner_call_keeps_what_an_outer_one_raises(self):
+        world, _ = full_world()
+        world.add_force_field(lambda *a: 1 / 0)
+        world.after("foam", lambda w: w.time_solve(1e-3, 1))
+        with self.assertRaises(ZeroDivisionError):
+            world.step(1 / 60)
+
+    def test_a_motion_that_replaces_itself(self):
+        emitter = souple.Emitter()
+
+        class Motion:
+            def __call__(self, time):
+                emitter.motion = souple.ColliderMotion()
+                gc.collect()
+                raise KeyError("mine")
+
+        emitter.motion = souple.ColliderMotion.callback(Motion())
+        with self.assertRaises(KeyError):
+            emitter.motion.at(1.0)
+
+    def test_exceptions_outside_steps_keep_their_type(self):
+        world, _ = full_world()
+
+        def interrupt(time):
+            raise KeyboardInterrupt
+
+        with self.assertRaises(KeyboardInterrupt):
+            souple.ColliderMotion.callback(interrupt).at(0)
+        with self.assertRaises(ZeroDivisionError):
+            world.add_collider(souple.Sphere(), motion=souple.ColliderMotion.callback(lambda time: 1 / 0))
+            world.ray_cast((0, 9, 0), (0, -1, 0))
+        scene = souple.load_scene(os.environ["SOUPLE_SOURCE"] + "/scenes/flag.json")
+        scene["objects"][0] = {"name": "flag", "kind": "cloth", "mesh": {"grid": {"columns": 9, "rows": 9, "size": 1000}}}
+
+        def log(level, words):
+            raise LookupError(words)
+
+        with self.assertRaises(LookupError):
+            souple.build_world(scene, log)
+
+    def test_a_motion_that_returns_nothing(self):
+        world, _ = full_world()
+        with self.assertRaisesRegex(TypeError, "motion returned: expected Transform, found None"):
+            world.add_collider(souple.Sphere(), motion=souple.ColliderMotion.callback(lambda time: None))
+            world.step(1 / 60)
 
     def test_what_a_function_returns_is_checked(self):
         world, handles = full_world()

@@ -112,6 +112,14 @@ class Structs(unittest.TestCase):
             for other in (copy.copy(value), copy.deepcopy(value), pickle.loads(pickle.dumps(value))):
                 self.assertEqual(value, other)
         self.assertNotEqual(souple.material.silk, souple.material.denim)
+        world = souple.World()
+        cloth = world.add_cloth(souple.grid(3, 3, 1.0))
+        self.assertEqual(copy.deepcopy({"cloth": cloth}), {"cloth": cloth})
+        mesh = souple.TriangleMesh(positions=[(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], faces=[[0, 1, 2, 3]], groups={"a": [1, 2]})
+        self.assertEqual(mesh, copy.copy(mesh))
+        self.assertNotEqual(mesh, mesh.replace(groups={"a": [1, 3]}))
+        motor = souple.joint.Motor()
+        self.assertEqual(pickle.loads(pickle.dumps(motor)), motor)
         self.assertIn("friction=0.4", repr(souple.ClothMaterial()))
 
     def test_every_name_has_words(self):
