@@ -51,7 +51,10 @@ export interface Tunable {
   logarithmic: boolean;
 }
 
-export declare class SoupleObject {
+/** Vertices by their numbers, or coordinates. */
+export type Numbers = readonly number[] | Float32Array | Float64Array | Int32Array | Uint8Array | Uint16Array | Uint32Array;
+
+export interface SoupleObject {
   readonly world: World;
   readonly id: number;
   readonly name: string;
@@ -59,24 +62,23 @@ export declare class SoupleObject {
   readonly radius: number;
   readonly vertexCount: number;
   readonly triangleCount: number;
-  /** Views of the module's memory, without a copy: read the property again after each step. */
+  /** Views of the module's memory, without a copy and only to be read: read the property again after each step or reset. */
   readonly positions: Float32Array;
   readonly velocities: Float32Array;
   /** Empty for ropes, grains and fluids. */
   readonly normals: Float32Array;
+  /** A copy. */
   readonly triangles: Uint32Array;
-  pin(vertices: ArrayLike<number>): void;
-  unpin(vertices: ArrayLike<number>): void;
-  movePins(vertices: ArrayLike<number>, positions: ArrayLike<number>): void;
+  /** Pins vertices where they are, until `unpin` or a reset: the scene has pins of its own, which a reset restores. */
+  pin(vertices: Numbers): void;
+  unpin(vertices: Numbers): void;
+  movePins(vertices: Numbers, positions: Numbers): void;
 }
 
-export declare class World {
-  constructor(scene?: Json | string, options?: { name?: string; folder?: string; overrides?: Overrides });
-  /** Opens a scene file that writeFile has stored. */
-  static open(file: string, overrides?: Overrides): World;
+export interface World {
   /** Gives the memory back; every later use throws SoupleError. */
   free(): void;
-  /** One frame of the scene, or dt seconds. Throws SoupleError when a state is no longer finite. */
+  /** One frame of the scene, or dt seconds. Throws SoupleError for another time, and when a state is no longer finite. */
   step(dt?: number): void;
   reset(): void;
   readonly time: number;
@@ -96,8 +98,14 @@ export declare class World {
   release(): void;
 }
 
+export interface WorldConstructor {
+  new (scene?: Json | string, options?: { name?: string; folder?: string; overrides?: Overrides }): World;
+  /** Opens a scene file that writeFile has stored. */
+  open(file: string, overrides?: Overrides): World;
+}
+
 export interface Souple {
-  readonly World: typeof World;
+  readonly World: WorldConstructor;
   /** "Souple 0.1.0, wasm": the version and the instruction set. */
   readonly version: string;
   /** Threads that run now: 1, or more in a build with threads. */
@@ -106,5 +114,5 @@ export interface Souple {
   readonly memory: number;
   /** Bytes of it in use. */
   readonly memoryUsed: number;
-  writeFile(path: string, content: string | Uint8Array): void;
+  writeFile(path: string, content: string | ArrayBuffer | ArrayBufferView): void;
 }

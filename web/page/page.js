@@ -34,11 +34,15 @@ function notice(words, kind = 'info') {
 }
 /** Shows the sentence of an action that fails. */
 function guarded(action) {
-  try {
-    return action();
-  } catch (error) {
+  const failed = (error) => {
     if (!(error instanceof SoupleError)) throw error;
     notice(error.message, 'error');
+  };
+  try {
+    const result = action();
+    return result instanceof Promise ? result.catch(failed) : result;
+  } catch (error) {
+    failed(error);
   }
 }
 function fail(words) {
@@ -90,9 +94,10 @@ async function linkHash() {
   if (shown.display > 0) parts.set('display', displays[shown.display]);
   return `#${parts}`;
 }
+/** A longer address is left empty rather than naming another scene; "Copy a link" gives it. */
 async function showLink() {
-  const hash = await linkHash();
-  if (hash.length < 8000) history.replaceState(null, '', hash);
+  const hash = await linkHash(), longest = 8000;
+  history.replaceState(null, '', hash.length < longest ? hash : location.pathname + location.search);
 }
 /** Opens what the address names; the part after # is sent to no server. */
 async function openAddress() {
@@ -107,22 +112,26 @@ async function openAddress() {
   }));
   shown.display = Math.max(displays.indexOf(parts.get('display') ?? 'shaded'), 0);
   const name = parts.get('scene') ?? 'playground';
-  try {
-    if (parts.has('data')) {
-      const own = new TextDecoder().decode(await pack(fromBase64(parts.get('data')), new DecompressionStream('gzip')));
-      open('own', { own, overrides });
-    } else if (Object.hasOwn(scenes, name)) {
-      open(name, { overrides });
-    } else {
-      notice(`the link names the scene '${name}', which this page lacks`, 'error');
-    }
-  } catch {
-    notice('the link is damaged: its scene cannot be read', 'error');
+  if (parts.has('data')) {
+    const own = await pack(fromBase64(parts.get('data')), new DecompressionStream('gzip'))
+      .then((bytes) => new TextDecoder().decode(bytes), () => notice('the link is damaged: its scene cannot be read', 'error'));
+    if (own !== undefined) open('own', { own, overrides });
+  } else if (Object.keys(scenes).includes(name)) {
+    open(name, { overrides });
+  } else {
+    notice(`the link names the scene '${name}', which this page lacks`, 'error');
   }
   if (world === undefined) open('playground');
 }
+async function bytesOf(file) {
+  try {
+    return new Uint8Array(await file.arrayBuffer());
+  } catch {
+    throw new SoupleError(`${file.name}: cannot be read, expected a file and no folder`);
+  }
+}
 async function take(file) {
-  const bytes = new Uint8Array(await file.arrayBuffer());
+  const bytes = await bytesOf(file);
   if (file.name.endsWith('.json')) {
     open(file.name.replace(/\.json$/, ''), { own: new TextDecoder().decode(bytes) });
   } else if (/\.(obj|ply|stl)$/i.test(file.name)) {
@@ -140,9 +149,12 @@ async function takeAll(list) {
   // Meshes first: a scene among the files may name them.
   const all = [...list].sort((a, b) => a.name.endsWith('.json') - b.name.endsWith('.json'));
   const scene = all.some((file) => file.name.endsWith('.json'));
-  for (const file of all)
-    if (scene && /\.(obj|ply|stl)$/i.test(file.name)) souple.writeFile(`/scenes/${file.name}`, new Uint8Array(await file.arrayBuffer()));
-    else await take(file);
+  for (const file of all) {
+    await guarded(async () => {
+      if (scene && /\.(obj|ply|stl)$/i.test(file.name)) souple.writeFile(`/scenes/${file.name}`, await bytesOf(file));
+      else await take(file);
+    });
+  }
 }
 
 // --- panels ------------------------------------------------------------------------------------------
@@ -207,6 +219,7 @@ function showDisplay() {
   souple.call('view_quality', view, Number($('shadows').checked), Number($('occlusion').checked));
 }
 function showNumbers(frames) {
+  if (world.objects.length !== $('object').length) fillPanels();  // thrown, added, or back in time
   const report = world.report, playing = souple.call('playing', world.handle()) !== 0;
   $('pause').textContent = playing ? 'Pause' : 'Play';
   $('numbers').textContent = `${report.time.toFixed(2)} s, ${frames} pictures/s, ${Math.round(100 * souple.call('speed', world.handle()))} % of real time\n`
@@ -328,7 +341,7 @@ function listen() {
   }, { passive: false });
   on(canvas, 'webglcontextlost', () => fail('The browser took the graphics away: load the page again.'));
   on(document, 'keydown', (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|BUTTON)$/.test(event.target.tagName) && event.key !== 'h') return;
+    if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|BUTTON|SUMMARY)$/.test(event.target.tagName) && event.key !== 'h') return;
     if (event.key === ' ') event.preventDefault();
     press(event.key.toLowerCase());
   });
@@ -344,13 +357,18 @@ function listen() {
   on($('mode'), 'change', () => { set('mode', $('mode').value); fillMaterial(); });
   on($('object'), 'change', fillMaterial);
   on($('link'), 'click', async () => {
-    await navigator.clipboard.writeText(location.href.split('#')[0] + await linkHash());
+    const link = location.href.split('#')[0] + await linkHash();
+    try {
+      await navigator.clipboard.writeText(link);
+    } catch {
+      throw new SoupleError('the browser gives this page no clipboard, which needs https; copy the address instead');
+    }
     notice('the link is in the clipboard');
   });
   on($('picture'), 'click', savePicture);
   on($('files'), 'change', () => takeAll($('files').files));
   on(document, 'dragover', (event) => event.preventDefault());
-  on(document, 'drop', (event) => { event.preventDefault(); takeAll(event.dataTransfer.files); });
+  on(document, 'drop', (event) => { event.preventDefault(); return takeAll(event.dataTransfer.files); });
   on(window, 'hashchange', openAddress);
 }
 
@@ -377,8 +395,12 @@ function run() {
     const seconds = Math.min((now - last) / 1000, 0.1);
     adapt(Math.min(now - last, 200));
     last = now;
-    guarded(() => souple.call('view_advance', view, seconds));
-    guarded(draw);
+    try {
+      guarded(() => souple.call('view_advance', view, seconds));
+      guarded(draw);
+    } catch (error) {
+      return fail(`The engine stopped: ${error.message}. Load the page again.`);
+    }
     ++frames;
     if (now - counted > 400) {
       guarded(() => showNumbers(Math.round(1000 * frames / (now - counted))));
@@ -392,7 +414,7 @@ function run() {
 function missing() {
   const simd = [0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10, 1, 8, 0, 65, 0, 253, 15, 253, 98, 11];
   if (typeof WebAssembly !== 'object') return 'This browser runs no WebAssembly. Use a newer one.';
-  if (!WebAssembly.validate(new Uint8Array(simd))) return 'This browser lacks the SIMD instructions of WebAssembly. Use Chrome 91, Firefox 89, Safari 16.4 or newer.';
+  if (!WebAssembly.validate(new Uint8Array(simd))) return 'This browser lacks the SIMD instructions of WebAssembly. Use Chrome 91, Firefox 90, Safari 16.4 or newer.';
   if (typeof DecompressionStream !== 'function') return 'This browser cannot unpack the page. Use Chrome 80, Firefox 113, Safari 16.4 or newer.';
   if (whyNot() !== '') return whyNot();
   if (!document.createElement('canvas').getContext('webgl2')) return 'This browser shows no WebGL 2. Turn on hardware acceleration, or use a newer browser.';

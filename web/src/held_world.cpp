@@ -6,6 +6,7 @@
 #include "souple/scene/json.h"
 
 #include <array>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -52,7 +53,12 @@ void HeldWorld::step(double dt) {
     world().set_settings(simulation_.scene().settings);
     world().step(dt);
   }
-  if (!world().report().ok()) throw Error(world().report().message);
+  const StepReport& report = world().report();
+  constexpr std::string_view refused = "nothing was done";
+  const bool is_refused =
+      report.message.size() >= refused.size() &&
+      std::string_view(report.message).substr(report.message.size() - refused.size()) == refused;
+  if (!report.ok() || is_refused) throw Error(report.message);
 }
 
 void HeldWorld::reset() {
@@ -162,6 +168,10 @@ std::string HeldWorld::report_text() {
 }
 
 std::string HeldWorld::tunables_text(std::size_t object) {
+  const std::size_t objects = simulation_.scene().objects.size();
+  if (object >= objects)
+    throw Error("World.tunables: the scene has " + std::to_string(objects) + " objects, found the place " +
+                std::to_string(object));
   Json list = Json::array();
   const bool pbd = simulation_.scene().settings.mode == Mode::pbd;
   const auto add = [&](const auto& description) {
@@ -179,7 +189,7 @@ std::string HeldWorld::tunables_text(std::size_t object) {
       list.items.push_back(std::move(entry));
     }
   };
-  std::visit(add, simulation_.scene().objects.at(object));
+  std::visit(add, simulation_.scene().objects[object]);
   return scene_format::dump_line(list);
 }
 

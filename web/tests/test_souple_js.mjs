@@ -101,7 +101,36 @@ test('wrong types are refused in words', () => {
   assert.throws(() => object.movePins([0], [1, 2]), says(/multiple of 3/));
   assert.throws(() => object.movePins([0], [0, 0, 0]), says(/pin/));
   assert.throws(() => world.grab([0, 0], [0, -1, 0]), says(/a ray/));
+  assert.throws(() => object.pin([2 ** 32]), says(/whole numbers/));
+  assert.throws(() => object.pin(new DataView(new ArrayBuffer(4))), says(/array of numbers/));
+  assert.throws(() => world.grab([0, 0], [0, 0, 0, -1, 0]), says(/origin of a ray/));
+  assert.throws(() => world.grab(null, [0, -1, 0]), says(/origin of a ray/));
+  for (const place of [-1, 0.5, 99, 2 ** 32]) assert.throws(() => world.tunables(place), says(/World\.tunables/));
+  for (const scene of [Promise.resolve({}), new Map(), new Date(), new ArrayBuffer(8)])
+    assert.throws(() => new souple.World(scene), says(/expected a scene/));
+  assert.throws(() => new souple.World({}, { overrides: new Map([['substeps', 3]]) }), says(/overrides/));
+  assert.throws(() => new souple.World({}, null), says(/options/));
+  assert.throws(() => world.set('substeps', 7n), says(/JSON/));
+  assert.throws(() => world.set('substeps', { toJSON() {} }), says(/JSON/));
+  assert.throws(() => new souple.World('{"souple":1,"objects":[]}\0 rest'), says(/zero character/));
+  for (const [path, content] of [['', 'x'], ['a/b.json', 'x'], ['/scenes', 'x'], ['/scenes/x.json', null], ['/scenes/', 'x']])
+    assert.throws(() => souple.writeFile(path, content), says(/writeFile/));
+  for (const dt of [1e10, 1e300]) assert.throws(() => world.step(dt), says(/nothing was done/));
   world.step();  // and nothing of it harmed the world
+  world.free();
+});
+test('bytes of any view are stored as they are', () => {
+  const bytes = new TextEncoder().encode('{"souple":1,"objects":[]} ');
+  souple.writeFile('/scenes/bytes.json', new Uint16Array(bytes.buffer));
+  const world = souple.World.open('/scenes/bytes.json');
+  assert.equal(world.objects.length, 0);
+  world.free();
+});
+test('triangles are a copy', () => {
+  const world = new souple.World({ objects: [cloth] }), object = world.object('sheet');
+  object.triangles.fill(4000000000);
+  world.grab([0.1, 1, 0.1], [0, -1, 0]);
+  assert.ok(object.triangles.every((vertex) => vertex < 64));
   world.free();
 });
 test('a freed world is refused in words', () => {
@@ -131,11 +160,38 @@ test('a view that the memory has left is refused in words', async () => {
     world.free();
   }
 });
+test('a checked view knows that its world has left it', async () => {
+  const checked = await load({ checked: true });
+  const world = new checked.World({ objects: [cloth] }), object = world.object('sheet');
+  object.pin([0]);
+  object.movePins([0], object.positions.slice(0, 3));
+  object.movePins(Uint32Array.from({ length: 1 }), object.positions.subarray(0, 3));
+  assert.throws(() => object.positions.fill(5), says(/only be read/));
+  assert.equal(checkView(new Float32Array()).length, 0);
+  const view = object.positions;
+  world.free();
+  assert.throws(() => view[1], says(/was freed/));
+  assert.throws(() => checkView(view), says(/was freed/));
+});
+test('arguments that find no memory are refused in words', async () => {
+  const module = await load(), worlds = [];
+  const world = new module.World({ objects: [cloth] }), object = world.object('sheet');
+  try {
+    for (;;) worlds.push(new module.World({ objects: [{ kind: 'grains', grid: { counts: [100, 100, 100] } }] }));
+  } catch (error) {
+    assert.ok(error instanceof SoupleError, String(error));
+  }
+  const many = new Uint32Array(1 << 24);
+  assert.throws(() => object.pin(many), says(/out of memory/));
+  world.step();
+  worlds.forEach((other) => other.free());
+  world.free();
+});
 test('types are declared for all that there is', () => {
   const types = readFileSync(`${root}/web/js/souple.d.ts`, 'utf8');
   const world = new souple.World({ objects: [cloth] });
   for (const [name, object] of [['World', world], ['SoupleObject', world.object('sheet')]]) {
-    const body = types.slice(types.indexOf(`class ${name} `), types.indexOf('\n}', types.indexOf(`class ${name} `)));
+    const begin = types.indexOf(`interface ${name} `), body = types.slice(begin, types.indexOf('\n}', begin));
     for (const member of Object.getOwnPropertyNames(Object.getPrototypeOf(object)))
       if (!['constructor', 'handle', 'info'].includes(member)) assert.match(body, new RegExp(`\\b${member}\\b`));
   }

@@ -23,6 +23,15 @@
 
 #include <fmt/core.h>
 
+#ifdef SOUPLE_SANITIZED
+// assimp 5.2 leaks the shapes of an FBX.
+extern "C" const char*
+__lsan_default_suppressions();  // NOLINT(bugprone-reserved-identifier): the sanitizer's name
+extern "C" const char* __lsan_default_suppressions() {  // NOLINT(bugprone-reserved-identifier)
+  return "leak:libassimp";
+}
+#endif
+
 namespace {
 
 using souple::mesh_detail::message_of_animation;
