@@ -129,7 +129,7 @@ COUNTS = [
     ("CONTRIBUTING.md", r"frames, (\d+) with fluids\)", lambda: constant("tests/golden/test_golden.cpp", "usual_fluid_frames")),
     ("CONTRIBUTING.md", r"slow \((\d+)\), bits", lambda: constant("tests/golden/test_golden.cpp", "all_frames")),
     ("CONTRIBUTING.md", r"bits and builds with clang \((\d+)\)", lambda: find(".ci/run", r"lane_clang\(\)[^}]*?GOLDEN_FRAMES=(\d+)")),
-    ("CONTRIBUTING.md", r"asan and debug \((\d+)\)", lambda: find(".ci/run", r"lane_debug\(\)[^}]*?GOLDEN_FRAMES=(\d+)")),
+    ("CONTRIBUTING.md", r"asan and builds with debug \((\d+)\)", lambda: find(".ci/run", r"lane_debug\(\)[^}]*?GOLDEN_FRAMES=(\d+)")),
     ("README.md", r"(\w+) visible, timed stages", lambda: len(STAGES)),
     ("README.md", r"(\w+) integrators;", lambda: len(INTEGRATORS)),
     ("README.md", r'alt="(\w+) jelly ducks"', lambda: bodies("jelly_armada", "soft_body")),
