@@ -79,7 +79,9 @@ CodecPtr<ColliderDescription> collider_codec() {
       .key<&C::restitution>("restitution", number<float>(unit),
                             "coefficient of restitution, the fraction of the speed that a bounce keeps; a "
                             "contact uses the larger of both sides")
-      .key<&C::color>("color", maybe(color()), "color in pictures, as in HTML; if not given: light gray, and gray concrete for a level floor")
+      .key<&C::color>(
+          "color", maybe(color()),
+          "color in pictures, as in HTML; if not given: light gray, and gray concrete for a level floor")
       .key<&C::look>("look", surface_look(),
                      "material in pictures; `glass` is transparent, best with thin walls")
       .key<&C::show>("show", boolean(), "false: hidden in pictures; it still collides")
