@@ -15,8 +15,9 @@ namespace {
 int checked_threads(int threads) {
   constexpr int most = 1024;  // as Settings::threads
   if (threads < 0 || threads > most)
-    throw Error("FluidSurface: threads is " + std::to_string(threads) + ", expected 0 (all processors) to " +
-                std::to_string(most));
+    throw Error(py::str("FluidSurface: threads is {}, expected 0 (all processors) to {}")
+                    .format(threads, most)
+                    .cast<std::string>());
   return threads;
 }
 

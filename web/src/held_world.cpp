@@ -6,10 +6,11 @@
 #include "souple/scene/json.h"
 
 #include <array>
-#include <string>
 #include <string_view>
 #include <utility>
 #include <variant>
+
+#include <fmt/core.h>
 
 namespace souple::web {
 
@@ -170,8 +171,7 @@ std::string HeldWorld::report_text() {
 std::string HeldWorld::tunables_text(std::size_t object) {
   const std::size_t objects = simulation_.scene().objects.size();
   if (object >= objects)
-    throw Error("World.tunables: the scene has " + std::to_string(objects) + " objects, found the place " +
-                std::to_string(object));
+    throw Error(fmt::format("World.tunables: the scene has {} objects, found the place {}", objects, object));
   Json list = Json::array();
   const bool pbd = simulation_.scene().settings.mode == Mode::pbd;
   const auto add = [&](const auto& description) {
