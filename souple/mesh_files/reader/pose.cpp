@@ -147,6 +147,7 @@ std::vector<Pose::ShapeTrack> Pose::tracks_of(const aiMeshMorphAnim& channel) {
     }
   }
   std::vector<ShapeTrack> tracks;
+  tracks.reserve(keys.size());
   for (auto& [shape, of_shape] : keys) tracks.push_back({shape, std::move(of_shape)});
   return tracks;
 }
