@@ -13,7 +13,7 @@ export const skip = chromium === undefined ? 'Chromium is not installed' : puppe
 
 /** A page at an address. `errors` gets what its console complains about, `requests` what it asks for. */
 export async function open(address, viewport = { width: 900, height: 600 }) {
-  const browser = await puppeteer.launch({ executablePath: chromium, args: [
+  const browser = await puppeteer.launch({ executablePath: chromium, protocolTimeout: 1800000, args: [
     '--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-gpu-watchdog'] });
   const page = await browser.newPage(), errors = [], requests = [];
   page.on('console', (message) => ['error', 'warn', 'warning'].includes(message.type()) && errors.push(message.text()));

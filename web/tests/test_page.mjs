@@ -1,6 +1,7 @@
 // The page in headless Chromium, drawn in software: every scene plays, hands grab, bad files get a sentence, and no error
 // is logged. Skipped in words without Chromium or puppeteer-core.
 //   SOUPLE_PLAY_SECONDS=5   plays each scene so long, of simulated time
+//   SOUPLE_SCENES="ducks"   only these
 import assert from 'node:assert/strict';
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import test, { after, before } from 'node:test';
@@ -8,7 +9,7 @@ import { open as openAddress, skip } from './browser.mjs';
 import { differenceInPage, root } from './golden.mjs';
 
 const { SOUPLE_PAGE, SOUPLE_PICTURES } = process.env;
-const scenes = ['playground', 'curtain', 'flag', 'jelly_armada', 'balloon', 'rope_bridge', 'sand_pile', 'dam_break', 'ducks', 'folded_cloth'];
+const scenes = process.env.SOUPLE_SCENES?.split(' ') ?? ['playground', 'curtain', 'flag', 'jelly_armada', 'balloon', 'rope_bridge', 'sand_pile', 'dam_break', 'ducks', 'folded_cloth'];
 
 // One page for all tests: in software a browser needs half a minute for its first picture.
 let browser, page, errors, requests;
