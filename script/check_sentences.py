@@ -1,0 +1,192 @@
+#!/usr/bin/env python3
+"""Refuses long sentences in comments and in the manual: more than 25 words, or a first word that hides the subject.
+
+A sentence ends at a period, at a blank line, at a formula or code that stands indented, and with a list item or a table's
+cell. Code spans, formulas and calls count as one word, units as none. Prints one line per violation and exits with 1 if there
+is any. `--root DIR` checks another tree.
+"""
+
+import argparse
+import io
+import pathlib
+import re
+import subprocess
+import sys
+import tokenize
+
+LONGEST = 25
+# A question may begin with "What".
+WEAK_START = re.compile(r"(Of|The same|As above)\b|What\b(?!.*\?$)")
+
+C_LIKE = (".h", ".hpp", ".cpp", ".in", ".glsl", ".vert", ".frag", ".js", ".mjs", ".ts")
+C_TOKEN = re.compile(r'(?P<comment>//[^\n]*|/\*.*?\*/)|R"\((?:.|\n)*?\)"|"(?:\\.|[^"\\\n])*"|`(?:\\.|[^`\\])*`'
+                     r"|\b\d[\w.']*|'(?:\\.|[^'\\\n])+'", re.S)
+HASH_COMMENT = re.compile(r"^[ \t]*(#(?!!)[^\n]*)|[ \t](# [^\n\"']*)$", re.M)
+NO_PROSE = re.compile(r"NOLINT|clang-format|shellcheck|SPDX|type:|noqa")
+
+LIST_ITEM = re.compile(r"(?:[-*+]|\d+[.)])\s+")
+ABBREVIATION = re.compile(r"\b(e\.g|i\.e|et al|eqs?|figs?|sec|ch|vol|no|pp?|cf|vs|ed|resp|approx|[A-Z])\.(?=\s)")
+CODE_SPAN = re.compile(r"(`+)(?:(?!\1).)+\1|\$[^$]+\$", re.S)
+LINK = re.compile(r"!?\[([^\]]*)\]\([^)]*\)|<[^<>\s][^<>]*>")
+UNIT = re.compile(r"\[[^\[\]]{1,20}\]")
+CALL = re.compile(r"(?<=\w)(\([^()]*\)|\[[^\[\]]*\])")
+OPERATOR = re.compile(r"\s+(?:[-+*/=<>^|~&%!:]=?|->|<=>|&&|\|\||\*\*|[≤≥·×→≈±])\s+")
+SENTENCE_END = re.compile(r"(?<!\.)[.!?][)\"'*_]*\s+|\.\.\.\s+(?=[A-Z])")
+
+
+def c_comments(text):
+    """Yields (offset, length of the marker, comment line)."""
+    for match in C_TOKEN.finditer(text):
+        offset = match.start()
+        for line in (match["comment"] or "").splitlines(keepends=True):
+            marker = re.match(r"\s*(///?<?|/\*+|\*/?)?[ ]?", line)[0]
+            yield offset + len(marker), line[len(marker):].rstrip().removesuffix("*/")
+            offset += len(line)
+
+
+def hash_comments(text):
+    for match in HASH_COMMENT.finditer(text):
+        group = 1 if match[1] else 2
+        marker = re.match(r"#+[ ]?", match[group])[0]
+        yield match.start(group) + len(marker), match[group][len(marker):].rstrip()
+
+
+def python_comments(text):
+    starts = [0]
+    for line in text.splitlines(keepends=True):
+        starts.append(starts[-1] + len(line))
+    begins_statement = True
+    for token in tokenize.generate_tokens(io.StringIO(text).readline):
+        offset = starts[token.start[0] - 1] + token.start[1]
+        if token.type == tokenize.COMMENT and not token.string.startswith("#!"):
+            yield offset + 2, token.string[2:]
+        elif token.type == tokenize.STRING and begins_statement:
+            for line in token.string.strip('ruRU"').splitlines(keepends=True):
+                indent = 3 if offset == starts[token.start[0] - 1] + token.start[1] else len(line) - len(line.lstrip())
+                yield offset + indent, line.strip()
+                offset += len(line)
+            yield offset, ""
+        begins_statement = token.type in (tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.NL, tokenize.COMMENT)
+
+
+def comment_blocks(text, comments):
+    """Joins comment lines below each other into blocks: lists of (offset, text)."""
+    block, column, last_line = [], 0, -2
+    for offset, line in comments:
+        number = text.count("\n", 0, offset)
+        here = offset - text.rfind("\n", 0, offset)
+        joined = block and number == last_line + 1 and here == column and \
+            (not text[text.rfind("\n", 0, offset) + 1:offset].strip(" \t/*#<"))
+        if not joined and block:
+            yield block
+            block = []
+        if not NO_PROSE.match(line):
+            block.append((offset, line))
+        column, last_line = here, number
+    yield block
+
+
+def markdown_block(text):
+    block, offset, fence = [], 0, ""
+    for line in re.sub(r"<!--.*?-->", lambda m: re.sub(r"[^\n]", " ", m[0]), text, flags=re.S).splitlines(keepends=True):
+        mark = re.match(r"\s*(```+|~~~+|\$\$(?!.*\$\$\s*$)|---$(?=.)|:::)", line)
+        if fence:
+            fence = "" if mark and mark[1] == fence else fence
+        elif mark:
+            fence = mark[1]
+        block.append((offset, "" if fence or mark else line.rstrip()))
+        offset += len(line)
+    return block
+
+
+def paragraphs(block, indented_is_code):
+    """Yields lists of (offset, text), each a run of sentences."""
+    paragraph, indent, in_list = [], 0, False
+    for offset, line in block:
+        stripped = line.strip()
+        own_indent = len(line) - len(line.lstrip())
+        item = LIST_ITEM.match(stripped)
+        starts = not stripped or item or stripped.startswith(("|", "#", "@", ">")) or own_indent < indent
+        code = indented_is_code and own_indent >= 2 + (indent if paragraph else 0) and not in_list and not item
+        if starts or code:
+            yield paragraph
+            paragraph = []
+        if not stripped:
+            in_list = False
+        elif stripped.startswith("|"):
+            for cell in re.finditer(r"(?:\\\||`[^`]*`|[^|])+", line):
+                yield [(offset + cell.start(), cell[0])]
+            continue
+        if stripped and not code:
+            indent = own_indent if not paragraph else indent
+            in_list = in_list or bool(item)
+            paragraph.append((offset + own_indent + (item.end() if item else 0), stripped[item.end() if item else 0:]))
+    yield paragraph
+
+
+def sentences(paragraph):
+    """Yields (offset, sentence)."""
+    text, places = "", []
+    for offset, line in paragraph:
+        places.append((len(text), offset))
+        text += line + " "
+    spans = CODE_SPAN.sub(lambda m: "`" + "_" * (len(m[0]) - 2) + "`", text)
+    spans = ABBREVIATION.sub(lambda m: m[0].replace(".", "_"), spans)
+    begin = 0
+    for end in [match.end() for match in SENTENCE_END.finditer(spans)] + [len(text)]:
+        start, offset = [place for place in places if place[0] <= begin][-1]
+        yield offset + begin - start, text[begin:end].strip()
+        begin = end
+
+
+def count_words(sentence):
+    plain = LINK.sub(lambda m: m[1] or "", CODE_SPAN.sub("X", sentence))
+    plain = UNIT.sub("", plain)
+    for _ in range(3):
+        plain = CALL.sub("", plain)
+    plain = OPERATOR.sub("=", plain)
+    return sum(bool(re.search(r"\w", word)) for word in plain.split())
+
+
+def blocks_of(path, text):
+    if path.endswith(".md"):
+        return [markdown_block(text)]
+    if path.endswith(C_LIKE):
+        return comment_blocks(text, c_comments(text))
+    if path.endswith(".py") or text.startswith("#!/usr/bin/env python3"):
+        return comment_blocks(text, python_comments(text))
+    return comment_blocks(text, hash_comments(text))
+
+
+def check_file(path, text):
+    """Yields (line, problem)."""
+    for block in blocks_of(path, text):
+        for paragraph in paragraphs(block, not path.endswith(".md")):
+            for offset, sentence in sentences(paragraph) if paragraph else ():
+                words = count_words(sentence)
+                first = " ".join(sentence.split()[:8])
+                line = text.count("\n", 0, offset) + 1
+                if words > LONGEST:
+                    yield line, f'{words} words: "{first} ..."'
+                if WEAK_START.match(sentence):
+                    yield line, f'begins with "{WEAK_START.match(sentence)[0]}": "{first} ..."'
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent)
+    root = parser.parse_args().root
+    names = subprocess.check_output(["git", "-C", str(root), "ls-files"], text=True).splitlines()
+    files = [name for name in names if name.endswith((*C_LIKE, ".py", ".sh", ".cmake", "CMakeLists.txt", ".md", ".yml", ".toml"))
+             or re.fullmatch(r"(script|\.ci)/[^.]*", name)]
+    problems = [f"{name}:{line}: {problem}" for name in files if (root / name).is_file()
+                for line, problem in check_file(name, (root / name).read_text(encoding="utf-8"))]
+    for problem in problems:
+        print(problem, file=sys.stderr)
+    if problems:
+        sys.exit(f"check_sentences: {len(problems)} sentences to be written shorter or plainer")
+    print(f"check_sentences: {len(files)} files, no long sentence")
+
+
+if __name__ == "__main__":
+    main()
