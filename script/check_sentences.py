@@ -31,7 +31,7 @@ LINK = re.compile(r"!?\[([^\]]*)\]\([^)]*\)|<[^<>\s][^<>]*>")
 UNIT = re.compile(r"\[[^\[\]]{1,20}\]")
 CALL = re.compile(r"(?<=\w)(\([^()]*\)|\[[^\[\]]*\])")
 OPERATOR = re.compile(r"\s+(?:[-+*/=<>^|~&%!:]=?|->|<=>|&&|\|\||\*\*|[≤≥·×→≈±])\s+")
-SENTENCE_END = re.compile(r"(?<!\.)[.!?][)\"'*_]*\s+|\.\.\.\s+(?=[A-Z])")
+SENTENCE_END = re.compile(r"(?<![.\s])[.!?][)\"'*_]*\s+|\.\.\.\s+(?=[A-Z])")
 
 
 def c_comments(text):

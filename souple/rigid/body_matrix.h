@@ -9,8 +9,8 @@
 
 namespace souple {
 
-/// A sparse, symmetric, positive definite matrix with a block of 6 x 6 for each pair of bodies that touch, and its
-/// factorization L L^T in an order of minimum degree. Allocates only where it grows.
+/// A sparse, symmetric, positive definite matrix with a block of 6 x 6 for each pair of bodies that touch. It is
+/// factorized as L L^T in an order of minimum degree. Allocates only where it grows.
 class BodyMatrix {
  public:
   static constexpr std::size_t rows = 6;
@@ -21,7 +21,7 @@ class BodyMatrix {
   void analyze(std::uint32_t bodies, std::span<const std::pair<std::uint32_t, std::uint32_t>> pairs);
   /// Multiplications of a factorization, approximately.
   double cost() const { return cost_; }
-  /// Those of `solve`.
+  /// Multiplications of `solve`.
   double solve_cost() const {
     return static_cast<double>((lower_.size() * 2 + diagonal_.size()) * rows * rows);
   }

@@ -21,8 +21,8 @@ Vec3d slip_at(const RigidContact& contact, const RigidContactPoint& point, std::
   return world_point(poses, contact.a, point.anchor_a) - world_point(poses, contact.b, point.anchor_b);
 }
 
-// Softness of a contact, as a part of the inverse mass that its point shows. The spring with this softness and that mass
-// has a period of a fifth of a substep, which implicit Euler damps in one; yet four corners of a box share its weight
+// Softness of a contact, as a part of the inverse mass at its point. A spring of this softness swings in a fifth of a
+// substep, and implicit Euler damps such a swing at once. The softness lets the four corners of a box share its weight
 // although rounding makes their gaps unequal. A box of any size and mass sinks by 2.5e-8 m under its own weight.
 constexpr double softness = 1e-3;
 

@@ -12,7 +12,7 @@
 
 namespace souple {
 
-/// What contacts see of a body in a substep, and how they move it.
+/// A body as contacts see and move it in a substep.
 struct ContactBody {
   Vec3d dx{}, dtheta{};  ///< by the impulses of contacts in this substep [m], [rad]
   double inverse_mass = 0;

@@ -13,13 +13,12 @@
 namespace souple {
 namespace {
 
-// A pair is fast if its sides may move against each other in a step by more than this part of the smaller side's inner
-// radius.
+// A pair is fast if its sides may move against each other in a step by this part of the smaller side's inner radius.
 constexpr double fast_ratio = 0.25;
 // A fast pair's contact is found again when its sides may have moved by more than this part of that radius.
 constexpr double moved_ratio = 0.02;
-// A fast pair without a contact is searched for what lies ahead of so many substeps, and not again until it has moved so far:
-// in a heap of boxes four of five searches found nothing.
+// A fast pair without a contact is searched over a distance of this many substeps of motion. It is searched again once
+// it has moved that far: without this rule, four of five searches in a heap of boxes found nothing.
 constexpr double substeps_ahead = 5;
 // Contacts begin at this distance even if nothing moves, as a part of the smaller side's inner radius.
 constexpr double margin_ratio = 0.02;
@@ -215,7 +214,7 @@ double ContactFinder::relative_motion(const Pair& pair, const RigidBodies& bodie
   return length(u) * dt_ + turn_[pair.a] + turn_[pair.b];
 }
 
-// Within which a contact may push in a substep.
+// Distance within which a contact may push in a substep [m].
 double ContactFinder::margin_of(const Pair& pair) const {
   return (motion_[pair.a] + motion_[pair.b]) * 2 * part_ + margin_ratio * min(inner_[pair.a], inner_[pair.b]);
 }

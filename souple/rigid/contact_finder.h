@@ -25,7 +25,8 @@ class RigidMaterials {
 /// the last step keeps its impulses and the anchors of its friction.
 class ContactFinder {
  public:
-  /// `shapes`: per body. `dt`: length of the step; `part`: of it that a substep is; `gravity`: m/s^2.
+  /// `shapes`: per body. `dt`: length of the step [s]; `part`: length of a substep relative to it; `gravity`: its
+  /// magnitude [m/s^2].
   void begin_step(const RigidBodies& bodies, std::span<const RigidShape> shapes,
                   const RigidMaterials& materials, double dt, double part, double gravity, Threads& threads);
   /// At the start of a substep: finds the contacts of pairs that move far in it again.

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint32_t none = ~std::uint32_t{0};
 
-/// What a unit impulse along d at r pushes: force and moment.
+/// Force and moment of a unit impulse along d at r.
 std::array<double, 6> wrench(const Vec3d& r, const Vec3d& d) {
   const Vec3d m = cross(r, d);
   return {d.x, d.y, d.z, m.x, m.y, m.z};
@@ -37,7 +37,7 @@ void for_each_row(const ContactSystem& system, const Function& f) {
   }
 }
 
-/// Of a point of a contact at motions q, six numbers a body.
+/// Relative motion at a point of a contact, for motions q of the bodies, six numbers a body.
 Vec3d motion_between(const ContactSystem& system, const ContactBlock& block, const ContactRow& row,
                      std::span<const double> q) {
   const auto motion_at = [&](std::uint32_t body, const Vec3d& r) {
@@ -307,7 +307,7 @@ void ContactNewton::advance(const ContactSystem& system, double part) {
   });
 }
 
-// What the forces of the springs leave of the motions, M^-1 (J^T p - M q), is the error of ending here [m].
+// Forces of the springs and motions disagree by M^-1 (J^T p - M q): the error of ending here [m].
 double ContactNewton::error(const ContactSystem& system) const {
   double square = 0;
   for (std::size_t i = 0; i < bodies_.size(); ++i) {

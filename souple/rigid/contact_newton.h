@@ -19,19 +19,19 @@ struct ContactSystem {
   std::span<ContactBody> states;
 };
 
-/// Newton's method for all contacts of an island at once, in place of the many sweeps that a stack needs: a sweep passes
-/// a force on from body to body, and errors of a tower's tilt shrink by a part of 1 / bodies^4.
+/// Newton's method for all contacts of an island at once. Sweeps alone are slow for a stack: each passes a force on by
+/// one body. The tilt error of a tower shrinks by a part of 1 / bodies^4.
 ///
 /// Contacts are springs, so their impulses are functions of the motions q:
 ///   p_n = max(0, -(gap + J_n q)_n / softness),   p_t = -(slip + J_t q) / softness, cut to |p_t| <= mu p_n,
-/// and q minimizes a convex energy, |q|^2_M / 2 and that of the springs, with mu p_n that of the iteration before. Newton's
-/// method finds the minimum in a few solves of (M + J^T K J) dq = J^T p - M q, one block of 6 x 6 for each pair that
-/// touches, where K is the stiffness of the rows that push; of those that slide, along the normal and across the slip.
-/// Without bodies' motions as unknowns, cutting impulses that turned negative moved stiff contacts far apart: a wall of
-/// twenty layers had no step that made its energy fall.
+/// and q minimizes a convex energy: |q|^2_M / 2 and the energy of the springs, with mu p_n from the previous iteration.
+/// A few solves of (M + J^T K J) dq = J^T p - M q find the minimum. The matrix has one block of 6 x 6 for each pair
+/// that touches. K is the stiffness of the rows that push. A row that slides has stiffness along the normal and across
+/// the slip. The unknowns are motions of bodies, not impulses. With impulses as unknowns, cutting the negative ones
+/// moved stiff contacts far apart: in a wall of twenty layers no step decreased the energy.
 class ContactNewton {
  public:
-  /// A new step begins: what it computes depends on nothing that is older.
+  /// A new step begins: drops the factor, so that results depend on this step alone.
   void forget() { factored_ = false; }
   void prepare(const ContactSystem& system);
   /// Multiplications of a factorization, approximately; infinite if the island is too large.
@@ -40,9 +40,9 @@ class ContactNewton {
     int solves = 0;    ///< at most
     double error = 0;  ///< of motions, below which it ends [m]
   };
-  /// Iterates until motions are exact. Takes the multiplications of its solves from `budget`, and begins none that needs more
-  /// than is left. If it has not converged, takes the part of the way that has less energy than before; without such a part
-  /// restores what was, and returns false.
+  /// Iterates until motions are exact. Takes the multiplications of its solves from `budget`, and begins no solve that
+  /// exceeds the rest. If it has not converged, it moves a part of the way that decreases the energy. If no part does,
+  /// it restores the state and returns false.
   bool step(const ContactSystem& system, const Limits& limits, double& budget);
   bool converged() const { return converged_; }
   std::size_t bytes() const;

@@ -14,11 +14,11 @@ constexpr double tolerance = 1e-3, relative_tolerance = 1e-6;
 constexpr int first_sweeps = 2;
 // Sweeps over so many contacts in all, within these bounds.
 constexpr std::size_t most_visits = 8000, least_sweeps = 4, most_sweeps = 40;
-// Newton's method is used for islands that are nearly at rest, that is they hardly move in h against each other, if a
-// factorization takes no more multiplications than `affordable` and a step no more than `in_a_step`.
+// Newton's method solves islands that are nearly at rest, whose bodies hardly move against each other in a substep. It
+// is used if a factorization takes at most `affordable` multiplications and a step at most `in_a_step`.
 constexpr double nearly_at_rest = 2;  // of g h^2
-// Errors that are left, as parts of g h^2 and of the tolerance. In each substep they add up to a creep: by the tolerance, of
-// 16 um/s.
+// Errors that may remain, as parts of g h^2 and of the tolerance. Errors of all substeps add up to a creep, of 16 um/s
+// at the tolerance.
 constexpr double exact = 1e-5, at_once = 0.1;
 constexpr double affordable = 4e7, in_a_step = 4e8;
 // Small islands are also solved while they move.
@@ -117,8 +117,8 @@ double ContactSolver::residual(std::span<const std::uint32_t> contacts) const {
   return result;
 }
 
-// Begins before any sweep, which would disturb impulses that are almost right. What does not converge is no stack: it is
-// swept in the rest of the step.
+// Runs before any sweep: a sweep would disturb impulses that are almost right. An island that does not converge is no
+// stack, so sweeps solve it in the rest of the step.
 bool ContactSolver::solve_at_once(std::size_t i, double limit) {
   const ContactSystem system{blocks_, islands_.contacts(islands_.islands()[i].contacts), local_, states_};
   ContactNewton& newton = newton_[i];

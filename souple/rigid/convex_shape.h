@@ -80,9 +80,9 @@ ConvexShape convex_cylinder(double radius, double half_height, int sides = 24);
 /// The corners of one face, counterclockwise from outside.
 using FaceLoop = std::vector<std::uint32_t>;
 
-/// The convex polyhedron with these vertices and faces, rounded by `radius` >= 0. Throws Error if a face has fewer than
-/// three corners or no area, an index is out of range, the faces are not closed, or a face is not flat or has a vertex
-/// outside by more than 1e-4 of the polyhedron's size.
+/// The convex polyhedron with these vertices and faces, rounded by `radius` >= 0. Throws Error if the surface is not
+/// closed, an index is out of range, or a face has fewer than three corners or no area. Also throws if a face is not
+/// flat, or a vertex is outside a face, by more than 1e-4 of the polyhedron's size.
 ConvexShape convex_polyhedron(std::span<const Vec3d> vertices, std::span<const FaceLoop> faces,
                               double radius = 0);
 

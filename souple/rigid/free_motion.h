@@ -11,10 +11,10 @@ namespace souple {
 /// I^-1 in world axes: R diag(I^-1) R^T. [1/(kg m^2)]
 Mat3d world_inverse_inertia(const BodyMass& mass, const Quatd& rotation);
 
-/// Rotates a body without torque for h seconds. The angular momentum in world axes is constant, and the energy error
-/// is bounded: a symmetric composition of rotations about the principal axes, each exact for its part of the energy
-/// (Dullweber, Leimkuhler and McLachlan 1997, "Symplectic splitting methods for rigid body molecular dynamics", section
-/// 3). `angular`: in world axes, updated [rad/s].
+/// Rotates a body without torque for h seconds. The angular momentum in world axes is constant and the energy error is
+/// bounded. The method is a symmetric composition of rotations about the principal axes, each exact for its part of the
+/// energy. Source: Dullweber, Leimkuhler and McLachlan 1997, "Symplectic splitting methods for rigid body molecular
+/// dynamics", section 3. `angular`: in world axes, updated [rad/s].
 void rotate_freely(const BodyMass& mass, double h, Quatd& rotation, Vec3d& angular);
 
 /// The start of a substep: start = pose; v += h g for bodies with mass; then poses move freely for h seconds.

@@ -32,8 +32,9 @@ struct Impact {
   Vec3d tangent{};
 };
 
-// Without restitution, contacts stop what approaches them by less than this part of its size in a substep: what turns
-// faster by an impact than its linearization holds is left to velocities.
+// An impact at an eccentric point turns a body. Contacts remove the approach by linearized positional impulses, which
+// are inexact for large turns. So an approach beyond this part of the arm in a substep is stopped in velocities, even
+// without restitution.
 constexpr double fast_part = 0.25;
 
 /// From the point to the nearer center of a side that moves [m].
@@ -76,7 +77,7 @@ std::array<BodyVelocity, 2> velocities_of(const RigidContact& contact, const Rig
 }
 
 /// With friction, Newton's restitution may add energy (Stronge 1990, "Rigid body collisions with friction"). Impulses P
-/// change it by P . (u + u') / 2, where u and u' are the relative velocities before and after: of s times the impulses,
+/// change it by P . (u + u') / 2, where u and u' are the relative velocities before and after. Impulses s P change it
 /// by s P . u + s^2 P . (u' - u) / 2. So s is the largest one, up to 1, that adds none.
 void give_back_energy(std::span<const Impact> impacts, const RigidContact& contact,
                       const std::array<BodyVelocity, 2>& before, RigidBodies& bodies) {
@@ -98,8 +99,8 @@ void give_back_energy(std::span<const Impact> impacts, const RigidContact& conta
   scale(contact.a, before[0]), scale(contact.b, before[1]);
 }
 
-/// Normal speed after an impact. The sides turn round where they are, at the distance C, but rise from it as if they had
-/// met at C = 0 and come back: v'^2 + 2 g C = e^2 (v^2 + 2 g C), with g the acceleration at which they approach.
+/// Normal speed after an impact. The sides turn round early, at the distance C. From there they rise as if they had met
+/// at C = 0. So v'^2 + 2 g C = e^2 (v^2 + 2 g C), with g the acceleration at which they approach.
 double restitution_speed(double e, const Impact& impact, const RigidContact& contact,
                          const RigidBodies& bodies, const RigidSubstep& substep) {
   const double sides = (moves(bodies, contact.a) ? 1 : 0) - (moves(bodies, contact.b) ? 1 : 0);

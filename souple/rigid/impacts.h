@@ -24,8 +24,9 @@ class Impacts {
  public:
   /// Call when the list of contacts has changed.
   void prepare(std::span<const RigidContact> contacts, const RigidBodies& bodies);
-  /// Every contact with restitution that closes within the substep, faster than the bounce speed, gives its sides e times
-  /// the approach speed, with friction; again and again until none approaches. So an impact travels through a row of balls.
+  /// Gives the sides of every contact with restitution e times their approach speed, with friction, until none
+  /// approaches. This concerns contacts that close within the substep faster than the bounce speed. So an impact
+  /// travels through a row of balls.
   void bounce(std::span<const RigidContact> contacts, RigidBodies& bodies, const RigidSubstep& substep);
   std::size_t bytes() const;
 

@@ -18,7 +18,7 @@ struct ManifoldPoint {
   std::uint32_t feature = 0;  ///< of the two shapes; equal in consecutive steps: the same contact
 };
 
-/// What the normal of a manifold moves with.
+/// Body with which the normal of a manifold moves.
 enum class NormalOwner : std::uint8_t {
   face_of_a,
   face_of_b,
@@ -30,8 +30,8 @@ struct Manifold {
   Vec3d normal{};  ///< in the world, unit, from b to a: a is pushed along it
   NormalOwner owner = NormalOwner::edges;
   int count = 0;
-  /// Radii of the surfaces at the points [m], of rounded shapes and of a cylinder on its side: the centers on_a + normal
-  /// radius_a (the normal in a's frame) and on_b - normal radius_b stay where they are when a shape rolls.
+  /// Radii of the surfaces at the points [m], for rounded shapes and for a cylinder on its side. The centers on_a +
+  /// normal radius_a (the normal in a's frame) and on_b - normal radius_b stay in place when a shape rolls.
   double radius_a = 0, radius_b = 0;
   std::array<ManifoldPoint, 4> points;
 };
@@ -56,19 +56,19 @@ struct AxisCache {
 /// Contact points of two shapes where they are nearer than `margin` [m] >= 0. Shapes that are apart give the direction of
 /// their closest points, or the normal of a face if that differs by less than the tolerance.
 ///
-/// Polyhedra: the axis of least penetration by face normals and pairs of edges (Gregorius, "The Separating Axis Test
-/// between Convex Polyhedra", GDC 2013), then clipping of one face against the other. Two tolerances keep contacts from
-/// alternating: faces are preferred over edges, and the last axis over others, if that adds at most
-/// `axis_tolerance` to the depth.
+/// For polyhedra, face normals and pairs of edges give the axis of least penetration; then one face is clipped against
+/// the other. Source: Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013. Two tolerances keep
+/// contacts from alternating. Faces are preferred over edges, and the last axis over others, as long as that adds at
+/// most `axis_tolerance` to the depth.
 Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const ConvexShape& b,
                        const BodyPose& pose_b, double margin, AxisCache& cache);
 
-/// The depth [m] by which the chosen axis of a pair may exceed the least penetration: 5e-4 of the smaller outer
-/// radius, at most 5 % of the smaller radius of a ball inside the shape.
+/// The depth [m] by which the chosen axis of a pair may exceed the least penetration. It is 5e-4 of the smaller outer
+/// radius, but at most 5 % of the smaller inner radius.
 double axis_tolerance(const ConvexShape& a, const ConvexShape& b);
 
-/// The contact points of a convex shape with a half-space whose local frame has the pose `pose_b`. With the `points` of the
-/// last call, the same ones are kept where that is as good.
+/// The contact points of a convex shape with a half-space whose local frame has the pose `pose_b`. Keeps the choice of
+/// the last call, `points`, while it is as good as a new one.
 Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Plane& b, const BodyPose& pose_b,
                        double margin, LastPoints& points);
 Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Plane& b, const BodyPose& pose_b,
@@ -77,10 +77,10 @@ Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Plane
 /// A triangle of a mesh, counterclockwise as seen from the side to which it pushes.
 struct ContactTriangle {
   std::array<Vec3d, 3> corners{};  ///< in the mesh's frame [m]
-  /// Largest lean of a contact normal over the edge from corner k to the next: the largest product of the normal with the
-  /// unit vector in the triangle's plane that points out over the edge. 0 where the neighbor continues the plane or rises
-  /// (a body slides over such an edge), the sine of the angle to the neighbor's normal where the neighbor falls away, 1
-  /// where that angle exceeds 90 degrees or there is no neighbor.
+  /// Largest lean of a contact normal over the edge from corner k to the next. The lean is the product of the normal
+  /// with the unit vector in the triangle's plane that points out over the edge. It is 0 where the neighbor continues
+  /// the plane or rises: a body slides over such an edge. It is the sine of the angle to the neighbor's normal where
+  /// the neighbor falls away. It is 1 where that angle exceeds 90 degrees, or without a neighbor.
   std::array<double, 3> lean{1, 1, 1};
   bool double_sided = false;  ///< pushes to the side of the shape's center
 };
@@ -91,9 +91,9 @@ Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Conta
                        const BodyPose& pose_b, double margin, AxisCache& cache);
 
 /// The contact points of a convex shape with several triangles of a mesh, such as those near it. Triangles with normals
-/// of contact within 1 degree share a manifold of at most four points. `names`: one per triangle, for the features, such as
-/// its index in the mesh; a vertex of a keeps its feature when it slides from triangle to triangle. Returns the number of
-/// manifolds, in the order of their first triangle, at most out.size() and 8.
+/// of contact within 1 degree share a manifold of at most four points. `names`: one per triangle, such as its index in
+/// the mesh, for the features. A vertex of a keeps its feature when it slides from triangle to triangle. Returns the
+/// number of manifolds, in the order of their first triangle, at most out.size() and 8.
 int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, std::span<const ContactTriangle> triangles,
                    std::span<const std::uint32_t> names, const BodyPose& pose_b, double margin,
                    std::span<Manifold> out);
@@ -102,10 +102,11 @@ int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, std::span<const
 std::vector<std::array<double, 3>> edge_leans(std::span<const Vec3d> positions,
                                               std::span<const Triangle> triangles);
 
-/// The contact points of the vertices of a convex shape with a collider's shape, such as a signed distance field, whose
-/// local frame has the pose `pose_b`. A manifold gathers the vertices whose normals differ by less than 20 degrees from
-/// that of its deepest vertex. Returns the number of manifolds, deepest first, at most out.size(). A collider that is
-/// smaller than the shape's faces may touch none of the vertices: for convex colliders use convex_shape_of.
+/// The contact points of a convex shape's vertices with a collider's shape, such as a signed distance field. The
+/// collider's local frame has the pose `pose_b`. A manifold gathers the vertices whose normals differ by less than 20
+/// degrees from that of its deepest vertex. Returns the number of manifolds, deepest first, at most out.size(). A
+/// collider that is smaller than the shape's faces may touch none of the vertices: for convex colliders use
+/// convex_shape_of.
 int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, const Shape& b, const BodyPose& pose_b,
                    double margin, std::span<Manifold> out);
 

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// The largest product of d with a unit vector between the normals of an edge's two faces, whose own products with d are
-/// `left` and `right`: the length of d's projection onto their plane where that lies between them.
+/// The largest product of d with a unit vector between the normals of an edge's two faces. `left` and `right`: products
+/// of d with these normals. If the projection of d onto their plane lies between them, its length is the maximum.
 double largest_between(double left, double right, double cosine) {
   const double sine_squared = 1 - cosine * cosine;
   if (sine_squared > 1e-9 && left >= cosine * right && right >= cosine * left) {
@@ -79,8 +79,8 @@ OwnEdge own(const ConvexView& a, const ConvexEdge& edge) {
   return out;
 }
 
-/// The axis of a pair of edges, not normalized; zero if the arcs of the two edges on the Gauss map do not cross: then
-/// the difference of the two shapes has no face of these edges.
+/// The axis of a pair of edges, not normalized. It is zero if the arcs of the two edges on the Gauss map do not cross.
+/// Then the Minkowski difference has no face of these edges.
 Vec3d axis_of(const OwnEdge& a, const OpposedEdge& b) {
   if (b.has_faces && dot(b.left, a.direction) * dot(b.right, a.direction) >= 0) return {};
   if (a.has_faces && dot(a.left, b.direction) * dot(a.right, b.direction) >= 0) return {};

@@ -17,8 +17,8 @@ struct ClipVertex {
 constexpr std::uint32_t no_vertex = ~std::uint32_t(0);
 using Polygon = StackList<ClipVertex, ContactPoints::capacity>;
 
-/// The face that opposes the normal most, of those at the lowest vertex: of a skew polyhedron, another face may oppose it
-/// more.
+/// The face that opposes the normal most, among those at the lowest vertex. On a skew polyhedron, a face elsewhere may
+/// oppose the normal more.
 std::uint32_t opposing_face(const ConvexView& shape, const Vec3d& normal) {
   const Vec3d lowest = shape.vertices[lowest_vertex(shape.vertices, normal).vertex];
   const double rounding = 1e-6 * shape.outer_radius;

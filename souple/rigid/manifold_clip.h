@@ -11,9 +11,10 @@ struct ReferenceFace {
   bool is_of_a;
 };
 
-/// The part of the incident shape's opposing face (segment, point) above or below the reference face, within its sides, in the reference shape's frame; only points with a height below `limit` [m]. Sutherland and
-/// Hodgman, "Reentrant Polygon Clipping", 1974. A vertex that lies outside a side by less than `slack` [m] remains:
-/// so the features of equal boxes on each other do not depend on noise.
+/// The part of the incident shape's opposing face (or segment, or point) within the sides of the reference face, in the
+/// reference shape's frame. Only points with a height below `limit` [m] count. Sutherland and Hodgman, "Reentrant
+/// Polygon Clipping", 1974. A vertex that lies outside a side by less than `slack` [m] remains. So noise does not
+/// change the features of equal boxes on each other.
 void clip_against(const ReferenceFace& reference, const ConvexView& incident,
                   const FrameChange& incident_to_reference, double slack, double limit,
                   ContactPoints& points);

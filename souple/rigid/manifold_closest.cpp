@@ -83,7 +83,7 @@ void weigh(Simplex& s) {
   if (s.count == 4) weigh_tetrahedron(s);
 }
 
-/// The same for the same sets of vertices in any order.
+/// Depends on the sets of vertices, not on their order.
 std::uint32_t feature_of(const Simplex& s) {
   std::uint32_t low_a = ~0u, high_a = 0, low_b = ~0u, high_b = 0;
   for (std::size_t i = 0; i < s.count; ++i) {

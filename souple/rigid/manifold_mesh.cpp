@@ -51,7 +51,8 @@ Group* group_of(Groups& groups, const Manifold& found, std::size_t capacity) {
   return &groups[groups.size() - 1];
 }
 
-/// Adds the points that the group does not have. Of points at one place, a vertex of a counts: it persists.
+/// Adds the points that the group does not have. A vertex of a replaces another point at its place, because its feature
+/// persists.
 void add(Group& group, const Manifold& found, std::uint32_t triangle, const Vec3d& local_normal,
          double slack) {
   for (int k = 0; k < found.count; ++k) {

@@ -55,8 +55,8 @@ Axis best_face(const ShapePair& pair, const Axis& known) {
   return best;
 }
 
-/// The lowest vertex of the one shape along the normal of a face of the other, and the point of the face below it, if that
-/// is within the face's sides.
+/// The lowest vertex of one shape along the normal of a face of the other. Also the point of the face below it, if that
+/// lies within the face's sides.
 DeepPoints deep_points(const ShapePair& pair, const Axis& axis) {
   if (axis.kind == Kind::none) return {};
   const bool of_a = axis.kind == Kind::face_of_a;
@@ -130,7 +130,7 @@ double lowest_of(const ContactPoints& points) {
   return lowest;
 }
 
-/// The lowest vertex of the incident shape, wherever it is: where clipping leaves nothing of a shape that penetrates.
+/// The lowest vertex of the incident shape, for a shape that penetrates although clipping leaves no point of it.
 void take_lowest_vertex(const ShapePair& pair, const Axis& axis, ContactPoints& points) {
   const bool of_a = axis.kind == Kind::face_of_a;
   const ConvexFace& face = of_a ? pair.a.faces[axis.a] : pair.b.faces[axis.b];
@@ -182,8 +182,8 @@ Vec3d direction_of(const ShapePair& pair, const Axis& axis) {
   return axis.direction;
 }
 
-/// The longest edge of a shape that is nearly perpendicular to an axis and touches the shape's supporting plane: its index,
-/// or no_face.
+/// The longest edge of a shape that is nearly perpendicular to an axis and touches the shape's supporting plane.
+/// Returns its index, or no_face.
 std::uint32_t supporting_edge(const ConvexView& shape, const Vec3d& axis) {
   constexpr double most_sine = 0.01;
   const double lowest = lowest_vertex(shape.vertices, axis).height;

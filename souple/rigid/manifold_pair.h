@@ -7,7 +7,7 @@
 
 namespace souple::manifold {
 
-/// Two shapes that may touch, and what decides about their contact points.
+/// Two shapes that may touch, with the parameters that decide about their contact points.
 struct ShapePair {
   ConvexView a, b;
   FrameChange b_to_a, a_to_b;

@@ -48,7 +48,7 @@ double squared_distance(const Point2& a, const Point2& b) {
   return (b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y);
 }
 
-/// Of the deepest points, the one farthest from the middle of all points.
+/// The point farthest from the middle of all points, among the deepest ones.
 int outermost_of_deepest(const ContactPoints& points, const Points2& flat, double tolerance) {
   Point2 middle{0, 0};
   double lowest = points[0].height;
@@ -77,7 +77,7 @@ std::array<int, 4> choose_four(const ContactPoints& points, const Vec3d& normal,
   chosen[2] = largest(flat, [&](const Point2& p) { return std::abs(area(a, b, p)); });
   Point2 c = flat[chosen[2]];
   if (area(a, b, c) < 0) std::swap(b, c);
-  // What a point adds to the triangle is outside one of its sides.
+  // The area that a point adds to the triangle lies outside one of its sides.
   chosen[3] = largest(flat, [&](const Point2& p) {
     return -std::min({area(a, b, p), area(b, c, p), area(c, a, p)});
   });

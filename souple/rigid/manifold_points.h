@@ -13,13 +13,13 @@ struct ContactPoint {
 };
 using ContactPoints = StackList<ContactPoint, 2 * static_cast<int>(max_face_corners)>;
 
-/// Reduces the points to four that support a body alike: the deepest, the farthest from it, and the two that add the
-/// largest areas as seen along the unit vector `normal`. Of several deepest points, whose heights differ by less than
-/// `tolerance` [m], the outermost one counts. Keeps the order.
+/// Reduces the points to four that support a body alike. These are the deepest point, the farthest from it, and the two
+/// that add the largest areas as seen along the unit vector `normal`. Points whose depths differ by less than
+/// `tolerance` [m] count as equally deep, and the outermost of them is taken. Keeps the order.
 void reduce_to_four(ContactPoints& points, const Vec3d& normal, double tolerance);
 
-/// The same, but keeps the last choice while these points are there, span nearly the area that they did, and no other is
-/// deeper by more than `slack` [m]. A body that trembles on many points would lose the impulses of those that change.
+/// Keeps the last choice while these points exist, span nearly the earlier area, and no other point is deeper by more
+/// than `slack` [m]. Otherwise a body that trembles on many points would lose the impulses of the points that change.
 void reduce_to_four(ContactPoints& points, const Vec3d& normal, double slack, LastPoints& last);
 
 }  // namespace souple::manifold

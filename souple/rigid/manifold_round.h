@@ -10,8 +10,9 @@ namespace souple::manifold {
 /// A cylinder lies on its side if the sine of its axis' inclination to the surface is less than this.
 inline constexpr double most_inclined = 0.02;
 
-/// The normals of a prism and of its round side differ less: the product of the normals exceeds this. And the axis lies in
-/// the surface: else the nearest point may be on the round ends of the segment, which the cylinder does not have.
+/// The normals of a prism and of its round side differ less: the product of the normals exceeds this. The axis must
+/// also lie in the surface. Otherwise the nearest point may be on the round ends of the segment, which the cylinder
+/// does not have.
 inline constexpr double like_normals = 0.95;
 
 /// The axis of a cylinder, as a segment with a radius.

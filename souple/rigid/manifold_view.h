@@ -8,7 +8,7 @@
 #include <new>
 #include <span>
 
-// What the parts of find_manifold share.
+// Types that the parts of find_manifold share.
 
 namespace souple::manifold {
 

@@ -19,24 +19,24 @@
 //
 //   f_i = e_i = -sum_j grad_i C_j alpha_j^-1 C_j
 //
-// Sweeps that have not converged carry the load as well, but leave deformations whose e_i is far larger. Particle by
-// particle e_i - f_i says little: the last thousandth of a percent of strain of a stiff cloth outweighs it. So both are
-// compared by their virials, tests of the balance with the affine motions about the center c of the pinned particles
-// (of all particles if there are none) that leave pinned particles in place:
+// Sweeps that have not converged carry the load as well, but leave deformations whose e_i is far larger. The value
+// e_i - f_i of single particles says little: the last thousandth of a percent of strain of a stiff cloth outweighs it.
+// So both are compared by their virials. A virial tests the balance against affine motions about the center c of the
+// pinned particles, which leave pinned particles in place. Without pinned particles c is the center of all:
 //
 //   E = sum_i e_i u_i^T,   F = sum_i f_i u_i^T,   u_i = x_i - c, 0 for pinned particles        [J]
 //
 //   unbalanced = |E - F| / (|E| + |F| + sum_i m_i |g| |u_i|)
 //   stretch    = |E - F| / K,   K = sum_j (grad C_j . u) alpha_j^-1 (grad C_j . u)
 //
-// K is the stiffness against a uniform stretch of the object: `stretch` is the strain that restores the balance, as
-// Newton's method finds it along that motion. Both are 0 in equilibrium, however soft the material, at rest and in
-// motion. Sums are estimated from at most 1,000 or so particles of an object, and as many constraints of each kind, and
-// each object is measured every sixteenth step: that is a hundredth of the time of a step, or less.
+// K is the stiffness against a uniform stretch of the object. `stretch` is the strain that restores the balance along
+// that motion, by a step of Newton's method. In equilibrium both are 0, at rest and in motion, however soft the
+// material. Sums are estimated from about 1,000 particles of an object and as many constraints of each kind. Each
+// object is measured every sixteenth step, so this takes at most about a hundredth of a step's time.
 //
-// An object has not converged if the material does not explain its shape, and that shows: `unbalanced` above 0.25 and
-// `stretch` above 0.3 % (soft bodies: 0.01 %, because bending amplifies it) in two successive measurements. An impact is
-// over before the second.
+// An object has not converged if the material does not explain its shape and the difference is visible. The limits are
+// `unbalanced` above 0.25 and `stretch` above 0.3 % in two successive measurements. Soft bodies have the limit 0.01 %,
+// because bending amplifies the strain. An impact is over before the second.
 
 namespace souple {
 
@@ -52,7 +52,7 @@ class Balance {
   std::size_t object_count() const { return objects_.size(); }
   /// Index of the k-th object that is measured.
   std::uint32_t object(std::size_t k) const { return objects_[k].index; }
-  /// Of the objects that have not converged, the one that is stretched most: k of `object`; none: all have.
+  /// The most stretched object that has not converged: k of `object`; none if all have converged.
   std::optional<std::size_t> worst(const ObjectsView& objects) const;
 
  private:
@@ -68,7 +68,7 @@ class Balance {
     std::vector<std::uint32_t> constraints;
     std::vector<Samples> samples;
   };
-  /// What is measured in one of `period` steps.
+  /// Particles and constraints that one of `period` steps measures.
   struct Part {
     std::vector<std::uint32_t> particles;
     std::vector<Samples> samples;  ///< of the particles

@@ -41,8 +41,9 @@ double lost_energy(const LinearConstraint& constraint, const double (&more)[rows
   return lost;
 }
 
-/// n sweeps of a substep act on a smooth stress as springs of the compliance alpha~ + phi D / (2 n), less what they are
-/// told to subtract (kernels/projection.h): max(alpha~, phi D / (2 n)). With stored multipliers nothing is subtracted.
+/// On a smooth stress, n sweeps of a substep act as springs of the compliance alpha~ + phi D / (2 n). Less what sweeps
+/// subtract (kernels/projection.h), the compliance is max(alpha~, phi D / (2 n)). With stored multipliers nothing is
+/// subtracted.
 class Sweeps {
  public:
   Sweeps(const ParticleView& particles, const Substep& substep, int n, const std::vector<bool>& shared)

@@ -39,7 +39,7 @@ class LowestParticle {
   std::atomic<std::size_t> lowest_{none};
 };
 
-/// Calls f(begin, end) for what of the particles [first, last) may move: without those of sleeping objects.
+/// Calls f(begin, end) for the ranges of [first, last) that belong to awake objects.
 template <class Function>
 void for_each_awake(const StageView& stage, std::size_t first, std::size_t last, const Function& f) {
   if (!stage.settings.sleeping.enabled || first == last) return f(first, last);
@@ -53,7 +53,7 @@ void for_each_awake(const StageView& stage, std::size_t first, std::size_t last,
   if (begin < last) f(begin, last);
 }
 
-/// The same on all threads, of all particles.
+/// Calls f on all threads, for all awake particles.
 template <class Function>
 void for_each_awake(const StageView& stage, const Function& f) {
   stage.threads.for_each(stage.objects.particles.size(), grain,

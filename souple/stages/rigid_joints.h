@@ -13,7 +13,7 @@
 
 namespace souple {
 
-/// What a world knows of a joint besides its description.
+/// Record of a joint besides its description.
 struct JointRecord {
   JointId id;
   JointSide a, b;

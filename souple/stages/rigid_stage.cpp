@@ -20,16 +20,16 @@
 namespace souple {
 namespace {
 
-// Where fewer particles are touched, the number that masses are made for falls by this factor in a substep, so that contacts
-// that come and go do not change the masses that others see.
+// The number of touched particles for which masses are split falls at most by this factor in a substep. Contacts that
+// come and go then do not change the masses that other constraints see.
 constexpr double decay_of_shown = 0.95;
-// A body that is held keeps this part of its velocity in a substep: it goes on once what it pinches has moved away, and no
-// force that presses on it makes it faster than in ten substeps of free fall.
+// A body between obstacles that cannot give way keeps this part of its velocity in a substep. It moves on once the path
+// is free. A force that presses on it gives it at most the speed of ten substeps of free fall.
 constexpr double held_part = 0.9;
 // Contacts and joints take turns, joints last. A crate on a bridge of planks sinks into it by 1.7 mm after one turn, 0.4 mm
 // after two, 0.05 mm after four.
 constexpr int rounds_with_joints = 4;
-// So many particles may be touched for the first time: the corners of a box.
+// Assumed number of touched particles at first contact: the corners of a box.
 constexpr double least_shown = 8;
 
 /// 0 without mass: of kinematic bodies.
@@ -46,7 +46,7 @@ BodyPose pose_of(const Transform& transform) {
   return {transform.translation, transform.rotation};
 }
 
-// Contacts that approach more slowly than in a fall of two substeps do not bounce, as those of particles.
+// As for particles, contacts that approach more slowly than a fall of two substeps do not bounce.
 RigidSubstep of_contacts(const StageView& stage, const Substep& substep) {
   constexpr double depenetration_speed = 1.5;  // of a fall by 11 cm [m/s]
   const auto h = static_cast<double>(substep.h);
@@ -429,10 +429,11 @@ void RigidStage::solve_bodies(const StageView& stage, const Substep& substep, Ti
     if (in_turns) tie();
   }
   if (!in_turns) tie();
-  if (joints_->end_substep()) invalidate();  // what was joined collides
+  if (joints_->end_substep()) invalidate();  // bodies that were joined may collide now
 }
 
-// Where nothing can give way, keep_apart holds all particles of what is driven: they are at the start of their ways.
+// Whether obstacles on opposite sides stop the body. Where an object between two driven ones cannot give way,
+// keep_apart returns all their particles to the start of the substep.
 bool RigidStage::is_held(const StageView& stage, std::size_t body) const {
   constexpr double rounding = 1e-6;  // of positions
   const ParticleView view = stage.objects.view();

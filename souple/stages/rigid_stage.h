@@ -27,13 +27,15 @@ struct StageView;
 struct Substep;
 class Ties;
 
-/// The rigid bodies of a world in its step. Their particles are points of their surfaces: the body moves them, and what
-/// pushes them pushes the body. Between a push and the next call here a body is not rigid; each call makes it so again.
+/// The rigid bodies of a world in its step. Their particles are points of their surfaces: the body moves its particles,
+/// and pushes on the particles push the body. A push on one particle deforms the body; each call here makes it rigid
+/// again.
 ///
-/// An impulse J on a particle is its change of position times its mass over h, or its change of velocity times its mass;
-/// impulses are exact, whatever mass the particle shows to others. While contacts are solved that is a part of the body's
-/// mass: where n of its particles are touched, each shows an n-th (mass splitting, Tonge et al. 2012, "Mass splitting for
-/// jitter-free parallel rigid body simulation"). So all together push the body no farther than each of them was pushed.
+/// The impulse J on a particle is its mass times its change of velocity, or times its change of position over h.
+/// Impulses are exact, whatever mass the particle shows to others. While contacts are solved, this mass is a part of
+/// the body's. If n particles of a body are touched, each shows an n-th. This is mass splitting: Tonge et al. 2012,
+/// "Mass splitting for jitter-free parallel rigid body simulation". So all together push the body no farther than each
+/// of them was pushed.
 class RigidStage {
  public:
   RigidStage();
@@ -51,16 +53,16 @@ class RigidStage {
   /// Call `invalidate` after a change.
   RigidJoints& joints() { return *joints_; }
   const RigidJoints& joints() const { return *joints_; }
-  /// Of an object's body, as ties number it until objects change.
+  /// Index of an object's body, by which ties refer to it until objects change.
   std::uint32_t index(std::uint32_t object) const;
   /// Mass and principal moments, pose and velocity of an object's body; null if the object is none.
   const RigidDefinition* definition(std::uint32_t object) const;
   const BodyPose* pose(std::uint32_t object) const;
   const BodyVelocity* velocity(std::uint32_t object) const;
-  /// The object's particles have been moved as one, or given velocities: the body follows at the next step.
+  /// Call when the object's particles have been moved as one, or given velocities. The body follows at the next step.
   void place(std::uint32_t object, const BodyPose& pose);
   void set_velocity(std::uint32_t object, const BodyVelocity& velocity);
-  /// The velocity with what has been done to the velocities of the object's particles since the last step.
+  /// The body's velocity, with the changes of its particles' velocities since the last step.
   BodyVelocity velocity_now(const Particles& particles, const Object& object) const;
   /// Changes the body's velocity and those of its particles, also during a step.
   void change_velocity(Particles& particles, const Object& object, const BodyVelocity& change);
@@ -86,21 +88,21 @@ class RigidStage {
 
   /// Reads the velocities of the particles, and finds the contacts of bodies with each other and with colliders.
   void begin_step(const StageView& stage, const ContactTables& tables, double dt);
-  /// After the prediction of particles: what forces did to them moves the bodies.
+  /// After the prediction of particles: forces on them move the bodies.
   void predict(const StageView& stage, const Substep& substep);
-  /// Makes the bodies rigid after other stages have moved particles. `in_contact`: these were contacts, which
-  /// count_touched counted.
+  /// Makes the bodies rigid after other stages have moved particles. `in_contact`: contacts moved them, and
+  /// count_touched counted these.
   void gather(const StageView& stage, bool in_contact);
   /// Before the contacts of a substep are found: particles show the masses that contacts see.
   void split_masses(const StageView& stage);
   /// Counts the particles of each body that `contacts` touch in this substep.
   void count_touched(const StageView& stage, std::span<Projector* const> contacts);
-  /// Before the solver: ties hold, and particles carry what is tied to them.
+  /// Before the solver: ties hold, and particles carry the mass of bodies that are tied to them.
   void begin_ties(const StageView& stage, const Substep& substep, Ties& ties);
-  /// After the solver: gathers, solves ties, joints and contacts of bodies, and writes the particles, which nothing moves
-  /// until `finish`.
+  /// After the solver: gathers, then solves ties, joints and contacts of bodies. Writes the particles, which do not
+  /// move until `finish`.
   void solve(const StageView& stage, const Substep& substep, Ties& ties);
-  /// After the new velocities: those of bodies, and particles as the body has them.
+  /// After the new velocities: finds those of bodies, and sets their particles to them.
   void finish(const StageView& stage, const Substep& substep);
   /// After stages that change velocities.
   void gather_velocities(const StageView& stage);
@@ -123,7 +125,7 @@ class RigidStage {
   std::size_t bytes() const;
 
  private:
-  /// Of a kinematic body.
+  /// Motion of a kinematic body.
   struct Drive {
     std::shared_ptr<const ColliderMotion> path;  ///< null: from `from` to `to`
     BodyPose from{}, to{};

@@ -3,7 +3,7 @@
 #include "souple/stages/rigid_stage.h"
 #include "souple/state/particles.h"
 
-// What users do to the velocities of rigid bodies, and read of them, between steps and in callbacks.
+// Velocities of rigid bodies that users read and change, between steps and in callbacks.
 
 namespace souple {
 namespace {
@@ -15,7 +15,7 @@ Mat3d inverse_inertia(const RigidDefinition& body, const Quatd& rotation) {
 
 }  // namespace
 
-// A change of a particle's velocity times its mass is an impulse, which the body takes over at the next step.
+// A change of a particle's velocity times its mass is an impulse on the body, which takes it over at the next step.
 BodyVelocity RigidStage::velocity_now(const Particles& particles, const Object& object) const {
   const Record& record = *find(object.id.value);
   const Mat3d R = rotation_matrix(record.pose.rotation);
@@ -45,7 +45,7 @@ void RigidStage::change_velocity(Particles& particles, const Object& object, con
     const Vec3d r = R * local;
     Vec4f& v = particles.velocity[i++];
     const Vec3f expected(before.at(r)), now(after.at(r));
-    // What else was done to the particle stays.
+    // Other changes of the particle's velocity stay.
     v.set_xyz(v.xyz() == expected ? now : v.xyz() + (now - expected));
   }
   record.velocity = after;

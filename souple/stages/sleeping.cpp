@@ -102,9 +102,8 @@ void mark_still(const SleepView& step, const Object& object, bool active) {
   }
 }
 
-// Wakes sleeping objects that moving objects and obstacles may touch. An object that has been at rest wakes
-// none, even if its last substep left velocities: of two objects that settle together one may fall asleep
-// first.
+// Wakes sleeping objects that moving objects and obstacles may touch. An object that has been at rest wakes none, even
+// if its last substep left velocities. Otherwise two objects that settle together would keep each other awake.
 void wake_near_movers(const SleepView& step, float dt) {
   const ObjectsView& view = step.stage.objects;
   const auto& objects = view.objects;

@@ -40,7 +40,7 @@ struct SleepScratch {
   std::vector<float> chunk_displacement_squared;
 };
 
-/// What sleeping and waking read and change.
+/// State that sleeping and waking read and change.
 struct SleepView {
   StageView stage;
   const ContactTables& tables;

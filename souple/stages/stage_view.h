@@ -7,7 +7,7 @@
 
 namespace souple {
 
-/// What the stages of a substep read and move.
+/// State that the stages of a substep read and change.
 struct StageView {
   ObjectsView objects;
   const Settings& settings;

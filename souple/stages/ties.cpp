@@ -35,8 +35,8 @@ bool has_body(const Tie& tie) {
 ///
 ///   B = m / K sum_k M^-1/2 [1 [r_k]^T; [r_k] [r_k][r_k]^T] M^-1/2,   M = diag(m, m, m, I)
 ///
-/// for K points r_k of a body, in its frame: in no motion of the body have masses m / K there more than so many times its
-/// kinetic energy. trace(B^16)^(1/16).
+/// for K points r_k of a body, in its frame. Masses m / K at these points have at most this many times the kinetic
+/// energy of the body, in any motion. The estimate is trace(B^16)^(1/16).
 class Crowding {
  public:
   Crowding(double inverse_mass, const Vec3d& inverse_inertia)
@@ -208,7 +208,7 @@ void Ties::find_loads_of(std::uint32_t k, double w) {
            sum > 0 ? part.weight / (positive * sum) : std::numeric_limits<double>::infinity()});
 }
 
-// K s / m of the ties of a body, K / m of those of a loose particle.
+// Inverse mass that each of K ties shows: K s / m for a body, K / m for a loose particle.
 double Ties::inverse_mass_of(const HeavyKey* first, const HeavyKey* last) const {
   const TieNumber& number = heavy_side(records_[first->record]).second;
   const double w = number.inverse_mass * static_cast<double>(last - first);
@@ -228,7 +228,7 @@ std::pair<const TieEnd&, const TieNumber&> Ties::heavy_side(const Record& record
   return {record.tie.a, record.a};
 }
 
-// Particles of an object carry what has no constraints of its own, and much heavier particles of another object.
+// Particles of an object carry bodies and loose particles, and much heavier particles of another object.
 Ties::Carrier Ties::carrier_of(const Record& record) {
   constexpr double much = 30;
   const Tie& tie = record.tie;
@@ -239,7 +239,7 @@ Ties::Carrier Ties::carrier_of(const Record& record) {
   return record.b.inverse_mass > much * record.a.inverse_mass ? Carrier::b : Carrier::none;
 }
 
-// By how many ties the most shared particle of its heavy side is shared.
+// The largest number of ties that share a particle of the heavy side.
 std::size_t Ties::sharing_of(const Record& record) const {
   const auto& [end, number] = heavy_side(record);
   std::ptrdiff_t most = 1;
@@ -422,7 +422,8 @@ void Ties::project_row(Record& record, const Sides& sides, const Vec3d& d) const
   sides.push(a, n * change), sides.push(b, n * -change);
 }
 
-// Coulomb's friction holds the point of the chain at which the substep began, with at most friction times the force across.
+// Coulomb's friction holds the chain's point of the substep's start. Its force is at most `friction` times the force
+// across the chain.
 void Ties::rub(Record& record, const Sides& sides) {
   const Point a = Sides::a_of(record), b = Sides::b_of(record);
   Point held = b;

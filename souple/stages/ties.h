@@ -41,7 +41,7 @@ struct Tie {
   double friction = 0;
 };
 
-/// What one step passes to the next.
+/// State that one step passes to the next.
 struct TieState {
   std::uint32_t segment = 0, broken = 0;
   double along = 0;  ///< of the segment
@@ -55,7 +55,7 @@ struct TieNumber {
   Vec3d inverse_inertia{};  ///< of a body, about its principal axes [1/(kg m^2)]
 };
 
-/// The ties of a world. With p_a and p_b the points that a tie holds, and a rest length l, it has
+/// The ties of a world. A tie holds the points p_a and p_b at a rest length l:
 ///
 ///   C = p_a - p_b  (three rows) for l = 0,   C = |p_a - p_b| - l  otherwise,   alpha~ = alpha / h^2
 ///   dlambda = -(W_a + W_b + alpha~)^-1 (C + alpha~ lambda)
@@ -63,15 +63,15 @@ struct TieNumber {
 /// (XPBD, Macklin 2016, eq. 18). W of a weighted sum of particles is sum w_i^2 / m_i, and each of them gets the part w_i.
 /// W of a point of a rigid body is 1/m - [r] I^-1 [r] (Müller et al. 2020). lambda lasts one substep, over all projections.
 ///
-/// Loads. A sweep over light cloth carries no more than about its own mass: it moves the light particles instead of the
-/// heavy body. Where a rigid body, a grain, a target or much heavier particles are tied to particles of an object with
-/// l = 0, they therefore carry its mass while the solver moves them, from `begin` to `end`: they show m_i + mu w_i, which levels, eliminations and
-/// contacts count as well. K ties of a body have 1 / mu = K s / m + alpha~. With s, the masses m / (K s) at the tied points
-/// have in no motion of the body more kinetic energy than the body: s is the largest eigenvalue of B, see `crowding`
-/// (a uniform mass splitting, Tonge et al. 2012, for points of one body). How far the solver moved each particle, times mu w_i, is the
-/// impulse on the body there: momentum and angular momentum are kept to rounding, whatever mu. In equilibrium, a mu too
-/// small by a factor n leaves g h^2 (n - 1): 0.03 mm times n - 1 at 600 substeps a second. At last the tied points are
-/// projected onto the body, in turns with its joints and contacts.
+/// Loads. A sweep over light cloth carries only about the cloth's own mass: it moves the light particles instead of the
+/// heavy body. So particles carry the mass of the body that is tied to them, while the solver moves them, from `begin`
+/// to `end`. They show m_i + mu w_i to the solver, to levels, eliminations and contacts. Particles carry a rigid body,
+/// a grain, a target, or much heavier particles, where l = 0. K ties of a body have 1 / mu = K s / m + alpha~, a
+/// uniform mass splitting (Tonge et al. 2012). The factor s (class Crowding) makes this stable: masses m / (K s) at the
+/// tied points never have more kinetic energy than the body. The impulse on the body at a tied point is mu w_i times
+/// the distance that the solver moved the particle. So momentum and angular momentum are conserved to rounding, for any
+/// mu. In equilibrium, a mu too small by a factor n leaves g h^2 (n - 1): 0.03 mm times n - 1 at 600 substeps a second.
+/// At last the tied points are projected onto the body, in turns with its joints and contacts.
 ///
 /// A tie that slides holds the point of the chain that is closest to p_a. Its impulse is perpendicular to the chain, but for
 /// Coulomb's friction and at the ends of the chain.
@@ -86,8 +86,8 @@ class Ties final : public Projector {
   void add(Tie tie, const TieState& state);
   void remove(std::size_t index);
 
-  /// Calls number(end) for each side of an object, which returns a TieNumber. Returns whether the masses that particles show
-  /// have changed: the solver must be prepared.
+  /// Calls number(end) for each side of an object, which returns a TieNumber. Returns whether the masses that particles
+  /// show have changed; then the solver must be prepared again.
   template <class Number>
   bool list(const Number& number) {
     for (Record& record : records_) {
@@ -109,13 +109,13 @@ class Ties final : public Projector {
   /// After the prediction: ties hold, and particles show loads. `position`: that of the particles, for its w lanes.
   void begin(const ParticleView& particles, RigidBodies& bodies, std::span<Vec4f> position,
              const Substep& substep);
-  /// After the solver: bodies get what it did to the particles that carry them; these show their own masses.
+  /// After the solver: bodies get the impulses on the particles that carry them, and these show their own masses again.
   void end(const ParticleView& particles, RigidBodies& bodies, std::span<Vec4f> position);
   /// All ties, in order.
   void project_all(const ParticleView& particles, RigidBodies& bodies);
   /// Reports forces, and breaks ties.
   void end_substep(const ParticleView& particles, const RigidBodies& bodies);
-  /// Of those that broke since begin_step.
+  /// Indices of the ties that broke since begin_step.
   std::span<const std::uint32_t> broken() const { return broken_; }
 
   void keep();

@@ -32,11 +32,12 @@ struct Joint {
   double breaking_torque = unlimited;  ///< N m
 };
 
-/// What a joint keeps from substep to substep, and what it reports.
+/// State of a joint that one substep passes to the next, with its reported forces.
 struct JointState {
   std::array<double, Rows::most> lambda{};  ///< impulse of each row in the last substep [kg m] or [kg m^2]
   std::array<double, Rows::most> value{};   ///< of each row at the start of the last substep [m] or [rad]
-  /// Of a range: at its low (-1) or high (1) end, or within (0). Of a limited force: at the limit (-1, 1) or below (0).
+  /// A range is at its low end (-1), at its high end (1) or within (0). A limited force is at its limit (-1, 1) or
+  /// below (0).
   std::array<std::int8_t, Rows::most> at{};
   std::array<double, 2> angle{};  ///< of hinge and universal, counted over full turns [rad]
   double h = 0;                   ///< of the last substep; 0 before the first one [s]
@@ -62,7 +63,7 @@ std::uint32_t add(Joints& joints, Joint joint, std::size_t body_count);
 /// Both frames on a point and axes of the world, where the bodies are now. The joint's first axis is that of `axes`.
 void place(Joint& joint, const RigidBodies& bodies, const Vec3d& point, const Quatd& axes = {});
 
-/// The rotation that turns the first axis into the direction of `axis`. Of an axis without length: zero, which `add`
+/// The rotation that turns the first axis into the direction of `axis`. An axis without length gives zero, which `add`
 /// refuses.
 Quatd axes_along(const Vec3d& axis);
 
@@ -72,11 +73,11 @@ Ends ends_of(const Joint& joint, const BodyPose& a, const BodyPose& b, const std
 Ends ends_of(const Joint& joint, const JointState& state, const RigidBodies& bodies);
 Rows rows_of(const Joint& joint, const Ends& ends);
 
-/// Where a joint is along what it leaves free: hinge: angle [rad]; slider: shift [m]; universal: both angles [rad]; ball: swing
-/// and twist [rad]; distance: the distance [m]; pulley: length of the rope in use [m]. Else 0.
+/// Position of a joint along its free coordinates. Hinge: angle [rad]; slider: shift [m]; universal: both angles [rad];
+/// ball: swing and twist [rad]; distance: the distance [m]; pulley: length of the rope in use [m]. Else 0.
 std::array<double, 2> coordinates_of(const Joint& joint, const Ends& ends);
 
-/// How far a joint is from what it holds rigidly.
+/// Distance and angle by which a joint violates its rigid rows.
 struct JointError {
   double distance = 0;  ///< m
   double angle = 0;     ///< rad

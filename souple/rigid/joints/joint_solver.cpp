@@ -13,12 +13,13 @@ namespace {
 constexpr double enough = 1e-7;
 /// Beyond this one after a pass, bodies turned too far for the gradients of the substep's start.
 constexpr double too_far = 1e-3;
-/// A joint is jerked when s (prepared_joint.h) is larger than the first, and that many times the s its arms are for.
+/// A joint is jerked if s (prepared_joint.h) exceeds `least_jerk`, and exceeds `jerk_ratio` times the s for which its
+/// arms were chosen.
 constexpr double least_jerk = 0.5, jerk_ratio = 3;
 constexpr int most_restarts = 3;
-/// A pass that would turn a body further than this [rad] is repeated with damping (Levenberg and Marquardt), a part of the
-/// matrix's diagonal: joints that cannot be satisfied, or only in a way that the gradients do not see, as a straight chain
-/// that has to become shorter.
+/// A pass that would turn a body further than this [rad] is repeated with damping (Levenberg and Marquardt), a part of
+/// the matrix's diagonal. Large turns mean that joints cannot be satisfied, or only along a path that gradients do not
+/// show. A straight chain that must become shorter is an example.
 constexpr double most_turn = 0.5, least_damping = 1e-6;
 /// Exchanging rows at bounds may go in circles.
 constexpr int most_passes = 20;
@@ -195,8 +196,8 @@ void JointSolver::save(const Island& island, const Joints& joints, const RigidBo
   for (const std::uint32_t j : island.joints) prepared_[j].lambda = joints.state[j].lambda;
 }
 
-/// Repeats the projection with arms for the present impulses, if a joint is pulled much more than they were chosen
-/// for: when a chain jerks taut.
+/// Repeats the projection with arms for the present impulses when a chain jerks taut. A joint then pulls much more than
+/// its arms were chosen for.
 bool JointSolver::restart(const Island& island, Joints& joints, RigidBodies& bodies) {
   bool jerked = false;
   for (const std::uint32_t j : island.joints) {
@@ -283,7 +284,7 @@ void JointSolver::solve_rows(Island& island, const Joints& joints, const RigidBo
   }
 }
 
-/// Of the bodies by their impulses [rad].
+/// The largest rotation of a body by the impulses of this pass [rad].
 double JointSolver::largest_turn(const Island& island) const {
   double turn = 0;
   for (const std::uint32_t body : island.bodies)
@@ -291,7 +292,7 @@ double JointSolver::largest_turn(const Island& island) const {
   return std::sqrt(turn);
 }
 
-/// What remains of a row's equation.
+/// Residual of a row's equation.
 double JointSolver::left_of(std::size_t i, const Joints& joints, std::uint32_t j) const {
   const RowTarget& target = prepared_[j].target[i];
   return prepared_[j].rows.row[i].value - target.goal + target.alpha * joints.state[j].lambda[i];

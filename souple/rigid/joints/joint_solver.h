@@ -15,10 +15,11 @@ enum class Method : std::uint8_t {
 /// are part of `project`.
 ///
 /// An island is a set of bodies that joints connect; bodies that cannot move connect nothing. Islands are independent.
-/// Within one, Newton's method solves S dlambda = -(C + alpha lambda) of all rows, with S = J (M + T)^-1 J^T + alpha:
-/// sparse, positive definite, without fill for trees of joints, so linear in their length. T is the stiffness of arms that
-/// a load turns (`weigh_arms`). Limits, and motors at their largest force, are found by exchanging rows that violate
-/// their bounds. An island whose factorization takes more than 5e7 multiplications is swept.
+/// Within one, Newton's method solves S dlambda = -(C + alpha lambda) for all rows, with S = J (M + T)^-1 J^T + alpha.
+/// S is sparse and positive definite. Trees of joints cause no fill, so the time is linear in their length. T is the
+/// stiffness of arms that a load turns (`weigh_arms`). Limits, and motors at their largest force, are found by
+/// exchanging rows that violate their bounds. An island whose factorization takes more than 5e7 multiplications is
+/// swept.
 class JointSolver {
  public:
   Method method = Method::direct;

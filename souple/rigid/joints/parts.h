@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-// What descriptions of joints are made of.
+// Parts of which descriptions of joints consist.
 
 namespace souple::joint {
 
@@ -41,7 +41,7 @@ struct Motor {
   double damping = 0;            ///< of a target position [N s/m] or [N m s/rad]
 };
 
-/// What acts along one degree of freedom.
+/// Forces along one degree of freedom.
 struct Axis {
   Limits limits{};
   std::optional<Spring> spring{};

@@ -27,8 +27,8 @@ double largest(const Vec3d& v) {
   return std::max({v.x, v.y, v.z});
 }
 
-/// Largest inverse inertia about an axis perpendicular to r: the larger eigenvalue of the part of I^-1 across r, which has
-/// the trace t and the determinant d.
+/// Largest inverse inertia about an axis perpendicular to r. It is the larger eigenvalue of the part of I^-1 across r,
+/// whose trace is t and whose determinant is d.
 double inverse_inertia_across(const RigidBodies& bodies, std::uint32_t body, const Vec3d& r) {
   if (!is_movable(bodies, body)) return 0;
   const Vec3d n = normalized(r);
@@ -56,7 +56,7 @@ bool is_zero(const Row& row) {
          0;
 }
 
-/// Of the points' rows.
+/// Positional impulse of the rows that hold the points together [kg m].
 Vec3d point_impulse(const JointState& state) {
   return {state.lambda[0], state.lambda[1], state.lambda[2]};
 }
@@ -97,7 +97,7 @@ void update_angles(const Joint& joint, const Ends& ends, JointState& state) {
   if (std::holds_alternative<Universal>(joint.kind)) state.angle = universal_angles(ends);
 }
 
-/// That errors of a row are compared with [m] or [rad].
+/// Length or angle with which errors of a row are compared [m] or [rad].
 double size_of(std::size_t i, const PreparedJoint& prepared) {
   return length_squared(prepared.rows.row[i].linear_b) > 0 ? prepared.size : 1;
 }
@@ -209,7 +209,7 @@ Refreshed refresh(const Joint& joint, JointState& state, const RigidBodies& bodi
     const double known = is_range || at == 0 ? 0 : at * most;
     prepared.change[i] = solved ? 0 : known - state.lambda[i];
     const RowTarget& target = prepared.target[i];
-    // Of soft rows, as far as impulses change the value: K / (K + alpha).
+    // A soft row counts as far as impulses change its value: K / (K + alpha).
     const double left = std::abs(value - target.goal + target.alpha * state.lambda[i]) * prepared.K[i] /
                         (prepared.K[i] + target.alpha);
     if (solved) result.error = std::max(result.error, left / size_of(i, prepared));

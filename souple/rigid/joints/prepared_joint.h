@@ -37,22 +37,22 @@ bool is_movable(const RigidBodies& bodies, std::uint32_t body);
 
 /// Gradients, histories and warm impulses of a joint for a substep of `h`, from the bodies' start and predicted poses.
 ///
-/// Impulses act along the gradients of the substep's start, while their sum removes the error of its end: SHAKE (Ryckaert,
-/// Ciccotti and Berendsen 1977), which keeps momentum, and energy within bounds. Impulses along the gradients of its end,
-/// as in usual position-based dynamics, take omega^2 h of a swing's energy per second. SHAKE is unstable where a heavy
-/// load pulls at a light body, s = |p . r| / I > 4, with the positional impulse p at the arm r. There, the arms are means
-/// a r1 + b r0 + c r- of those at the end, the start, and a substep before, as in multilevel/tree_elimination.h, and
-/// `weigh_arms` adds what follows from r1. Bodies that turn by more than half a radian per substep get their predicted
-/// gradients.
+/// Impulses act along the gradients of the substep's start, while their sum removes the error at its end. This is SHAKE
+/// (Ryckaert, Ciccotti and Berendsen 1977), which conserves momentum and bounds the energy. Impulses along the
+/// gradients of the end, as in usual position-based dynamics, remove omega^2 h of a swing's energy per second. SHAKE is
+/// unstable where a heavy load pulls at a light body: s = |p . r| / I > 4, with the positional impulse p at the arm r.
+/// There, arms are means a r1 + b r0 + c r-: r1 at the end, r0 at the start and r- a substep before, as in
+/// multilevel/tree_elimination.h. `weigh_arms` adds the stiffness that follows from r1. Bodies that turn by more than
+/// half a radian per substep get their predicted gradients.
 void prepare(const Joint& joint, JointState& state, const RigidBodies& bodies, double h,
              PreparedJoint& prepared);
 
 /// s for the impulses of `state`.
 double stiffness_of(const JointState& state, const PreparedJoint& prepared);
 
-/// Chooses the arms for the impulses of `state`, and adds to each body's stiffness against turning what follows from them:
-/// a (p . r) (1 - r r^T / |r|^2) where the joint pulls outward. [kg m^2]
-/// A jerk takes the arms at the end alone.
+/// Chooses the arms for the impulses of `state`, those at the end alone for a jerk. Adds the stiffness of each body
+/// against turning that follows from them, where the joint pulls outward:
+///   a (p . r) (1 - r r^T / |r|^2)  [kg m^2]
 void weigh_arms(const Joint& joint, const JointState& state, bool jerk, PreparedJoint& prepared,
                 std::span<Mat3d> stiffness);
 

@@ -7,7 +7,7 @@ namespace {
 
 /// Compliance of rigid rows relative to K: keeps systems with redundant joints solvable.
 constexpr double rigid = 1e-8;
-/// The same of motors: what limits and axes hold goes first.
+/// The relative compliance of motors: limits and axes take precedence.
 constexpr double motor = 1e-6;
 /// A rigid row removes errors below this part of the bodies' size at once. Joints that were assembled wrongly close at
 /// `closing` times their error per second: nothing is shot away.

@@ -9,7 +9,7 @@ struct RowHistory {
   double start = 0, before = 0;
 };
 
-/// What the solve asks of a row: value - goal + alpha lambda = 0.
+/// Equation of a row for the solve: value - goal + alpha lambda = 0.
 struct RowTarget {
   double goal = 0;   ///< m or rad
   double alpha = 0;  ///< 1/kg or 1/(kg m^2)

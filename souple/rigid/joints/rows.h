@@ -24,7 +24,7 @@ struct Row {
   double value = 0;  ///< m or rad
 };
 
-/// What holds the value of a row.
+/// Law that determines the value of a row.
 struct RowLaw {
   enum class Kind : std::uint8_t {
     spring,  ///< pulled to `low`; rigid without compliance
@@ -72,8 +72,8 @@ struct Rows {
   void add_limits(const Row& r, const Limits& limits);
   /// Holds the points together. C = point_b - point_a, dC = dx + dtheta x r.
   void add_point(const Ends& ends, double compliance, double damping);
-  /// Holds the axes of b to `target` in the axes of a: C = 2 v, with (v, w) the rotation from the target, in the axes of
-  /// the target at a. With dv = (w dtheta + dtheta x v) / 2, dC_k = dtheta . (w e_k + v x e_k).
+  /// Holds the axes of b to `target` in the axes of a: C = 2 v. Here (v, w) is the rotation from the target, in the
+  /// axes of the target at a. With dv = (w dtheta + dtheta x v) / 2, dC_k = dtheta . (w e_k + v x e_k).
   void add_rotation(const Ends& ends, const Quatd& target, const RowLaw& held_by);
   /// Holds the first axes parallel: C = (x_b . y_a, x_b . z_a).
   void add_parallel_axes(const Ends& ends, double compliance, double damping);

@@ -28,7 +28,7 @@ std::size_t index_of(const WorldState& world, JointId id) {
   return *index;
 }
 
-/// Of a rigid body, a collider at the world's time, or the world.
+/// Pose of a rigid body, of a collider at the world's time, or of the world.
 BodyPose pose_of(const WorldState& world, const JointSide& side) {
   if (side.is_world()) return {};
   if (side.object()) return *world.rigid->pose(side.object()->value);
@@ -57,7 +57,7 @@ void require_sides(WorldState& world, const JointSide& a, const JointSide& b, co
 Quatd axes_of(const JointOptions& options) {
   const Quatd first = joint::axes_along(options.axis);
   if (!options.second_axis || !(length_squared(options.axis) > 0)) return first;
-  // Turned about the first axis, as far as the projection of the second one is from the third.
+  // The turn about the first axis by which the projection of the second option misses the third axis.
   const Vec3d z = rotate(first, {0, 0, 1}), y = rotate(first, {0, 1, 0});
   const double along_y = dot(*options.second_axis, y), along_z = dot(*options.second_axis, z);
   const double across = elementary::hypot(along_y, along_z);

@@ -179,7 +179,8 @@ class NewTie {
       fail("it ties {} to itself at one place; name two places", world_.object(*tie_.a.object).name);
   }
 
-  /// A body, a collider or the world holds the other side where it is.
+  /// Without a rest length, the tie holds its sides as they lie: a body, a collider or the world takes over the other
+  /// side's point.
   void lie_as_they_are() {
     const Vec3d a = place_of(world_, tie_.a), b = place_of(world_, tie_.b);
     if (tie_.b.kind != TieEnd::Kind::particles) return hold(tie_.b, a);
@@ -197,7 +198,7 @@ class NewTie {
       end.local = point;
   }
 
-  /// Of the box around an object; of one particle its diameter.
+  /// Size of the box around an object; a particle's diameter.
   double size_of(const TieEnd& end) const {
     const Object& object = world_.object(*end.object);
     Vec3d lo = world_.exact_position(object.begin), hi = lo;

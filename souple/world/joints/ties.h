@@ -8,7 +8,7 @@ namespace souple {
 
 struct JoinedObjects;
 
-/// Brings the numbers of what ties hold up to date.
+/// Brings the indices of tied bodies and particles up to date.
 void list_ties(WorldState& world);
 /// Moves the sides of ties that colliders hold to where these are at time t [s].
 void drive_ties(WorldState& world, double t);
