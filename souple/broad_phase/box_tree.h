@@ -14,7 +14,7 @@ namespace souple {
 
 /// Bounding volume hierarchy of elements that move. Nodes are split at the median of the boxes' centers along the longest
 /// side. While the number of elements stays, moved boxes refit the tree; once its nodes have grown to twice their area,
-/// the tree is built again. What a search finds does not depend on the shape of the tree.
+/// the tree is built again. The results of a search do not depend on the shape of the tree.
 class BoxTree {
  public:
   /// Elements 0 to count - 1 now have the boxes box_of(i), which must be finite. Allocates nothing while `count` stays.

@@ -5,14 +5,15 @@
 namespace souple {
 namespace {
 
-// What a collision of two surfaces depends on, except single pairs.
+// Properties on which a collision of two surfaces depends, except single pairs.
 auto kind_of(const ContactSurface& surface) {
   return std::tuple(surface.groups, surface.mask, surface.particles_only, surface.immovable, surface.rigid);
 }
 
 }  // namespace
 
-// Of many surfaces most are alike: a few representatives tell that no pair can collide. Else the first pairs do.
+// Most of many surfaces are alike, so a few representatives tell that no pair can collide. Otherwise one of the first
+// pairs does.
 bool any_may_collide(std::span<const ContactSurface> surfaces) {
   std::vector<ContactSurface> kinds;
   for (const ContactSurface& surface : surfaces) {

@@ -9,9 +9,9 @@
 
 namespace souple {
 
-/// How far particles have moved since a search for near pairs: the pairs stay complete until the largest motion exceeds
-/// half the margin of the search. Where all of them are compared with each other, motions relative to the mean count: a
-/// heap that falls as a whole has not moved.
+/// Motion of particles since a search for near pairs. The pairs stay complete until the largest motion exceeds half the
+/// margin of the search. Where all of them are compared with each other, motions relative to the mean count: a heap
+/// that falls as a whole has not moved.
 class LargestMotion {
  public:
   /// Largest length of motion(m), m < count, or of its distance from the mean of all. Chunks have one size and their sums

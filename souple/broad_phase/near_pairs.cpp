@@ -192,7 +192,7 @@ void NearPairFinder::find_own_patches() {
   }
 }
 
-// Of an object that is not compared with itself, such as a fluid: its own patches.
+// An object that is not compared with itself, such as a fluid, skips its own patches.
 SpatialHash::Skip NearPairFinder::skipped(std::uint32_t patch, const ObjectFilter& compares) const {
   const std::uint32_t object = elements_->patches()[patch].object;
   return compares(object, object) ? SpatialHash::Skip{} : own_patches_[patch];

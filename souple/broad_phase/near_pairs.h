@@ -24,8 +24,8 @@ struct NearPairs {
   std::vector<NearPair> vertex_triangle, edge_edge;
 };
 
-/// Finds pairs that may come into contact within a step: vertices and triangles with overlapping boxes, edges
-/// and edges with overlapping boxes, and grains and edges of ropes with overlapping boxes.
+/// Finds pairs of elements with overlapping boxes, which may come into contact within a step. The pairs are vertices
+/// and triangles, edges and edges, and grains and edges of ropes.
 ///
 /// The spatial hash contains patches of up to 15 neighboring triangles (see SurfaceElements), with the edges
 /// and vertices that they own. Two patches with overlapping boxes are compared item by item, a register at a
@@ -40,17 +40,17 @@ class NearPairFinder {
   /// inverse mass 0, and elements with a box that is not finite. Two grains are never a pair. The order of
   /// pairs depends on elements and boxes alone, not on the number of threads. `position_w`: per particle, w =
   /// inverse mass. Throws Error when `boxes` or `position_w` are too small. Allocates nothing when
-  /// warm. Returns false, with `out` empty, if there are more than `most` pairs: memory and time are then bounded by
+  /// warm. Returns false, with `out` empty, if there are more than `most` pairs. Memory and time are then bounded by
   /// `most` and the number of patches, however large the boxes are.
   bool find(const SurfaceElements& elements, std::span<const Bounds> boxes, const ObjectFilter& compares,
             std::span<const Vec4f> position_w, NearPairs& out, Threads& threads,
             std::size_t most = unlimited);
   static constexpr std::size_t unlimited = ~std::size_t{0};
 
-  /// After a find, when the boxes of `particles` have changed: replaces `out` by all pairs that contain such
-  /// a particle, from the present boxes alone, including pairs that the find returned. Call
-  /// SurfaceElements::index_particles before. Costs little for few particles. Elements, filter and masses
-  /// must be those of the find. `most`: as in `find`.
+  /// Call after a find, when the boxes of `particles` have changed. Replaces `out` by all pairs that contain such a
+  /// particle, from the present boxes alone, including pairs that the find returned. Call
+  /// SurfaceElements::index_particles before. Costs little for few particles. Elements, filter and masses must be those
+  /// of the find. `most`: as in `find`.
   bool find_moved(std::span<const std::uint32_t> particles, std::span<const Bounds> boxes,
                   const ObjectFilter& compares, std::span<const Vec4f> position_w, NearPairs& out,
                   Threads& threads, std::size_t most = unlimited);

@@ -56,7 +56,7 @@ class ObjectPairs {
   std::size_t count_ = 0;
 };
 
-/// Boxes of objects that overlap: sort and sweep along the axis along which their centers vary most (Baraff 1992,
+/// Boxes of objects that overlap. Sorts and sweeps along the axis along which their centers vary most (Baraff 1992,
 /// "Dynamic simulation of non-penetrating rigid bodies", section 9.3).
 class BoxSweep {
  public:

@@ -12,8 +12,8 @@
 
 namespace souple {
 
-/// Resizes a vector. Where it must grow, it reserves a quarter more (`spare` of its size), so that sizes that
-/// vary a little from step to step soon allocate nothing.
+/// Resizes a vector. If it must grow, it reserves a quarter more (`spare` of its size). Sizes that vary a little from
+/// step to step then soon allocate nothing.
 template <class Item>
 void resize_with_spare(std::vector<Item>& items, std::size_t size, double spare = 0.25) {
   if (size > items.capacity())
@@ -21,15 +21,15 @@ void resize_with_spare(std::vector<Item>& items, std::size_t size, double spare 
   items.resize(size);
 }
 
-/// Boxes by the grid cells that they overlap, in a hash table (Teschner et al. 2003, "Optimized spatial
-/// hashing for collision detection of deformable objects", section 3):
+/// Boxes by the grid cells that they overlap, in a hash table. Source: Teschner et al. 2003, "Optimized spatial hashing
+/// for collision detection of deformable objects", section 3.
 ///
 ///   hash(i, j, k) = (i p1 xor j p2 xor k p3) mod n,  p1 = 73856093, p2 = 19349663, p3 = 83492791
 ///
 /// Deviations:
-/// - There are several grids; the cell size of each is four times that of the next finer one. A box is in the
-///   finest grid whose cells are as large as itself, so in 8 cells at most: a huge triangle among small ones
-///   costs no more than they do. Two boxes are compared in the grid of the larger one.
+/// - There are several grids; the cell size of each is four times that of the next finer one. A box is in the finest
+///   grid whose cells are as large as itself, so in at most 8 cells. So a huge triangle among small ones costs no more
+///   than they do. Two boxes are compared in the grid of the larger one.
 /// - The hash is that of a block of 4 x 4 x 4 cells; cells are in order within it. So neighbors in space are
 ///   neighbors in memory, and no two cells that a box overlaps share a bucket.
 /// - Buckets are filled by counting sort, first by parts of the table, then within each part. There are no
@@ -50,8 +50,8 @@ class SpatialHash {
   /// warm.
   void build(std::span<const Bounds> boxes, float cell_size, Threads& threads);
 
-  /// Boxes [first, last) that a search leaves out. They cost it next to nothing: those of a long thin triangle's own
-  /// surface, whose boxes nearly all overlap, or of the particles of one fluid.
+  /// Boxes [first, last) that a search leaves out. They cost it next to nothing. Examples are the surface of a long
+  /// thin triangle, whose boxes nearly all overlap, and the particles of one fluid.
   struct Skip {
     std::uint32_t first = 0, last = 0;
   };
@@ -59,8 +59,8 @@ class SpatialHash {
   /// Appends the indices of all boxes that overlap `box`, which may have any size, to `found`, ascending.
   void find(const Bounds& box, std::vector<std::uint32_t>& found) const { find(box, {}, found); }
   void find(const Bounds& box, Skip skip, std::vector<std::uint32_t>& found) const;
-  /// Appends the indices of the boxes that overlap box a and are in a coarser grid, or in the same grid with
-  /// a higher index, ascending. Called for every a, it finds each pair once.
+  /// Appends the indices of the boxes that overlap box a, ascending. Only boxes in a coarser grid, or in the same grid
+  /// with a higher index, count. Called for every a, it finds each pair once.
   void find_partners(std::uint32_t a, std::vector<std::uint32_t>& found) const {
     find_partners(a, {}, found);
   }

@@ -20,9 +20,8 @@ struct ContactStep {
   /// Rotation of the particles of objects that roll (Particles::turn); empty: none rolls.
   std::span<Vec4f> turn{};
 
-  /// Speed at which an overlap older than the substep is removed, if the smaller side has the radius R [m/s]: that of
-  /// a fall by R. So no side gains more energy than m |g| R, and scenes of every size leave an overlap alike. Without
-  /// gravity: that of a fall on Earth.
+  /// Speed at which an overlap older than the substep is removed, if the smaller side has the radius R [m/s]. It is the
+  /// speed of a fall by R. Without gravity it is the speed of a fall on Earth.
   float depenetration_speed(float R) const { return std::sqrt(2 * pull() * R); }
   /// Duration of such a fall [s].
   float fall_time(float R) const { return std::sqrt(2 * R / pull()); }

@@ -12,16 +12,15 @@
 // pairs of corners of n . (x_a - x_b). While n is constant and corners move straight, each of these is linear
 // in time. So they give the time until which the distance exceeds a bound, exactly and not by a Lipschitz
 // constant: motion across n costs nothing. With n along the shortest connection this is conservative
-// advancement (Mirtich 1996, section 2.3). Li et al. 2021, "Codimensional IPC", algorithm 1, advance by the
-// length of the motion instead, which makes a vertex that slides along a triangle advance very slowly. Any n
-// is sound, so rounding errors of n do not matter.
+// advancement (Mirtich 1996, section 2.3). Li et al. 2021, "Codimensional IPC", algorithm 1, advance by the length of
+// the motion instead. A vertex that slides along a triangle then advances very slowly. Any n is sound, so rounding
+// errors of n do not matter.
 //
-// Volume. With e, f, r as in wedge below and n = e x f, V(t) = r . n is a cubic, and |V| / |n| is the
-// distance of the particle to the plane, or of the two lines: a lower bound of the distance of the elements.
-// Let N(t) >= |n(t)| be a quadratic whose Bernstein coefficients are the lengths of those of n. The elements
-// are separated by more than `bound` before the first root of |V| - bound N. (Provot 1997 tests V = 0, which
-// leaves no margin for rounding.) If the Bernstein coefficients of |V| - bound N are positive there is no
-// root, else cubic.h finds it.
+// Volume. With e, f, r as in wedge below and n = e x f, V(t) = r . n is a cubic. |V| / |n| is the distance of the
+// particle to the plane, or of the two lines. It is a lower bound of the distance of the elements. Let N(t) >= |n(t)|
+// be a quadratic whose Bernstein coefficients are the lengths of those of n. The elements are separated by more than
+// `bound` before the first root of |V| - bound N. (Provot 1997 tests V = 0, which leaves no margin for rounding.) If
+// the Bernstein coefficients of |V| - bound N are positive there is no root, else cubic.h finds it.
 //
 // Separation finds straight motion in one step and is slow where elements rotate around each other. Volume
 // handles rotation, but gives no bound beside the triangle. So both are tested, and the later time counts.
@@ -79,9 +78,9 @@ void positions_at(const Moving4& m, double t, Vec3d (&x)[4]) {
   for (int i = 0; i < 4; ++i) x[i] = m.x[i] * (1 - t) + m.p[i] * t;
 }
 
-/// Bound of the rounding error of a pair's projection on a unit vector, at any time: the differences, three
-/// products and two sums, the length of n, the interpolation. This is under 20 eps of the largest component;
-/// 64 is a safe bound.
+/// Bound of the rounding error of a pair's projection on a unit vector, at any time. Errors are those of the
+/// differences, three products and two sums, the length of n, the interpolation. Their sum is under 20 eps of the
+/// largest component; 64 is a safe bound.
 double rounding(const Moving4& m) {
   double size = 0;
   for (int i = 1; i < 4; ++i) size = max(size, max(largest(m.x[i]), largest(m.p[i])));
@@ -109,7 +108,7 @@ Vec3d plane_normal(const Vec3d (&x)[4]) {
   return dot(n, r) < 0 ? -n : n;
 }
 
-/// Time until which the two are separated by more than `bound`, from time `t` on, when they are at x; t if
+/// The two elements are at x at time `t`. Returns the time until which they are separated by more than `bound`; t if
 /// the volume gives no such time.
 template <class Kind>
 double volume_until(const Moving4& m, const Vec3d (&x)[4], double t, double bound) {
@@ -124,8 +123,8 @@ double volume_until(const Moving4& m, const Vec3d (&x)[4], double t, double boun
                        (side * (dot(r1, n[0]) + 2 * dot(r0, n[1])) - bound * (N[0] + 2 * N[1])) / 3,
                        (side * (2 * dot(r1, n[1]) + dot(r0, n[2])) - bound * (2 * N[1] + N[2])) / 3,
                        side * dot(r1, n[2]) - bound * N[2]};
-  // Errors: n at most 6 eps area, V 24 eps area * range, a time eps. Rounding of c is at most 54 eps times
-  // the largest b: each is three or four roundings of terms whose sum is at most 27 times that.
+  // Errors: n at most 6 eps area, V 24 eps area * range, a time eps. Rounding of c is at most 54 eps times the largest
+  // b. Each is three or four roundings of terms whose sum is at most 27 times that.
   const double area = max(largest(e0), largest(e1)) * max(largest(f0), largest(f1));
   const double range = max(largest(r0), largest(r1)) + bound;
   const double extent = max(max(abs(b[0]), abs(b[1])), max(abs(b[2]), abs(b[3])));
@@ -161,9 +160,9 @@ bool all_finite(const Moving4& m) {
   return is_finite(sum);
 }
 
-/// The cheapest test, sufficient for most pairs of a broad phase: whether the swept boxes of the two elements
-/// are separated by more than `gap` and a 1024th of any initial distance. Then the bound holds without
-/// computing that distance.
+/// The cheapest test suffices for most pairs of a broad phase: the swept boxes of the two elements are separated. The
+/// separation must exceed `gap` and a 1024th of any initial distance, so that the bound holds without computing that
+/// distance.
 template <class Kind>
 bool swept_boxes_apart(const Moving4& m, double gap, double far) {
   for (int axis = 0; axis < 3; ++axis) {

@@ -21,11 +21,11 @@ struct Moving4 {
 /// the first contact (gap 0). If elements rotate by more than their size about each other, one result in some
 /// thousands is earlier: still safe.
 ///
-/// A motion that starts in contact (to rounding, 64 eps of the extent of the particles) gets 1 if every
-/// corner separates along the normal, else 0. Coordinates that are not finite get 0.
+/// A motion that starts in contact gets 1 if every corner separates along the normal, else 0. Contact is to rounding,
+/// 64 eps of the extent of the particles. Coordinates that are not finite get 0.
 double vertex_triangle_time(const Moving4& motion, double gap);
 
-/// As above, for edges 0, 1 and 2, 3.
+/// Likewise for edges 0, 1 and 2, 3.
 double edge_edge_time(const Moving4& motion, double gap);
 
 }  // namespace souple

@@ -4,11 +4,10 @@
 #include <cmath>
 #include <limits>
 
-// f(t) = c0 + c1 t + c2 t^2 + c3 t^3 is monotone between the zeros of f'. On a monotone piece two values show
-// whether it has a root, and a point with |f| > E separates the roots from all points on one side of it.
+// f(t) = c0 + c1 t + c2 t^2 + c3 t^3 is monotone between the zeros of f'. On a monotone piece two values show whether
+// it has a root. A point with |f| > E separates the roots from all points on one side of it.
 //
-// E must cover these errors, with eps = 2^-52, S = |c0| + |c1| + |c2| + |c3| and t in [0, 1]:
-// (1) Horner's rule has an error of at most 3 eps S (Higham, Accuracy and Stability of Numerical Algorithms,
+// Let eps = 2^-52, S = |c0| + |c1| + |c2| + |c3| and t in [0, 1]. Then E must cover these errors:
 //     2002, eq. 5.3).
 // (2) The zeros of f' are rounded, so a piece is only nearly monotone. The computed zeros are those of a
 //     quadratic whose coefficients differ by at most 5 eps from those of f' (the discriminant's two terms and
@@ -46,10 +45,10 @@ int critical_points(const Cubic& f, double (&t)[2]) {
   return count;
 }
 
-/// From `inside`, where f may be zero, towards `outside`, where it is not: a point where f has the sign of
-/// f(outside), at most twice as far from `inside` as necessary. Steps grow fourfold, then the last is halved
-/// once. (Not any nonzero sign is sufficient: at the edge of the interval where f may be zero, the next value
-/// may have the opposite sign.)
+/// Searches from `inside`, where f may be zero, towards `outside`, where it is not. Returns a point where f has the
+/// sign of f(outside), at most twice as far from `inside` as necessary. Steps grow fourfold, then the last is halved
+/// once. (Other nonzero signs do not suffice: at the edge of the interval where f may be zero, the next value may have
+/// the opposite sign.)
 double leave_zero(const Cubic& f, double inside, double outside) {
   const int sign = f.sign(f(outside));
   const double distance = outside - inside;
@@ -62,8 +61,8 @@ double leave_zero(const Cubic& f, double inside, double outside) {
   return outside;
 }
 
-/// The interval of the single root between `lo` and `hi`, where f has opposite signs: Newton's method, with
-/// every fourth step a bisection, so that it ends for any f.
+/// The interval of the single root between `lo` and `hi`, where f has opposite signs. Newton's method, with a bisection
+/// in every fourth step, so that it ends for any f.
 RootInterval bracket(const Cubic& f, double lo, double hi) {
   const int sign_lo = f.sign(f(lo));
   double t = 0.5 * (lo + hi);

@@ -19,8 +19,8 @@ struct CubicRoots {
 /// polynomial is missed. For the zero polynomial, and for coefficients that are not finite, the result is [0,
 /// 1].
 ///
-/// The interval of a simple root extends about (error + 64 eps sum |c|) / |f'| to either side; that of a
-/// double root about the square root of such a number.
+/// The interval of a simple root extends about (error + 64 eps sum |c|) / |f'| to either side. For a double root it is
+/// about the square root of such a number.
 CubicRoots cubic_roots(const double (&c)[4], double error = 0);
 
 }  // namespace souple

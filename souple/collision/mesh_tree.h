@@ -22,8 +22,8 @@ class MeshTree {
     std::uint32_t triangle = 0;  ///< index in the tree; a guess for points nearby
   };
   /// The distance from a point to the mesh, exact to rounding and the same for any guess. A good guess, such
-  /// as the result for a point nearby, makes the search fast. With a tolerance, the distance may be too large
-  /// by that part of itself: without one, a point at a sphere's center would visit all triangles.
+  /// as the result for a point nearby, makes the search fast. With a tolerance, the distance may be too large by that
+  /// part of itself. Without one, a search from the center of a sphere would visit all triangles.
   Nearest nearest(const Vec3d& point, std::uint32_t guess = 0, double tolerance = 0) const;
 
   /// Generalized winding number: how often the mesh goes around a point. For a closed, consistently wound

@@ -26,8 +26,7 @@ T nearest_on_edge(const Vec3<T>& p, const Vec3<T>& a, const Vec3<T>& b) {
   return min(max(s, T(0)), T(1));
 }
 
-/// Barycentric weights, all >= 0 and their sum 1 to rounding, of the point of triangle a, b, c nearest to p.
-/// For a triangle without area the result is a point on it.
+/// Barycentric weights of the point of triangle a, b, c nearest to p, all >= 0 with the sum 1 to rounding.
 ///
 /// Inside: with n = (b - a) x (c - a), weight a is n . ((b - p) x (c - p)) / |n|^2, and cyclically for b and
 /// c. This candidate counts if all three are >= 0; else the nearest point is on an edge.

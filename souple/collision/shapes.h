@@ -70,8 +70,8 @@ ShapeBounds shape_bounds(const Shape& shape);
 /// "plane", "sphere", ...
 std::string_view shape_name(const Shape& shape);
 
-/// Throws Error when a size is not positive (a capsule's half_height may be 0), a number is not finite, a
-/// plane's normal is zero or a signed distance field is empty. `where` names the collider in the message.
+/// Throws Error if a size is not positive (a capsule's half_height may be 0) or a number is not finite. Also throws if
+/// a plane's normal is zero or a signed distance field is empty. `where` names the collider in the message.
 void validate(const Shape& shape, std::string_view where);
 
 }  // namespace souple

@@ -12,7 +12,7 @@ namespace souple {
 
 struct Arrival;
 
-/// What a world knows of one collider.
+/// A collider in a world.
 struct ColliderRecord {
   ColliderId id;
   ColliderOptions options;

@@ -37,8 +37,8 @@ ContactObject contact_object(const Object& object) {
   return result;
 }
 
-// R of ContactStep::depenetration_speed [m]: of grains, which are bodies of their own, the radius of a grain; of others
-// two thirds of that of the ball around the center that holds all rest positions (3 m/s for a sheet of 1 m).
+// R of ContactStep::depenetration_speed [m]. Grains are bodies of their own: R is the radius of a grain. For other
+// objects R is two thirds of the radius of the ball that holds all rest positions. A sheet of 1 m gets 3 m/s.
 float radius_at_rest(const Object& object, std::span<const float> radii) {
   float radius = 0;
   if (object.traits().rolls) {

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-// What an object is for contacts.
+// Geometry of an object for contacts.
 
 namespace souple {
 
@@ -23,7 +23,7 @@ inline constexpr float elastic_restitution = 0.7f;
 /// Whether an object collides as a cloud of balls: it has no triangles and is no line. True for grains,
 /// fluids and bodies whose surface is embedded in a lattice.
 bool is_particle_only(const Object& object);
-/// Of each line: the edges from particle to particle. Others have none.
+/// The edges of a line, from particle to particle; other objects have none. Others have none.
 std::vector<Edge> edges_of_line(const Object& object);
 
 ContactObject contact_object(const Object& object);
@@ -38,9 +38,9 @@ ContactMaterial contact_material_of(const Material& material);
 /// Whether contacts are the same with both materials of a kind.
 bool same_contacts(const Material& a, const Material& b);
 
-/// Sets, per particle of the object, half its thickness, the radius of a grain or rope, or a quarter of a fluid's
-/// spacing, times the thickness map, minus the embedding offset; and the element radius (see Particles) [m].
-/// The spans are of all particles of the world.
+/// Sets the contact radius and the element radius of each particle of the object (see Particles) [m]. The contact
+/// radius is half the thickness, the radius of a grain or rope, or a quarter of a fluid's spacing. It is multiplied by
+/// the thickness map and reduced by the embedding offset. The spans are of all particles of the world.
 void find_contact_radii(const Object& object, std::span<float> radius, std::span<float> element_radius);
 /// R of ContactStep::depenetration_speed [m]. `radii`: contact radii of all particles of the world.
 float radius_at_rest(const Object& object, std::span<const float> radii);

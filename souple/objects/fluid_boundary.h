@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-// What an object is for fluids.
+// Boundary of an object for fluids.
 
 namespace souple {
 

@@ -20,7 +20,7 @@ struct JointId {
 struct ProjectorId {
   std::uint32_t value = 0;
 };
-/// Of a function that runs before or after a stage.
+/// A function that runs before or after a stage.
 struct CallbackId {
   std::uint32_t value = 0;
   friend bool operator==(const CallbackId&, const CallbackId&) = default;

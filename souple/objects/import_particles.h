@@ -21,8 +21,8 @@ void transform_points(std::vector<Vec3d>& points, const Transform& transform, co
 void place(TriangleMesh& mesh, const Transform& transform, const std::string& name);
 
 std::vector<std::uint32_t> identity(std::size_t count);
-/// Throws Error if more than a hundred points are in one cube of this width [m], that of a particle: neighbors
-/// grow with the square of that number. `name`: of the object.
+/// Throws Error if a cube of this width [m], the width of a particle, contains more than a hundred points. The number
+/// of neighbors would grow with the square. `name`: of the object.
 void require_apart(std::span<const Vec3d> points, double width, const std::string& name);
 /// Particles at these points, in their order.
 void import_points(Object& object, std::vector<Vec3d> points);

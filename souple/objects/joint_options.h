@@ -12,7 +12,7 @@
 
 namespace souple {
 
-/// What a joint holds at one of its sides: a rigid body, a collider, or the world, which does not move.
+/// One side of a joint: a rigid body, a collider, or the world, which does not move.
 class JointSide {
  public:
   JointSide() = default;  ///< the world

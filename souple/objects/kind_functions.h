@@ -17,8 +17,8 @@ struct ConstraintGroups;
 struct Object;
 struct SubResolutionBody;
 
-/// What distinguishes a kind of objects from others: a file of objects/kinds/ fills it in. Materials are of the kind.
-/// Null: objects of the kind have no such data.
+/// Functions of one kind of objects, filled in by a file of objects/kinds/. Materials are of the kind. Null: objects of
+/// the kind have no such data.
 struct KindFunctions {
   KindTraits traits;
 

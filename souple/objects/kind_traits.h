@@ -8,7 +8,7 @@
 
 namespace souple {
 
-/// What the particles of an object form.
+/// Arrangement of an object's particles.
 enum class ObjectShape : std::uint8_t {
   surface,  ///< triangles
   solid,    ///< tets
@@ -16,7 +16,7 @@ enum class ObjectShape : std::uint8_t {
   balls     ///< loose particles
 };
 
-/// What all objects of a kind have in common.
+/// Properties that all objects of a kind have in common.
 struct KindTraits {
   std::string_view name;  ///< in files and messages; the default name of an object
   ObjectShape shape = ObjectShape::surface;

@@ -7,8 +7,8 @@ namespace souple::material {
 //   denim 340-470 g/m^2);
 // - membrane stiffness: KES-F tensile modulus at small extension, hundreds to thousands of N/m (Kawabata
 //   1980);
-// - bending stiffness: KES-F bending rigidity B, 1e-6 to 1e-4 N m^2/m (Kawabata 1980: cotton shirting about
-//   0.05, silk 0.01-0.05, denim 0.5-1.5 gf cm^2/cm; 1 gf cm^2/cm = 9.81e-5 N m);
+// - bending stiffness: KES-F bending rigidity B, 1e-6 to 1e-4 N m^2/m. Kawabata 1980 has cotton shirting about 0.05,
+//   silk 0.01-0.05, denim 0.5-1.5 gf cm^2/cm (1 gf cm^2/cm = 9.81e-5 N m);
 // - frictions: fabric on wood or smooth plastic, 0.2 to 0.6.
 
 // clang-format off

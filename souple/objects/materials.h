@@ -106,7 +106,7 @@ struct FluidMaterial {
   /// noise [1/s].
   float xsph = 24;
   float surface_tension = 0;  ///< sigma, against air [N/m]; see docs/fluids.md for its limit on the substep
-  /// Of a drop on a wall, measured inside the drop; needs surface tension [degrees].
+  /// Contact angle of a drop on a wall, measured inside the drop; needs surface tension [degrees].
   float contact_angle = 90;
   float vorticity = 0;  ///< strength of vorticity confinement, which adds energy to vortices [m/s]
   float air_drag = 0;   ///< drag coefficient of particles that face air; a ball has 0.47
@@ -137,7 +137,7 @@ struct RigidBodyMaterial {
 enum class ObjectKind { cloth, soft_body, rope, grains, obstacle, fluid, rigid_body };
 std::string_view kind_name(ObjectKind kind);
 
-/// Of an object of any kind: the alternatives are in the order of ObjectKind.
+/// Material of an object of any kind: the alternatives are in the order of ObjectKind.
 using Material = std::variant<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial, ObstacleMaterial,
                               FluidMaterial, RigidBodyMaterial>;
 

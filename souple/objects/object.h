@@ -22,7 +22,7 @@
 #include <utility>
 #include <vector>
 
-// What a world knows of one object.
+// An object in a world.
 
 namespace souple {
 
@@ -54,7 +54,7 @@ struct ParticleValues {
   std::vector<std::uint32_t> pin_guess;     ///< its last known index in the pins
 };
 
-/// What an object collides with.
+/// Collision settings of an object.
 struct ObjectCollision {
   SelfCollision itself = SelfCollision::off;
   int layer = 0;           ///< of cloth; 0: none
@@ -72,7 +72,7 @@ struct ObjectSleep {
   std::uint32_t island = 0;  ///< id of the sleeping island: that of one of its objects; 0: awake
 };
 
-/// Of an obstacle, or of a kinematic rigid body.
+/// Motion of an obstacle or of a kinematic rigid body.
 struct PlacedMotion : ObstacleMotion {
   Transform placement{};   ///< of the mesh sequence
   bool kinematic = false;  ///< a rigid body that nothing pushes

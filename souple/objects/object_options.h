@@ -40,10 +40,10 @@ struct ObjectOptions {
   std::vector<float> thickness_map{};  ///< per vertex: factor of the thickness; empty: 1
   /// How the surface collides with itself. `surfaces`: cloth lies on its own folds, a rope does not pass through itself.
   SelfCollision self_collision = SelfCollision::off;
-  /// Layer of the surface, 0 to 1000. Where two objects collide, the object of the higher layer belongs on
-  /// the outer side of the lower one: the side from which the lower one's triangles are counter-clockwise.
-  /// Parts on the wrong side are moved out. 0: no order. Only objects with a surface of their own have
-  /// layers: cloth, soft bodies made of tets, obstacles.
+  /// Layer of the surface, 0 to 1000. Where two objects collide, the object of the higher layer belongs on the outer
+  /// side of the lower one. The outer side is the one from which the lower one's triangles are counter-clockwise. Parts
+  /// on the wrong side are moved out. 0: no order. Only objects with a surface of their own have layers: cloth, soft
+  /// bodies made of tets, obstacles.
   int layer = 0;
   /// Fluids only: upper limit of the particle count for emitters. Memory for them is reserved at once, and
   /// the fluid may start with no particle. 0: emitters add none.

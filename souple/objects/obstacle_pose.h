@@ -23,7 +23,7 @@ class ObstaclePose {
  public:
   /// `object` must outlive it.
   ObstaclePose(const Object& object, double time);
-  /// Of a particle within the object [m].
+  /// Position of a particle of the object [m].
   Vec3d position(std::uint32_t particle) const {
     if (before_ == nullptr) return pose_.point(object_.rest[particle]);
     const std::uint32_t vertex = object_.vertex_of[particle];

@@ -7,8 +7,8 @@
 
 namespace souple {
 
-/// What a world knows of a rigid body besides its Object. Its local frame has its origin at the center of mass and
-/// principal axes.
+/// Definition of a rigid body besides its Object. Its local frame has its origin at the center of mass and principal
+/// axes.
 struct RigidDefinition {
   RigidShape shape;
   double mass = 0;               ///< kg

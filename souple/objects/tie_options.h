@@ -20,7 +20,7 @@ struct TieId {
   friend bool operator==(const TieId&, const TieId&) = default;
 };
 
-/// A point that moves with up to three vertices of an object: the sum of their positions times their weights, which are at
+/// A point that moves with up to three vertices of an object: the sum of their positions times weights. Weights are at
 /// least 0 and sum to 1. A vertex, or a point of an edge, has weights of 0.
 struct SurfacePoint {
   ObjectId object;
@@ -28,8 +28,7 @@ struct SurfacePoint {
   std::array<double, 3> weights{1, 0, 0};
 };
 
-/// What a tie holds at one of its sides: a point of an object of any kind but fluids, a collider, or the world, which does
-/// not move.
+/// One side of a tie: a point of an object of any kind but fluids, a collider, or the world, which does not move.
 class TieSide {
  public:
   TieSide() = default;  ///< the world

@@ -9,7 +9,7 @@
 
 namespace souple {
 
-/// What const functions of a world fill on demand. They hold the lock meanwhile.
+/// Results that const functions of a world compute on demand, holding the lock. They hold the lock meanwhile.
 struct Caches {
   std::map<std::uint32_t, Mirror> mirrors;  ///< by object id
   QueryIndex query_index;

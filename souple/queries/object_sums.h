@@ -5,7 +5,7 @@
 namespace souple {
 
 double kinetic_energy(const QueryView& view, const Object& object);  ///< with the rotation of grains [J]
-/// Of its weight; 0 at the origin [J]. `gravity`: m/s^2.
+/// Energy of an object's weight; 0 at the origin [J]. `gravity`: m/s^2.
 double potential_energy(const QueryView& view, const Object& object, const Vec3f& gravity);
 Vec3d momentum(const QueryView& view, const Object& object);  ///< kg m/s
 Vec3d center_of_mass(const QueryView& view,

@@ -53,8 +53,8 @@ double size_of(const Shape& shape, double otherwise) {
   return std::isfinite(radius) ? radius : otherwise;
 }
 
-/// Whether a triangle, none of whose corners is in the shape, passes through it: projections to the shape and to the
-/// triangle in turn converge to their nearest points (von Neumann), for convex shapes.
+/// Whether a triangle with no corner in the shape passes through it. Alternating projections to the shape and to the
+/// triangle converge to their nearest points (von Neumann), for convex shapes.
 bool passes_through(const Placed& placed, const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   Vec3d p = (a + b + c) / 3.0;
   const double radius =
@@ -75,7 +75,7 @@ bool passes_through(const Placed& placed, const Vec3d& a, const Vec3d& b, const 
 }
 
 /// Calls f(vertex, true) for vertices in the shape and f(any corner, false) for triangles that pass through it, until f
-/// returns false; vertices of several triangles come several times.
+/// returns false. A vertex of several triangles is passed several times.
 template <class Function>
 void for_each_overlap(const QueryView& view, const QueryIndex::Entry& entry, const Placed& placed,
                       const Function& f) {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-// What queries take and return, and contacts by pair of bodies.
+// Inputs and results of queries, and contacts by pair of bodies.
 
 namespace souple {
 
@@ -19,8 +19,8 @@ constexpr std::uint32_t kind_bit(ObjectKind kind) {
 
 /// The objects and colliders that a query considers. By default: all but sensors.
 struct QueryFilter {
-  /// Bits of collision groups (ObjectOptions::collision_groups): considers what belongs to at least one of them. What
-  /// belongs to no group passes only ~0.
+  /// Bits of collision groups (ObjectOptions::collision_groups). A query considers objects and colliders that belong to
+  /// at least one of them; without a group they pass only ~0.
   std::uint32_t groups = ~0u;
   std::uint32_t kinds = ~0u;       ///< kind_bit(...) | ...: of objects
   std::vector<ObjectId> only{};    ///< only these objects; empty: all

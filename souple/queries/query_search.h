@@ -10,14 +10,14 @@
 #include <cmath>
 #include <limits>
 
-// What queries share.
+// Functions that queries share.
 
 namespace souple {
 
 inline constexpr double query_infinity = std::numeric_limits<double>::infinity();
 
-/// Boxes grow by this part of the distances in play: far more than the rounding of the tests in double precision, so that
-/// a tree finds what testing every element finds.
+/// Boxes grow by this part of the distances in play, far more than the rounding of tests in double precision. So a tree
+/// finds every element that testing all would find.
 inline constexpr double query_rounding = 1e-9;
 
 /// Largest distance along an axis between a point and a point of the box.

@@ -14,7 +14,7 @@ struct ColliderRecord;
 struct Object;
 class Threads;
 
-/// What queries read. Several threads may query one view at a time.
+/// Data that queries read. Several threads may query one view at a time.
 struct QueryView {
   const Particles& particles;
   std::span<const std::unique_ptr<Object>> objects;  ///< ascending by id

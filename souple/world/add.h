@@ -8,8 +8,8 @@ namespace souple {
 void scale_mass(WorldState& world, const Object& object, float factor);
 /// Removes an object, its particles, and every constraint on one of them.
 void remove_object(WorldState& world, const Object& object);
-/// The particles (within the object) that move these user vertices, ascending: the vertices' own particles,
-/// or the corners of the tets in which they are embedded.
+/// The particles (within the object) that move these user vertices, ascending. They are the vertices' own particles, or
+/// the corners of the tets in which they are embedded.
 std::vector<std::uint32_t> particles_of(const Object& object, const std::vector<std::uint32_t>& vertices);
 /// Throws Error for an obstacle: only its motion moves it. `what` names the calling function.
 void require_movable(const Object& object, const char* what);

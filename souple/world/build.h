@@ -11,13 +11,12 @@ void replace_material(WorldState& world, Object& object, const Material& materia
 
 /// Takes over the constraints that objects have built since the last call, and removes those of objects that are gone.
 /// The result is a pure function of the objects, bit for bit: neither an object that was removed nor another material
-/// leaves a trace. Kinds are solved in the order of SetKind, then shape matching and enclosed volumes; constraints of
-/// one kind in the order of their colors and objects. Returns false if only values changed, not which particles
-/// constraints link.
+/// leaves a trace. Kinds are solved in the order of SetKind, then shape matching and enclosed volumes. Constraints of
+/// one kind are solved in the order of their colors and objects. Returns false if only values changed, not which
+/// particles constraints link.
 bool build_constraints(WorldState& world);
 
-/// Per particle: half the object's thickness, the radius of a grain or rope, or a quarter of a fluid's
-/// spacing; times the thickness map, minus the embedding offset.
+/// The contact radius of each particle, see find_contact_radii.
 void build_contact_radii(WorldState& world);
 
 }  // namespace souple

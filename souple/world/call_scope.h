@@ -12,7 +12,7 @@ enum class From : std::uint8_t {
   stages,   ///< also from callbacks before and after a stage
 };
 
-/// What a world is doing, so that a call from a function that it is calling is refused where it would do harm.
+/// State of a world's calls: refuses a call from a function that the world is calling where it would do harm.
 struct Calls {
   enum class Doing : std::uint8_t {
     nothing,   ///< waits for a call

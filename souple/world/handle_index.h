@@ -11,12 +11,12 @@ namespace souple {
 /// generation: that of a removed record is found no more.
 class HandleIndex {
  public:
-  /// Of the record that was appended to the list.
+  /// Adds the record that was appended to the list.
   void add(std::uint32_t handle) {
     const auto index = static_cast<std::uint32_t>(index_of_.size());
     index_of_.emplace(handle, index);
   }
-  /// Of the record that was erased; those behind it have moved forward. O(n), like erasing.
+  /// Removes the record that was erased; records behind it have moved forward. O(n), like erasing.
   void remove(std::uint32_t handle) {
     const auto removed = index_of_.find(handle);
     if (removed == index_of_.end()) return;

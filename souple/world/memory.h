@@ -6,8 +6,8 @@
 
 namespace souple {
 
-/// Heap memory of a world by purpose. Of colliders only signed distance fields are counted; a field that
-/// several colliders share counts once for each. Keyframes and users' callbacks are not counted.
+/// Heap memory of a world by purpose. Among colliders only signed distance fields are counted; a field that several
+/// colliders share counts once for each. Keyframes and users' callbacks are not counted.
 struct MemoryReport {
   struct Part {
     std::string name;  ///< "particles", "distance", ...

@@ -31,8 +31,8 @@ Substep substep_of(const Settings& settings, double dt) {
 
 namespace {
 
-/// Positions with the inverse masses that particles show to the solver while awake: what a solver prepares for them stays
-/// valid when objects fall asleep and wake up.
+/// Positions with the inverse masses that awake particles show to the solver. The solver's preparation then stays valid
+/// when objects fall asleep and wake up.
 std::vector<Vec4f> awake_positions(const WorldState& world) {
   const Particles& particles = world.particles;
   std::vector<Vec4f> result(particles.position.begin(), particles.position.end());

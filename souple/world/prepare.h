@@ -2,7 +2,7 @@
 
 #include "souple/world/state.h"
 
-// What must be up to date before a step: constraints, their colors, the solver, contact tables.
+// Data that must be up to date before a step: constraints, their colors, the solver, contact tables.
 
 namespace souple {
 

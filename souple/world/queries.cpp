@@ -19,7 +19,7 @@
 
 #include <fmt/core.h>
 
-// What const functions of a world compute from its particles: souple/queries/.
+// Results that const functions of a world compute from its particles: souple/queries/.
 
 namespace souple {
 

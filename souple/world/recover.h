@@ -17,8 +17,8 @@ class Edit {
   WorldState& world_;
 };
 
-/// After an exception in a step that began at `start` [s]: the particles return to where they were if the step had
-/// saved them, and the world refuses what needs it whole until World::restore. Allocates nothing.
+/// After an exception in a step that began at `start` [s]: the particles return to their positions before the step, if
+/// it had saved them. The world refuses all functions that need it whole until World::restore. Allocates nothing.
 void abandon_step(WorldState& world, double start) noexcept;
 
 /// For World::restore: everything that is computed from objects and settings is rebuilt before the next step.

@@ -15,7 +15,7 @@
 
 #include <fmt/core.h>
 
-// What users do to rigid bodies.
+// Functions of users on rigid bodies.
 
 namespace souple {
 namespace {

@@ -19,12 +19,17 @@
 #include <algorithm>
 #include <cstring>
 
-// Layout of a snapshot: magic number, shape (a hash of the objects), time, steps, size of the
-// contacts' state, foam count, size of the rigid bodies' state and origin; then per particle position (with inverse mass), offset, velocity and
-// contact margin (how far contacts recently pushed it); then the angular velocities of grains, object by object;
-// the contacts' state (the friction of pairs of particles); per
-// object rest time, island, particle count and imbalance; state of emitters and drains; foam; rigid bodies, their joints and contacts; ties; the poses of the
-// colliders that move_collider moved; a checksum of all preceding bytes.
+// Layout of a snapshot:
+// - magic number, shape (a hash of the objects), time, steps, size of the contacts' state, foam count, size of the
+//   rigid bodies' state, origin;
+// - per particle: position (with inverse mass), offset, velocity, contact margin (how far contacts recently pushed it);
+// - the angular velocities of grains, object by object;
+// - the contacts' state (the friction of pairs of particles);
+// - per object: rest time, island, particle count, imbalance;
+// - the state of emitters and drains, and foam;
+// - rigid bodies with their joints and contacts, and ties;
+// - the poses of the colliders that move_collider moved;
+// - a checksum of all preceding bytes.
 
 namespace souple {
 namespace {

@@ -44,7 +44,7 @@ class Ties;
 struct UserConstraint;
 class World;
 
-/// What changed since the last step, which the next one brings up to date.
+/// Changes since the last step, which the next step takes into account.
 struct Changes {
   bool constraints = true;  ///< constraints of objects: merge them
   bool objects = true;      ///< objects were added or removed
@@ -66,7 +66,7 @@ struct FlowRecords {
 
 /// Constraints of all objects and of the user.
 struct WorldConstraints {
-  // Of all objects, see build.h.
+  // The constraints of all objects, see build.h.
   std::unique_ptr<ConstraintSets> of_elements;
   std::unique_ptr<ConstraintGroups> of_groups;
   std::vector<Projector*> object_projectors;  ///< those that are not empty, in order of solution

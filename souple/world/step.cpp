@@ -30,7 +30,7 @@ void run(World& self, WorldState& world, Stage stage, const Function& function) 
   world.report.milliseconds[index] += spent.count();
 }
 
-/// Of a world that was moved from.
+/// The report of a world that was moved from.
 const StepReport& report_of_no_world() {
   static const StepReport report = [] {
     StepReport none;

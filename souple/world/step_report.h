@@ -3,7 +3,7 @@
 #include "souple/world/callbacks.h"
 #include "souple/world/state.h"
 
-// What a step reports, and what it does about states that are not finite.
+// The report of a step, and its treatment of states that are not finite.
 
 namespace souple {
 

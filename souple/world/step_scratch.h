@@ -12,7 +12,7 @@ namespace souple {
 
 struct SleepScratch;
 
-/// What stages keep from substep to substep, so that a step allocates nothing.
+/// Data that stages keep from substep to substep, so that a step allocates nothing.
 struct StepScratch {
   StepScratch();
   ~StepScratch();

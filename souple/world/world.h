@@ -78,7 +78,7 @@ struct Snapshot {
   std::vector<std::byte> bytes;
 };
 
-/// What World::rigid_body returns.
+/// Result of World::rigid_body.
 struct RigidBodyState {
   Transform pose;            ///< of the body's frame: its center of mass [m], and its principal axes
   Vec3d velocity{};          ///< of the center of mass [m/s]
@@ -91,12 +91,13 @@ struct RigidBodyState {
 /// Objects, colliders and the simulation loop. Meters, kilograms, seconds; Y up, right-handed.
 ///
 /// All functions but `step` throw Error on invalid arguments and then leave the world unchanged. Between steps several
-/// threads may call const functions at the same time, except elastic_energy, unconverged_energy and debug_draw; all other
-/// calls need a thread that is alone with the world.
+/// threads may call const functions at the same time, except elastic_energy, unconverged_energy and debug_draw. For all
+/// other calls, only one thread may use the world.
 ///
-/// What a function that the world calls may call in turn. A stage's callback is one of `before` and `after`. The other
-/// functions are force fields, targets of pins and attachments, motions of colliders, obstacles and emitters, the log
-/// function, CustomConstraint, Projector, JobSystem and the functions of DebugDraw:
+/// A function that the world calls may call the world in turn, as the table says. Callbacks of a stage are those of
+/// `before` and `after`. Others are force fields, targets of pins and attachments, motions of colliders, obstacles and
+/// emitters, and the log function. CustomConstraint, Projector, JobSystem and the functions of DebugDraw also count as
+/// others:
 ///
 /// | function of World                                                                    | stage | others |
 /// |--------------------------------------------------------------------------------------|-------|--------|
@@ -111,11 +112,11 @@ struct RigidBodyState {
 /// | step                                                                                 | does nothing; the report of the step says so | as before |
 /// | moving, assigning to or destroying the world                                         | never | never  |
 ///
-/// What a function throws: callbacks of stages, force fields, targets, motions and CustomConstraint::evaluate lose their
-/// effect, and Flag::callback_failed and the message of the report say so; of the log function only the report hears, of
-/// this step or the next. What a Projector throws, and std::bad_alloc from any of them, passes through `step`, see there; a
-/// JobSystem must not throw. What is called outside a step (motions by
-/// queries and set_motion, DebugDraw) passes its exceptions on to the caller.
+/// Exceptions of such a function. A callback of a stage, a force field, a target, a motion or
+/// CustomConstraint::evaluate that throws loses its effect. Flag::callback_failed and the report's message say so. If
+/// the log function throws, the report of this step or of the next one says so. Exceptions of a Projector, and
+/// std::bad_alloc of any function, pass through `step`. A JobSystem must not throw. Functions called outside a step
+/// (motions by queries and set_motion, DebugDraw) pass their exceptions to the caller.
 ///
 /// A world that was moved from can be assigned to and destroyed. Its other functions throw Error, and `step` returns a
 /// report that says so.
@@ -128,9 +129,9 @@ class World {
 
   // --- the loop ----------------------------------------------------------------------------------
   /// Advances the world by dt seconds in `substeps` equal parts. Throws std::bad_alloc, and what a Projector of the
-  /// user throws, on whatever thread. The particles are then where they were before the step, and all functions that
-  /// need more of the world than its objects (the next step, changes, snapshot, foam, ...) throw Error until `restore`.
-  /// What else goes wrong stands in the report.
+  /// user throws, on whatever thread. The particles then return to their positions before the step. Until `restore`,
+  /// only the functions of objects remain: the next step, changes, snapshot, foam and others throw Error. All other
+  /// problems stand in the report.
   const StepReport& step(double dt);
   const StepReport& report() const;
   double time() const;  ///< s
@@ -166,26 +167,26 @@ class World {
   /// Fills a closed surface with fluid particles; see fill in geometry/fill.h.
   ObjectId add_fluid(const TriangleMesh& surface, const FluidMaterial& material = {},
                      const ObjectOptions& options = {});
-  /// A rigid body in the shape of a mesh: it collides with rigid bodies and colliders as the convex hull of each connected piece, and
-  /// with everything else by its triangles. Its mass is that of the solid inside the mesh, or of the hulls if the mesh is
-  /// not closed. Throws Error for a flat mesh.
+  /// A rigid body in the shape of a mesh. It collides with rigid bodies and colliders as the convex hull of each
+  /// connected piece, and with all other objects by its triangles. Its mass is that of the solid inside the mesh, or of
+  /// the hulls if the mesh is not closed. Throws Error for a flat mesh.
   ObjectId add_rigid_body(const TriangleMesh& mesh, const RigidBodyMaterial& material = {},
                           const ObjectOptions& options = {});
   /// A rigid sphere, box, capsule or cylinder. Throws Error for other shapes.
   ObjectId add_rigid_body(const Shape& shape, const RigidBodyMaterial& material = {},
                           const ObjectOptions& options = {});
-  /// A rigid body of several shapes, each of them a sphere, box, capsule or cylinder. What they share counts in the mass of
-  /// each. Throws Error without shapes.
+  /// A rigid body of several shapes, each of them a sphere, box, capsule or cylinder. Volume that shapes share counts
+  /// in the mass of each. Throws Error without shapes.
   ObjectId add_rigid_body(std::span<const RigidPart> parts, const RigidBodyMaterial& material = {},
                           const ObjectOptions& options = {});
   /// Pose, velocity and mass of a rigid body. Throws Error for other objects.
   RigidBodyState rigid_body(ObjectId object) const;
   /// A kinematic body pushes others and is pushed by none: `move_body` or `set_motion` moves it. It has no energy and
-  /// momentum. A body that is kinematic no more goes on at the velocity that it had.
+  /// momentum. A body that becomes dynamic again keeps its current velocity.
   void set_kinematic(ObjectId body, bool kinematic);
   bool is_kinematic(ObjectId body) const;
-  /// Moves a kinematic body so that its frame (RigidBodyState::pose) arrives at the pose at the end of the next step,
-  /// straight and turning at constant speed; without another call it then stays. Replaces its motion.
+  /// Moves a kinematic body so that its frame (RigidBodyState::pose) arrives at the pose at the end of the next step.
+  /// It moves straight and turns at constant speed; without another call it then stays. Replaces its motion.
   void move_body(ObjectId body, const Transform& pose);
   /// Sets the velocity of the center of mass [m/s] and the angular velocity [rad/s] of a rigid body.
   void set_body_velocity(ObjectId body, const Vec3f& velocity, const Vec3f& angular_velocity);
@@ -245,7 +246,7 @@ class World {
   // until the object is removed. For a soft body made of a surface these are the surface's vertices.
   std::span<const Vec3f> positions(ObjectId object) const;   ///< m
   std::span<const Vec3f> velocities(ObjectId object) const;  ///< m/s
-  /// Of each grain about its center [rad/s]; empty for other kinds of objects.
+  /// The angular velocity of each grain about its center [rad/s]; empty for other kinds of objects.
   std::span<const Vec3f> angular_velocities(ObjectId object) const;
   /// Unit; empty without triangles: ropes, grains, fluids.
   std::span<const Vec3f> normals(ObjectId object) const;
@@ -278,8 +279,8 @@ class World {
   void teleport(ObjectId object, const Transform& transform);
   /// Total impulse [N s], distributed over the selected vertices in proportion to their mass.
   void apply_impulse(ObjectId object, const Selector& selector, const Vec3f& impulse);
-  /// An impulse [N s] on a rigid body at a point of the world [m], inside it or not; a force F during a step of dt is the
-  /// impulse F dt. Throws for kinematic bodies and other objects.
+  /// Applies an impulse [N s] to a rigid body at a point of the world [m], inside the body or not. A force F during a
+  /// step of dt is the impulse F dt. Throws for kinematic bodies and other objects.
   void apply_impulse(ObjectId body, const Vec3f& impulse, const Vec3f& point);
   /// An angular impulse on a rigid body [N m s]; a torque during a step of dt is torque dt.
   void apply_angular_impulse(ObjectId body, const Vec3f& impulse);
@@ -312,8 +313,8 @@ class World {
   ProjectorId add_tethers(ObjectId object, float slack = 0.02f);
 
   // --- ties of any two objects: objects/tie_options.h, docs/attachments.md -------------------------
-  /// Ties a point of a to a point of b: cloth, soft bodies, ropes, grains, rigid bodies and obstacles, or one of these to
-  /// a collider or to the world ({}). Objects of a tie sleep together; they collide as before. Throws Error.
+  /// Ties a point of a to a point of b. Each is cloth, a soft body, a rope, grains, a rigid body or an obstacle; b may
+  /// also be a collider or the world ({}). Objects of a tie sleep together; they collide as before. Throws Error.
   TieId add_tie(const TieSide& a, const TieSide& b, const TieOptions& options);
   /// Ties each selected vertex of a to the closest point of b, if that is at most `distance` away [m]: a seam, a weld.
   /// Throws Error if there is none.
@@ -348,9 +349,9 @@ class World {
   ColliderId add_collider(const Shape& shape, const ColliderOptions& options = {});
   void remove(ColliderId collider);
   void set_collider(ColliderId collider, const Shape& shape, const ColliderOptions& options);
-  /// Moves a collider so that it arrives at the pose at the end of the next step: translation and rotation at
-  /// constant speed, so that it sweeps its path and pushes what is there. Without another call it then stays.
-  /// Replaces its motion.
+  /// Moves a collider so that it arrives at the pose at the end of the next step. It translates and rotates at constant
+  /// speed, so that it sweeps its path and pushes objects there. Without another call it then stays. Replaces its
+  /// motion.
   void move_collider(ColliderId collider, const Transform& pose);
   std::vector<ColliderId> colliders() const;
   const Shape& shape(ColliderId collider) const;
@@ -414,8 +415,8 @@ class World {
   // They see the surfaces of objects that have triangles, else balls of `particle_radius` around the vertices. The
   // first query after a change builds or refits hierarchies of boxes; docs/cpp-guide.md has the cost.
 
-  /// The first hit. Of equally distant ones that of the first object, then the lower triangle or vertex; colliders
-  /// come last. A ray that starts in a ball or a collider hits it at once.
+  /// The first hit. At equal distance the first object counts, then the lower triangle or vertex; colliders come last.
+  /// A ray that starts in a ball or a collider hits it at once.
   Hit ray_cast(const Vec3f& origin, const Vec3f& direction, double max_distance = 1e30,
                const QueryFilter& filter = {}) const;
   /// All triangles, balls and colliders that the ray hits, in order of distance.
@@ -437,8 +438,8 @@ class World {
   double potential_energy(ObjectId object) const;  ///< of its weight; 0 at the origin [J]
   /// 1/2 C^T alpha^-1 C of all constraints with compliance > 0 [J].
   double elastic_energy() const;
-  /// The part of elastic_energy that steps of dt can neither store nor return, because the solver does not converge:
-  /// a spring stiffer than its sweeps acts as the softer spring that they make (docs/solvers.md, "Energy") [J].
+  /// The part of elastic_energy that steps of dt can neither store nor return, because the solver does not converge. A
+  /// spring stiffer than its sweeps acts as the softer spring that they make (docs/solvers.md, "Energy") [J].
   double unconverged_energy(double dt) const;
   Vec3d momentum(ObjectId object) const;        ///< kg m/s
   Vec3d center_of_mass(ObjectId object) const;  ///< m; for obstacles the mean of the vertices

@@ -32,13 +32,13 @@ struct PatchKernels {
   /// then triangle. Returns their number. `pairs`, here and below, needs capacity for all possible pairs.
   std::size_t (*vertices_triangles)(const BoxColumns& vertices, const BoxGroup& v,
                                     const BoxColumns& triangles, const BoxGroup& t, Quad* pairs);
-  /// As above, for vertices and edges.
+  /// Likewise for vertices and edges.
   std::size_t (*vertices_edges)(const BoxColumns& vertices, const BoxGroup& v, const BoxColumns& edges,
                                 const BoxGroup& e, Quad* pairs);
-  /// As above, for edges of two groups. Where a and b begin at one index: each pair of one group, once.
+  /// Likewise for edges of two groups. If a and b begin at one index, lists each pair of the group once.
   std::size_t (*edges_edges)(const BoxColumns& edges, const BoxGroup& a, const BoxGroup& b, Quad* pairs);
-  /// Of the items [begin, begin + count): writes keys[i] of each item i that overlaps the box and whose
-  /// keys[i] & mask is 0 to `found`, which needs capacity for all. Returns their number.
+  /// Finds the items of [begin, begin + count) that overlap the box and whose keys[i] & mask is 0. Writes their keys[i]
+  /// to `found`, which needs capacity for all. Returns their number.
   std::size_t (*overlapping)(const BoxColumns& boxes, std::size_t begin, std::size_t count,
                              const float (&box)[6], const std::uint32_t* keys, std::uint32_t mask,
                              std::uint32_t* found);

@@ -29,8 +29,8 @@ struct CrossingColumns {
   float* side = nullptr;
 };
 
-/// find_crossing of the segment with every triangle, as many at a time as a register has lanes. The same bits
-/// with every instruction set.
+/// find_crossing of the segment with every triangle, as many at a time as a register has lanes. Gives equal bits with
+/// every instruction set.
 void find_crossings(SegmentTest test, const Segment<float>& segment, const TriangleColumns& triangles,
                     const CrossingColumns& crossings);
 void find_crossings(SegmentTest test, const Segment<float>& segment, const TriangleColumns& triangles,

@@ -14,9 +14,8 @@ namespace souple {
 ///   weight of a = [b - g, c - g] / [e, f],   of b = [c - g, a - g] / [e, f],
 ///   of c = [a - g, b - g] / [e, f].
 ///
-/// The point is inside where no weight is negative. All corners are treated alike: no weight is a difference
-/// of the others, as one is in Badouel's test and in that of Möller and Trumbore. Slivers are as hard as for
-/// Badouel's.
+/// The point is inside where no weight is negative. All corners are treated alike. In Badouel's test and in that of
+/// Möller and Trumbore, one weight is a difference of the others. Slivers are as hard as for Badouel's.
 struct Inclusion {
   template <class T>
   struct Prepared {

@@ -18,8 +18,8 @@ namespace souple {
 /// and the point is inside where v >= 0, w >= 0 and v + w <= 1. Deviation: Badouel divides by a coordinate of
 /// e and needs a special case where it is zero. Cramer's rule needs none, and [e, f] is that component of n.
 ///
-/// Slivers lose digits twice: n, rounded, is not quite perpendicular to the long edges, and far along them
-/// the plane is off by more than the sliver's width.
+/// Slivers lose digits twice. The rounded n is not quite perpendicular to the long edges, and far along them the plane
+/// is off by more than the sliver's width.
 struct PlaneProjection {
   template <class T>
   struct Prepared {

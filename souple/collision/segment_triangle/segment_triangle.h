@@ -16,13 +16,12 @@
 // returns the Crossing<T>. T is float, double or a SIMD pack: one segment against as many triangles as a pack
 // has lanes.
 //
-// In the formulas, o + t d is the segment; a, b, c are the corners minus o; e = b - a, f = c - a; and n = e x
-// f is the triangle's normal, whose length is twice the area.
+// In the formulas, o + t d is the segment; a, b, c are the corners minus o; e = b - a, f = c - a. The triangle's normal
+// is n = e x f, whose length is twice the area.
 //
-// The segment includes its ends, and the triangle its edges and corners. These cases never cross: a segment
-// parallel to the triangle, even within it; a segment of zero length; a triangle of zero area; numbers that
-// are not finite. Products of three lengths must be in the type's range: with float, lengths from 1e-10 to
-// 1e10 m are safe.
+// The segment includes its ends, and the triangle its edges and corners. These cases never cross: a segment parallel to
+// the triangle, even within it; a zero length or a zero area; numbers that are not finite. Products of three lengths
+// must be in the type's range: with float, lengths from 1e-10 to 1e10 m are safe.
 
 namespace souple {
 

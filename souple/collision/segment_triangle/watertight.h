@@ -4,8 +4,8 @@
 
 namespace souple {
 
-/// Woop, Benthin and Wald, Watertight ray/triangle intersection, JCGT 2 (1), 2013: no ray passes between two
-/// triangles that share an edge, nor through the corner where many meet.
+/// Woop, Benthin and Wald, Watertight ray/triangle intersection, JCGT 2 (1), 2013. No ray passes between two triangles
+/// that share an edge, nor through the corner where many meet.
 ///
 /// Let z be the axis in which d is largest, and x and y the two axes after it. Each corner is sheared
 /// independently, so that the segment is along z from the origin (section 3.1):

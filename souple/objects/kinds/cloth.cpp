@@ -111,8 +111,8 @@ void add_hinges(const Object& object, const ClothMaterial& m, ConstraintBuilder&
   }
 }
 
-// A spring between the vertices opposite an interior edge e. If two flat triangles of heights H2 and H3 over
-// e bend by theta, these vertices approach: d^2 changes by -2 H2 H3 (1 - cos theta), so
+// A spring between the vertices opposite an interior edge e. Let two flat triangles of heights H2 and H3 over e bend by
+// theta. Then d^2 between these vertices changes by -2 H2 H3 (1 - cos theta), so
 //   C = d - d0 = -H2 H3 / (2 d0) theta^2 + O(theta^4),   H_i = 2 A_i / |e|.
 // The lowest order of its energy 1/2 k C^2 is theta^4. That of a hinge, 1/2 D |e|^2 / (A2 + A3) theta^2, is
 // theta^2, so no k makes the energies equal for small angles. The two terms are made equal at theta = 1 (57

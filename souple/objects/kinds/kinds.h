@@ -45,8 +45,8 @@ NewObject import_fluid(std::string name, const TriangleMesh& surface, const Flui
 NewObject import_obstacle(std::string name, const TriangleMesh& mesh, const ObstacleMaterial& material,
                           ObstacleMotion motion, const ObjectOptions& options);
 
-/// The convex hulls of the connected pieces of a mesh, as one body; the mass is that of the solid inside a closed mesh,
-/// else that of the hulls.
+/// The convex hulls of the connected pieces of a mesh, as one body. Its mass is that of the solid inside a closed mesh,
+/// otherwise that of the hulls.
 NewObject import_rigid_body(std::string name, const TriangleMesh& mesh, const RigidBodyMaterial& material,
                             const ObjectOptions& options);
 /// A sphere, box, capsule or cylinder, exactly.

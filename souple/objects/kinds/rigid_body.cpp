@@ -126,7 +126,7 @@ void finish_body(NewObject& made, RigidDefinition body, const ObjectOptions& opt
 
 // --- analytic shapes
 
-/// The same shape of another size.
+/// The shape, scaled.
 Shape scaled(const Shape& shape, double scale, const std::string& name) {
   const auto s = static_cast<float>(scale);
   Shape result = shape;

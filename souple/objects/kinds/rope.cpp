@@ -36,7 +36,7 @@ void check_ranges(const RopeMaterial& m, std::string_view owner) {
 }
 
 // Each segment of a rope that collides with itself is near 4 r / l others. Without a limit, memory and time would grow
-// with the square of the number of segments; pieces so short resolve nothing that a rope so thick can do.
+// with the square of the number of segments. Segments shorter than the limit add no detail to so thick a rope.
 void require_long_segments(const RopeMaterial& m, const Object& object) {
   constexpr double shortest = 1.0 / 5;  // radii
   if (object.collision.itself == SelfCollision::off || object.rest.size() < 2) return;
