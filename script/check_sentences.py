@@ -25,7 +25,7 @@ HASH_COMMENT = re.compile(r"^[ \t]*(#(?!!)[^\n]*)|[ \t](# [^\n\"']*)$", re.M)
 NO_PROSE = re.compile(r"NOLINT|clang-format|shellcheck|SPDX|type:|noqa")
 
 LIST_ITEM = re.compile(r"(?:[-*+]|\d+[.)])\s+")
-ABBREVIATION = re.compile(r"\b(e\.g|i\.e|et al|eqs?|figs?|sec|ch|vol|no|pp?|cf|vs|ed|resp|approx|[A-Z])\.(?=\s)")
+ABBREVIATION = re.compile(r"\b(e\.g|i\.e|et al|eqs?|figs?|sec|ch|vol|no|pp?|cf|vs|ed|resp|approx)\.(?=\s)")
 CODE_SPAN = re.compile(r"(`+)(?:(?!\1).)+\1|\$[^$]+\$", re.S)
 LINK = re.compile(r"!?\[([^\]]*)\]\([^)]*\)|<[^<>\s][^<>]*>")
 UNIT = re.compile(r"\[[^\[\]]{1,20}\]")

@@ -24,15 +24,14 @@
 //   static void evaluate(const Vec3<T> (&x)[arity], const Params<T>& p, T (&C)[rows],
 //                        Vec3<T> (&gradient)[rows][arity]);
 //
-// A constraint on absolute positions (an attachment) also declares its origin: its positions are relative to
-// that point, so that no digits are lost far from the world's origin. All other constraints are invariant to
-// translation and get positions relative to their first particle:
+// A constraint on absolute positions (an attachment) also declares its origin. Its positions are relative to that
+// point, so that no digits are lost far from the world's origin. All other constraints are invariant to translation and
+// get positions relative to their first particle:
 //
 //   template <class T> static Vec3<T> origin(const Params<T>& p);
 //
-// If the linearization of a constraint is valid only over a part of its size (a crushed tet has almost no
-// gradient), the constraint may declare the longest correction [m] of one projection. Longer corrections are
-// scaled down:
+// The linearization of a constraint may be valid only over a part of its size: a crushed tet has almost no gradient.
+// Such a constraint may declare the longest correction [m] of one projection. Longer corrections are scaled down:
 //
 //   template <class T> static T max_correction(const Params<T>& p);
 //
@@ -46,15 +45,15 @@
 //
 //   static float strain(const Params<float>& p, const float (&C)[rows]);
 //
-// A constraint whose material is often too stiff for one sweep may state how much, so that a solver sweeps it more
-// often: sum_k w_k |gradient_k|^2 / (2 alpha) at rest, of its stiffest row, from compliance and inverse masses
-// [1/s^2]:
+// A constraint whose material is often too stiff for one sweep may state its softness, so that a solver sweeps it more
+// often. The softness is that of its stiffest row at rest, from compliance and inverse masses: sum_k w_k |gradient_k|^2
+// / (2 alpha) [1/s^2]:
 //
 //   static float softness(const Params<float>& p, const std::array<float, compliance_size>& alpha,
 //                         const float (&w)[arity]);
 //
-// A bending constraint states the lengths of its gradients along the normal of a flat sheet, with their signs: to first
-// order C = |sum_k flat_gradient_k x_k| (multilevel/stiff_bending.h):
+// A bending constraint states the signed lengths of its gradients along the normal of a flat sheet. To first order, C =
+// |sum_k flat_gradient_k x_k| (multilevel/stiff_bending.h):
 //
 //   static std::array<float, arity> flat_gradient(const Params<float>& p);
 //

@@ -12,8 +12,8 @@
 
 namespace souple {
 
-/// Data of many constraints of one kind, sorted by color, as a structure of arrays: one array per number of a
-/// constraint, so that the numbers of neighboring constraints load as one register.
+/// Data of many constraints of one kind, sorted by color, as a structure of arrays. Each number of a constraint has its
+/// array, so that the numbers of neighboring constraints load as one register.
 template <class Kind>
 struct ConstraintSet {
   using Params = typename Kind::template Params<float>;

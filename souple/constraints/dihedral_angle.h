@@ -12,17 +12,17 @@ struct DihedralAngle {
   Vec3<T> gradient[4];  ///< of the angle [1/m]; zero where it is undefined
 };
 
-/// Angle of triangle (x1, x0, x3) to triangle (x0, x1, x2): 0 when both lie in a plane, on opposite sides of
-/// the edge; positive when x3 is on the side of the normal n2 = e x (x2 - x0); +-pi when folded shut.
+/// Angle of triangle (x1, x0, x3) to triangle (x0, x1, x2). It is 0 if both lie in a plane on opposite sides of the
+/// edge, and +-pi if folded shut. It is positive if x3 is on the side of the normal n2 = e x (x2 - x0).
 ///
 ///   e = x1 - x0,  n2 = e x (x2 - x0),  n3 = (x3 - x0) x e
 ///   theta = atan2(|e| n2 . (x3 - x0), n2 . n3)
 ///   grad_2 = |e| n2 / |n2|^2,  grad_3 = |e| n3 / |n3|^2
 ///
 /// The gradients at x0 and x1 balance these two, in proportion to where the feet of x2 and x3 divide the
-/// edge. Bridson et al. 2003, section 4, and Müller et al. 2007, section 4.1 and appendix A. Deviation: atan2
-/// instead of their acos, whose gradient is 0/0 when flat and when folded. Where the points of a triangle are
-/// collinear (sine below 1e-6), the angle is undefined.
+/// edge. Sources: Bridson et al. 2003, section 4, and Müller et al. 2007, section 4.1 and appendix A. Deviation: atan2
+/// replaces their acos, whose gradient is 0/0 when flat and when folded. Where the points of a triangle are collinear
+/// (sine below 1e-6), the angle is undefined.
 template <class T>
 DihedralAngle<T> dihedral_angle(const Vec3<T> (&x)[4]) {
   const Vec3<T> e = x[1] - x[0], d2 = x[2] - x[0], d3 = x[3] - x[0];

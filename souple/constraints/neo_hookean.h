@@ -7,17 +7,17 @@
 
 namespace souple {
 
-/// A soft tetrahedron with the stable neo-Hookean energy of Smith et al. 2018 and Macklin and Müller 2021,
-/// split into two rows that are both zero at rest.
+/// A soft tetrahedron with the stable neo-Hookean energy of Smith et al. 2018 and Macklin and Müller 2021. It has two
+/// rows, both zero at rest.
 ///
 ///   F = (x1 - x0, x2 - x0, x3 - x0) B,  B the inverse of the rest edges,  I = |F|^2,  J = det F
 ///   C = (D, J - 1)   [1],   D^2 = I + J^2 - 4 J >= 0
 ///   V (mu/2 D^2 + lambda/2 (J - 1)^2) = V (mu/2 (I - 3) - mu (J - 1) + (lambda + mu)/2 (J - 1)^2)
 ///
 /// with Lamé's mu and lambda [Pa]. The right side is the energy of the papers and already includes the
-/// corrections of the rest shape and of lambda that this energy needs. The rows of the papers, sqrt(I) and
-/// J - 1 - mu/lambda, do not vanish at rest: they oppose each other, and converge to a wrong volume when
-/// projected one after the other. D vanishes for rotations; compliance is diag(1/(mu V), 1/(lambda V)) [1/J].
+/// corrections of the rest shape and of lambda that this energy needs. The rows of the papers, sqrt(I) and J - 1 -
+/// mu/lambda, do not vanish at rest. They oppose each other, and converge to a wrong volume when projected one after
+/// the other. D vanishes for rotations; compliance is diag(1/(mu V), 1/(lambda V)) [1/J].
 ///
 /// Near rest the terms of D^2 and of its gradient cancel. With Green's strain E = (F^T F - 1)/2 and j = J - 1,
 /// these forms keep their digits:
@@ -25,13 +25,11 @@ namespace souple {
 ///   D^2 = 2 |E|^2 + 2 s (j + tr E) - 8 det E,   s = j - tr E = (4 m2 + 8 det E - j tr E) / (J + 1),
 ///   D dD/dF = F + (J - 2) cof F = 2/J F ((s + j tr E) 1 + (1 - j) E - 2 (1 - j) cof E),
 ///
-/// where m2 is the sum of the principal 2 x 2 minors of E. Where strain is below float rounding, D and its
-/// gradient are zero.
+/// Here m2 is the sum of the principal 2 x 2 minors of E.
 ///
-/// The direction of dD rotates with the strain, but stored multipliers do not. So few, long substeps of many
-/// iterations give a wrong equilibrium under load: with 2 substeps of 5 to 40 iterations at 60 Hz, 1e5 Pa and
-/// 10 cm cells, a Poisson's ratio of 0.3 appears as 0.36; with 10 substeps it is right within 2 %. Prefer
-/// substeps to iterations.
+/// The direction of dD rotates with the strain, but stored multipliers do not. So few, long substeps of many iterations
+/// give a wrong equilibrium under load. With 2 substeps of 5 to 40 iterations at 60 Hz, 1e5 Pa and 10 cm cells, a
+/// Poisson's ratio of 0.3 appears as 0.36. With 10 substeps it is right within 2 %. Prefer substeps to iterations.
 ///
 /// D^2 also vanishes at F = 0, which would trap a tet that was crushed to a point. So where I < 1 (at rest
 /// I = 3), (1 - I)^2 is added to D^2, and only the rest shape is a minimum. A tet that was crushed to a line
@@ -74,8 +72,7 @@ struct NeoHookean {
     return sqrt(T(3) / frobenius_squared(p.rest_inverse));
   }
 
-  /// What one sweep adds to the compliance of the stiffer row at rest, relative to it, at h = 1 s:
-  /// sum_k w_k |B^T e_k|^2 / (2 alpha).  [1/s^2]
+  /// Compliance that one sweep adds to the stiffer row at rest, relative to it, at h = 1 s: [1/s^2]
   static float softness(const Params<float>& p, const std::array<float, 3>& alpha, const float (&w)[4]) {
     const Mat3f edges = transpose(p.rest_inverse);
     float sum = w[0] * dot(edges.column[0] + edges.column[1] + edges.column[2],

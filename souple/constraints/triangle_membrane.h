@@ -15,8 +15,8 @@ namespace souple {
 ///   C = (E_uu, E_vv, 2 E_uv) = ((f_u . f_u - 1)/2, (f_v . f_v - 1)/2, f_u . f_v)   [1], Green's strain
 ///
 /// Energy A/2 C^T S C with the stiffness S [N/m] (modulus times thickness) and the rest area A; compliance is
-/// S^-1 / A [1/J]. All rows are zero at rest. Green's strain is at least -1/2: a triangle that is crushed to
-/// a line or a point has no resistance in the crushed directions, and its gradient is zero there.
+/// S^-1 / A [1/J]. All rows are zero at rest. Green's strain is at least -1/2. So a triangle that is crushed to a line
+/// or a point has no resistance in the crushed directions, and its gradient is zero there.
 struct TriangleMembrane {
   static constexpr const char* name = "triangle_membrane";
   static constexpr int arity = 3;

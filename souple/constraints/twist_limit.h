@@ -7,14 +7,13 @@
 namespace souple {
 
 /// Limits the twist of a joint: two side particles rotate about the axis x0 x1 by at most `max_angle` from
-/// their rest angle. x2 belongs to the body at x0, x3 to the body at x1. For a joint at b between the
-/// segments a b and b c, use the axis a c: the twist about the mean of both directions does not depend on the
-/// swing.
+/// their rest angle. x2 belongs to the body at x0, x3 to the body at x1. For a joint at b between the segments a b and
+/// b c, use the axis a c. The twist about the mean of both directions does not depend on the swing.
 ///
 ///   C = max_angle - |theta - theta0| >= 0  [rad], theta as in dihedral_angle.h,  theta - theta0 in (-pi, pi]
 ///
-/// Compliance alpha in rad^2/J. If a side particle is on the axis, the angle is undefined: C is then that of
-/// an untwisted joint, and the gradient is zero.
+/// Compliance alpha in rad^2/J. If a side particle is on the axis, the angle is undefined. C is then that of an
+/// untwisted joint, and the gradient is zero.
 struct TwistLimit {
   static constexpr const char* name = "twist_limit";
   static constexpr int arity = 4;

@@ -12,21 +12,19 @@
 
 namespace souple {
 
-/// The smooth part of a fluid's pressure. One pass over neighbors transports a multiplier by one particle
-/// spacing, so a deep fluid would need as many passes as the square of its number of layers. Here multipliers
-/// are interpolated trilinearly from the nodes a of a grid with cell size H, and one linear system gives all
-/// node values y:
+/// The smooth part of a fluid's pressure. One pass over neighbors transports a multiplier by one particle spacing. So a
+/// deep fluid would need as many passes as the square of its number of layers. Here multipliers are interpolated
+/// trilinearly from the nodes a of a grid with cell size H, and one linear system gives all node values y:
 ///
 ///   A y = b,   b_a = -sum_i N_a(x_i) C_i,   lambda_i = sum_a N_a(x_i) y_a
 ///   A = sum_cells (sum_i w_i) / H^2 K + diag(2 sum_i w_i |2 G_i + g_i|^2 N_a(x_i)) + sum_bodies J^T W J
 ///
-/// w_i are the inverse masses of a cell's particles. K is the Laplacian of the unit cube's trilinear element:
-/// 1/3 on the diagonal, 0 along edges, -1/12 along diagonals of faces and of the cube. G_i = V sum_j grad
-/// W_ij and the walls' part g_i measure how unevenly a particle is surrounded. Where 2 G + g is large, as at
-/// a free surface, a smooth multiplier would displace the particle, and the diagonal keeps y small. Particles
-/// of a free surface (C_i below -surface) do not contribute to b. A rigid body with W = diag(1/m, I^-1)
-/// responds to all pressures together: J_a = sum_i N_a(x_i) (g_i, r_i x g_i) over the particles in contact
-/// with it.
+/// w_i are the inverse masses of a cell's particles. K is the Laplacian of the unit cube's trilinear element. It is 1/3
+/// on the diagonal, 0 along edges, -1/12 along diagonals of faces and of the cube. G_i = V sum_j grad W_ij and the
+/// walls' part g_i measure how unevenly a particle is surrounded. Where 2 G + g is large, as at a free surface, a
+/// smooth multiplier would displace the particle, and the diagonal keeps y small. Particles of a free surface (C_i
+/// below -surface) do not contribute to b. A rigid body with W = diag(1/m, I^-1) responds to all pressures together:
+/// J_a = sum_i N_a(x_i) (g_i, r_i x g_i) over the particles in contact with it.
 class CoarsePressure {
  public:
   /// One particle's contribution to the system.
@@ -40,9 +38,9 @@ class CoarsePressure {
   void reset() { last_keys_.clear(); }
   /// Builds the grid for a step. `positions` by sorted index; H = cell_size > 0 [m].
   void begin_step(std::span<const Vec4f> positions, float cell_size, Threads& threads);
-  /// Solves for y by conjugate gradients with diagonal preconditioning, from 0.9 times the last y, until the
-  /// preconditioned residual is a fiftieth of b, at most 30 iterations. `positions` (w: inverse mass [1/kg])
-  /// and `samples` by sorted index. Sums have a fixed order, whatever the number of threads.
+  /// Solves for y by conjugate gradients with diagonal preconditioning, from 0.9 times the last y. It ends when the
+  /// preconditioned residual is a fiftieth of b, or after 30 iterations. `positions` (w: inverse mass [1/kg]) and
+  /// `samples` by sorted index. Sums have a fixed order, whatever the number of threads.
   void solve(std::span<const Vec4f> positions, std::span<const Sample> samples, float surface,
              Threads& threads);
   /// lambda_i per sorted index; 0 at a free surface [kg m^2, as C / (w |grad C|^2)].

@@ -64,8 +64,8 @@ void DensitySolver::set_positions(std::span<const Vec4f> positions, Threads& thr
   });
 }
 
-// Two particles further apart than support and margin cannot come within the support until one of them has
-// moved by half the margin relative to the mean motion.
+// Two particles further apart than support plus margin stay outside the support. To reach it, one must move by half the
+// margin relative to the mean motion.
 bool DensitySolver::lists_are_valid(std::span<const Vec4f> positions, Threads& threads) {
   if (positions.size() != listed_.size()) return false;
   const auto moved = [&](std::size_t i) { return positions[i].xyz() - listed_[i].xyz(); };

@@ -47,9 +47,9 @@ struct FixedBoundary {
 ///
 ///   lambda_i <- min(0, lambda_i - omega C_i / (w |V sum_j grad W + g|^2 + V^2 sum_j w_j |grad W|^2))
 ///
-/// With a compressibility kappa [1/Pa] the fluid is compliant, C = kappa p at rest: Macklin et al. 2016
-/// ("XPBD"), equation 18, with alpha~ = alpha / h^2, alpha = kappa / V, each particle a constraint of energy
-/// V C^2 / (2 kappa):
+/// With a compressibility kappa [1/Pa] the fluid is compliant, C = kappa p at rest. Each particle is a constraint of
+/// energy V C^2 / (2 kappa), as in Macklin et al. 2016 ("XPBD"), equation 18, with alpha~ = alpha / h^2 and alpha =
+/// kappa / V:
 ///
 ///   lambda_i <- min(0, lambda_i - omega (C_i + alpha~ lambda_i) / (w |grad_i C|^2 + ... + alpha~))
 ///
@@ -69,9 +69,8 @@ class DensitySolver {
     float tolerance = 0;  ///< > 0: passes go on until the mean of max(0, C) is below it
     int max_passes = 50;
     float compressibility = 0;  ///< kappa [1/Pa]; 0: incompressible
-    /// Keeps particles from clumping (Macklin and Müller 2013, equation 13, n = 4, |dq| = 0.2 of the
-    /// support): extra pressure between two particles at this distance, besides the pressure of their
-    /// density [Pa].
+    /// Keeps particles from clumping (Macklin and Müller 2013, equation 13, n = 4, |dq| = 0.2 of the support). It is an
+    /// extra pressure between two particles at this distance, besides the pressure of their density [Pa].
     float artificial_pressure = 0;
     friend bool operator==(const Options&, const Options&) = default;
   };

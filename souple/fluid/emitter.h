@@ -9,13 +9,13 @@
 
 namespace souple {
 
-/// A round nozzle that emits fluid in layers, one spacing apart. With the spacing d, a layer consists of the
-/// points of a square lattice of pitch d within `radius`, about N = pi radius^2 / d^2 of them (one if the
-/// radius is below d). The flow is N d^2 speed [m^3/s].
+/// A round nozzle that emits fluid in layers, one spacing apart. With the spacing d, a layer consists of the points of
+/// a square lattice of pitch d within `radius`. These are about N = pi radius^2 / d^2 points (one if the radius is
+/// below d). The flow is N d^2 speed [m^3/s].
 ///
-/// In the inflow zone, the first two spacings from the nozzle, fluid of this object that moves with the jet
-/// is kinematic and goes straight on, as in a pipe. After that it is free. A particle is held back where
-/// other fluid is too near, or when the object is at its capacity (ObjectOptions::max_particles).
+/// The inflow zone is the first two spacings from the nozzle. Fluid of this object that moves with the jet is kinematic
+/// there and goes straight on, as in a pipe. After that it is free. A particle is held back where other fluid is too
+/// near, or when the object is at its capacity (ObjectOptions::max_particles).
 struct Emitter {
   Vec3f position{};                                      ///< center of the nozzle [m]
   Vec3f direction{0, -1, 0};                             ///< direction of the flow; any length but zero

@@ -19,10 +19,11 @@ namespace souple {
 /// nearest point. Each push on the particle acts on this point in the opposite direction, so momentum is
 /// conserved.
 ///
-/// Bodies move during the pressure solve. Rigid bodies respond as a whole, by W = diag(1/m, I^-1). Of
-/// per-vertex bodies each vertex responds by itself; the solver uses a bound of their response: the row sums
-/// of the matrix by which pressures of particles act on one another through the body. Without this response a
-/// light body would be thrown about, because pressures would be those against a fixed body.
+/// Bodies move during the pressure solve. Rigid bodies respond as a whole, by W = diag(1/m, I^-1). Bodies move during
+/// the pressure solve. Rigid bodies respond as a whole, by W = diag(1/m, I^-1). Per-vertex bodies respond vertex by
+/// vertex. The solver bounds this response by the row sums of the matrix by which pressures of particles act on one
+/// another through the body. Without this response, pressures would be those against a fixed body and would throw a
+/// light body about.
 class FluidBodies {
  public:
   /// collides[fluid * meshes + s]: whether a fluid collides with mesh s.

@@ -20,7 +20,7 @@ class FluidWalls {
                   const Vec3d& origin, std::size_t particles, double time);
   /// Takes the poses at the end of the substep [time, time + h]. Throws if a collider's motion throws.
   void begin_substep(double time, double h);
-  /// Corrected position of particle i that was at `start` when the substep began and is predicted at x: at
+  /// Corrected position of particle i, which was at `start` when the substep began and is predicted at x. It stays at
   /// least `radius` in front of each wall on its path. A particle that starts inside a wall is pushed out.
   Vec3f keep_out(std::size_t i, std::size_t fluid, const Vec3f& start, const Vec3f& x, float radius) const;
   /// keep_out for a particle that is not part of the fluid.

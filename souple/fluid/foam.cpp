@@ -171,8 +171,8 @@ void Foam::dissolve() {
   s.resize(kept);
 }
 
-// Outward unit normals of surface particles. h |V sum grad W| is about 1 in the top layer of a pool, 0 in the
-// second layer, and about 0.3 where particles are disordered.
+// Outward unit normals of surface particles. h |V sum grad W| is about 1 in the top layer of a pool and 0 in the second
+// layer. Where particles are disordered it is about 0.3.
 void Foam::find_normals(const FoamStep& step, Threads& threads) {
   const FluidView& fluid = step.fluid;
   const Smoothing& smoothing = fluid.smoothing;

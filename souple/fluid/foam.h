@@ -34,8 +34,8 @@ struct FoamStep {
   std::uint64_t seed = 0;          ///< random seed; must differ in each step
 };
 
-/// Spray, foam and bubbles: particles that the fluid emits and advects, without effect on the fluid (Ihmsen,
-/// Akinci, Akinci and Teschner 2012, "Unified spray, foam and air bubbles for particle-based fluids").
+/// Spray, foam and bubbles: particles that the fluid emits and advects, without effect on the fluid. Source: Ihmsen,
+/// Akinci, Akinci and Teschner 2012, "Unified spray, foam and air bubbles for particle-based fluids".
 ///
 /// Emission, with hat(r) = 1 - r / h, h the support, and Phi(I) = (min(I, high) - min(I, low)) / (high -
 /// low):

@@ -33,8 +33,8 @@ void FoamBodies::build(Threads& threads) {
   hash_.build(boxes_, SpatialHash::choose_cell_size(boxes_), threads);
 }
 
-// The normal is the direction from the nearest point at the time of impact, not the triangle's normal: so it
-// is right at edges too, and on either side.
+// The normal is the direction from the nearest point at the time of impact, not the triangle's normal. So it is right
+// at edges too, and on either side.
 FoamBodies::Impact FoamBodies::find_impact(const MovingTriangle& triangle, const Vec3f& start,
                                            const Vec3f& x) {
   Moving4 motion;

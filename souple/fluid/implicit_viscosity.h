@@ -11,9 +11,9 @@ namespace souple {
 /// (Weiler et al. 2018, "A physically consistent implicit viscosity solver for SPH fluids", equation 8, with
 /// mu_ij the harmonic mean). Forces between two particles act along their connecting line, so linear and
 /// angular momentum are conserved, and a rotating drop keeps rotating. Instead of the paper's kernel slope we
-/// use a linear weight, with b such that V sum_j b (1 - r / h) r^2 = 3 on the lattice. With Wendland's slope
-/// the nearest neighbors have nearly all the weight: on a lattice, shear along an axis decays at 0.6 of its
-/// rate and along a diagonal at 1.6 (1.07 and 0.9 with the linear weight).
+/// use a linear weight, with b such that V sum_j b (1 - r / h) r^2 = 3 on the lattice. With Wendland's slope the
+/// nearest neighbors have nearly all the weight. On a lattice, shear along an axis then decays at 0.6 of its rate and
+/// along a diagonal at 1.6. With the linear weight the factors are 1.07 and 0.9.
 ///
 /// Uses matrix-free conjugate gradients, warm-started from the current velocities. The preconditioner is the
 /// mass alone. So each iteration adds a sum of pair forces, and momentum is exact even if iterations stop

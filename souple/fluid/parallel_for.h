@@ -9,9 +9,9 @@
 
 namespace souple {
 
-/// Calls f(i) for i in [0, n), with work stealing; each i must be worth the cost of an atomic operation. A
-/// thread first runs its own part in order, as with Threads::for_each, then takes items of other parts: parts
-/// rarely take equal time, and a core may be unavailable. Results of f must not depend on the calling thread.
+/// Calls f(i) for i in [0, n), with work stealing; each i must be worth the cost of an atomic operation. A thread first
+/// runs its own part in order, as with Threads::for_each, then takes items of other parts. Parts rarely take equal
+/// time, and a core may be unavailable. Results of f must not depend on the calling thread.
 template <class Function>
 void parallel_for(std::size_t n, Threads& threads, const Function& f) {
   constexpr std::size_t max_parts = 64;

@@ -13,9 +13,9 @@ namespace souple {
 ///   V sum_j W(r_ij)                              = 1, the particle itself included
 ///   V sum_j grad W(r_ij) . (x_j - x_i)           = 3 g
 ///
-/// These sums differ from the integrals by one percent or more, and with factors from the integrals a fluid
-/// would rest too high or too low by that much. g is 1.04: particles at rest are not on a lattice, and with g
-/// = 1 pressures would be 4 % too high. Other shapes have their own measured factors.
+/// These sums differ from the integrals by one percent or more. With factors from the integrals a fluid would rest too
+/// high or too low by that much. g is 1.04: particles at rest are not on a lattice, and with g = 1 pressures would be 4
+/// % too high. Other shapes have their own measured factors.
 class Smoothing {
  public:
   /// `spacing` > 0 [m].

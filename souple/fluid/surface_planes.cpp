@@ -45,9 +45,9 @@ SurfacePlanes::Near* SurfacePlanes::nearest() {
   return best;
 }
 
-// Distance of the particle beyond the plane that bisects the fold of a plane with a selected one. No part of
-// the surface is nearer than the first selected plane: a plane that is nearer belongs to a face that turns
-// away and ends before it reaches the particle.
+// Distance of the particle beyond the plane that bisects the fold of a plane with a selected one. No part of the
+// surface is nearer than the first selected plane. A plane that is nearer belongs to a face that turns away and ends
+// before it reaches the particle.
 float SurfacePlanes::beyond_fold(const SurfacePlane& plane, const SurfacePlane& selected) const {
   const float difference = plane.distance - selected.distance;
   const float beyond =

@@ -19,8 +19,8 @@ struct SurfacePlane {
   float share = 1;     ///< part of the half-space behind the plane that other planes do not represent
 };
 
-/// Approximates a triangle mesh near a particle by a few planes, such that the sum of their half-spaces is
-/// independent of the triangulation and changes smoothly as the particle moves.
+/// Approximates a triangle mesh near a particle by a few planes. The sum of their half-spaces is independent of the
+/// triangulation and changes smoothly as the particle moves.
 ///
 /// A convex part of the surface is one plane, through its nearest point. In a concave part each face is a
 /// plane of its own. Faces that meet at 90 degrees count fully; faces that are almost parallel share one

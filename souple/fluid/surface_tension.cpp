@@ -28,8 +28,8 @@ float share_of(SmoothingShape shape) {
 
 constexpr int wall_steps = 64;
 
-/// Attraction of a wall at a distance of z = 2 k / wall_steps spacings, filled with one particle per d^3, in
-/// units of a, for a support of two spacings. A slice at the distance t contributes
+/// Attraction of a wall at a distance of z = 2 k / wall_steps spacings, in units of a, for a support of two spacings.
+/// The wall is filled with one particle per d^3. A slice at the distance t contributes
 ///
 ///   2 pi t integral_t^2 c(s) ds
 std::vector<float> half_space_pull() {

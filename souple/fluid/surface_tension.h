@@ -12,8 +12,8 @@ struct NearWall {
   float distance = 0;  ///< [m]
 };
 
-/// Surface tension (Akinci, Akinci and Teschner 2013, "Versatile surface tension and adhesion for SPH
-/// fluids", equations 1 to 5): neighbors attract one another, and differences of normals flatten the surface.
+/// Surface tension: neighbors attract one another, and differences of normals flatten the surface. Source: Akinci,
+/// Akinci and Teschner 2013, "Versatile surface tension and adhesion for SPH fluids", equations 1 to 5.
 ///
 ///   F_ij = -2 / (rho_i + rho_j) (a c(r) d / r + b value(r) (n_i - n_j)),   n_i = h V sum_j grad W_ij
 ///
@@ -21,12 +21,12 @@ struct NearWall {
 /// normalized to a maximum of 1. value(r) falls from 1 to 0 at the support; the paper's weight of the normals
 /// is constant and drops to 0 there.
 ///
-/// Instead of the paper's factor, a and b follow from sigma [N/m]: a = 0.3 sigma d and b = 2 sigma d (times
-/// 0.56 with poly6 and spiky, 1.17 with the cubic spline, 0.49 with the wide kernel). Measured with these
-/// factors: drops of 6 to 16 spacings have a pressure of 0.85 to 1.05 times 2 sigma / R, and their
-/// oscillation matches Rayleigh's with a sigma within 5 %. With attraction alone (b = 0) cubes become round,
-/// but small drops have no more pressure than large ones. With b alone the surface evaporates. Attraction
-/// adds pressure everywhere: about 0.8 sigma / d in a fluid with a free surface, whether flat or not.
+/// Instead of the paper's factor, a and b follow from sigma [N/m]: a = 0.3 sigma d and b = 2 sigma d. They are
+/// multiplied by 0.56 with poly6 and spiky, 1.17 with the cubic spline, 0.49 with the wide kernel. With these factors,
+/// measured drops of 6 to 16 spacings have a pressure of 0.85 to 1.05 times 2 sigma / R. Their oscillation matches
+/// Rayleigh's with a sigma within 5 %. With attraction alone (b = 0) cubes become round, but small drops have no more
+/// pressure than large ones. With b alone the surface evaporates. Attraction adds pressure everywhere: about 0.8 sigma
+/// / d in a fluid with a free surface, whether flat or not.
 ///
 /// A wall attracts like fluid in its place, times `adhesion`: see adhesion_of.
 class SurfaceTension {
@@ -46,9 +46,9 @@ class SurfaceTension {
   /// percent.
   static float max_substep(float sigma, float density, float spacing);
 
-  /// The adhesion for a contact angle [rad], measured inside the drop, from drops of 10 spacings without
-  /// gravity, with Wendland's kernel: 0 gives 160 degrees, 1 gives 84, 2 gives 34. Angles outside this range
-  /// are clamped. Other kernels give angles up to 16 degrees smaller.
+  /// The adhesion for a contact angle [rad], measured inside the drop. Drops of 10 spacings without gravity, with
+  /// Wendland's kernel, gave 160 degrees for 0, 84 for 1 and 34 for 2. Angles outside this range are clamped. Other
+  /// kernels give angles up to 16 degrees smaller.
   static float adhesion_of(float contact_angle);
 
   /// Updates v over h seconds. `walls` by sorted index, or empty.

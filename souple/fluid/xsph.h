@@ -21,9 +21,9 @@ float wall_friction(const Smoothing& smoothing, float value);
 ///
 ///   v_i <- v_i + h w_i (6 / m2) V^2 sum_j mu_ij W_ij (v_j - v_i),    m2 = V sum_j W_ij r_ij^2
 ///
-/// with mu_ij the harmonic mean of the two viscosities. The paper's strength c is 6 h mu w V / m2, so that a
-/// shear wave sin(k x) decays at the rate nu k^2, nu = mu / rho, for any h. Momentum is conserved in pairs.
-/// The method is explicit, stable for h nu / d^2 up to about 0.2. Walls are implicit.
+/// with mu_ij the harmonic mean of the two viscosities. The paper's strength c is 6 h mu w V / m2. So a shear wave
+/// sin(k x) decays at the rate nu k^2, nu = mu / rho, for any h. Momentum is conserved in pairs. The method is
+/// explicit, stable for h nu / d^2 up to about 0.2. Walls are implicit.
 class Xsph {
  public:
   explicit Xsph(SmoothingShape shape) : kernels_(&kernels::find_velocity_kernels(instruction_set(), shape)) {}

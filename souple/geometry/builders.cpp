@@ -156,8 +156,8 @@ TriangleMesh sphere(int subdivisions, double radius) {
 
 namespace {
 
-// The lattice points (i, j, k) on the surface of a box of n cells, numbered layer by layer: the first and the
-// last layer are full, the others are rims.
+// The lattice points (i, j, k) on the surface of a box of n cells, numbered layer by layer. The first and the last
+// layer are full, the others are rims.
 struct BoxShell {
   std::array<int, 3> n;
 
@@ -262,8 +262,7 @@ struct ProfilePoint {
   double radius, height;
 };
 
-// Revolves a profile from the bottom pole (first) to the top pole (last) about Y. Vertex 0 is the bottom
-// pole, the last vertex is the top pole, and rings between them have `segments` vertices each.
+// Revolves a profile from the bottom pole (first) to the top pole (last) about Y.
 TriangleMesh revolve(const std::vector<ProfilePoint>& outline, int segments) {
   TriangleMesh mesh;
   const int rings = int(outline.size()) - 2;

@@ -8,10 +8,10 @@
 namespace souple {
 
 // Generated meshes. Lengths are in meters; all meshes are centered at the origin, Y up. Counts are of cells
-// unless stated otherwise. Closed surfaces are watertight (shared vertices, no seam) and wound outward. Every
-// builder throws Error for a count below its minimum, a length that is not finite and positive, or more than
-// `max_built_vertices` vertices, triangles or tets. Open surfaces have UVs, one per vertex, in meters scaled
-// to [0, 1] by the larger side.
+// unless stated otherwise. Closed surfaces are watertight (shared vertices, no seam) and wound outward. Every builder
+// throws Error for a count below its minimum or a length that is not finite and positive. The limit is
+// `max_built_vertices` vertices, triangles or tets. Open surfaces have UVs, one per vertex, in meters scaled to [0, 1]
+// by the larger side.
 
 inline constexpr double max_built_vertices = 100e6;
 
@@ -24,8 +24,9 @@ enum class Diagonals { alternating, one_way };
 /// along Z is size (rows - 1) / (columns - 1).
 TriangleMesh grid(int columns, int rows, double size, Diagonals diagonals = Diagonals::alternating);
 
-/// A flat disk in the XZ plane, normals +Y: vertex 0 is the center, vertex 1 + (ring - 1) segments + s is on
-/// ring 1..rings at angle 2 pi s / segments from +X toward +Z. rings >= 1, segments >= 3.
+/// Vertex 0 is the center. Vertex 1 + (ring - 1) segments + s is on ring 1..rings at angle 2 pi s / segments from +X
+/// toward +Z. Vertex 0 is the center; vertex 1 + (ring - 1) segments + s is on ring 1..rings at angle 2 pi s / segments
+/// from +X toward +Z.
 TriangleMesh disk(int rings, int segments, double radius);
 
 /// An icosphere: an icosahedron whose triangles are split into four `subdivisions` >= 0 times, vertices on
@@ -37,9 +38,8 @@ TriangleMesh sphere(int subdivisions, double radius);
 TriangleMesh box(const Vec3d& size, int divisions = 1);
 TriangleMesh box(const Vec3d& size, const std::array<int, 3>& divisions);
 
-/// A closed ring around the Y axis: `major_radius` from the axis to the center of the tube, `minor_radius` of
-/// the tube, smaller than the major radius. Vertex index = i * minor_segments + j, i around the axis.
-/// Segments >= 3.
+/// A closed ring around the Y axis. `major_radius`: from the axis to the center of the tube; `minor_radius`: of the
+/// tube, smaller than the major radius. Vertex index = i * minor_segments + j, i around the axis. Segments >= 3.
 TriangleMesh torus(double major_radius, double minor_radius, int major_segments, int minor_segments);
 
 /// A closed capsule along Y: a cylinder of the given `length` between two hemispheres (total height length +

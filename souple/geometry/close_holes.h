@@ -21,9 +21,9 @@ struct Hole {
 /// directions of each edge cancel; the other edges form closed loops.
 std::vector<Hole> find_holes(std::span<const Vec3d> positions, std::span<const Triangle> triangles);
 
-/// Closes holes with fans of triangles about their centers. Its winding number at a point is then 1 inside and 0
-/// outside, where that of the open surface is a fraction (Jacobson et al. 2013, "Robust inside-outside
-/// segmentation using generalized winding numbers", section 3).
+/// Closes holes with fans of triangles about their centers. Afterwards the winding number at a point is 1 inside and 0
+/// outside. For the open surface it is a fraction (Jacobson et al. 2013, "Robust inside-outside segmentation using
+/// generalized winding numbers", section 3).
 void close_holes(std::span<const Hole> holes, std::vector<Vec3d>& positions,
                  std::vector<Triangle>& triangles);
 

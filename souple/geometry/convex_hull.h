@@ -13,10 +13,10 @@
 namespace souple {
 
 struct HullOptions {
-  /// Relative to the size, the diagonal of the points' bounding box, in [0, 0.1]. Points within this distance of a plane count
-  /// as coplanar: a set that is not thicker is flat, a point that lies outside by less becomes no vertex, and triangles
-  /// in one plane become one face. The least that counts is 2^-40 of the size. The default covers the rounding of
-  /// coordinates in float.
+  /// Distance within which points count as coplanar, relative to the size (the diagonal of the points' bounding box),
+  /// in [0, 0.1]. A thinner set is flat, a point that lies outside by less becomes no vertex, and triangles in one
+  /// plane become one face. The least effective value is 2^-40. The default covers the rounding of coordinates in
+  /// float.
   double tolerance = 1e-6;
   /// At most this many vertices, at least 4; 0: no limit. The points that lie farthest outside are kept, so the hull is
   /// inside that of all points; `ConvexHull::excess` bounds the difference.
@@ -56,10 +56,10 @@ struct ConvexHull {
   }
 };
 
-/// The convex hull of points [m]. Which points are vertices is decided exactly on a grid of 2^-40 of the size, so duplicate,
-/// collinear, coplanar and nearly coplanar points do no harm. The result depends on the points and their order alone. Throws
-/// Error, with `name`, for fewer than 4 points, a point that is not finite or beyond 1e9 m, points that coincide or lie on a
-/// line or in a plane, and options out of range.
+/// The convex hull of points [m]. Vertices are chosen exactly on a grid of 2^-40 of the size, so duplicate, collinear
+/// and nearly coplanar points do no harm. The result depends on the points and their order alone. Throws Error, with
+/// `name`, for fewer than 4 points, and for points that coincide or lie on a line or in a plane. Also throws for a
+/// point that is not finite or beyond 1e9 m, and for options out of range.
 ConvexHull convex_hull(std::span<const Vec3d> points, const HullOptions& options = {},
                        const std::string& name = "convex hull");
 

@@ -18,9 +18,9 @@ struct Embedding {
   double largest_distance{};  ///< largest distance of an outside point to its tet [m]; 0 without such points
 };
 
-/// Embeds each point in the lowest-numbered tet that contains it, else in the nearest tet, with extrapolated
-/// weights; so any affine motion of the mesh moves all points exactly. Degenerate tets are not used. Throws
-/// Error if all tets are degenerate, an index is out of range, or a point or used position is not finite.
+/// Embeds each point in the lowest-numbered tet that contains it, otherwise in the nearest tet, with extrapolated
+/// weights. So any affine motion of the mesh moves all points exactly. Degenerate tets are not used. Throws Error if
+/// all tets are degenerate, an index is out of range, or a point or used position is not finite.
 Embedding embed(std::span<const Vec3d> points, const TetMesh& mesh);
 
 /// Computes the embedded points for vertices at `mesh_positions` into `points`, one per embedded point.

@@ -55,8 +55,8 @@ struct Crossing {
   int change;
 };
 
-/// Twice the signed area of (a, b, p) in the yz plane; the exact negative of (b, a, p), so that a point on an
-/// edge belongs to exactly one of its two triangles.
+/// Twice the signed area of (a, b, p) in the yz plane. It is the exact negative of (b, a, p), so a point on an edge
+/// belongs to exactly one of its two triangles.
 double side(const Vec3d& a, const Vec3d& b, double y, double z) {
   if (b.y < a.y || (b.y == a.y && b.z < a.z)) return -side(b, a, y, z);
   return (b.y - a.y) * (z - a.z) - (b.z - a.z) * (y - a.y);

@@ -141,8 +141,8 @@ bool FaceMerger::fits(std::uint32_t triangle, const Plane& plane, Level level) c
   return true;
 }
 
-// Whether the group with this triangle is still a disk: it joins along one side and brings a new vertex, or fills a corner
-// between two sides.
+// Whether the group with this triangle is still a disk. The triangle must join along one side and bring a new vertex,
+// or fill a corner between two sides.
 bool FaceMerger::keeps_disk(std::uint32_t triangle) const {
   std::uint32_t shared = 0, opposite = none;
   for (std::size_t side = 0; side < 3; ++side)
@@ -272,8 +272,8 @@ bool FaceMerger::is_straight(const Indices& loop, std::size_t first, std::size_t
   return true;
 }
 
-// A vertex of only two polygons lies on the edge between them. Those of an edge are dropped together if they are on a line
-// between its ends, and if both polygons have at least three vertices of three or more polygons.
+// A vertex of only two polygons lies on the edge between them. The vertices of an edge are dropped together if they are
+// on a line between its ends. Both polygons must have at least three vertices of three or more polygons.
 void FaceMerger::drop_straight_corners() {
   Indices uses(x_.size(), 0);
   for (const HullPolygon& p : polygons_)

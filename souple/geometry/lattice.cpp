@@ -28,9 +28,9 @@
 //      p0 --0-- p1
 //
 // The tets fill space, so every point of the surface is in a tet. Triangle-tet tests find the tets near the
-// surface. The rest of space is entirely inside or entirely outside: a flood fill from the lattice's rim
-// finds the outside, without rays that could graze an edge. Only regions that the flood cannot reach (the
-// inside, and cavities) need a winding number, one per region.
+// surface. The rest of space is entirely inside or entirely outside. A flood fill from the lattice's rim finds the
+// outside, without rays that could graze an edge. Only regions that the flood cannot reach (the inside, and cavities)
+// need a winding number, one per region.
 
 namespace souple {
 namespace {
@@ -198,8 +198,8 @@ Mark overlap(Points4 tet, Points3 triangle) {
   return depth > contact ? crossed : touched;
 }
 
-// Whether a box and a triangle are apart along the triangle's normal, or a cross product of one of its sides and
-// one of the box's (Akenine-Moller 2001, classes 2 and 3). In cubes; rounding finds no pair apart that meets.
+// Whether a box and a triangle are apart along the triangle's normal, or a cross product of one of its sides and one of
+// the box's. See Akenine-Moller 2001, classes 2 and 3. Lengths are in cubes; rounding finds no pair apart that meets.
 bool apart(const BoundingBox& box, const Points3& triangle) {
   constexpr double rounding = 1e-6;
   const Vec3d center = box.center(), half = box.size() / 2;
@@ -262,8 +262,8 @@ class Marker {
     for (int axis = 0; axis < 3; ++axis) mark_along(axis, lo, hi, p);
   }
 
-  // Tets of faces across `axis` whose boxes overlap the box lo..hi: they extend half a cube to both sides of
-  // the face, and the face is inside its cube.
+  // Tets of faces across `axis` whose boxes overlap the box lo..hi. They extend half a cube to both sides of the face,
+  // and the face is inside its cube.
   void mark_along(int axis, const Vec3d& lo, const Vec3d& hi, const Points3& p) {
     Cube first{}, last{};
     for (int i = 0; i < 3; ++i) {
@@ -343,8 +343,8 @@ class Marker {
     }
   }
 
-  // Tets that the surface only touches are on one side of it: the side of a neighbor that it does not touch,
-  // if there is one.
+  // Tets that the surface only touches are on one side of it. It is the side of a neighbor that the surface does not
+  // touch, if there is one.
   void classify_touched() {
     std::vector<std::pair<std::size_t, Mark>> answers;
     for (std::size_t t = 0; t < marks_.size(); ++t)
@@ -445,8 +445,8 @@ Lattice assemble(const Scaled& surface, const std::vector<std::uint8_t>& marks) 
   return lattice;
 }
 
-// Cell size at which a solid of this volume and area has about `target` tets: 12 per inner cube, and half a
-// cube's layer of tets around the surface (they extend about 0.3 cubes outside on average).
+// Cell size at which a solid of this volume and area has about `target` tets. An inner cube has 12 tets. Around the
+// surface lies half a cube's layer of tets, which extend about 0.3 cubes outside on average.
 double guess_cell_size(const Solid& solid, double target) {
   double lo = solid.box.diagonal() * 1e-6, hi = solid.box.diagonal() * 4;
   for (int i = 0; i < 60; ++i) {
@@ -483,8 +483,8 @@ Lattice lattice_of_count(const Solid& solid, int target) {
   Lattice best;
   for (int attempt = 0; attempt < attempts; ++attempt) {
     double ratio = 4;  // count over target
-    // The count scales with the size to the power -2 (thin) to -3 (thick); a wire's to -1: the second of two tries that
-    // is still more than twice too fine tells.
+    // The count scales with the size to the power -2 (thin) to -3 (thick), for a wire -1. The second of two tries that
+    // is still more than twice too fine shows which.
     double power = 0.4;
     if (cubes_needed(solid, cell_size) <= max_cubes) {
       auto [lattice, count] = lattice_of_at_most(

@@ -26,8 +26,8 @@ void require_length(const char* name, const char* what, double value) {
   require_positive(name, what, value, "length in meters");
 }
 
-// Closed, consistently wound outward, and more than rounding inside: a sheet folded onto itself encloses a volume of
-// about epsilon times its area times its size.
+// Requires a surface that is closed and consistently wound outward. Its volume must exceed rounding: a sheet folded
+// onto itself encloses about epsilon times its area times its size.
 void require_solid(const TriangleMesh& mesh, const MeshReport& report, const std::string& name) {
   require_closed(report, name);
   if (!report.inconsistent_edges.empty())
@@ -199,8 +199,8 @@ double moment_about(const Mat3d& inertia, const Vec3d& axis) {
   return dot(axis, inertia * axis);
 }
 
-// Of the 24 right-handed frames along three perpendicular axes, the one with the largest trace, which is the smallest
-// rotation. The earliest wins where several are equal to rounding.
+// The frame with the largest trace, that is the smallest rotation, among the 24 right-handed frames along three
+// perpendicular axes. The earliest wins where several are equal to rounding.
 Mat3d nearest_frame(const Mat3d& axes) {
   Mat3d best;
   double best_trace = -4;

@@ -301,8 +301,8 @@ std::vector<ClosedPiece> closed_pieces(const std::vector<Patch>& patches, const 
   return pieces;
 }
 
-// Finds boxes around a box. A tree over the pieces, sorted by the lowest x, holds the highest x of each branch: only those
-// that reach around the box along x are looked at.
+// Finds boxes around a box. A tree over the pieces, sorted by the lowest x, holds the highest x of each branch. So a
+// search visits only pieces that reach around the box along x.
 class Surroundings {
  public:
   explicit Surroundings(const std::vector<ClosedPiece>& pieces) {

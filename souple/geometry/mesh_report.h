@@ -53,9 +53,9 @@ struct RepairedSurface {
 };
 
 /// Repairs a mesh. Joins coincident vertices. Drops collapsed triangles, duplicate triangles, triangles with
-/// a non-finite vertex and, unless they close the surface, triangles without area. Winds each piece
-/// consistently, like the majority of its triangles, and closed pieces outward; a closed piece inside a
-/// larger one may be a cavity and keeps its winding. Throws Error if an index is out of range.
+/// a non-finite vertex and, unless they close the surface, triangles without area. Winds each piece consistently, like
+/// the majority of its triangles, and closed pieces outward. A closed piece inside a larger one may be a cavity and
+/// keeps its winding. Throws Error if an index is out of range.
 RepairedSurface repair(const TriangleMesh& mesh, double tolerance);
 RepairedSurface repair(const TriangleMesh& mesh);
 

@@ -139,7 +139,7 @@ class Hull {
   std::vector<std::uint32_t> next_;  // per point: the next above the same face
   std::priority_queue<Candidate> queue_;
   std::uint32_t mark_{0};
-  // Of the point that is being added, kept to reuse their memory.
+  // Lists for the point that is being added, kept to reuse their memory.
   std::vector<std::uint32_t> visible_, cone_, orphans_;
   std::vector<HorizonEdge> horizon_;
   std::vector<std::uint32_t> face_from_;  // per vertex on the horizon: the new face whose first corner it is
@@ -177,9 +177,9 @@ void Hull::put_above(std::uint32_t face, std::uint32_t point, double height) {
   f.height = height;
 }
 
-// A point that is above none of the faces is inside from now on: it was above a removed face, and where it is above a face
-// that stays, it is above a face between the two (the normal of a new face is a positive combination of those that met at
-// its edge).
+// A point that is above none of the new faces is inside from now on. It was above a removed face. If it is above a face
+// that stays, it is also above a face between the two. The normal of a new face is a positive combination of those that
+// met at its edge.
 void Hull::assign(std::uint32_t point, std::span<const std::uint32_t> faces) {
   std::uint32_t best = none;
   double best_height = 0;

@@ -20,8 +20,8 @@ using GridPoint = Vec3<std::int64_t>;
 /// Coordinates are in [0, 2^grid_bits]: six products of three differences fit in 127 bits.
 inline constexpr int grid_bits = 40;
 
-/// Four points that span a tet of the largest extent, or fewer where all points lie within the tolerance of a plane, a line or
-/// a point: the first `count` corners are valid.
+/// Four points that span a tet of the largest extent. There are fewer if all points lie within the tolerance of a
+/// plane, a line or a point: the first `count` corners are valid.
 struct Simplex {
   std::array<std::uint32_t, 4> corners{};
   std::size_t count{};

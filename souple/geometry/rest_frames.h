@@ -18,11 +18,10 @@ struct RestFrame {
 /// no UVs. Throws Error if the UV indices do not match the faces.
 std::optional<std::vector<std::array<std::array<float, 2>, 3>>> triangle_uvs(const TriangleMesh& mesh);
 
-/// One frame per triangle. Warp is the direction of increasing U, so a pattern drawn in UV space follows U.
-/// Without UVs, or if a triangle's UVs have no area, warp is `fallback` projected into the triangle's plane;
-/// if `fallback` is perpendicular to the plane, it is the triangle's first edge. So a sheet without UVs has
-/// one grain direction, not one per triangle. Triangles without area get a zero frame. Throws Error as
-/// triangle_uvs, or if an index is out of range.
+/// One frame per triangle. Warp is the direction of increasing U, so a pattern drawn in UV space follows U. Without
+/// UVs, or if a triangle's UVs have no area, warp is `fallback` projected into the triangle's plane. If `fallback` is
+/// perpendicular to the plane, it is the triangle's first edge. So a sheet without UVs has one grain direction, not one
+/// per triangle. Triangles without area get a zero frame. Throws Error as triangle_uvs, or if an index is out of range.
 std::vector<RestFrame> rest_frames(const TriangleMesh& mesh, const Vec3d& fallback = {1, 0, 0});
 
 /// A triangle in its frame's plane: the corners b - a and c - a in coordinates (warp, weft) [m].

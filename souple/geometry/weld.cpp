@@ -52,11 +52,11 @@ struct Occupant {
   }
 };
 
-// Of sorted cubes, each once: those with another one among the 26 around them. One pass, in which the cubes beside the
-// current one are found by pointers that move with it.
+// Finds the cubes with another one among the 26 around them. `cells` are sorted, each once. One pass, in which the
+// cubes beside the current one are found by pointers that move with it.
 std::vector<char> find_neighbored(const std::vector<Cell>& cells) {
   std::vector<char> neighbored(cells.size(), 0);
-  // What comes after the current cube.
+  // The cubes after the current one.
   constexpr std::int64_t columns[5][2] = {{0, 0}, {0, 1}, {1, -1}, {1, 0}, {1, 1}};
   std::size_t beside[5] = {};
   for (std::size_t k = 0; k < cells.size(); ++k)

@@ -30,8 +30,8 @@ constexpr Vec3f directions[] = {{0, 1, 0},
                                 {third, third, -third},
                                 {-third, -third, third}};
 constexpr std::uint32_t fixed_directions = 14, all_directions = 16;
-// Distances tested for each direction, and the ratio of each to the one before: from a 38th of the search range to all of
-// it, none more than half again as far as needed.
+// Number of distances tested for each direction, and the ratio of each to the one before. They range from a 38th of the
+// search range to all of it, so none is more than half again as far as needed.
 constexpr int distances = 10;
 constexpr float distance_ratio = 1.5f;
 // Target duration of a separation if the speed limit allows, in times of a fall by the smaller object's radius.
@@ -41,8 +41,8 @@ constexpr float slowest_part = 1.0f / 30;
 // A new direction may take deadline_factor times its expected time plus the time of such a fall. After each
 // improvement and each escalation the deadline is the time of a fall.
 constexpr double deadline_factor = 1.5;
-// Doublings of the speed before another direction is chosen: at eight times the speed, a direction that does not
-// resolve a component is blocked rather than slow.
+// Doublings of the speed before another direction is chosen. A direction that does not resolve a component at eight
+// times the speed is blocked rather than slow.
 constexpr int max_escalations = 3;
 // Each attempt doubles the search range of the one before: at 64 times the component's size, its objects are apart.
 constexpr int max_range_doublings = 6;
@@ -312,8 +312,8 @@ float IntersectionResolver::find_direction(Component& component, const ParticleV
   return 0;
 }
 
-// A component of two layers moves outward, and by its contour where that stalls, alternately: the lower
-// object's normals would move a fold that passes through the upper object to both sides.
+// A component of two layers moves outward; where that stalls, it alternates with the contour. The lower object's
+// normals would move a fold that passes through the upper object to both sides.
 void IntersectionResolver::alternate_strategies(Component& component, const ParticleView& particles,
                                                 double time, const Pace& pace) {
   if (component.chosen) ++component.attempt;

@@ -18,18 +18,18 @@ namespace souple {
 /// passes through a triangle, and no corner of the component lies inside a closed surface. Several directions
 /// and distances are tested when a component is new, and again when it is not resolved in time.
 ///
-/// Where no direction resolves a component, and for self-intersections, edges move such that the intersection
-/// contour becomes shorter: Volino and Magnenat-Thalmann 2006, "Resolving surface collisions through
-/// intersection contour minimization". The contour alone finds no direction where its length would not
-/// change, as for a sheet that passes through a box, or through another sheet from side to side.
+/// Self-intersections, and components that no direction resolves, move edges such that the intersection contour becomes
+/// shorter. Source: Volino and Magnenat-Thalmann 2006, "Resolving surface collisions through intersection contour
+/// minimization". The contour alone finds no direction if its length would not change. Examples are a sheet that passes
+/// through a box, or through another sheet from side to side.
 ///
 /// The correction is a bound on velocities: the points of the edge and of the triangle at their intersection
 /// separate by at least
 ///
 ///   n . sum_k c_k (p_k - x_k) >= u h,   u <= ContactStep::depenetration_speed of the smaller object.
 ///
-/// The same bound applies to a vertex inside a closed surface and the point where the direction leaves this
-/// surface. Corrections are w_k c_k n: equal, opposite and along one line. So no depth makes them violent.
+/// This bound also applies to a vertex inside a closed surface and the point where the direction leaves the surface.
+/// Corrections are w_k c_k n: equal, opposite and along one line. So no depth makes them violent.
 ///
 /// Layers define where two objects belong (layers.h), so their components need no search for a direction.
 /// Each edge through a triangle moves along the normal of the lower object. So does each point of the upper
@@ -76,7 +76,7 @@ class IntersectionResolver {
     std::size_t first = 0, count = 0;  // order_[first, first + count)
     Bounds bounds{};                   // of all their particles
   };
-  /// What a component does in a step.
+  /// Action of a component in a step.
   enum class Action : std::uint8_t {
     keep,              ///< its strategy
     alternate,         ///< between outward motion and the contour, for layers

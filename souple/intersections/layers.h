@@ -9,9 +9,8 @@
 
 namespace souple {
 
-/// A point of an upper surface that lies under a lower one. To resolve it, particles move outward along
-/// `direction` with the weights c: sum_k c_k x_k is the point of the upper surface minus the point of the
-/// lower one.
+/// A point of an upper surface that lies under a lower one. To resolve it, particles move outward along `direction`
+/// with the weights c. The sum of c_k x_k is the point of the upper surface minus the point of the lower one.
 struct LayerViolation {
   std::uint32_t vertex = 0, surface = 0;  ///< until resolved, contacts of this vertex and surface are ignored
   std::array<std::uint32_t, 4> particle{};  ///< the vertex, and the corners of the triangle nearest to it
@@ -20,18 +19,17 @@ struct LayerViolation {
   float depth = 0;    ///< m
 };
 
-/// Order of garments. Of two colliding surfaces with different nonzero layers, the higher layer belongs over
-/// the lower one: on the side where the lower surface's triangles are counter-clockwise. The winding of the
-/// upper surface does not matter.
+/// Order of garments. When two surfaces with different nonzero layers collide, the higher layer belongs over the lower
+/// one. Over means the side where the lower surface's triangles are counter-clockwise. The winding of the upper surface
+/// does not matter.
 ///
 /// A point x is over the lower surface when
 ///
 ///   n . (x - y) >= 0,
 ///
-/// with y the point of the surface nearest to x, and n the normal at y: the triangle's, the mean of two at an
-/// edge, or the angle-weighted mean at a vertex. Then the sign is right in folds, and wherever the surface
-/// has an inside (Baerentzen and Aanaes 2005, "Signed distance computation using the angle weighted
-/// pseudonormal").
+/// Here y is the point of the surface nearest to x, and n the normal at y. It is the triangle's normal, the mean of two
+/// at an edge, or the angle-weighted mean at a vertex. Then the sign is right in folds, and wherever the surface has an
+/// inside. See Baerentzen and Aanaes 2005, "Signed distance computation using the angle weighted pseudonormal".
 ///
 /// Points farther away than a twentieth of the lower surface's size, or beyond its border, are no violations.
 /// If the lower surface is closed, a point inside is one at any depth.

@@ -23,11 +23,10 @@ struct SurfaceTimes {
 /// (particle_kernels.h). It is evaluated near the surface only (surface_field.h). Marching cubes extracts the
 /// mesh (marching_cubes.h).
 ///
-/// Deviations: the paper moves the centers of kernels towards the mean of their neighbors. This smooths the
-/// surface but moves it inwards by half a spacing or more: a ball of 20 spacings would lose a fifth of its
-/// volume. Here each vertex is moved back by the mean shift of the centers around it, weighted by their
-/// kernels in the field. Centers of particles with few neighbors are moved less: two of them would become
-/// one.
+/// Deviations: the paper moves the centers of kernels towards the mean of their neighbors. This smooths the surface but
+/// moves it inwards by half a spacing or more. A ball of 20 spacings would lose a fifth of its volume. Here each vertex
+/// is moved back by the mean shift of the centers around it, weighted by their kernels in the field. Centers of
+/// particles with few neighbors are moved less: two of them would become one.
 ///
 /// The mesh is equal, bit by bit, for any number of threads and with all instruction sets.
 class FluidSurface {
@@ -35,9 +34,8 @@ class FluidSurface {
   /// Throws Error where an option is out of its range; the message names it.
   explicit FluidSurface(const SurfaceOptions& options);
 
-  /// The mesh of these particles [m], valid until the next call. Positions are left out where they are not
-  /// finite, or further from the origin than 2^18 times the smaller of the neighbor radius and four cells.
-  /// Allocates nothing when warm.
+  /// The mesh of these particles [m], valid until the next call. Ignores positions that are not finite, or further from
+  /// the origin than 2^18 times the smaller of the neighbor radius and four cells. Allocates nothing when warm.
   const SurfaceMesh& build(std::span<const Vec3f> positions, Threads& threads);
 
   const SurfaceMesh& mesh() const { return mesh_; }

@@ -229,8 +229,8 @@ void CutEdges::newton_step(const SurfaceField& field, std::uint32_t brick) {
   }
 }
 
-/// The vertex: at least a fiftieth of a cell from both nodes, so that triangles keep an area, then moved back
-/// by the shift of the centers.
+/// The vertex. It stays at least a fiftieth of a cell from both nodes, so that triangles keep an area. Then it is moved
+/// back by the shift of the centers.
 Vec3f CutEdges::position(std::size_t k) const {
   constexpr float least = 0.02f;
   Vec3f x{start[0][k], start[1][k], start[2][k]};

@@ -11,8 +11,8 @@
 namespace souple {
 
 /// Triangles of one cube of eight nodes, for one pattern of inside nodes. Node k is at (k & 1, k >> 1 & 1, k
-/// >> 2 & 1). Edge 4 a + b is along axis a. The lowest bit of b is its coordinate along the axis after a (x
-/// follows z), the other bit that along the axis after this one.
+/// >> 2 & 1). Edge 4 a + b is along axis a. The lowest bit of b is its coordinate along the axis after a (x follows z).
+/// The other bit is the coordinate along the axis after this one.
 struct CubeCase {
   std::uint8_t triangle_count = 0;
   std::array<std::array<std::uint8_t, 3>, 12> triangles{};  ///< edges, counter-clockwise from outside

@@ -36,8 +36,8 @@ struct NarrowBand {
 /// where the surface's winding number is above one half (MeshTree), so pieces may overlap, have cavities, and
 /// be inside them. The result does not depend on the number of threads.
 ///
-/// Throws Error where a position is not finite or further than 8 million cells from the origin, `cell` is not
-/// a positive length, or `width` is out of range.
+/// Throws Error if a position is not finite or further than 8 million cells from the origin. Also throws if `cell` is
+/// not a positive length, or `width` is out of range.
 NarrowBand narrow_band(std::span<const Vec3f> positions, std::span<const Triangle> triangles, float cell,
                        int width, Threads& threads);
 

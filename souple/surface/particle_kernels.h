@@ -38,8 +38,8 @@ class ParticleKernels {
   std::span<const KernelBox> boxes() const { return boxes_; }
   /// Per kernel: 1 where the surface may be within its support, since its neighbors are on one side or few.
   std::span<const std::uint8_t> at_surface() const { return at_surface_; }
-  /// Whether a particle with this many neighbors has them all around, not in a sheet or thread: at least
-  /// three quarters of those inside a fluid.
+  /// Whether neighbors surround a particle, unlike in a sheet or thread. It then has at least three quarters of the
+  /// neighbors of a particle inside a fluid.
   bool is_surrounded(std::size_t neighbors) const { return neighbors >= surrounded_count_; }
 
  private:

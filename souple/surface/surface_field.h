@@ -13,9 +13,8 @@
 namespace souple {
 
 /// A fluid's field at the nodes of a grid, in bricks of 4 x 4 x 4. Only bricks where the surface may be are
-/// evaluated. Of the others, those in the set are all inside, and those not in it all outside. The grid's
-/// nodes are the multiples of `cell`, independent of the fluid's position, so that the mesh of a fluid at
-/// rest does not flicker.
+/// evaluated. The other bricks are all inside if they are in the set, and all outside if not. The grid's nodes are the
+/// multiples of `cell`, independent of the fluid's position, so that the mesh of a fluid at rest does not flicker.
 class SurfaceField {
  public:
   /// `cell`: spacing of the grid [m]. A node is inside where the field is above `level`.

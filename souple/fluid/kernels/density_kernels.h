@@ -39,7 +39,7 @@ struct NeighborLists {
   std::uint32_t begin, end;
 };
 
-/// Lists hold four times the sorted index of each neighbor, padded to a multiple of sixteen with a record so
+/// Lists hold four times the sorted index of each neighbor. They are padded to a multiple of sixteen with a record so
 /// far away that its terms are zero.
 struct DensityKernels {
   /// `sums` and `push` of all particles of `lists`, in one call; begin + k goes to result[k].

@@ -26,8 +26,8 @@ struct Wendland {
   }
 };
 
-/// Müller et al. 2003, "Particle-based fluid simulation for interactive applications", equations 20 and 21,
-/// as in Macklin and Müller 2013: poly6 for the density, the gradient of the spiky kernel for corrections.
+/// Poly6 for the density, the gradient of the spiky kernel for corrections, as in Macklin and Müller 2013. Source:
+/// Müller et al. 2003, "Particle-based fluid simulation for interactive applications", equations 20 and 21.
 struct Poly6Spiky {
   template <class T>
   static T value(T q) {
@@ -55,8 +55,8 @@ struct CubicSpline {
   }
 };
 
-/// Attraction between particles (Akinci, Akinci and Teschner 2013, equation 2), with maximum 1 at q = 1/2: 64
-/// (1 - q)^3 q^3, and below 1/2 twice this minus 1, so that particles do not clump.
+/// Attraction between particles, 64 (1 - q)^3 q^3, with maximum 1 at q = 1/2 (Akinci, Akinci and Teschner 2013,
+/// equation 2). Below 1/2 it is twice this minus 1, so that particles do not clump.
 struct Cohesion {
   /// The force over q.
   template <class T>

@@ -43,7 +43,7 @@ class FluidFoam {
   Vec3d origin_{};
   Foam::Report report_;
   FoamCollisions collisions_;
-  // Of the fluids' particles by sorted index.
+  // Data of the fluids' particles by sorted index.
   std::vector<std::uint32_t> particle_;  // index in the world
   std::vector<Vec3f> wall_slopes_;       // 1/m
   std::vector<float> share_;             // FluidMaterial::foam

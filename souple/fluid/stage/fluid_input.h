@@ -12,7 +12,7 @@ struct ContactTables;
 struct FluidSettings;
 class Warnings;
 
-/// What the fluids' stage sees of a world.
+/// A world as the fluids' stage reads it.
 struct FluidInput {
   ObjectsView objects;
   const ContactTables& contacts;  ///< the colliders; which objects collide with them and with one another
@@ -29,7 +29,7 @@ struct FluidAir {
   float density = 0;  ///< kg/m^3
 };
 
-/// What foam reads of a step of dt seconds in addition to FluidInput.
+/// Input of foam for a step of dt seconds, in addition to FluidInput.
 struct FoamInput {
   double dt = 0;
   /// Particles::position and Particles::offset at the start of the step.

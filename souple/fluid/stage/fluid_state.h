@@ -10,11 +10,11 @@
 
 #include <memory>
 
-// What the parts of the fluids' stage share: pressure, forces, foam.
+// Data that the parts of the fluids' stage share: pressure, forces, foam.
 
 namespace souple {
 
-/// What surrounds the fluids: colliders, objects that are walls, and bodies too small to be walls.
+/// Surroundings of the fluids: colliders, objects that are walls, and bodies too small to be walls.
 struct FluidBoundary {
   LocalBoundary local;
   FluidWalls walls;

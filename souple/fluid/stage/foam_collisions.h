@@ -20,8 +20,8 @@ class FoamCollisions {
   /// Finds the walls and bodies; they move straight from their positions at the start of the step to those at
   /// its end. `gap`: distance from them [m].
   void begin_step(const FluidInput& input, const FoamInput& foam, const FluidState& fluids, float gap);
-  /// Moves particles whose path enters a wall or a body in front of it. A particle that a wall pushes gets at
-  /// least the velocity away from the wall that it had on average in this step of dt seconds.
+  /// Moves particles whose path enters a wall or a body in front of it. A particle that a wall pushes moves away from
+  /// the wall at least at its mean velocity of this step of dt seconds.
   void keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, std::span<Vec3f> v, float dt,
                 Threads& threads);
   void reserve(std::size_t count) { unconstrained_.reserve(count); }

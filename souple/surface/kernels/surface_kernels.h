@@ -19,8 +19,8 @@ struct Moments {
   float xx, xy, xz, yy, yz, zz;  ///< sum w d d^T
 };
 
-/// A particle's term of the field: weight (1 - |G (x - center)|^2)^3 where the parenthesis is positive (poly6
-/// of Müller et al. 2003, deformed by G as in Yu and Turk 2013, equation 8).
+/// A particle's term of the field: weight (1 - |G (x - center)|^2)^3 where the parenthesis is positive. It is poly6 of
+/// Müller et al. 2003, deformed by G as in Yu and Turk 2013, equation 8.
 struct alignas(64) ParticleKernel {
   float center[3];               ///< m
   float weight;                  ///< V W(0), no unit
