@@ -33,14 +33,14 @@ struct StrainSearch {
 /// Numbers of substeps that are tried, ascending.
 std::span<const int> substeps_to_try();
 
-/// Measures the benchmark with more and more substeps of each solver, until the largest strain after any of
+/// Measures the benchmark with more and more substeps of each solver. It ends when the largest strain after any of
 /// options.runs steps is within *options.strain, or every step costs more than with the cheapest settings found.
-/// `on_trial` hears of each trial. Throws Error for options that cannot be measured.
+/// `on_trial` receives each trial. Throws Error for options that cannot be measured.
 StrainSearch search_strain(BenchOptions options, std::span<const SolverKind> solvers,
                            const std::function<void(const StrainTrial&)>& on_trial);
 
-/// The result of the cheapest settings as bench_json gives it, or the benchmark's name and size where no settings are
-/// within the bound; with "strain": the bound and all trials.
+/// The result of the cheapest settings as bench_json gives it, with "strain": the bound and all trials. If no settings
+/// are within the bound, it has the benchmark's name and size.
 scene_format::Json strain_json(const StrainSearch& search, const BenchOptions& options);
 
 void print_trial(const StrainTrial& trial);

@@ -22,9 +22,9 @@ class CacheSubject {
   /// Empty when run.json embeds no scene.
   const std::optional<SceneDescription>& scene() const { return scene_; }
 
-  /// Reads a frame in [1, frames()]. Caches hold positions only: with `velocities` the frame before is read
-  /// as well, and a velocity is the displacement over one frame divided by its duration. Valid until the next
-  /// call. Throws Error.
+  /// Reads a frame in [1, frames()]. Caches hold positions only. With `velocities` the frame before is read as well,
+  /// and a velocity is the displacement over one frame divided by its duration. Valid until the next call. Throws
+  /// Error.
   const render::Subject& read(std::uint64_t frame, bool velocities = false);
 
  private:

@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <string>
 
-// What `souple convert` writes, in the folder of its output: NAME.glb or a .glb per frame, NAME.usda alone or with a
-// file per frame.
+// Files that `souple convert` writes in the folder of its output: NAME.glb or a .glb per frame, NAME.usda alone or with
+// a file per frame.
 
 namespace souple::app {
 

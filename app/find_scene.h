@@ -6,9 +6,9 @@
 
 namespace souple::app {
 
-/// Folders that are searched for shipped scenes, first to last: those of the environment variable
-/// SOUPLE_SCENES (separated by colons), ../share/souple/scenes relative to the program, and the source tree
-/// it was built from. Each is listed once, whether it exists or not.
+/// Folders that are searched for shipped scenes, in order. These are the folders of the environment variable
+/// SOUPLE_SCENES (separated by colons), ../share/souple/scenes relative to the program, and the source tree it was
+/// built from. Each is listed once, whether it exists or not.
 std::vector<std::filesystem::path> scene_folders();
 
 struct ShippedScene {

@@ -34,8 +34,8 @@ class FrameSource {
   /// Advances to a later frame. Calls `should_continue` before it leaves a frame. Throws Error when a file
   /// cannot be read.
   virtual AdvanceResult advance_to(std::uint64_t frame, const ShouldContinue& should_continue) = 0;
-  /// What these frames, ascending, cover: objects, and colliders not much larger. The current frame stays. A
-  /// scene is simulated once more for it; ends early where `should_continue` returns false or values are not
+  /// Extreme points of objects, and of colliders not much larger, over these frames, ascending. The current frame
+  /// stays. A scene is simulated once more for it; ends early where `should_continue` returns false or values are not
   /// finite.
   virtual render::ExtremePoints covered(const std::vector<std::uint64_t>& frames,
                                         const ShouldContinue& should_continue) = 0;

@@ -5,13 +5,13 @@ namespace souple::app {
 /// One line on standard error. Allocates nothing.
 void say_out_of_memory();
 
-/// Where memory or threads run out in code that may not throw, such as the initializers and destructors of libraries,
-/// the process ends with one line and exit code 2, not with SIGABRT. Files that were not complete stay as .part, as
+/// Memory or threads may run out in code that may not throw, such as the initializers and destructors of libraries. The
+/// process then ends with one line and exit code 2, not with SIGABRT. Files that were not complete stay as .part, as
 /// after a kill.
 void end_when_out_of_memory();
 
-/// Call before the first use of OpenGL. If the process has a limit of memory, a crash ends it with one line and exit code
-/// 2: Mesa's drivers use what allocations did not give them.
+/// Call before the first use of OpenGL. If the process has a limit of memory, a crash ends it with one line and exit
+/// code 2. Mesa's drivers use memory that allocations did not give them.
 void expect_driver_crashes();
 
 }  // namespace souple::app

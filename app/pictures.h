@@ -37,15 +37,15 @@ render::Bounds bounds_of(const render::Subject& subject);
 /// Extreme points of all objects, without colliders.
 render::ExtremePoints extent_of(const render::Subject& subject);
 
-/// The same, and colliders that are not much larger than the objects.
+/// Extreme points of all objects, and of colliders that are not much larger than the objects.
 render::ExtremePoints extent_with_colliders(const render::Subject& subject);
 
 /// Whether `camera_for` frames the extent: neither the request nor the scene places the camera.
 bool is_automatic(const CameraRequest& request, const CameraDescription* scene);
 
-/// The requested camera. Values that `request` leaves open come from `scene`. Where the scene has no camera
-/// either (or a run embeds no scene, nullptr), the points of `extent` are framed, by a camera that turns if they fill
-/// little of the picture. Throws Error when the camera's position equals its target.
+/// The requested camera. Values that `request` leaves open come from `scene`. If the scene has no camera either (or a
+/// run embeds no scene, nullptr), the points of `extent` are framed. The camera turns if they fill little of the
+/// picture. Throws Error when the camera's position equals its target.
 render::Camera camera_for(const CameraRequest& request, const CameraDescription* scene,
                           const render::ExtremePoints& extent, float aspect);
 
@@ -55,7 +55,7 @@ class PictureMaker {
   /// Throws Error that names what the machine lacks.
   PictureMaker() = default;
 
-  /// Draws `label` in the lower left corner. The same subject gives the same picture.
+  /// Draws `label` in the lower left corner. Equal subjects give equal pictures.
   render::Image picture(const render::Subject& subject, const render::Camera& camera,
                         const PictureStyle& style, const std::string& label = {});
 

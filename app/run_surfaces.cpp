@@ -32,7 +32,7 @@ SurfaceFileOptions file_options(const std::string& method, const fs::path& run) 
   return options;
 }
 
-/// What the run.json of the whole run says.
+/// Contents of the run.json of the whole run.
 RunManifest planned(const SceneDescription& scene) {
   RunManifest manifest;
   manifest.scene = to_json(scene);

@@ -9,8 +9,8 @@
 
 namespace souple::app {
 
-/// The run.json of a folder of surfaces, and what their files and it have in common: they hold the same frames,
-/// whenever the disk fills up.
+/// The run.json of a folder of surfaces. It and the files of the surfaces hold the same frames, whenever the disk fills
+/// up.
 class SurfaceRecorder {
  public:
   /// `source` is the run.json of the run that the particles are of; its reports are not used.

@@ -8,8 +8,9 @@
 
 namespace souple::app {
 
-/// The velocity of the particles around each vertex of a surface: their mean with the weights (1 - r^2 / radius^2)^2, r the
-/// distance [m]; zero without a particle within `radius`. As many velocities as positions. Equal for any number of threads.
+/// The velocity of the particles around each vertex of a surface. It is their mean with the weights (1 - r^2 /
+/// radius^2)^2, r the distance [m]; zero without a particle within `radius`. As many velocities as positions. Equal for
+/// any number of threads.
 std::vector<Vec3f> surface_velocities(std::span<const Vec3f> vertices, std::span<const Vec3f> positions,
                                       std::span<const Vec3f> velocities, float radius, Threads& threads);
 

@@ -17,7 +17,7 @@ namespace {
 using Leaf = openvdb::FloatGrid::TreeType::LeafNodeType;
 static_assert(Leaf::SIZE == NarrowBand::brick_points && Leaf::DIM == NarrowBand::side);
 
-/// What all grids of a file have in common.
+/// Properties that all grids of a file have in common.
 void describe(openvdb::GridBase& grid, const NarrowBand& band, const std::string& object) {
   grid.setTransform(openvdb::math::Transform::createLinearTransform(double(band.cell)));
   grid.setCreator(std::string("souple ") + version);

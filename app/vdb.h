@@ -15,7 +15,7 @@ void require_vdb();
 
 /// An OpenVDB file with a level set named "surface" (float, negative inside, meters), tiles inside filled.
 /// `object` becomes its metadata entry of that name. Unless `velocities`, per brick, are empty, a grid "velocity" (vectors,
-/// m/s) has them at the points of the band. The same values give the same bytes.
+/// m/s) has them at the points of the band. Equal values give equal bytes.
 std::string vdb_bytes(const NarrowBand& band, const std::string& object,
                       std::span<const BrickVelocities> velocities = {});
 

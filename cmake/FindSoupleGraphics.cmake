@@ -1,5 +1,5 @@
-# What render/ needs: libepoxy (OpenGL and EGL), libpng, Dear ImGui (its font atlas; the viewer's panels).
-# Target SoupleGraphics::SoupleGraphics. Searched without pkg-config, which a user may not have.
+# Packages for render/: libepoxy (OpenGL and EGL), libpng, Dear ImGui (its font atlas; the viewer's panels). Target
+# SoupleGraphics::SoupleGraphics. Searched without pkg-config, which a user may not have.
 include(FindPackageHandleStandardArgs)
 
 find_path(EPOXY_INCLUDE_DIR epoxy/gl.h)

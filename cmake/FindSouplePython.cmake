@@ -1,6 +1,6 @@
-# What python/ needs: pybind11, and the headers of the system's Python, which NumPy is installed for. An interpreter that
-# stands before it in PATH, such as one of pyenv, is not the system's: Python_EXECUTABLE names another one.
-# Targets Python::Module and pybind11::headers.
+# Packages for python/: pybind11, and the headers of the system's Python, which NumPy is installed for. An interpreter
+# that stands before it in PATH, such as one of pyenv, is not the system's: Python_EXECUTABLE names another one. Targets
+# Python::Module and pybind11::headers.
 include(FindPackageHandleStandardArgs)
 
 if(NOT Python_EXECUTABLE AND EXISTS /usr/bin/python3)

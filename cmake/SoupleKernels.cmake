@@ -33,8 +33,8 @@ endforeach()
 configure_file(${PROJECT_SOURCE_DIR}/souple/compiled_sets.h.in ${PROJECT_BINARY_DIR}/include/souple/compiled_sets.h)
 
 # souple_add_kernels(NAME...) adds the translation units NAME.cpp of the current folder to the library, one per
-# instruction set of SOUPLE_INSTRUCTION_SETS; all else is compiled for any
-# processor of its architecture. A NAME is an instruction set, or one and a part, such as avx2_meshes.
+# instruction set of SOUPLE_INSTRUCTION_SETS. All other code is compiled for any processor of its architecture. A NAME
+# is an instruction set, or one and a part, such as avx2_meshes.
 function(souple_add_kernels)
   set(avx2 -mavx2)
   # g++ 12 takes the "undefined" registers of its own AVX-512 header for mistakes (GCC bug 105593).

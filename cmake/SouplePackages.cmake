@@ -1,12 +1,12 @@
-# What Souple needs and what it can use. Four functions:
+# Packages that Souple needs and packages it can use. Four functions:
 #
 #   souple_require(package debian purpose)                  found, or configuring ends with the line that installs it
 #   souple_part(OPTION default description package debian)  an option that is AUTO, ON or OFF; debian may be -
 #   souple_report_parts()                                   the table, and the error when something is missing
 #   souple_link_part(package target)                        the library uses the target; see there
 #
-# A part's option is kept in the cache as AUTO, ON or OFF; below this file the variable of the same name is plainly
-# ON or OFF. AUTO means: on when its package is found. ON without the package is an error.
+# A part's option is kept in the cache as AUTO, ON or OFF. Below this file, the variable of that name is plainly ON or
+# OFF. AUTO means: on when its package is found. ON without the package is an error.
 
 set_property(GLOBAL PROPERTY SOUPLE_MISSING "")
 set_property(GLOBAL PROPERTY SOUPLE_PARTS "")

@@ -73,7 +73,7 @@ class BoundWorld {
     const ReleasedGil released;
     return f(world);
   }
-  /// What an outer call has kept is not that of the inner one.
+  /// Errors of the outer call stay apart from those of the inner one.
   class Nested {
    public:
     explicit Nested(PendingError& pending) : pending_(pending), outer_(std::exchange(pending, {})) {}

@@ -13,7 +13,7 @@ namespace souple::python {
 
 namespace {
 
-/// What a kind needs, and how it is made.
+/// Properties of a kind, and its factory.
 struct Entry {
   const char* kind;
   std::size_t arity, rows, parameters, compliances;

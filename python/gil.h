@@ -6,8 +6,9 @@
 #include <pybind11/pybind11.h>
 #include <thread>
 
-// The GIL around long computations. When the program ends, Python ends a daemon thread that asks for the GIL by unwinding its
-// stack, which functions that promise not to throw do not survive. These guards stop such a thread; it ends with the process.
+// The GIL around long computations. When the program ends, Python ends a daemon thread that asks for the GIL by
+// unwinding its stack. Functions that promise not to throw do not survive that. These guards stop such a thread; it
+// ends with the process.
 
 namespace souple::python {
 

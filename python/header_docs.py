@@ -12,7 +12,7 @@ SCOPE = re.compile(r"^\s*(?:template\s*<.*>\s*)?(?:struct|class|enum class|enum)
 NAMESPACE = re.compile(r"^\s*(?:inline\s+)?namespace\s+([\w:]*)\s*\{")
 FUNCTION = re.compile(r"([A-Za-z_]\w*)\s*\(")
 MEMBER = re.compile(r"(\w+)\s*(?:\[[^\]]*\])?\s*(?:=[^,;]*|\{[^;]*\})?\s*(?=[,;])")
-# Of declarations whose names say it all in C++.
+# Docs of declarations whose names say it all in C++.
 MORE = {
     "Box": "A box whose sides are parallel to the axes of its frame.",
     "CacheFormat": "Format of a cache of positions.",

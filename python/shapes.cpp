@@ -43,7 +43,7 @@ void bind_motion(py::module_& m) {
           [](std::vector<PoseKey> keys, bool loop) { return M::keyframes(std::move(keys), loop); },
           py::arg("keys"), py::arg("loop") = false, doc("ColliderMotion.keyframes"))
       .def_static("callback", &motion_of, py::arg("callback"), doc("ColliderMotion.callback"))
-      // Of copies: its function may replace the motion.
+      // Evaluates a copy: its function may replace the motion.
       .def(
           "at", [](const M& motion, double time) { return M(motion).at(time); }, py::arg("time"),
           doc("ColliderMotion.at"))

@@ -20,7 +20,7 @@ namespace souple::python {
 /// The name of a C++ type as Python has it, from the text that pybind11 has for it.
 std::string type_words(const char* pattern, const std::type_info* const* types);
 
-/// What Python calls the type of a value.
+/// Python's name of a value's type.
 template <class M>
 std::string python_type() {
   constexpr auto pattern = py::detail::make_caster<M>::name;

@@ -8,7 +8,7 @@ namespace {
 
 using Getter = std::span<const Vec3f> (World::*)(ObjectId) const;
 
-/// What keeps the memory of an array, and says where the array is from.
+/// Owner of an array's memory, and the array's origin.
 struct Origin {
   std::shared_ptr<const void> memory;
   std::uint64_t world;

@@ -8,7 +8,7 @@ namespace souple::python {
 
 namespace {
 
-/// What a joint or tie holds: None is the world.
+/// One side of a joint or tie: None is the world.
 using JointEnd = std::variant<std::monostate, ObjectId, ColliderId>;
 using TieEnd = std::variant<std::monostate, ObjectId, SurfacePoint, ColliderId>;
 using JointKind = std::variant<joint::Fixed, joint::Ball, joint::Hinge, joint::Slider, joint::Universal,

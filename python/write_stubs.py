@@ -55,7 +55,7 @@ def returned(text):
 
 
 def taken(text, enums):
-    """The same as an argument, which may be anything that converts to it."""
+    """The type as an argument, which may be anything that converts to it."""
     text = returned(text)
     text = VECTOR.sub("Union[Sequence[float], numpy.typing.NDArray[Any]]", text)
     text = text.replace("numpy.typing.NDArray[Any]", "numpy.typing.ArrayLike") if text.startswith("numpy.") else text
@@ -94,7 +94,7 @@ class Stubs:
         return [f"{name}: {kind}" + (f" = {literal(default)}" if default is not None else "")]
 
     def keywords(self, arguments):
-        """What **kwargs stands for: the members of the options before it."""
+        """Names for **kwargs: the members of the options before it."""
         if arguments[-1:] != ["**kwargs"] or len(arguments) < 2:
             return []
         options = re.match(r"\w+: Optional\[souple\._souple\.(\w+)\]", arguments[-2])

@@ -54,8 +54,8 @@ float length_along(std::span<const Vec3f> points, const Vec3f& direction) {
   return range.hi - range.lo;
 }
 
-/// The camera, and the camera turned about its target in steps of 15 degrees, by small turns first: around the vertical,
-/// and upwards by up to 30 degrees.
+/// The camera, and the camera turned about its target in steps of 15 degrees, by small turns first. It turns around the
+/// vertical, and upwards by up to 30 degrees.
 std::vector<Camera> turned(const Camera& camera) {
   constexpr float step = float(pi / 12);
   std::vector<Camera> result;

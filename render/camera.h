@@ -62,19 +62,19 @@ class Camera {
   /// Rotates about the target [rad]: yaw > 0 counterclockwise as seen from above, pitch > 0 upwards. Stops
   /// just before the poles.
   void orbit(float yaw, float pitch);
-  /// Moves eye and target by a mouse motion in pixels of a picture of this height (y down): a point at the
-  /// target's depth stays under the mouse.
+  /// Moves eye and target by a mouse motion in pixels of a picture of this height (y down). A point at the target's
+  /// depth stays under the mouse.
   void pan(float dx, float dy, int height);
   /// Scales the distance to the target; > 1 moves away. Clamped to [1e-3, 1e5] m.
   void zoom(float factor);
   /// Keeps the view direction and moves the camera so that the box fills the picture, centered, with some
   /// margin.
   void frame(const Bounds& box, float aspect);
-  /// The same for points [m]; without points the camera stays.
+  /// Likewise for points [m]; without points the camera stays.
   void frame(std::span<const Vec3f> points, float aspect);
-  /// Turns the camera about its target where points that are framed would fill less than 35 % of the picture's width or
-  /// height: by the smallest multiple of 15 degrees, around the vertical and up to 30 degrees upwards, that fills 35 %
-  /// of both and shows at least 75 % of the points' length. Where there is none, such as of a vertical rope, the camera
+  /// Turns the camera about its target if framed points would fill less than 35 % of the picture's width or height. It
+  /// takes the smallest multiple of 15 degrees that fills 35 % of both and shows at least 75 % of the points' length.
+  /// It turns around the vertical and up to 30 degrees upwards. If no turn suffices, as for a vertical rope, the camera
   /// stays.
   void turn_to_fill(std::span<const Vec3f> points, float aspect);
 };

@@ -70,9 +70,8 @@ Checker flat_checker(std::span<const Vec3d> rest, std::span<const Triangle> tria
   const Vec3d u = side_direction(rest, triangles, any, cross(normal, any)), v = cross(normal, u);
   const Extent along_u = extent_along(rest, u), along_v = extent_along(rest, v);
   const double size = std::min(along_u.size(), along_v.size()) / fields_across;
-  // A whole number of fields from side to side. They may differ a little from squares, and fields at the rim
-  // are slightly narrower: otherwise a smooth border between fields would line the cloth's edge. Across:
-  // inside a field.
+  // A whole number of fields from side to side. They may differ a little from squares, and fields at the rim are
+  // slightly narrower. Otherwise a smooth border between fields would line the cloth's edge. Across: inside a field.
   const auto scale = [size](const Extent& side) {
     return (std::max(1.0, std::round(side.size() / size)) - 2 * rim) / side.size();
   };

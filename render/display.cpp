@@ -102,8 +102,7 @@ Value value_of(const std::array<std::string_view, n>& names, std::string_view na
   throw Error(missing + (" '" + std::string(name)) + "'; expected one of: " + known);
 }
 
-/// Edge of the floor's slabs: 1, 2 or 5 times a power of ten, so that it gives scale; 0.5 m for scenes of a few
-/// meters.
+/// Edge of the floor's slabs: 1, 2 or 5 times a power of ten, so that it gives scale. Scenes of a few meters get 0.5 m.
 float tile_for(float radius) {
   const float wanted = 0.3f * std::clamp(radius, 1e-3f, 1e4f);
   const float ten = std::pow(10.0f, std::floor(std::log10(wanted))), part = wanted / ten;

@@ -8,7 +8,7 @@
 
 namespace souple::render {
 
-/// The points of a set that lie farthest in each of 98 directions: a camera that sees them sees the set, up to 3 % of
+/// The points of a set that lie farthest in each of 98 directions. A camera that sees them sees the set, up to 3 % of
 /// its size. A bounding box can be several times larger than the set, such as that of a rope across a room.
 class ExtremePoints {
  public:

@@ -62,8 +62,8 @@ Ffmpeg::Ffmpeg(const std::vector<std::string>& arguments, const Interrupted& int
         "ffmpeg, "
         "or write single pictures into a folder instead");
   }
-  // A socket instead of a pipe: writing to an ffmpeg that has ended is then an error rather than a signal,
-  // however the program handles SIGPIPE.
+  // Writing to an ffmpeg that has ended is an error for a socket, but a signal for a pipe. This holds however the
+  // program handles SIGPIPE.
   std::array<int, 2> ends{-1, -1};
   if (log_ == nullptr || socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
     const int why = errno;

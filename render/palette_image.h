@@ -10,8 +10,8 @@ struct PaletteImage {
   std::vector<std::uint8_t> colors;   ///< R, G, B of each color
 };
 
-/// Chooses up to `count` (in [1, 256]) colors by median cut, improves them with Lloyd's method, and diffuses
-/// each pixel's error to its neighbors (Floyd and Steinberg 1976). Alpha is dropped. Deterministic.
+/// Chooses up to `count` (in [1, 256]) colors by median cut and improves them with Lloyd's method. Diffuses each
+/// pixel's error to its neighbors (Floyd and Steinberg 1976). Alpha is dropped. Deterministic.
 PaletteImage reduce_colors(const Image& image, int count);
 
 }  // namespace souple::render

@@ -454,7 +454,7 @@ void Renderer::Impl::draw(const ListAt& list_at, int steps, const Camera& camera
   glUseProgram(0);
 }
 
-/// The same into memory.
+/// Draws the picture into memory.
 Image Renderer::Impl::picture(const ListAt& list_at, int steps, const Camera& camera,
                               const RenderOptions& options, int width, int height) {
   require_size(width, height);

@@ -30,8 +30,8 @@ struct RenderOptions {
   bool labels = true;  ///< text of the list, such as legends
   bool shadows = true;
   bool ambient_occlusion = true;
-  /// Number of averaged pictures, each with slight offsets of the pixel grid, the sun and the occlusion rays:
-  /// 1 for a window, 16 and more for a still image without aliasing. Deterministic.
+  /// Number of averaged pictures, each with slight offsets of the pixel grid, the sun and the occlusion rays. Use 1 for
+  /// a window, 16 and more for a still image without aliasing. Deterministic.
   int samples = 1;
   float exposure = 1;
   /// The filmic curve; without it pixels are linear up to radiance 1, for measurements.
@@ -40,10 +40,10 @@ struct RenderOptions {
   /// Steps of curvature flow, or passes of the narrow-range filter; 0: 40 or 2. The amount of smoothing does
   /// not depend on it, nor on the size of the picture: more steps are only more accurate.
   int liquid_steps = 0;
-  /// For windows. The thickness of liquids is summed on a quarter of the picture's edges instead of half of them, and
-  /// the light through liquids on a map of half the edge: both are soft. Walls of glass are found on half of the
-  /// picture's edges, those behind liquids are left out. Refracted rays take half as many steps, and soft shadows are filtered
-  /// from 5 and 8 points, not 8 and 14.
+  /// For windows. The thickness of liquids is summed on a quarter of the picture's edges instead of half of them. The
+  /// light through liquids uses a map of half the edge, because both are soft. Walls of glass are found on half of the
+  /// picture's edges, those behind liquids are left out. Refracted rays take half as many steps, and soft shadows are
+  /// filtered from 5 and 8 points, not 8 and 14.
   bool coarse = false;
   float aperture = 0;  ///< diameter of the camera's lens; 0: everything is sharp; needs many samples [m]
   float focus = 1;     ///< distance along the view at which points are sharp, above 0 [m]
@@ -95,13 +95,13 @@ class Renderer {
   /// Draws into a framebuffer of this size (0 is the window's). Draws nothing when a side is 0.
   void draw(const DrawList& list, const Camera& camera, const RenderOptions& options, int width, int height,
             std::uint32_t framebuffer = 0);
-  /// Draws the list's text into the current framebuffer and viewport of this size: sharp, over a scene that
+  /// Draws the list's text into the current framebuffer and viewport of this size. The text is sharp, over a scene that
   /// was drawn with fewer pixels and without labels.
   void draw_labels(const DrawList& list, int width, int height);
   /// Draws into memory. Throws Error when the size is not in [1, 8192].
   Image picture(const DrawList& list, const Camera& camera, const RenderOptions& options, int width,
                 int height);
-  /// Of a moving list: samples are at equal steps of time. Labels are those of the last list.
+  /// Picture of a moving list: samples are at equal steps of time. Labels are those of the last list.
   Image moving_picture(const ListAt& list_at, const Camera& camera, const RenderOptions& options, int width,
                        int height);
 

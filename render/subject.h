@@ -32,7 +32,7 @@ struct Body {
   std::span<const Triangle> triangles;
   std::span<const Vec3d> rest;         ///< of the mesh; empty for ropes and grains
   const TriangleMesh* mesh = nullptr;  ///< with the UVs of `picture`; nullptr: unknown
-  /// Of ropes and grains; half the thickness of others; half the spacing of a fluid [m].
+  /// Radius of ropes and grains; half the thickness of others; half the spacing of a fluid [m].
   float radius = 0.005f;
   float density = 0;              ///< of fluids; 0: unknown [kg/m^3]
   bool caustics = false;          ///< of fluids: they refract sunlight onto the floor

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-// Rows of vertices from one end to the other end: a pole, cap_rings - 1 rings of the first cap, a ring for
-// each sample of the curve, and the second cap in reverse.
+// Rows of vertices from one end to the other: a pole, cap_rings - 1 rings of the first cap, a ring for each sample of
+// the curve. The second cap follows in reverse.
 
 namespace souple::render {
 namespace {
@@ -21,8 +21,8 @@ Vec3f catmull_rom(const std::array<Vec3f, 4>& p, float t) {
   return (a + (b + (c + d * t) * t) * t) * 0.5f;
 }
 
-/// Unit vector perpendicular to `along` that depends smoothly on it, except at one direction that ropes
-/// seldom have: `fixed`, rotated by the shortest rotation from `pole` to `along`.
+/// Unit vector perpendicular to `along`: `fixed`, rotated by the shortest rotation from `pole` to `along`. It depends
+/// smoothly on `along`, except at one direction that ropes seldom have.
 Vec3f perpendicular(const Vec3f& along) {
   const Vec3f pole{0.48f, 0.6f, 0.64f}, fixed{0.8f, 0, -0.6f};
   const float c = 1 + dot(pole, along);

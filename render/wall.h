@@ -7,7 +7,7 @@
 
 namespace souple::render {
 
-/// What a ray through a glass surface crosses.
+/// Glass that a ray crosses at a surface.
 struct Wall {
   bool closed = false;  ///< a solid: every edge belongs to two triangles; otherwise a thin sheet
   float thickness = 1;  ///< of a solid, mean: twice its volume over its area, exact for a plate [m]

@@ -13,9 +13,9 @@ namespace souple::detail {
 
 }  // namespace souple::detail
 
-/// Checks an invariant of the code where NDEBUG is not defined, as in debug and sanitizer builds: a broken one is
-/// printed and ends the program. In release builds the condition is compiled and never evaluated. What a user can
-/// cause is no invariant: it throws Error.
+/// Checks an invariant of the code where NDEBUG is not defined, as in debug and sanitizer builds. A broken invariant is
+/// printed and ends the program. In release builds the condition is compiled and never evaluated. An error that a user
+/// can cause is no invariant: it throws Error.
 #ifdef NDEBUG
 #define SOUPLE_ASSERT(condition, meaning) static_cast<void>(false && (condition))
 #else

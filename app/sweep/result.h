@@ -9,7 +9,7 @@
 
 namespace souple::app {
 
-/// What a run of a sweep gave: 0007/result.json, a row of the table.
+/// Result of a run of a sweep: 0007/result.json, a row of the table.
 struct RunResult {
   enum class Status {
     finished,

@@ -5,7 +5,7 @@
 #include <array>
 #include <filesystem>
 
-// What a user adds to a running scene: balls that are thrown, objects from a menu, mesh files.
+// Objects that a user adds to a running scene: balls that are thrown, objects from a menu, mesh files.
 
 namespace souple::viewer {
 
@@ -16,11 +16,11 @@ struct Ball {
   float speed = 5;      ///< m/s
 };
 
-/// A ball that suits a view of this distance [m]: it is a twentieth of the distance large, half as dense as
-/// water, and falls by a fifth of the distance on its way.
+/// A ball that suits a view of this distance [m]. It is a twentieth of the distance large, half as dense as water, and
+/// falls by a fifth of the distance on its way.
 Ball ball_for(float distance, float gravity);
-/// The unit direction in which a ball from `from` meets `target` on its ballistic path under `gravity` [m/s^2];
-/// straight toward it where the speed is too low. [m]
+/// The unit direction in which a ball from `from` meets `target` on its ballistic path under `gravity` [m/s^2]. It is
+/// straight toward the target if the speed is too low. [m]
 Vec3f aim(const Vec3f& from, const Vec3f& target, float speed, const Vec3f& gravity);
 
 /// An object to add, and a ball that contains it in its own coordinates.

@@ -2,9 +2,8 @@
 
 namespace souple::viewer {
 
-/// Turns real time into steps of equal length. Time that the simulation cannot keep up with is dropped: the
-/// simulation then runs slower than real time, by the factor `speed`, instead of falling further and further
-/// behind.
+/// Turns real time into steps of equal length. Time that the simulation cannot keep up with is dropped. The simulation
+/// then runs slower than real time, by the factor `speed`, instead of falling further and further behind.
 class Clock {
  public:
   /// Adds real time that has passed. [s]

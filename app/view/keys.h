@@ -39,8 +39,8 @@ struct Key {
   bool repeats = false;  ///< whether the key repeats while it is pressed
 };
 
-/// ASCII escape: the window passes each press of the key Esc as this character, so that neither a press shorter than a
-/// frame nor two presses within a frame are lost.
+/// ASCII escape: the window passes each press of the key Esc as this character. So neither a press shorter than a frame
+/// nor two presses within a frame are lost.
 inline constexpr char escape = 27;
 
 inline constexpr std::array<Key, 17> keys{{

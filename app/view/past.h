@@ -14,7 +14,7 @@
 
 namespace souple::viewer {
 
-/// What a world is made of: a scene, and what the user did to it.
+/// Setup of a world: a scene, and the changes by the user.
 struct Setup {
   SceneDescription scene;
   std::set<std::string> thrown;  ///< names of the objects that a reset removes

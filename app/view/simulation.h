@@ -64,8 +64,8 @@ class Simulation : public Session {
   const std::deque<StageTimes>& history() const { return history_; }
   static constexpr std::size_t history_length = 240;
 
-  // --- the past. A state comes back whole: motion, objects, settings, materials and pins. The same steps from it
-  // give the same bits.
+  // --- the past. A state comes back whole: motion, objects, settings, materials and pins. Steps from it give equal
+  // bits.
   /// States to which `rewind` returns, oldest first; the last one is the present.
   std::size_t state_count() const { return past_.size() + (past_.shown() ? 0 : 1); }
   std::size_t state() const { return past_.shown().value_or(past_.size()); }

@@ -159,7 +159,7 @@ void Viewer::show(std::unique_ptr<Session> session) {
   ++session_number_;
   chosen_object_ = first_with_material();
   failure_reported_ = false;
-  // What a mode shows of one scene, such as links, another may not have: only a legend would be left.
+  // Another scene may lack what a mode shows, such as links; then only a legend would be left.
   display_.constraints = render::ConstraintDisplay::none;
   if (const std::optional<render::Camera> camera = session_->camera()) {
     camera_ = *camera;

@@ -97,7 +97,7 @@ def SetProjector(kind, particles, parameters=None, *, rest=None, compliance=0, d
 
 
 def _on_diagonal(k):
-    """Of a packed lower triangle: 0, 2, 5, ..."""
+    """Whether k is on the diagonal of a packed lower triangle: 0, 2, 5, ..."""
     row = 0
     while (row + 1) * (row + 2) // 2 <= k:
         row += 1

@@ -32,7 +32,7 @@ def _json(value):
 
 
 def _number(value):
-    """Of NumPy, and other types that JSON does not know."""
+    """Converts NumPy's numbers; refuses other types that JSON does not know."""
     if hasattr(value, "tolist"):
         return value.tolist()
     raise TypeError(f"{type(value).__name__} has no place in a scene")

@@ -8,8 +8,8 @@
 namespace souple::render {
 
 /// Sunlight that liquids refract onto a level floor (Wyman and Davis 2006, "Interactive image-space techniques for
-/// approximating caustics"): rays on a grid meet the smoothed surface of the liquids as the sun sees it, are refracted
-/// there, and add up where they meet the floor. A ray that meets no liquid goes straight on.
+/// approximating caustics"). Rays on a grid meet the smoothed surface of the liquids as the sun sees it. They are
+/// refracted there, and add up where they meet the floor. A ray that meets no liquid goes straight on.
 class CausticsPass {
  public:
   CausticsPass();

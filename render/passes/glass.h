@@ -24,8 +24,8 @@ enum class GlassPart {
   before_liquids   ///< after the liquids, all others
 };
 
-/// Glass, layer by layer from the farthest to the nearest (depth peeling, Everitt 2001): each layer is where rays
-/// enter a solid and where they leave it, and refracts a copy of the picture behind it.
+/// Glass, layer by layer from the farthest to the nearest (depth peeling, Everitt 2001). Each layer is where rays enter
+/// a solid and where they leave it. It refracts a copy of the picture behind it.
 class GlassPass {
  public:
   GlassPass();

@@ -23,8 +23,8 @@ struct LitScene {
   bool has_panorama;             ///< the sky is a panorama, which is bound
 };
 
-/// Screen-space surface of liquids (van der Laan, Green, Sainz 2009): the depth of the balls is smoothed,
-/// then shaded over the lit scene according to the liquid's thickness.
+/// Screen-space surface of liquids (van der Laan, Green, Sainz 2009). The depth of the balls is smoothed, then shaded
+/// over the lit scene according to the liquid's thickness.
 class LiquidPass {
  public:
   /// Depth and thickness of the liquids. `bounds` is the bounding box of all splats. Requires the camera's uniform

@@ -21,7 +21,7 @@ class OcclusionPass {
   void bind(const gl::Texture& otherwise) const;
 
  private:
-  // Of half the picture's size.
+  // Targets of half the picture's size.
   struct Targets {
     gl::Texture depth, rough, smooth;
     gl::Framebuffer depth_target, rough_target, smooth_target;

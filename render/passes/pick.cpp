@@ -15,8 +15,8 @@ namespace souple::render {
 
 namespace {
 
-/// Pick and element per pixel, and a copy with depth in a format that can be read back: OpenGL ES reads no
-/// depth buffers, and integers only as four channels.
+/// Pick and element per pixel, and a copy with depth in a format that can be read back. OpenGL ES reads no depth
+/// buffers, and integers only as four channels.
 struct Buffers {
   Buffers(int width, int height)
       : ids(GL_RG32UI, width, height),

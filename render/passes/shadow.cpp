@@ -49,8 +49,8 @@ void ShadowPass::aim(Frame& frame, const Light& light, const Bounds& casters, fl
   frame.shadow_size.w = 0;
   const float radius = casters.radius();
   if (casters.empty() || !(radius > 0) || !std::isfinite(radius)) return;
-  // A cube around the casters' bounding sphere, as seen from the sun, with its center on whole texels and a
-  // margin for the sun's apparent size.
+  // A cube around the casters' bounding sphere, as seen from the sun. Its center is on whole texels, with a margin for
+  // the sun's apparent size.
   const float half = stepped(radius * (1.02f + 4 * std::min(tangent, 0.25f))), texel = 2 * half / map_side;
   const Vec3f up = std::abs(to_sun.y) < 0.99f ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0};
   view_ = look_at(Vec3f{}, -to_sun, up);

@@ -19,7 +19,7 @@ enum Location : GLuint { position, normal, texture, color };
 
 constexpr std::uint64_t frames_kept = 120;  // frames; lifetime of buffers that no list refers to
 
-// The buffers of one surface, indexed. For wireframes and pictures, every triangle gets its own vertices instead: the
+// The buffers of one surface, indexed. For wireframes and pictures, every triangle gets its own vertices instead. The
 // vertex shader distinguishes its corners, and corners at a seam have UVs of their own.
 struct Buffers {
   gl::VertexArray array;
@@ -179,7 +179,7 @@ struct SurfacesPass::Impl {
   std::array<std::array<gl::Program, 2>, target_count> programs{
       make(Target::material), make(Target::glass_entry), make(Target::glass_exit),
       make(Target::sunlight), make(Target::depth),       make(Target::pick)};
-  // Of the material, of printed surfaces: compiled when one is drawn.
+  // Programs of the material for printed surfaces: compiled when one is drawn.
   std::array<std::optional<gl::Program>, 2> printed;
   std::unordered_map<const Image*, Print> prints;
   std::unordered_map<std::uint64_t, Buffers> buffers;  // by key

@@ -16,8 +16,8 @@ class SurfacesPass {
 
   /// Uploads changes and deletes the buffers of removed surfaces. Once per picture.
   void update(std::span<const Surface> surfaces);
-  /// Draws the surfaces of the last `update`. Targets depth and sunlight include only those that cast a
-  /// shadow, target pick those that can be picked: their fragments write (pick, 0), and the CPU finds the vertex.
+  /// Draws the surfaces of the last `update`. Targets depth and sunlight include only surfaces that cast a shadow.
+  /// Target pick includes those that can be picked: their fragments write (pick, 0), and the CPU finds the vertex.
   void draw(const PassContext& context);
   bool has_glass() const;           ///< the targets of glass would draw something
   bool glass_casts_shadow() const;  ///< target sunlight would draw something

@@ -1,11 +1,11 @@
-// One step of curvature flow (van der Laan, Green, Sainz 2009, section 3.2): the surface moves by its mean
-// curvature H, 2 H = div (grad z / sqrt(D)), D = 1 + |grad z|^2.
+// One step of curvature flow (van der Laan, Green, Sainz 2009, section 3.2). The surface moves by its mean curvature H:
+// 2 H = div (grad z / sqrt(D)), D = 1 + |grad z|^2.
 //
-// Three departures. It moves by dt H along its normal, so by dt H sqrt(D) along the view, where the paper has
-// dt H, which leaves ripples at grazing angles. Lengths are meters, not pixels: a step of the paper smooths
-// over a number of pixels, this one over a number of radii; where a pixel is small, differences are taken
-// over several. And the second derivatives are those of nearness 1 / z, which is linear across a plane on
-// screen where z is not: -z^2 (1/z)'' instead of z''. So a plane stays unchanged, seen from anywhere.
+// Three departures. The surface moves by dt H along its normal, so by dt H sqrt(D) along the view. The paper has dt H,
+// which leaves ripples at grazing angles. Lengths are meters, not pixels: a step smooths over a number of radii, not of
+// pixels. Where a pixel is small, differences are taken over several. The second derivatives are those of nearness 1 /
+// z: -z^2 (1/z)'' instead of z''. Nearness is linear across a plane on screen, z is not. So a plane stays unchanged,
+// seen from anywhere.
 #include "frame.glsl"
 #include "liquid.glsl"
 

@@ -1,5 +1,5 @@
 // Shades one layer of glass over the picture behind it. A ray is refracted where it enters (Snell), goes straight to
-// the plane of the surface where it leaves, and is refracted again; what it then meets is found on the screen.
+// the plane of the surface where it leaves, and is refracted again. Its end is found on the screen.
 #include "frame.glsl"
 #include "common.glsl"
 #include "lighting.glsl"

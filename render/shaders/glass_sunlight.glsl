@@ -1,5 +1,5 @@
-// Sunlight lost in glass, seen from the sun, where it enters: optical depth of red, green, blue, summed, of the
-// wall and the reflections at both its sides. Depth in the sun's map; its minimum is kept.
+// Sunlight lost in glass, seen from the sun, where it enters. It is the summed optical depth of red, green, blue, of
+// the wall and the reflections at both its sides. Depth in the sun's map; its minimum is kept.
 #include "fresnel.glsl"
 
 layout(location = 0) out vec4 out_optics;

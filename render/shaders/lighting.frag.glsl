@@ -1,5 +1,5 @@
-// Lights each pixel from the result of the material pass, and tone-maps it for the screen here: lines drawn
-// later keep their colors, and edges between bright and dark are as smooth as others.
+// Lights each pixel from the result of the material pass, and tone-maps it for the screen. Tone mapping here keeps the
+// colors of lines drawn later. It also makes edges between bright and dark as smooth as others.
 #include "frame.glsl"
 #include "common.glsl"
 #include "surface_point.glsl"

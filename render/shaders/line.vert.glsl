@@ -14,8 +14,8 @@ flat out vec2 end;
 flat out vec4 line_color;  // linear
 flat out float half_width;
 
-// In clip space, moved towards the eye by the length of some pixels: a line on a surface lies in front of the
-// facets it cuts, and its position on the screen does not change.
+// In clip space, moved towards the eye by the length of some pixels. So a line on a surface lies in front of the facets
+// it cuts, and its position on the screen does not change.
 vec4 clip_of(vec3 point) {
   vec4 position = frame.view * vec4(point, 1.0);
   float pull = min(6.0 / (pixels.y * frame.projection[1][1]), 0.004);

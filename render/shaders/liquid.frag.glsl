@@ -98,8 +98,8 @@ Refraction refraction_at(SurfacePoint surface, vec2 slope, float thickness, vec4
   // As in a layer with parallel sides.
   refraction.path_factor = cosine / max(-dot(bent, surface.normal), 0.15);
   float path = thickness * refraction.path_factor;
-  // Below the upper side of a pool, liquid reaches down to the floor: at its back, light that enters from above is
-  // totally reflected, and the way goes on as if there were more of the pool.
+  // Below the upper side of a pool, liquid reaches down to the floor. At its back, light that enters from above is
+  // totally reflected, and the path goes on as if there were more of the pool.
   float height = frame.ground.z > 0.5 ? surface.point.y - frame.ground.x : 0.0;
   float down = height / max(-bent.y, 0.3);
   float pool = smoothstep(0.5, 0.8, surface.normal.y) * smoothstep(0.03, 0.15, path / max(down, 1e-6));
@@ -146,8 +146,8 @@ Refraction refraction_at(SurfacePoint surface, vec2 slope, float thickness, vec4
   end = hit ? end : onward;
   refraction.uv = uv_of(end);
   refraction.shown = hit || (end.w > 0.0 && all(lessThanEqual(abs(end.xy), vec2(end.w))));
-  // If the end is hidden by an object in front of the liquid, or the path passes behind an object, the point
-  // straight ahead is shown.
+  // The point straight ahead is shown if an object in front of the liquid hides the end, or if the path passes behind
+  // an object.
   float there = opaque_depth_at(refraction.uv);
   if (there < surface.depth || (refraction.whole == 0.0 && refraction.shown && there < end.w - tolerance)) {
     refraction.uv = gl_FragCoord.xy * frame.size.zw;

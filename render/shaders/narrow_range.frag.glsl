@@ -54,7 +54,7 @@ void main() {
   float delta = narrow_range * radius;
   Blur blur = Blur(z + behind * radius, delta, z - delta, z + delta, vec2(z > 0.0 ? 1.0 / z : 0.0, 1.0));
 #ifdef CLEAN_UP
-  // Cleans up after the passes along the axes, at the scale of their strides: pairs in a window of 5 x 5
+  // Cleans up after the passes along the axes, at the scale of their strides. It takes pairs in a window of 5 x 5
   // pixels, or more where strides were longer.
   int part = int(0.5 * stride + 0.75);
   for (int i = z > 0.0 ? 1 : 13; i <= 12; ++i) {

@@ -1,6 +1,6 @@
 // Visible fraction of the sky at each pixel: Jimenez et al. 2016, "Practical real-time strategies for
-// accurate indirect occlusion", section 4. Along a few directions on screen it finds the highest horizon on
-// both sides, and integrates the part between them, weighted by the cosine, in closed form (eq. 7).
+// accurate indirect occlusion", section 4. Along a few directions on screen it finds the highest horizon on both sides.
+// It integrates the part between them, weighted by the cosine, in closed form (eq. 7).
 #include "frame.glsl"
 
 in vec2 uv;

@@ -15,8 +15,8 @@ float off_plane(float found, float expected, float nearness, float part) {
   return min(distance / (part * frame.occlusion.x + 0.002 / max(nearness, 1e-6)), 1.0);
 }
 
-// Visible fraction of the sky at this pixel of the picture: from those of the four nearest pixels of the map
-// that lie in its plane.
+// Visible fraction of the sky at this pixel of the picture. It is taken from the four nearest pixels of the map that
+// lie in its plane.
 float sky_visibility(vec2 pixel, vec3 normal, vec3 ray, float depth) {
   if (frame.sample_info.w < 0.5) return 1.0;
   ivec2 last = textureSize(occlusion_map, 0) - 1;

@@ -1,6 +1,6 @@
-// Antialiasing of a picture with one sample per pixel: FXAA (Lottes 2009, "FXAA"), its edge search. Where
-// luma jumps, it follows the edge to both ends; the distance to the nearer end determines how much color from
-// beyond the edge the pixel gets.
+// Antialiasing of a picture with one sample per pixel: FXAA (Lottes 2009, "FXAA"), its edge search. Where luma jumps,
+// it follows the edge to both ends. The distance to the nearer end determines how much color from beyond the edge the
+// pixel gets.
 in vec2 uv;
 layout(location = 0) out vec4 out_color;
 uniform sampler2D color_map;  // encoded; alpha is luma; interpolated

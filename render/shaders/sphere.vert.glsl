@@ -13,8 +13,8 @@ flat out uint ball_index;
 // Intersection of the pixel's ray with the plane at distance 1 in front of the eye; orthographic: any plane.
 out vec2 plane_point;
 
-// Where the tangent rays of a circle from the eye cut the line at distance 1: the circle is `across` from the
-// line of view and `ahead` of the eye. These tangents are exact also for a ball near the edge of the picture.
+// Where the tangent rays of a circle from the eye cut the line at distance 1. The circle is `across` from the line of
+// view and `ahead` of the eye. These tangents are exact also for a ball near the edge of the picture.
 vec2 tangents(float across, float ahead, float r) {
   float outside = (ahead - r) * (ahead + r);
   // The circle extends beside or behind the eye: there is no bound.

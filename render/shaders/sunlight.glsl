@@ -6,7 +6,7 @@
 // therefore in loops that do no iteration where the sun's visibility is known.
 
 // Depth from the sun. Compared here, without interpolation: on a CPU that costs half as much as the sampler's
-// comparison of four texels, and the rotated patterns hide the difference.
+// comparison of four texels. The rotated patterns hide the difference.
 uniform sampler2D shadow_map;
 
 // A number in [0, 1) for each pixel, evenly distributed among neighbors (Jimenez 2014, interleaved gradient
@@ -18,9 +18,9 @@ float pixel_noise(vec2 pixel) {
 int blocker_taps() { return frame.sun_size.w > 0.5 ? 5 : 8; }
 int shadow_taps() { return frame.sun_size.w > 0.5 ? 8 : 14; }
 
-// Rotation by the golden angle, about 137.5 degrees: points at r = sqrt((i + 0.5) / n), each rotated by it
-// relative to the previous one, are distributed evenly over the unit disk (Vogel's spiral). Arrays of
-// constants would be stored in memory per pixel.
+// Rotation by the golden angle, about 137.5 degrees. Points at r = sqrt((i + 0.5) / n), each rotated by it relative to
+// the previous one, cover the unit disk evenly (Vogel's spiral). Arrays of constants would be stored in memory per
+// pixel.
 const mat2 golden_turn = mat2(-0.73736888, 0.67549029, -0.67549029, -0.73736888);
 
 // Visibility of the sun at the current pixel: 1 lit to 0 dark.

@@ -1,6 +1,6 @@
-// Maps scene light to linear screen colors by a filmic curve, W x^p / (x^p + c), p = 5/4 (the response of
-// Naka and Rushton 1966): the exponent gives a toe that leaves blacks black, the sum a shoulder. c and W
-// follow from f(0.18) = 0.18, middle gray, and f(5) = 1.
+// Maps scene light to linear screen colors by a filmic curve, W x^p / (x^p + c), p = 5/4 (the response of Naka and
+// Rushton 1966). The exponent gives a toe that leaves blacks black, the sum a shoulder. c and W follow from f(0.18) =
+// 0.18, middle gray, and f(5) = 1.
 const float tone_c = 0.58508;
 const float tone_w = 1.07825;
 

@@ -4,9 +4,9 @@
 
 namespace souple {
 
-/// Ensures that one process at a time writes to an output: holds an advisory lock (flock) on a file beside it,
-/// `.souple.lock` in a folder, `.NAME.lock` beside a file. The system releases it when the process ends, however it ends; a
-/// file that is left over is harmless. Where nothing can be created or locked (a read-only or network file system) there is
+/// Ensures that one process at a time writes to an output. It holds an advisory lock (flock) on a file: `.souple.lock`
+/// in a folder, `.NAME.lock` beside a file. The system releases the lock when the process ends, however it ends; a file
+/// that is left over is harmless. Where nothing can be created or locked (a read-only or network file system) there is
 /// no lock, and no error.
 class OutputLock {
  public:

@@ -14,8 +14,8 @@ namespace souple {
 ///   F = k (u - v_i) / (1 + max_p K_p w_p),   k = r m / (m + R),   K_p = sum_i share_ip k_i
 ///
 /// Here r = h V mu wall_friction(BoundaryPlane::friction) is the impulse per velocity that a wall would take from the
-/// particle (see xsph.h). R is the sum of r over all bodies near the particle, u the velocity of the nearest point. p
-/// are the particles that carry this point. k is the implicit step of the fluid particle. K_p, the sum over all fluid
+/// particle (see xsph.h). R is the sum of r over all bodies near the particle, u the velocity of the nearest point.
+/// The particles p carry this point. k is the implicit step of the fluid particle. K_p, the sum over all fluid
 /// particles that act on p, bounds the step of the body. p moves at most by the fraction K_p w_p / (1 + K_p w_p) toward
 /// the fluid's velocity. So neither side overshoots, however light the body is.
 class BodyFriction {

@@ -24,9 +24,8 @@ enum class Diagonals { alternating, one_way };
 /// along Z is size (rows - 1) / (columns - 1).
 TriangleMesh grid(int columns, int rows, double size, Diagonals diagonals = Diagonals::alternating);
 
-/// Vertex 0 is the center. Vertex 1 + (ring - 1) segments + s is on ring 1..rings at angle 2 pi s / segments from +X
-/// toward +Z. Vertex 0 is the center; vertex 1 + (ring - 1) segments + s is on ring 1..rings at angle 2 pi s / segments
-/// from +X toward +Z.
+/// A flat disk in the XZ plane with normals +Y. Vertex 0 is the center. Vertex 1 + (ring - 1) segments + s is on ring
+/// 1..rings at angle 2 pi s / segments from +X toward +Z. rings >= 1, segments >= 3.
 TriangleMesh disk(int rings, int segments, double radius);
 
 /// An icosphere: an icosahedron whose triangles are split into four `subdivisions` >= 0 times, vertices on

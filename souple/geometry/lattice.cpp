@@ -198,8 +198,8 @@ Mark overlap(Points4 tet, Points3 triangle) {
   return depth > contact ? crossed : touched;
 }
 
-// Whether a box and a triangle are apart along the triangle's normal, or a cross product of one of its sides and one of
-// the box's. See Akenine-Moller 2001, classes 2 and 3. Lengths are in cubes; rounding finds no pair apart that meets.
+// Whether a box and a triangle are apart along the triangle's normal, or along a cross product of one side of each.
+// See Akenine-Moller 2001, classes 2 and 3. Lengths are in cubes; rounding finds no pair apart that meets.
 bool apart(const BoundingBox& box, const Points3& triangle) {
   constexpr double rounding = 1e-6;
   const Vec3d center = box.center(), half = box.size() / 2;

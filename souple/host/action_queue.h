@@ -9,8 +9,8 @@
 
 namespace souple::host {
 
-/// Actions requested while a frame is computed: one thread posts them, another applies them at the start of
-/// the next frame, in the order of posting. Any thread may call any function at any time.
+/// Actions requested while a frame is computed. One thread posts them, another applies them at the start of the next
+/// frame, in the order of posting. Any thread may call any function at any time.
 template <class Target>
 class ActionQueue {
  public:

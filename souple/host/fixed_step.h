@@ -15,9 +15,9 @@ namespace souple::host {
 ///   draw(motion.at(clock.fraction()));
 class FixedStep {
  public:
-  /// `step`: length of a step [s]. `most_steps`: limit for one frame; a world that is slower than real time
-  /// then runs in slow motion instead of falling further behind with each frame. Throws Error unless both are
-  /// positive and finite.
+  /// `step`: length of a step [s]. `most_steps`: limit for one frame. A world that is slower than real time then runs
+  /// in slow motion instead of falling further behind with each frame. Throws Error unless both are positive and
+  /// finite.
   explicit FixedStep(double step = 1.0 / 60, int most_steps = 4);
 
   /// Adds a frame's length [s], and returns the number of steps to make now. A length that is not finite or
@@ -44,8 +44,8 @@ class InterpolatedPositions {
   void take(const Vec3f* positions, std::size_t count);
   /// Forgets the earlier state: the next `take` is a jump.
   void restart() { now_.clear(); }
-  /// Positions at `fraction` of the way from the last but one state to the last, in [0, 1]; written to an
-  /// array of `size()` vertices, `stride` bytes apart: a vertex buffer, whatever else a vertex holds.
+  /// Writes the positions at `fraction` of the way from the last but one state to the last, in [0, 1]. The array has
+  /// `size()` vertices, `stride` bytes apart: a vertex buffer, whatever else a vertex holds.
   void write(double fraction, void* vertices, std::size_t stride = sizeof(Vec3f)) const;
   std::size_t size() const { return now_.size(); }
 

@@ -9,9 +9,9 @@ namespace souple::host {
 class Placement {
  public:
   Placement() = default;
-  /// From a column-major 4 x 4 matrix, as OpenGL and Eigen store it: columns of the linear part, then the
-  /// translation [m] at indices 12 to 14. nullptr: the identity. Throws Error, beginning with `name`, if the
-  /// matrix is not finite, its last row is not (0, 0, 0, 1), or it is singular.
+  /// From a column-major 4 x 4 matrix, as OpenGL and Eigen store it. The columns of the linear part come first, the
+  /// translation [m] is at indices 12 to 14. nullptr: the identity. Throws Error, beginning with `name`, if the matrix
+  /// is not finite, its last row is not (0, 0, 0, 1), or it is singular.
   static Placement of(const float* matrix, const char* name = "transform");
 
   Vec3d to_world(const Vec3d& x) const { return linear_ * x + translation_; }

@@ -118,9 +118,9 @@ class Session {
   bool contains(Handle object) const;
   ObjectInfo object(Handle object) const;
   std::vector<ObjectInfo> objects() const;  ///< in the order of their addition
-  /// Reports that the host moved its mesh. An obstacle moves to the new transform during the next step and
-  /// carries the objects it touches; relative to the transform at its addition, it may only rotate and
-  /// translate. Particles of other objects keep their world positions: only the output of `write` changes.
+  /// Reports that the host moved its mesh. An obstacle moves to the new transform during the next step and carries the
+  /// objects it touches. Relative to the transform at its addition, it may only rotate and translate. Particles of
+  /// other objects keep their world positions: only the output of `write` changes.
   void set_transform(Handle object, const float* transform);
   /// Pins a vertex at its current position, or releases it; the pin survives a reset.
   void set_pinned(Handle object, std::uint32_t vertex, bool pinned);

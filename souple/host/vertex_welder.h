@@ -39,8 +39,8 @@ class VertexWelder {
  public:
   /// Vertices of equal coordinates become one particle. With a `tolerance` (in mesh coordinates), so do
   /// vertices within it, joined as by weld_vertices in geometry/weld.h. Particles are in the order of their
-  /// first render vertex. Throws Error, beginning with `name`, if there are no triangles, a position is not
-  /// finite, an index is out of range, or the tolerance is not a number >= 0.
+  /// first render vertex. Throws Error, beginning with `name`, if there are no triangles, a position is not finite or
+  /// an index is out of range. Also throws if the tolerance is not a number >= 0.
   explicit VertexWelder(const TriangleSoup& soup, double tolerance = 0, const std::string& name = "mesh");
 
   std::size_t vertex_count() const { return particle_of_.size(); }  ///< render vertices

@@ -39,10 +39,10 @@ class AnimatedPoints {
     bool loop = false;        ///< repeats the frames after the last, which should equal the first
   };
 
-  /// `path` is a .pc2, a .mdd, a file with an animation (read_mesh_animation; `frame_rate` is the rate at which
-  /// it is evaluated), or a sequence of meshes for `read_mesh`: one of its files (NAME_0001.obj) or its folder. A
-  /// NAME_0001.glb beside a NAME_0002.glb is one of a sequence unless Options::animation is given. Throws Error for an
-  /// invalid file, no frames, decreasing times, or a changing number of vertices.
+  /// `path` is a .pc2, a .mdd, a file with an animation, or a sequence of meshes for `read_mesh`. An animation is read
+  /// by read_mesh_animation, evaluated at `frame_rate`. A sequence is given by one of its files (NAME_0001.obj) or by
+  /// its folder. A NAME_0001.glb beside a NAME_0002.glb is one of a sequence unless Options::animation is given. Throws
+  /// Error for an invalid file, no frames, decreasing times, or a changing number of vertices.
   AnimatedPoints(const std::filesystem::path& path, const Options& options, const ReadMesh& read_mesh = {});
   AnimatedPoints(std::unique_ptr<PointFrames> frames, std::string name, double start_time, bool loop = false);
   AnimatedPoints(AnimatedPoints&&) noexcept;

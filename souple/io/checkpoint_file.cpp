@@ -19,14 +19,14 @@ namespace souple {
 namespace {
 
 // The header, whose layout never changes:
-//   0  char[8]   magic
-//   8  uint32    format: layout of the rest
-//  12  uint32    0
-//  16  char[16]  version of the writing library, padded with zeros
-//  32  uint64    bytes after the header
-//  40  uint64    FNV-1a 64 of them
-//  48  uint64    0
-//  56  uint64    FNV-1a 64 of bytes 0 to 55
+//     0  char[8]   magic
+//     8  uint32    format: layout of the rest
+//    12  uint32    0
+//    16  char[16]  version of the writing library, padded with zeros
+//    32  uint64    bytes after the header
+//    40  uint64    FNV-1a 64 of them
+//    48  uint64    0
+//    56  uint64    FNV-1a 64 of bytes 0 to 55
 constexpr ByteOrder order = ByteOrder::little;
 constexpr std::size_t header_size = 64;
 constexpr std::string_view magic = "SOUPLECK";

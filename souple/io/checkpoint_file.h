@@ -26,14 +26,13 @@ struct Checkpoint {
   bool operator==(const Checkpoint&) const = default;
 };
 
-/// The bytes of a checkpoint file: a header of 64 bytes that never changes its layout (magic, format, the
-/// version that wrote it, size and checksum of the rest, its own checksum), then the rest. Little endian,
-/// FNV-1a 64.
+/// The bytes of a checkpoint file. A header of 64 bytes, whose layout never changes, has the magic number, the format
+/// and the version that wrote it. It also has the size and checksum of the rest, and its own checksum. Then follows the
+/// rest. Little endian, FNV-1a 64.
 std::string checkpoint_bytes(const Checkpoint& checkpoint);
 
-/// Reads and validates a checkpoint. Throws Error if the bytes are not a checkpoint, are truncated or
-/// damaged, or were written by a version newer than `this_version` ("was written by Souple 0.2.0, this is
-/// 0.1.0").
+/// Reads and validates a checkpoint. Throws Error if the bytes are not a checkpoint, or are truncated or damaged. Also
+/// throws if a version newer than `this_version` wrote them ("was written by Souple 0.2.0, this is 0.1.0").
 Checkpoint parse_checkpoint(std::string_view bytes, const std::string& name, const std::string& this_version);
 
 /// Writes the file completely or not at all, and waits for the disk.

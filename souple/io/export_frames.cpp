@@ -65,7 +65,7 @@ bool has_sequence(const ManifestObject& object) {
   });
 }
 
-/// What an object keeps from frame to frame.
+/// State of an object from frame to frame.
 struct Part {
   TriangleMesh home, other;
   std::size_t points = 0;       // in the first frame

@@ -11,8 +11,8 @@
 #include <vector>
 
 // Frames of a run as glTF: a node per object, named as it is, in meters with Y up. Surfaces are triangles, one vertex
-// per UV of a vertex: where some are there twice, the attribute _SOUPLE_VERTEX holds the index of each in the run. Ropes
-// are line strips; grains, fluids and foam are points with the attribute _RADIUS. Application-specific attributes
+// per UV of a vertex. If vertices are duplicated, the attribute _SOUPLE_VERTEX holds the index of each in the run.
+// Ropes are line strips; grains, fluids and foam are points with the attribute _RADIUS. Application-specific attributes
 // have no 32-bit integers in glTF, so indices are floats, exact up to 2^24.
 
 namespace souple {
@@ -25,8 +25,8 @@ std::string glb_frame(const std::string& run, std::uint64_t frame, double time,
 /// All frames have the topology of the first one.
 class GlbClip {
  public:
-  /// Ten seconds at 60 frames per second. Each target has a key in each frame, and renderers keep targets in the layers
-  /// of a texture: WebGL 2 promises 256, graphics cards have 2048.
+  /// Ten seconds at 60 frames per second. Each target has a key in each frame. Renderers keep targets in the layers of
+  /// a texture: WebGL 2 promises 256, graphics cards have 2048.
   static constexpr std::uint64_t most_frames = 600;
   static constexpr std::uint64_t most_bytes = 0xffffffff;  ///< the format states sizes in 32 bits
 

@@ -87,7 +87,7 @@ std::string text_of(const ManifestObject& object) {
                      quoted(object.name), quoted(object.kind), files, object.points, object.triangles);
 }
 
-/// What `make` returns; throws Error for what JSON cannot hold, for example a name that is not UTF-8.
+/// Result of `make`. Throws Error for values that JSON cannot hold, for example a name that is not UTF-8.
 template <class Make>
 auto as_text(const Make& make) {
   try {

@@ -80,7 +80,7 @@ RunManifest parse_manifest(std::string_view text, const std::string& name);
 void write_manifest(const std::filesystem::path& folder, const RunManifest& manifest);
 /// `path` is the folder, or its run.json.
 RunManifest read_manifest(const std::filesystem::path& path);
-/// The same without reports, in the memory of the file's text.
+/// Reads all but the reports, in the memory of the file's text.
 RunManifest read_manifest_without_reports(const std::filesystem::path& path);
 
 }  // namespace souple

@@ -12,7 +12,7 @@ namespace souple {
 namespace {
 
 constexpr std::size_t piece_bytes = 1u << 16;
-/// Of a frame in run.json: separators and indentation.
+/// Bytes of separators and indentation of a frame in run.json.
 constexpr std::uint64_t bytes_between = 8;
 
 /// In proportion to what is needed: a run of n frames reserves log(n) times.

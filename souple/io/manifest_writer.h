@@ -16,9 +16,9 @@
 namespace souple {
 
 /// Writes the run.json of a folder again and again while a run adds frames. It reserves the disk space of the next
-/// run.json frame by frame, so that a disk that fills up stops the run at a frame that run.json can still describe.
-/// The reserved space is run.json.part, which the destructor removes. Reports are kept on the disk as well, in a file
-/// without a name, which ends with the process: memory does not grow with the frames.
+/// run.json frame by frame. A disk that fills up then stops the run at a frame that run.json can still describe. The
+/// reserved space is run.json.part, which the destructor removes. Reports are also kept on the disk, in a file without
+/// a name that ends with the process. So memory does not grow with the frames.
 class ManifestWriter {
  public:
   explicit ManifestWriter(std::filesystem::path folder) : folder_(std::move(folder)) {}

@@ -8,7 +8,7 @@
 
 namespace souple {
 
-/// What Souple reads of a material of an OBJ's .mtl file.
+/// Properties that Souple reads from a material of an OBJ's .mtl file.
 struct FileMaterial {
   Vec3f color{0.8f, 0.8f, 0.8f};  ///< Kd, in [0, 1]
   float opacity = 1;              ///< d, in [0, 1]

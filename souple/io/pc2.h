@@ -10,9 +10,9 @@
 #include <utility>
 
 /// Point Cache 2: the positions of a fixed number of points, frame after frame, as 3ds Max and Blender read
-/// them. Little endian: char[12] "POINTCACHE2\0", int32 version 1, int32 points, float start frame, float
-/// sample rate (frames per sample), int32 samples, then x, y, z as floats for each point of each sample.
-/// (John Burnett, PointCache2 for 3ds Max, README.) Blender refuses a file of no samples.
+/// them. Little endian. The header is char[12] "POINTCACHE2\0", int32 version 1, int32 points, float start frame, float
+/// sample rate (frames per sample), int32 samples. Then follow x, y, z as floats for each point of each sample. (John
+/// Burnett, PointCache2 for 3ds Max, README.) Blender refuses a file of no samples.
 namespace souple {
 
 /// Writes a .pc2 that grows as NAME.part. Each frame updates the header, so that the .part of a killed

@@ -41,8 +41,8 @@ class Playback {
   const RunManifest& manifest() const;
   std::uint64_t frames() const;            ///< number of readable frames
   double time(std::uint64_t frame) const;  ///< time of the world at the capture [s]
-  /// Reads the frame, in [1, frames()], into `objects`. Throws Error if a file can no longer be read or holds
-  /// numbers that are not finite; then no object has positions, and frame() is 0.
+  /// Reads the frame, in [1, frames()], into `objects`. Throws Error if a file can no longer be read or holds numbers
+  /// that are not finite. Then no object has positions, and frame() is 0.
   void read(std::uint64_t frame);
   std::uint64_t frame() const;  ///< the last frame read; 0 before the first
   std::span<const Object> objects() const;

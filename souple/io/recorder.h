@@ -22,8 +22,8 @@ struct RecorderOptions {
   std::uint64_t resume_from = 0;
 };
 
-/// The vertices of an object that its files hold, ascending: of a soft body made of tets those on its surface,
-/// because importers drop vertices without a face and then refuse a cache that has them; of others all.
+/// The vertices of an object that its files hold, ascending. For a soft body made of tets these are the vertices on its
+/// surface, for other objects all. Importers drop vertices without a face and then refuse a cache that has them.
 std::vector<std::uint32_t> recorded_vertices(const World& world, ObjectId object);
 
 /// Records a world into a folder for other programs: run.json, and per object a rest mesh NAME.obj with
@@ -46,8 +46,8 @@ class Recorder {
   /// the folder then has the state after the previous frame, and capture may be repeated.
   ///
   /// An object removed during the run keeps its frames. PC2 and MDD hold a fixed number of points from the
-  /// first frame on. An object that is added later, or returns with another topology, is therefore written as
-  /// an OBJ sequence from then on, numbered by the run's frames.
+  /// first frame on. So an object that is added later, or returns with another topology, is written as an OBJ sequence,
+  /// numbered by the run's frames.
   void capture();
   /// Writes run.json for the frames so far. `capture` does so at intervals, `finish` at the end. Call this
   /// before writing a checkpoint, so that all reports survive if the run is killed later.

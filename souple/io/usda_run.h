@@ -13,10 +13,10 @@
 namespace souple {
 
 /// A run as text of USD: a stage in meters, Y up, whose time code N is frame N. An Xform of the run's name holds the
-/// objects: Mesh (polygons, UVs as primvars:st, a GeomSubset per material and per group), BasisCurves for ropes,
-/// PointInstancer of spheres for grains and foam, Points for fluids. Per frame: points or positions, velocities,
-/// extent, normals of smooth surfaces; topology of objects that are not constant.
-/// (Pixar, Universal Scene Description, UsdGeom and value clips.)
+/// objects. Surfaces are a Mesh (polygons, UVs as primvars:st, a GeomSubset per material and per group), ropes
+/// BasisCurves, fluids Points. Grains and foam are a PointInstancer of spheres. Per frame: points or positions,
+/// velocities, extent, normals of smooth surfaces; topology of objects that are not constant. (Pixar, Universal Scene
+/// Description, UsdGeom and value clips.)
 class UsdaRun {
  public:
   struct Options {

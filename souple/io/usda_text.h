@@ -16,7 +16,7 @@ namespace souple::usda {
 
 /// "[(1, 2, 3), ...]": the shortest texts that read back to the same floats.
 std::string exact(std::span<const Vec3f> values);
-/// The same to six digits, for velocities, and to four, for normals.
+/// Texts to six digits, for velocities, or to four, for normals.
 std::string rounded(std::span<const Vec3f> values, int digits);
 std::string pairs(std::span<const std::array<float, 2>> values);
 std::string integers(std::span<const std::uint32_t> values);

@@ -15,10 +15,10 @@ namespace souple {
 /// unconstrained motion stays free. The remaining error is stretch. `diagnostic` reports the residual
 /// reached.
 ///
-/// Rejected: the inverse of each particle's 3 x 3 block as preconditioner. It gains nothing on meshes of
-/// similar elements, and stopped early it brakes swinging motion: a hanging 50 x 50 cloth fell with two
-/// thirds of its energy. Also rejected: the multipliers of the previous substep as a start. They gave twice
-/// the strain on that cloth: the Krylov space from zero finds them at once, and the restart spoils it.
+/// Rejected: the inverse of each particle's 3 x 3 block as preconditioner. It gains nothing on meshes of similar
+/// elements. Stopped early, it brakes swinging motion: a hanging 50 x 50 cloth fell with two thirds of its energy. Also
+/// rejected: the multipliers of the previous substep as a start. They gave twice the strain on that cloth: the Krylov
+/// space from zero finds them at once, and the restart spoils it.
 ///
 /// Bitwise equal for any number of threads. Allocates nothing in a warm step.
 class ConjugateGradient final : public LinearizedSolver {

@@ -16,7 +16,7 @@ using Matrix = Eigen::SparseMatrix<double>;  // lower triangle, by columns
 constexpr double redundant = 1e-9;           // added to the diagonal of the dual matrix, as a fraction of it
 constexpr double max_operations = 5e9;       // multiplications of one factorization: some seconds
 constexpr std::size_t max_unknowns = 300000;
-// Of the dual matrix: every pair of rows that share a particle has an entry.
+// Limit for the dual matrix: every pair of rows that share a particle has an entry.
 constexpr std::size_t max_entries = 30000000;
 
 /// An entry of the lower triangle.
@@ -184,9 +184,9 @@ void Direct::Impl::build_dual_pattern(std::size_t rows, const std::vector<Matrix
 
 namespace {
 
-// Visits the terms of the dual's lower triangle in the order in which they are added: compliance_term(entry,
-// index into the compliances) for each block, then pair_term(entry, unknown, a, b) for the pairs of rows that
-// share an unknown.
+// Visits the terms of the dual's lower triangle in the order in which they are added. These are compliance_term(entry,
+// index into the compliances) for each block, then pair_term(entry, unknown, a, b) for the pairs of rows that share an
+// unknown.
 template <class ComplianceTerm, class PairTerm>
 void for_each_dual_entry(const LinearSystem& system, const std::vector<std::vector<Incidence>>& incidences,
                          const ComplianceTerm& compliance_term, const PairTerm& pair_term) {

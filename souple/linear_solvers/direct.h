@@ -9,10 +9,10 @@ namespace souple {
 /// Solves the global system by a sparse Cholesky factorization L D L^T (Eigen's, ordered by approximate
 /// minimum degree). `prepare` analyzes the pattern once; every iteration factorizes the numbers.
 ///
-/// - primal if no row needs the floor of linear_system.h (every row has compliance), or if the rows outnumber
-///   the unknowns (a cloth): 3 unknowns per free particle. Rigid rows then get the floor, and `diagnostic`
-///   reports it;
-/// - dual if a row is rigid and the rows do not outnumber the unknowns (ropes, chains): exact, except that a
+/// - primal if no row needs the floor of linear_system.h, that is every row has compliance. Also if the rows outnumber
+///   the unknowns, 3 per free particle, as in a cloth. Rigid rows then get the floor, and `diagnostic` reports it;
+///   Rigid rows then get the floor, and `diagnostic` reports it;
+/// - dual if a row is rigid and the rows do not outnumber the unknowns (ropes, chains). It is exact, except that a
 ///   billionth of the diagonal is added so that redundant rows do not divide by zero.
 ///
 /// Eigen allocates in every iteration.

@@ -14,8 +14,8 @@ struct PolarDecomposition {
 /// R = U V^T, S = V diag(sigma) V^T of the singular value decomposition (see svd.h for its conventions).
 ///
 /// R minimizes |M - R| and maximizes trace(R^T M) among rotations (Kabsch 1978). It is unique unless sigma.y
-/// + sigma.z = 0. For M of rank 1 or 0, and for reflections with two equal smallest singular values, the
-/// result is one of the nearest rotations; for M = 0, the identity.
+/// + sigma.z = 0. For M of rank 1 or 0, and for reflections with two equal smallest singular values, the result is one
+/// of the nearest rotations. For M = 0 it is the identity.
 template <class T>
 PolarDecomposition<T> polar_decomposition(const Mat3<T>& m) {
   const Svd<T> d = svd(m);

@@ -1,9 +1,8 @@
 #pragma once
 
 // Scalar functions for kernels. Constraints and small linear algebra are written once for a type T: float,
-// double, a dual number or a SIMD pack. T provides the four arithmetic operators, comparisons whose result
-// `select` takes, and the functions below, found by argument-dependent lookup for types that are not built
-// in.
+// double, a dual number or a SIMD pack. T provides the four arithmetic operators and comparisons whose result `select`
+// takes. It also provides the functions below, found by argument-dependent lookup for types that are not built in.
 
 #include "souple/math/elementary.h"
 

@@ -11,8 +11,8 @@ namespace souple {
 ///
 /// U and V are rotations (det = +1), so a reflection appears in the singular values: sigma.x >= sigma.y >=
 /// |sigma.z|, the first two never negative, and sigma.z has the sign of det M (Irving et al. 2004, section
-/// 4). The order holds to rounding. Where singular values are equal or zero, U and V are not unique: the
-/// result is some choice that reproduces M, the same for the same bits.
+/// 4). The order holds to rounding. If singular values are equal or zero, U and V are not unique. The result is then
+/// some choice that reproduces M, equal for equal bits.
 template <class T>
 struct Svd {
   Mat3<T> u;
@@ -104,10 +104,9 @@ Mat3<T> orthonormal_frame(const Vec3<T>& b0, const Vec3<T>& b1, const T& smalles
 
 }  // namespace detail
 
-/// Singular value decomposition by one-sided Jacobi rotations (Hestenes 1958): V makes the columns of B = M V
-/// perpendicular; their lengths are the singular values, and their directions are U (Golub & Van Loan,
-/// section 8.6.3). It works on M itself, never on M^T M, so small singular values keep an error of a few ulps
-/// of the largest.
+/// Singular value decomposition by one-sided Jacobi rotations (Hestenes 1958). V makes the columns of B = M V
+/// perpendicular. Their lengths are the singular values, and their directions are U (Golub & Van Loan, section 8.6.3).
+/// It works on M itself, never on M^T M, so small singular values keep an error of a few ulps of the largest.
 ///
 /// T is float, double or a pack (not a dual number: skipped rotations have no derivative). M may be any
 /// finite matrix: singular, zero, reflected, from 1e-38 to 1e38 in float. Where M is not finite, neither is

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-/// What the library and the program souple-mesh-reader agree on.
+/// Formats and limits that the library and the program souple-mesh-reader share.
 namespace souple::mesh_detail {
 
 /// The formats that are read with assimp, by their extensions. assimp knows some forty more, which are refused:

@@ -9,7 +9,7 @@
 
 namespace souple {
 
-/// What to read of an animation in a mesh file.
+/// Selection of an animation in a mesh file.
 struct MeshAnimationImport {
   std::string animation{};  ///< its name; empty: the file's only one
   std::string node{};       ///< as MeshImport::node

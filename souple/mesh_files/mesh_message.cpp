@@ -166,7 +166,7 @@ void read_appearance(Reader& reader, TriangleMesh& mesh) {
   check_shape(reader, look.face_normals, mesh);
 }
 
-/// What is between the first and the last line.
+/// The text between the first and the last line.
 std::string_view content_of(std::string_view message, const std::string& name) {
   if (!is_whole_message(message)) throw Error(name + ": the answer of souple-mesh-reader breaks off");
   message.remove_prefix(first_line.size());

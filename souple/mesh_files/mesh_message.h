@@ -14,9 +14,9 @@ std::string message_of_mesh(const TriangleMesh& mesh);
 std::string message_of_animation(const MeshAnimation& animation);
 std::string message_of_failure(std::string_view why);
 
-/// What a message holds; its numbers and indices are all checked: what wrote it read an untrusted file. Throws
-/// Error with the reason that the message gives, or, for a message that breaks off or makes no sense, one that
-/// begins with `name`.
+/// The mesh in a message. All numbers and indices are checked, because the writer read an untrusted file. Throws Error
+/// with the reason that the message gives. For a message that breaks off or makes no sense, the error begins with
+/// `name`.
 TriangleMesh mesh_of_message(std::string_view message, const std::string& name);
 MeshAnimation animation_of_message(std::string_view message, const std::string& name);
 

@@ -11,10 +11,10 @@
 /// outside the bytes, and memory and time stay proportional to the number of bytes.
 namespace souple {
 
-/// Wavefront OBJ. `v` with optional colors, `vt`, `f` with every index form, `o`, `g` and `usemtl` (as
-/// vertex groups; a material's group is "material:NAME"), `p` and `l` (for their groups only); `mtllib`,
-/// `usemtl`, `s` and `vn` as the appearance of faces, without normals that are zero or missing. Curves and
-/// display attributes are skipped; an unknown word is an error.
+/// Wavefront OBJ. Reads `v` with optional colors, `vt`, and `f` with every index form. `o`, `g` and `usemtl` are vertex
+/// groups; a material's group is "material:NAME". `p` and `l` count for their groups only. `mtllib`, `usemtl`, `s` and
+/// `vn` are the appearance of faces, without normals that are zero or missing. Curves and display attributes are
+/// skipped; an unknown word is an error.
 TriangleMesh parse_obj(std::string_view text, const std::string& name);
 
 /// PLY 1.0: ascii, binary_little_endian, binary_big_endian; any property type and any extra element.

@@ -25,8 +25,8 @@ std::string obj_vertices_text(const TriangleMesh& mesh, std::span<const Vec3f> p
 /// back unchanged; `usemtl` alone gives the groups of materials.
 std::string obj_topology_text(const TriangleMesh& mesh);
 
-/// A binary little-endian PLY: float positions, velocities as vx, vy, vz [m/s] (unless empty), uchar colors (if any),
-/// per-vertex UVs (if each vertex has exactly one), faces as polygons.
+/// A binary little-endian PLY. It has float positions, faces as polygons and, unless empty, velocities as vx, vy, vz
+/// [m/s]. It has uchar colors, if any, and per-vertex UVs if each vertex has exactly one.
 std::string ply_bytes(const TriangleMesh& mesh, std::span<const Vec3f> positions,
                       std::span<const Vec3f> velocities = {});
 
@@ -34,8 +34,8 @@ std::string ply_bytes(const TriangleMesh& mesh, std::span<const Vec3f> positions
 std::string obj_text(std::span<const Vec3f> positions, std::span<const Vec3f> normals,
                      std::span<const Triangle> triangles);
 
-/// A surface with a normal per position as a binary little-endian PLY: x, y, z, nx, ny, nz and, unless empty, velocities
-/// as vx, vy, vz [m/s].
+/// A surface with a normal per position as a binary little-endian PLY. It has x, y, z, nx, ny, nz and, unless empty,
+/// velocities as vx, vy, vz [m/s].
 std::string ply_bytes(std::span<const Vec3f> positions, std::span<const Vec3f> normals,
                       std::span<const Triangle> triangles, std::span<const Vec3f> velocities);
 

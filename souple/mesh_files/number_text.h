@@ -11,7 +11,7 @@ bool parse_unsigned_real(std::string_view text, double& value);
 /// Appends the shortest text that parses to the same float, as std::to_chars does.
 void append_real(std::string& out, float value);
 
-// What these functions do where the standard library lacks floating from_chars and to_chars (libc++ before version 20).
+// Substitutes where the standard library lacks floating from_chars and to_chars (libc++ before version 20).
 bool parse_unsigned_real_portably(std::string_view text, double& value);
 void append_real_portably(std::string& out, float value);
 

@@ -351,7 +351,7 @@ class Builder {
   void remark_on_size(ObjectId object, const AnyObjectDescription& description) const {
     constexpr double largest = 50, smallest = 1e-3;  // m
     if (!log_) return;
-    // Of the mesh rather than of an animation's first frame.
+    // Points of the mesh rather than of an animation's first frame.
     std::vector<Vec3d> points = world_.mesh(object).positions;
     const std::span<const Vec3f> positions = world_.positions(object);
     if (points.empty()) points = std::vector<Vec3d>(positions.begin(), positions.end());
@@ -686,7 +686,7 @@ class Builder {
   const SceneLog& log_;
   World& world_;
   std::uint64_t seed_ = 0;
-  // Of the current object:
+  // Data of the current object:
   std::string name_;
   std::vector<Vec3d> mesh_;  ///< vertices in meters before the transform; empty without a mesh
   std::vector<float> pin_weights_;

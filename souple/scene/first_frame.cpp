@@ -96,7 +96,7 @@ double residual_as_it_is(const Cloud& mesh, const Cloud& frame) {
   return std::sqrt(sum / static_cast<double>(mesh.points.size())) / mesh.size;
 }
 
-/// Of equally good rotations the first: of the identity, those that `up` makes, all others.
+/// The first of equally good rotations. The identity comes first, then those that `up` makes, then all others.
 Fit best_fit(const Cloud& mesh, const Cloud& frame) {
   constexpr double margin = 0.98;
   std::vector<AxisRotation> rotations{{}, rotation_to_y_up(UpAxis::z), rotation_to_y_up(UpAxis::x)};

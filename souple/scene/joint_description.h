@@ -28,7 +28,7 @@ struct JointMotorDescription {
   double compliance = 0;            ///< of a position [m/N] or [rad/(N m)]
   double damping = 0;               ///< of a position [N s/m] or [N m s/rad]
 };
-/// What acts along one degree of freedom.
+/// Forces along one degree of freedom.
 struct JointAxisDescription {
   std::optional<JointLimitsDescription> limits;
   std::optional<JointSpringDescription> spring;
@@ -46,7 +46,7 @@ struct JointDescription {
   double compliance = 0;                  ///< m/N
   double damping = 0;                     ///< N s/m
 };
-/// Of joints that hold axes.
+/// Joints that hold axes.
 struct AxialJointDescription : JointDescription {
   Vec3d axis{1, 0, 0};
   double angular_compliance = 0;  ///< rad/(N m)

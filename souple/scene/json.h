@@ -50,8 +50,8 @@ struct Member {
 /// Values are equal if their text is equal.
 bool operator==(const Json& a, const Json& b);
 
-/// Parses one JSON text strictly: UTF-8, no comments, no trailing commas or garbage, no duplicate keys, at
-/// most 64 levels deep, numbers within the range of double. Throws Error: `source:line:column: ...`.
+/// Parses one JSON text strictly: UTF-8, no comments, no trailing commas or garbage, no duplicate keys. It may be at
+/// most 64 levels deep, with numbers within the range of double. Throws Error: `source:line:column: ...`.
 Json parse_json(std::string_view text, std::string_view source);
 
 /// Writes JSON on several lines, with short values on one line. Ends with a line feed.

@@ -96,8 +96,8 @@ struct MeshDescription {
 };
 
 // --- pins and maps
-/// Positions of all vertices of an object over time, from a .pc2 file, a .mdd file, an animation of a .glb, .gltf, .fbx
-/// or .dae file, or a sequence of meshes (one of its files, or its folder).
+/// Positions of all vertices of an object over time. The file is a .pc2, a .mdd, an animation (.glb, .gltf, .fbx,
+/// .dae), or a sequence of meshes (one of its files, or its folder).
 struct SequenceDescription {
   std::string file;
   std::string animation{};  ///< its name in the file; empty: the only one
@@ -249,7 +249,7 @@ using ShapeDescription = std::variant<Plane, Sphere, Box, Capsule, Cylinder, Sig
 /// Material of a collider or obstacle in pictures.
 enum class SurfaceLook { solid, glass };
 
-/// Of the common fields it uses the name, transform, color, layer and collision groups.
+/// An obstacle. It uses only the common fields name, transform, color, layer and collision groups.
 struct ObstacleDescription : ObjectDescription {
   MeshDescription mesh;
   ObstacleMaterial material;

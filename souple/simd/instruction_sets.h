@@ -13,8 +13,8 @@
 // Operations that differ between instruction sets: the register width, square roots, and the gathering and
 // transposing of four-float records. All other operations are compiler vectors (pack.h).
 //
-// Every template compiled for an instruction set has its tag as a parameter, so that the linker never takes
-// the code of one set for that of another.
+// Every template compiled for an instruction set has its tag as a parameter. So the linker never takes the code of one
+// set for that of another.
 //
 // load_records: the four floats that begin at base + i[0], base + i[4], base + i[8], ... fill a register. So
 // four
@@ -24,7 +24,7 @@
 // broadcast_last: copies the fourth float of every record to all four.
 // any: whether a lane of the mask is set. bits: bit l is set where lane l is.
 
-/// Of what must not become a function of its own in code compiled for an instruction set.
+/// Marks functions that must be inlined in code compiled for an instruction set.
 #define SOUPLE_INLINE __attribute__((always_inline))
 
 namespace souple::simd {

@@ -23,7 +23,7 @@ struct BodyVelocity {
   Vec3d linear{};   ///< of the center of mass [m/s]
   Vec3d angular{};  ///< in world axes [rad/s]
 
-  /// Of the body's point at center + r [m/s].
+  /// Velocity of the body's point at center + r [m/s].
   Vec3d at(const Vec3d& r) const { return linear + cross(angular, r); }
 };
 

@@ -55,7 +55,7 @@ class Warnings {
   void warn(Flag flag, std::string_view words);
   /// Logs notes about an object, such as repairs of its mesh.
   void log_info(const std::string& name, const std::vector<std::string>& sentences);
-  /// At the end of a step: sets Flag::callback_failed if the log function has thrown since the last one. What it throws
+  /// At the end of a step: sets Flag::callback_failed if the log function has thrown since the last one. Its exception
   /// goes no further.
   void report_log_failure();
   /// Runs code that may throw, such as users' callbacks; an exception sets Flag::callback_failed. Only out of memory

@@ -116,8 +116,8 @@ void ThreadPool::start() {
   }
 }
 
-// A worker of the parent may have held the mutex, and waits in the condition forever: neither they nor the handles of
-// the threads may be destroyed.
+// A worker of the parent may have held the mutex, and waits in the condition forever. So neither they nor the handles
+// of the threads may be destroyed.
 void ThreadPool::forget_if_forked() {
   if (!started_ || process_ == process_number()) return;
   for (Worker& worker : workers_) std::construct_at(&worker.thread);

@@ -16,13 +16,13 @@ namespace souple {
 /// Threads that spin on one word for their next job. Fork and join of two threads costs a few hundred
 /// nanoseconds; waking a sleeping thread costs fifty microseconds. Between steps the threads sleep.
 ///
-/// That word, the signal, holds the number of the job (upper 48 bits) and a command (lower 16): the number of
-/// parts to work on, or sleep, or end. Part 0 belongs to the caller and part t to worker t, so that a thread
-/// gets the same particles color after color. A worker may not be running: it is still waking up, or the
-/// system gave its processor to another process. To avoid waiting for it, a thread claims a part before
-/// working on it, and the caller, after its own part, takes all unclaimed ones. The assignment of parts to
-/// threads changes no result. (Without claims, a job took 90 microseconds on a busy machine; taking parts one
-/// by one from a counter would move particles from cache to cache.)
+/// That word, the signal, holds the number of the job (upper 48 bits) and a command (lower 16). The command is the
+/// number of parts to work on, or sleep, or end. Part 0 belongs to the caller and part t to worker t, so that a thread
+/// gets the same particles color after color. A worker may not be running: it is still waking up, or the system gave
+/// its processor to another process. To avoid waiting for it, a thread claims a part before working on it, and the
+/// caller, after its own part, takes all unclaimed ones. The assignment of parts to threads changes no result. (Without
+/// claims, a job took 90 microseconds on a busy machine. Taking parts one by one from a counter would move particles
+/// from cache to cache.)
 ///
 /// A child made by fork between steps has no workers; the pool then starts new ones.
 ///

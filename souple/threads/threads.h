@@ -68,9 +68,8 @@ class JobSystem {
   virtual ~JobSystem() = default;
   /// Number of threads that work at once, with the calling one; constant.
   virtual int workers() const = 0;
-  /// Calls job(i, i + 1) for every i in [0, count), in any order on any threads, the calling one included, and
-  /// returns, or throws, when all that it called have returned. Jobs do not throw, wait for nothing and start no
-  /// jobs.
+  /// Calls job(i, i + 1) for every i in [0, count), in any order on any threads, including the calling one. Returns, or
+  /// throws, when all calls have returned. Jobs do not throw, wait for nothing and start no jobs.
   virtual void run(std::size_t count, RangeFunction job) = 0;
 };
 /// Threads that are jobs of the host.
@@ -79,9 +78,9 @@ std::unique_ptr<Threads> make_threads(JobSystem& jobs);
 /// Whether the library was built with oneTBB.
 bool has_tbb();
 
-/// The number of threads that `count` requests: `count` itself if it is not 0; otherwise the environment
-/// variable SOUPLE_THREADS, or one per processor that this process may use. Throws Error when SOUPLE_THREADS
-/// is not a whole number from 1 to 1024.
+/// The number of threads that `count` requests: `count` itself if it is not 0. Otherwise the environment variable
+/// SOUPLE_THREADS counts, or one per processor that this process may use. Throws Error when SOUPLE_THREADS is not a
+/// whole number from 1 to 1024.
 int thread_count(int count);
 
 /// Creates thread_count(count) threads, including the caller's. They start with their first job.

@@ -2,7 +2,7 @@
 import create from './souple_wasm.mjs';
 import { threads } from './build.js';
 
-/** What went wrong, in a sentence. */
+/** An error, explained in a sentence. */
 export class SoupleError extends Error {
   name = 'SoupleError';
 }
@@ -56,7 +56,8 @@ export function checkView(view, what = 'the view') {
   if (!isDetached(behind.get(view)?.view ?? view)) return view;
   throw new SoupleError(`${what} is detached: the module's memory has grown since it was read; read the property again`);
 }
-/** A view that says so itself; slow, and for searching mistakes only. `check` throws where the world has another one now. */
+/** A view that reports when it is detached; slow, and for finding mistakes only. `check` throws where the world has
+/*  another one now. */
 function checkedView(view, what, check) {
   const readOnly = () => { throw new SoupleError(`${what} can only be read`); };
   const get = (target, key) => {
@@ -99,8 +100,9 @@ export function whyNot() {
 }
 
 /**
- * Loads the module. `wasm` is its binary, if it does not lie beside this file; `scripts` are the addresses of the loader and
- * of the worker of a build with threads, likewise. With `checked` a view that is detached throws when it is read.
+ * Loads the module. `wasm` is its binary, if it does not lie beside this file. `scripts` are the addresses of the
+ * loader and of the worker of a build with threads, likewise. With `checked` a view that is detached throws when it is
+ * read.
  */
 export async function load(options = {}) {
   const { wasm, scripts, checked = false } = plain(options, 'load', 'options such as {checked: true}');
@@ -112,7 +114,8 @@ export async function load(options = {}) {
   /** The module's memory as it is now: of a build with threads another thread may have made it grow. */
   const memory = () => M.wasmMemory?.buffer ?? M.HEAPU8.buffer;
 
-  /** Of a text with its end, or of an array. Views of the module's own memory are copied: it may grow before they are read. */
+  /** Bytes of a text with its end, or of an array. Views of the module's own memory are copied: it may grow before they
+  /*  are read. */
   function bytesOf(value) {
     if (typeof value !== 'string') {
       const bytes = new Uint8Array(value.buffer, value.byteOffset, value.byteLength);

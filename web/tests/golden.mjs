@@ -42,7 +42,7 @@ export function differenceOf(scene, frame, world) {
   }
   return '';
 }
-/** The same for a world of a page of puppeteer that opens the scene: its difference after `frames` frames. */
+/** Difference after `frames` frames of a world in a page of puppeteer that opens the scene. */
 export async function differenceInPage(page, scene, frames) {
   const wanted = traceOf(scene).map(([object, quantity]) => [object, quantity]);
   const bits = await page.evaluate((name, text, count, arrays) => {

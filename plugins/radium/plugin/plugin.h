@@ -13,8 +13,8 @@ namespace souple::radium {
 
 class Panel;
 
-/// The plugin that Radium loads: adds the system to the engine, and a panel and the mouse to the window. Of
-/// two instances in one Radium only the first is active.
+/// The plugin that Radium loads: adds the system to the engine, and a panel and the mouse to the window. If one Radium
+/// has two instances, only the first is active.
 class Plugin : public QObject, public Ra::Plugins::RadiumPluginInterface {
   Q_OBJECT
   Q_RADIUM_PLUGIN_METADATA

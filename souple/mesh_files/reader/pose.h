@@ -76,7 +76,7 @@ class Pose {
   /// The place of the node, in nodes_; their number, if there is none. Throws Error if there are several.
   std::size_t find(const std::string& name) const;
   static std::vector<ShapeTrack> tracks_of(const aiMeshMorphAnim& channel);
-  /// Of the part's shapes.
+  /// Weights of the part's shapes.
   std::vector<double> weights_of(const ScenePart& part) const;
 
   std::string file_;
