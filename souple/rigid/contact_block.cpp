@@ -16,7 +16,7 @@ Vec3d center(std::span<const BodyPose> poses, std::uint32_t body) {
   return body == no_body ? Vec3d{} : poses[body].position;
 }
 
-/// How far the material points have slid that friction holds together.
+/// Distance by which the two anchors of friction have slid apart.
 Vec3d slip_at(const RigidContact& contact, const RigidContactPoint& point, std::span<const BodyPose> poses) {
   return world_point(poses, contact.a, point.anchor_a) - world_point(poses, contact.b, point.anchor_b);
 }
@@ -66,7 +66,7 @@ PlacedContact place(const RigidContact& contact, const RigidContactPoint& point,
   }
   const Vec3d x_a = core_a - n * contact.radius_a, x_b = core_b + n * contact.radius_b;
   const double C = dot(n, x_a - x_b);
-  // Sides that slide leave the point of a face behind: a corner of the other side says where they touch.
+  // When sides slide, the stored point of a face stays behind. So the corner of the other side shows where they touch.
   const Vec3d from_a = x_a - n * (C / 2), from_b = x_b + n * (C / 2);
   switch (contact.owner) {
     case NormalOwner::face_of_a:
@@ -104,7 +104,7 @@ void start_block(RigidContact& contact, ContactBlock& block, const RigidBodies& 
     find_masses(row, block, states[block.a], states[block.b]);
     const ContactVector tangent = block.along_axes(point.tangent_impulse);
     row.impulse = {point.normal_impulse, tangent[1], tangent[2]};
-    // Beyond what the impulses explain.
+    // An overlap beyond the compression by the impulses is older than this substep.
     const double overlap = max(-(at.C + row.normal_softness * row.impulse[0]), 0.0);
     const ContactVector slip = block.along_axes(slip_at(contact, point, bodies.start));
     row.ignored = {overlap - min(overlap * depenetration.part, depenetration.largest),
@@ -145,7 +145,7 @@ double sweep_block(ContactBlock& block, std::span<ContactBody> states) {
     const ContactVector sticking{normal, last[1] - (row.mass_00 * slip_s + row.mass_01 * slip_t),
                                  last[2] - (row.mass_01 * slip_s + row.mass_11 * slip_t)};
     row.impulse = block.within_limits(sticking);
-    // Friction is opposite to the motion of a contact that slides, not to what would stop it.
+    // Friction of a sliding contact is opposite to its motion, not to the impulse that would stop it.
     if (row.impulse[1] != sticking[1] || row.impulse[2] != sticking[2])
       row.impulse = block.within_limits(
           {normal, last[1] - row.sliding_mass * slip_s, last[2] - row.sliding_mass * slip_t});

@@ -14,7 +14,7 @@ namespace souple {
 
 /// A body as contacts see and move it in a substep.
 struct ContactBody {
-  Vec3d dx{}, dtheta{};  ///< by the impulses of contacts in this substep [m], [rad]
+  Vec3d dx{}, dtheta{};  ///< motion by contact impulses in this substep [m], [rad]
   double inverse_mass = 0;
   Vec3d inertia_diagonal{}, inertia_rest{};  ///< I^-1 in world axes: (xx, yy, zz), (yz, xz, xy)
 
@@ -30,24 +30,24 @@ struct ContactBody {
   }
 };
 
-/// Along the normal of a contact and its two tangents.
+/// Components along the normal of a contact and its two tangents.
 using ContactVector = std::array<double, 3>;
 
 /// A point of a contact. With u = J q, the motion of a against b by impulses, a row asks for
 ///   C + u_n + softness_n p_n >= 0,  p_n >= 0,  one of both 0;   slip + u_t + softness_t p_t = 0,  |p_t| <= mu p_n.
-/// So a contact is a spring: C and p_n are those of the whole substep, not changes. Multipliers that were raised by C in
-/// each substep would integrate gaps, and a stack would begin to sway.
+/// So a contact is a spring: C and p_n are totals of the substep, not changes. If C raised multipliers in each substep,
+/// they would integrate gaps, and a stack would begin to sway.
 struct ContactRow {
-  /// From the centers of mass when the substep began [m]. The impulses of both sides act at one point then, and keep the
-  /// angular momentum of both exactly.
+  /// Arms from the centers of mass at the start of the substep [m]. The impulses on both sides act at one point, which
+  /// conserves angular momentum exactly.
   Vec3d r_a{}, r_b{};
-  ContactVector gap{};      ///< C and slip without the impulses of contacts [m]
-  ContactVector ignored{};  ///< what stays of an older overlap and slip: added to C and slip [m]
+  ContactVector gap{};      ///< C and slip without contact impulses [m]
+  ContactVector ignored{};  ///< part of an older overlap and slip that stays, added to both [m]
   ContactVector impulse{};  ///< p [kg m]
   double normal_softness = 0, tangent_softness = 0;  ///< [1/kg]
   double normal_mass = 0;                            ///< 1 / (J M^-1 J^T + softness) [kg]
   double mass_00 = 0, mass_01 = 0, mass_11 = 0;      ///< likewise of the tangents
-  double sliding_mass = 0;                           ///< their least along any direction [kg]
+  double sliding_mass = 0;                           ///< least mass along a tangential direction [kg]
 };
 
 /// A contact.
@@ -64,7 +64,7 @@ struct ContactBlock {
   ContactVector along_axes(const Vec3d& v) const {
     return {dot(axes[0], v), dot(axes[1], v), dot(axes[2], v)};
   }
-  /// Cuts an impulse to what the contact can exert.
+  /// Cuts an impulse to the contact's limits: no pull, and friction at most mu times the push.
   ContactVector within_limits(const ContactVector& p) const {
     const double normal = max(p[0], 0.0), limit = static_friction * normal;
     const double square = p[1] * p[1] + p[2] * p[2];
@@ -72,7 +72,7 @@ struct ContactBlock {
     const double scale = kinetic_friction * normal / std::sqrt(square);
     return {normal, p[1] * scale, p[2] * scale};
   }
-  /// Whether friction holds: it is not at the limit of sliding.
+  /// Whether friction holds, that is the impulse is not at its limit.
   bool sticks(const ContactRow& row) const {
     constexpr double rounding = 1e-9;
     const double limit = kinetic_friction * row.impulse[0], square = limit * limit;
@@ -84,7 +84,7 @@ struct ContactBlock {
     if (moves_a) bodies[a].push(row.r_a, impulse);
     if (moves_b) bodies[b].push(row.r_b, -impulse);
   }
-  /// C, slip and softness times impulse: 0 where a row holds [m].
+  /// C and slip, each with softness times impulse: 0 if the row holds [m].
   ContactVector residual(std::span<const ContactBody> bodies, const ContactRow& row) const {
     const ContactVector u = along_axes(bodies[a].motion_at(row.r_a) - bodies[b].motion_at(row.r_b));
     return {row.gap[0] + u[0] + row.normal_softness * row.impulse[0],
@@ -102,10 +102,10 @@ struct PlacedContact {
 PlacedContact place(const RigidContact& contact, const RigidContactPoint& point,
                     std::span<const BodyPose> poses);
 
-/// How overlaps of earlier substeps are removed.
+/// Removal of overlaps of earlier substeps.
 struct Depenetration {
-  double part = 0;     ///< of an overlap in a substep
-  double largest = 0;  ///< in a substep [m]
+  double part = 0;     ///< of an overlap, removed in a substep
+  double largest = 0;  ///< largest removal in a substep [m]
 };
 
 /// Rows at the start of a substep, with the impulses of the last one. `states`: per body, and one that does not move.
@@ -114,7 +114,7 @@ void start_block(RigidContact& contact, ContactBlock& block, const RigidBodies& 
 /// Measures the gaps at the current poses.
 void measure_block(const RigidContact& contact, ContactBlock& block, const RigidBodies& bodies,
                    std::span<const ContactBody> states);
-/// One pass over the points of a contact. The largest change of a relative position [m].
+/// One pass over the points of a contact. Returns the largest change of a relative position [m].
 double sweep_block(ContactBlock& block, std::span<ContactBody> states);
 /// Keeps the impulses for the next substep.
 void keep_block(const ContactBlock& block, RigidContact& contact);

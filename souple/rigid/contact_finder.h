@@ -13,7 +13,7 @@
 
 namespace souple {
 
-/// Which bodies collide, and how.
+/// Materials of contacts, and which bodies may collide.
 class RigidMaterials {
  public:
   virtual ~RigidMaterials() = default;
@@ -29,9 +29,9 @@ class ContactFinder {
   /// magnitude [m/s^2].
   void begin_step(const RigidBodies& bodies, std::span<const RigidShape> shapes,
                   const RigidMaterials& materials, double dt, double part, double gravity, Threads& threads);
-  /// At the start of a substep: finds the contacts of pairs that move far in it again.
+  /// Call at the start of a substep. Finds again the contacts of pairs that move far within a step.
   void refresh(const RigidBodies& bodies, std::span<const RigidShape> shapes, Threads& threads);
-  /// In an order that depends on the bodies alone.
+  /// Contacts, in an order that depends on the bodies alone.
   std::span<RigidContact> contacts() { return contacts_; }
   std::span<const RigidContact> contacts() const { return contacts_; }
   /// Appends what one step passes to the next, as bytes.
@@ -46,14 +46,14 @@ class ContactFinder {
   /// Two parts whose boxes overlap.
   struct Pair {
     std::uint32_t a = 0, part_a = 0, b = 0, part_b = 0;
-    std::uint32_t manifold = 0;  ///< of several with a signed distance field
+    std::uint32_t manifold = 0;  ///< index, if the pair has several (signed distance fields)
     bool fast = false;           ///< moves far in a step
-    double moved = 0;            ///< at most, against each other since the contact was found [m]
-    double clear = 0;            ///< they were at least so far from each other then [m]
+    double moved = 0;            ///< upper limit of the relative motion since the last search [m]
+    double clear = 0;            ///< least distance at the last search [m]
     AxisCache axis{};
     auto key() const { return std::tuple(a, b, part_a, part_b, manifold); }
   };
-  // A part has one manifold with another, and up to this number with a signed distance field.
+  // A part has one manifold with another part, and up to this number with a signed distance field.
   static constexpr std::size_t most_manifolds = 4;
 
   void find_pairs(const RigidBodies& bodies, std::span<const RigidShape> shapes,

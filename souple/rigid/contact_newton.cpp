@@ -105,7 +105,8 @@ void ContactNewton::prepare(const ContactSystem& system) {
   cost_ = matrix_.cost();
 }
 
-// The phases are those of the last sweep. They say more than the springs, which show the errors of the sweep magnified.
+// Starts with the phases of the last sweep. The springs' own phases would be worse, because springs magnify the errors
+// of a sweep.
 void ContactNewton::begin(const ContactSystem& system) {
   const std::size_t unknowns = bodies_.size() * 6;
   for (std::vector<double>* const v : {&motion_, &residual_, &solution_, &direction_, &image_, &smoothed_})
@@ -340,7 +341,7 @@ void ContactNewton::find_impulses(const ContactSystem& system) {
   });
 }
 
-// The energy is |q|^2_M / 2 + gap . p + softness |p|^2 / 2: without friction, contacts minimize it.
+// The energy is |q|^2_M / 2 + gap . p + softness |p|^2 / 2. Without friction, contacts minimize it.
 double ContactNewton::apply(const ContactSystem& system, double part) const {
   for (const std::uint32_t body : bodies_) system.states[body].dx = system.states[body].dtheta = {};
   double energy = 0;

@@ -9,10 +9,10 @@ namespace {
 
 // Part of an older overlap, or of the slip of a contact that sticks, that a substep removes.
 constexpr double recovery = 0.01;
-// Sweeps end when none changes a relative position by more than this part of g h^2, nor of what the first one changed.
+// Sweeps end after one that changes relative positions by less than this part of g h^2, or of the first sweep's change.
 constexpr double tolerance = 1e-3, relative_tolerance = 1e-6;
 constexpr int first_sweeps = 2;
-// Sweeps over so many contacts in all, within these bounds.
+// Limit of sweeps times contacts; within it, the least and the largest number of sweeps.
 constexpr std::size_t most_visits = 8000, least_sweeps = 4, most_sweeps = 40;
 // Newton's method solves islands that are nearly at rest, whose bodies hardly move against each other in a substep. It
 // is used if a factorization takes at most `affordable` multiplications and a step at most `in_a_step`.
@@ -21,7 +21,7 @@ constexpr double nearly_at_rest = 2;  // of g h^2
 // at the tolerance.
 constexpr double exact = 1e-5, at_once = 0.1;
 constexpr double affordable = 4e7, in_a_step = 4e8;
-// Small islands are also solved while they move.
+// Small islands are solved by Newton's method even while they move.
 constexpr double cheap = 3e5, cheap_in_a_substep = 2e6;
 constexpr int most_steps = 6, most_solves = 8;
 

@@ -17,9 +17,9 @@ namespace souple {
 ///   bounce      before the prediction: velocities of bodies that bounce off each other
 ///   solve       after the prediction: poses. Again after others have moved bodies, as often as one likes.
 ///
-/// `solve` finds impulses, equal and opposite, so momentum and angular momentum are exact. It begins with those of the last
-/// substep and sweeps over contacts (projected Gauss-Seidel: Moreau and Jean 1996; Catto 2005) until they change little.
-/// An island that is nearly at rest, or small, is solved at once by Newton's method, if it is not too large.
+/// `solve` finds equal and opposite impulses, so momentum and angular momentum are exact. It begins with the impulses
+/// of the last substep and sweeps over contacts until they change little (projected Gauss-Seidel: Moreau and Jean 1996;
+/// Catto 2005). An island that is small, or nearly at rest and not too large, is solved at once by Newton's method.
 class ContactSolver {
  public:
   /// Call when the list of contacts has changed.

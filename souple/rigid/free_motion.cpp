@@ -33,7 +33,7 @@ Vec3d rotation_between(const Quatd& before, const Quatd& after) {
   return Vec3d{d.x, d.y, d.z} * (2 / d.w);
 }
 
-/// The spin with the angular momentum of `angular` after a body was turned: its inertia turned with it.
+/// The spin that keeps the angular momentum of `angular` after a body was turned: its inertia turned with it.
 Vec3d carried_spin(const BodyMass& mass, const Quatd& before, const Quatd& after, const Vec3d& angular) {
   const Vec3d& w = mass.inverse_inertia;
   const Vec3d inertia = reciprocal(w), local = rotate(conjugate(before), angular);

@@ -43,8 +43,8 @@ struct LastPoints {
   double area = 0;  ///< that they spanned when they were chosen [m^2]
 };
 
-/// The axis that separated a pair best when it was last tested, and the points that were chosen. Results depend on them,
-/// within the tolerances by which a pair keeps them, so they are a part of the state. Start with an empty cache.
+/// The axis that separated a pair best when it was last tested, and the chosen points. Results depend on them, within
+/// the tolerances that keep them, so they are part of the state. Start with an empty cache.
 struct AxisCache {
   enum class Kind : std::uint8_t { none, face_of_a, face_of_b, edges, closest_points };
   Kind kind = Kind::none;

@@ -4,7 +4,7 @@
 
 namespace souple::manifold {
 
-/// The normals that a triangle of a mesh permits: those that do not lean too far over its edges.
+/// The normals that a triangle of a mesh permits, which do not lean too far over its edges.
 struct NormalRegion {
   Vec3d normal{};      ///< of the triangle
   Vec3d outward[3]{};  ///< in the triangle's plane, over its edges

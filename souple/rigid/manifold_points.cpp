@@ -29,7 +29,7 @@ double area(const Point2& a, const Point2& b, const Point2& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// By this part of itself, a measure must exceed that of an earlier point.
+/// A measure must exceed that of an earlier point by this part of itself.
 constexpr double noise = 1e-6;
 
 /// The index with the largest positive measure, or 0.

@@ -25,7 +25,7 @@ struct BodyImpacts {
   std::vector<BodyAtImpact> bodies;
 };
 
-/// Restitution of a soft body as a whole, where the coefficient e exceeds `elastic_restitution`. Where the center of mass
+/// Restitution of a soft body as a whole, if the coefficient e exceeds `elastic_restitution`. If the center of mass
 /// approaches at the first touch, its velocity along the normal becomes
 ///   u_n <- e a,   a: approach speed of the contact
 /// and the velocity of another soft body at the contact changes so that momentum is conserved. A contact's own

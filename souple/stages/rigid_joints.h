@@ -20,8 +20,8 @@ struct JointRecord {
   bool collide = false;
 };
 
-/// The joints of a world's rigid bodies in its step. They know the handles of what they join, and its indices from `list`
-/// until bodies change.
+/// The joints of a world's rigid bodies in its step. They keep the handles of the joined bodies, and from `list` on
+/// their indices, until bodies change.
 class RigidJoints {
  public:
   bool empty() const { return records_.empty(); }

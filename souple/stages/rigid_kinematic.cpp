@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <utility>
 
-// Kinematic rigid bodies: prescribed motion moves them, and nothing pushes them. Their mass counts as infinite, and the
-// inverse masses of their particles are 0.
+// Kinematic rigid bodies: prescribed motion moves them, and no force pushes them. Their mass counts as infinite, and
+// the inverse masses of their particles are 0.
 
 namespace souple {
 namespace {
@@ -89,7 +89,7 @@ void RigidStage::aim(const StageView& stage, double dt) {
   }
 }
 
-// Before the prediction of a substep: a body that was held back catches up with its path.
+// Before the prediction of a substep: a body that was held catches up with its path.
 void RigidStage::place_kinematic(const StageView& stage, const Substep& substep) {
   const auto h = static_cast<double>(substep.h);
   for (std::size_t k = 0; k < records_.size(); ++k) {
@@ -114,7 +114,7 @@ void RigidStage::end_kinematic(const StageView& stage, const Substep& substep) {
     stage.warnings.guarded("a rigid body's motion", [&] { pose = pose_at(records_[k], t); });
     bodies_.pose[k] = predicted_[k] = pose;
     if (!(bodies_.velocity[k].linear == Vec3d{}) || !(bodies_.velocity[k].angular == Vec3d{})) continue;
-    // It stands, or has jumped: it did not move there.
+    // The body stands or has jumped, so it did not move there.
     write_positions(stage, k, bodies_.pose[k]);
     for (std::uint32_t i = objects_[k]->begin; i < objects_[k]->end; ++i)
       stage.objects.particles.start[i].set_xyz(stage.objects.moving()[i].xyz());

@@ -195,7 +195,7 @@ void RigidStage::write_velocities(const StageView& stage, std::size_t body) {
   for (std::size_t i = 0; i < r.size(); ++i) velocity[i].set_xyz(Vec3f(v.at(r[i])));
 }
 
-// The impulses that changed particles' velocities since the body wrote them.
+// Takes over the impulses that changed particles' velocities since the body wrote them.
 void RigidStage::read_velocities(const StageView& stage, std::size_t body) {
   const Vec4f* const velocity = stage.objects.particles.velocity.data() + objects_[body]->begin;
   const Vec4f* const position = stage.objects.particles.position.data() + objects_[body]->begin;
@@ -335,7 +335,7 @@ void RigidStage::gather_body(const StageView& stage, std::size_t body, bool in_c
   if (is_as_written(stage, body)) return;
   const ParticleView view = stage.objects.view();
   const Record& record = records_[body];
-  // More particles are touched than their masses were made for: their sum would overshoot.
+  // If more particles are touched than masses were split for, their sum would overshoot.
   const double part = in_contact && record.touched > max(record.shown, least_shown)
                           ? max(record.shown, least_shown) / record.touched
                           : 1;

@@ -11,7 +11,7 @@
 namespace souple {
 namespace {
 
-/// A particle carries at most so many times its mass: rigid, and yet no division by zero.
+/// Largest carried mass, relative to the particle's own: practically rigid, without a division by zero.
 constexpr double heaviest = 1e6;
 
 Vec3d position(const ParticleView& particles, std::size_t i) {
@@ -81,7 +81,7 @@ class Crowding {
   std::size_t count_ = 0;
 };
 
-/// The point of a chain that is closest to p, from a segment on to its neighbors. x(k): of its vertices.
+/// Moves the point of a chain that is closest to p from a segment on to its neighbors. x(k): of its vertices.
 template <class Position>
 void follow_chain(std::uint32_t segments, const Position& x, const Vec3d& p, std::uint32_t& segment,
                   double& along) {

@@ -44,39 +44,43 @@ struct Tie {
 /// State that one step passes to the next.
 struct TieState {
   std::uint32_t segment = 0, broken = 0;
-  double along = 0;  ///< of the segment
+  double along = 0;  ///< position on the segment, in [0, 1]
   Vec3d force{};     ///< on b, mean over the last step [N]
 };
 
-/// Where an object's side of a tie is in a step.
+/// Index and inverse mass of an object's side of a tie in a step.
 struct TieNumber {
   std::uint32_t index = 0;  ///< of the object's first particle, or of the body
   double inverse_mass = 0;  ///< of a body; W of a sum of particles [1/kg]
   Vec3d inverse_inertia{};  ///< of a body, about its principal axes [1/(kg m^2)]
 };
 
-/// The ties of a world. A tie holds the points p_a and p_b at a rest length l:
+/// The ties of a world. A tie holds the points p_a and p_b together, or at a rest length l (XPBD, Macklin 2016, eq. 18):
 ///
 ///   C = p_a - p_b  (three rows) for l = 0,   C = |p_a - p_b| - l  otherwise,   alpha~ = alpha / h^2
 ///   dlambda = -(W_a + W_b + alpha~)^-1 (C + alpha~ lambda)
 ///
-/// (XPBD, Macklin 2016, eq. 18). W of a weighted sum of particles is sum w_i^2 / m_i, and each of them gets the part w_i.
-/// W of a point of a rigid body is 1/m - [r] I^-1 [r] (Müller et al. 2020). lambda lasts one substep, over all projections.
+/// For a weighted sum of particles W = sum w_i^2 / m_i, and each particle gets the part w_i of the impulse. For a point of
+/// a rigid body W = 1/m - [r] I^-1 [r] (Müller et al. 2020). lambda lasts one substep, over all projections.
 ///
-/// Loads. A sweep over light cloth carries only about the cloth's own mass: it moves the light particles instead of the
-/// heavy body. So particles carry the mass of the body that is tied to them, while the solver moves them, from `begin`
-/// to `end`. They show m_i + mu w_i to the solver, to levels, eliminations and contacts. Particles carry a rigid body,
-/// a grain, a target, or much heavier particles, where l = 0. K ties of a body have 1 / mu = K s / m + alpha~, a
-/// uniform mass splitting (Tonge et al. 2012). The factor s (class Crowding) makes this stable: masses m / (K s) at the
-/// tied points never have more kinetic energy than the body. The impulse on the body at a tied point is mu w_i times
-/// the distance that the solver moved the particle. So momentum and angular momentum are conserved to rounding, for any
-/// mu. In equilibrium, a mu too small by a factor n leaves g h^2 (n - 1): 0.03 mm times n - 1 at 600 substeps a second.
-/// At last the tied points are projected onto the body, in turns with its joints and contacts.
+/// Loads. A sweep moves light particles instead of a heavy body that is tied to them: light cloth would carry only about
+/// its own mass. So particles show the mass of the tied side as a load while the solver moves them:
 ///
-/// A tie that slides holds the point of the chain that is closest to p_a. Its impulse is perpendicular to the chain, but for
-/// Coulomb's friction and at the ends of the chain.
+///   1. `begin` projects the ties and adds the loads, m_i + mu w_i. Sweeps, levels, eliminations and contacts count them.
+///   2. The solver moves the particles. A particle's motion times mu w_i is the impulse on the tied side at that point.
+///   3. `end` applies these impulses and removes the loads.
+///   4. `project_all` projects the tied points onto each other, in turns with joints and contacts of bodies.
 ///
-/// As a Projector, in the sweeps, it projects ties between particles alone.
+/// Loads are a rigid body, a grain, a target or much heavier particles, tied with l = 0. Momentum and angular momentum are
+/// conserved to rounding, for any mu. If mu is too small by a factor n, g h^2 (n - 1) remains in equilibrium: 0.03 mm times
+/// n - 1 at 600 substeps a second. K ties of a body have 1 / mu = K s / m + alpha~ (uniform mass splitting, Tonge et al.
+/// 2012). The factor s makes this stable: in any motion of the body, masses m / (K s) at the tied points have at most the
+/// body's kinetic energy. s is the largest eigenvalue of B, see Crowding in ties.cpp.
+///
+/// A tie that slides holds the point of the chain that is closest to p_a. Its impulse is perpendicular to the chain, except
+/// for Coulomb's friction and at the ends of the chain.
+///
+/// As a Projector, in the solver's sweeps, it projects ties between particles alone.
 class Ties final : public Projector {
  public:
   bool empty() const { return records_.empty(); }
@@ -99,19 +103,19 @@ class Ties final : public Projector {
   /// Adds the loads to inverse masses (w lanes) that particles have without them.
   void add_loads(std::span<Vec4f> position) const;
   bool holds_bodies() const { return holds_bodies_; }
-  /// Whether a tie broke in this step: masses are not those that the solver was prepared for.
+  /// Whether a tie broke in this step. The solver was then prepared for other masses.
   bool has_broken() const { return !broken_.empty(); }
 
-  /// Before `list`: a step of substeps of h seconds.
+  /// Begins a step with substeps of h seconds. Call before `list`.
   void begin_step(double h);
-  /// Where collider and world are at the end of the substep.
+  /// Sets the point of a collider or of the world at the end of the substep.
   void set_target(std::size_t index, bool of_b, const Vec3d& target);
-  /// After the prediction: ties hold, and particles show loads. `position`: that of the particles, for its w lanes.
+  /// Call after the prediction. `position`: of the particles, for its w lanes.
   void begin(const ParticleView& particles, RigidBodies& bodies, std::span<Vec4f> position,
              const Substep& substep);
-  /// After the solver: bodies get the impulses on the particles that carry them, and these show their own masses again.
+  /// Call after the solver.
   void end(const ParticleView& particles, RigidBodies& bodies, std::span<Vec4f> position);
-  /// All ties, in order.
+  /// Projects all ties, in order.
   void project_all(const ParticleView& particles, RigidBodies& bodies);
   /// Reports forces, and breaks ties.
   void end_substep(const ParticleView& particles, const RigidBodies& bodies);
@@ -134,7 +138,7 @@ class Ties final : public Projector {
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
-  /// In the last substep.
+  /// The residual of the last substep.
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
@@ -142,7 +146,7 @@ class Ties final : public Projector {
   void erase_particles(std::uint32_t, std::uint32_t) override {}
 
  private:
-  /// Whose particles carry the mass of the other side.
+  /// The side whose particles carry the mass of the other side.
   enum class Carrier : std::uint8_t { none, a, b };
   struct Record {
     Tie tie;
@@ -156,7 +160,7 @@ class Ties final : public Projector {
     double held_along = 0;
     Vec3d force_sum{};    ///< on b, of the substeps of a step [N]
     double residual = 0;  ///< m
-    bool solved = false;  ///< something of it moves: otherwise the force stays
+    bool solved = false;  ///< a side moves; otherwise the force stays
   };
   /// Mass that a particle carries for a tie.
   struct Load {

@@ -14,7 +14,7 @@ void solve_dense(double* A, int n, double* x);
 /// fill for trees. `analyze` allocates, nothing else does.
 class BlockCholesky {
  public:
-  /// Where a block is stored, row by row, and which of a pair of indices is its rows.
+  /// Offset of a block, stored row by row, and which index of a pair its rows belong to.
   struct Place {
     std::size_t offset = 0;
     bool swapped = false;  ///< the rows are those of the second index

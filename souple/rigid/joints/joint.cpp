@@ -9,7 +9,7 @@ BodyPose pose_of(const RigidBodies& bodies, std::uint32_t body) {
   return body == no_body ? BodyPose{} : bodies.pose[body];
 }
 
-/// How far a value is from what a rigid law allows.
+/// Distance of a value from the range of a rigid law.
 double violation(const RowLaw& law, double value) {
   if (law.compliance > 0 || law.max_force < unlimited || law.kind == RowLaw::Kind::speed) return 0;
   const double high = law.kind == RowLaw::Kind::range ? law.high : law.low;

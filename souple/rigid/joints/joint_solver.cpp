@@ -9,9 +9,10 @@
 namespace souple::joint {
 namespace {
 
-/// Newton's method ends when no error, relative to the bodies' size, is larger than this one. One or two passes do.
+/// Newton's method ends when no error, relative to the bodies' size, is larger than this one. One or two passes
+/// suffice.
 constexpr double enough = 1e-7;
-/// Beyond this one after a pass, bodies turned too far for the gradients of the substep's start.
+/// An error above this limit after a pass shows that bodies turned too far for the gradients of the substep's start.
 constexpr double too_far = 1e-3;
 /// A joint is jerked if s (prepared_joint.h) exceeds `least_jerk`, and exceeds `jerk_ratio` times the s for which its
 /// arms were chosen.
@@ -105,7 +106,7 @@ void JointSolver::find_islands(const Joints& joints, const RigidBodies& bodies) 
   for (Island& island : islands_) build(island, joints);
 }
 
-/// Which joints share which bodies, and where their products go.
+/// Finds the joints that share bodies, and the places of their products in the matrix.
 void JointSolver::build(Island& island, const Joints& joints) {
   struct At {
     std::uint32_t body;

@@ -9,7 +9,7 @@ namespace {
 constexpr double end_weight = 0.32, before_weight = 0.23;
 /// Stiffness s beyond which arms are means of three, gradually.
 constexpr double stiff = 1;
-/// s is not counted beyond this one: joints that contradict each other have any impulse.
+/// s is limited to this value: contradictory joints may have any impulse.
 constexpr double stiffest = 1e5;
 /// Cosine of the angle that a body turns per substep, beyond which gradients are those of the predicted poses.
 constexpr double far = 0.88;

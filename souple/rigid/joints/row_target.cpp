@@ -10,7 +10,7 @@ constexpr double rigid = 1e-8;
 /// The relative compliance of motors: limits and axes take precedence.
 constexpr double motor = 1e-6;
 /// A rigid row removes errors below this part of the bodies' size at once. Joints that were assembled wrongly close at
-/// `closing` times their error per second: nothing is shot away.
+/// `closing` times their error per second, so that nothing is thrown away.
 constexpr double at_once = 1e-3, closing = 20;
 
 /// Part of the error that a rigid row leaves for later substeps.
