@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Collects the comments of C++'s public headers for Python's docstrings.
 
-header_docs.py OUTPUT.cpp HEADER... writes a source that defines doc() of python/docs.h: a table of the comments (`///` before
-a declaration, `///<` behind it) by the declaration's name, such as "World.step" or "ClothMaterial.friction".
+header_docs.py OUTPUT.cpp HEADER... writes a source that defines doc() of python/docs.h. It is a table of the comments
+(`///` before a declaration, `///<` behind it) by the declaration's name, such as "World.step" or
+"ClothMaterial.friction".
 """
 
 import re

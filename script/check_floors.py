@@ -37,8 +37,8 @@ SINGLE_FILES = {
     "souple/eigen.h": 7,     # optional adaptor
     "souple/souple.h": 8.5,  # everything, for users
 }
-# What a kernels folder compiles for an instruction set or a device includes these and other kernels, nothing else.
-# The headers named one by one are templates on the scalar, or small plain functions, of their folders.
+# Code in a kernels folder is compiled for an instruction set or a device. It includes these and other kernels, nothing
+# else. The headers named one by one are templates on the scalar, or small plain functions, of their folders.
 KERNELS = "/kernels/"
 KERNELS_MAY_INCLUDE = ("souple/math/", "souple/simd/instruction_sets.h", "souple/simd/pack.h", "souple/simd/registers.h",
                        "souple/constraints/", "souple/collision/nearest.h", "souple/collision/segment_triangle/",

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Refuses long sentences in comments and in the manual: more than 25 words, or a first word that hides the subject.
 
-A sentence ends at a period, at a blank line, at a formula or code that stands indented, and with a list item or a table's
-cell. Code spans, formulas and calls count as one word, units as none. Prints one line per violation and exits with 1 if there
+A sentence ends at a period, at a blank line, at an indented formula or code, and with a list item or a table's cell.
+Code spans, formulas and calls count as one word, units as none. Prints one line per violation and exits with 1 if there
 is any. `--root DIR` checks another tree.
 """
 
@@ -35,20 +35,20 @@ SENTENCE_END = re.compile(r"(?<![.\s])[.!?][)\"'*_]*\s+|\.\.\.\s+(?=[A-Z])")
 
 
 def c_comments(text):
-    """Yields (offset, length of the marker, comment line)."""
+    """Yields (column of the comment, offset of its text, its text), line by line."""
     for match in C_TOKEN.finditer(text):
-        offset = match.start()
+        offset, column = match.start(), match.start() - text.rfind("\n", 0, match.start())
         for line in (match["comment"] or "").splitlines(keepends=True):
             marker = re.match(r"\s*(///?<?|/\*+|\*/?)?[ ]?", line)[0]
-            yield offset + len(marker), line[len(marker):].rstrip().removesuffix("*/")
+            yield column, offset + len(marker), line[len(marker):].rstrip().removesuffix("*/")
             offset += len(line)
 
 
 def hash_comments(text):
     for match in HASH_COMMENT.finditer(text):
-        group = 1 if match[1] else 2
-        marker = re.match(r"#+[ ]?", match[group])[0]
-        yield match.start(group) + len(marker), match[group][len(marker):].rstrip()
+        begin = match.start(1) if match[1] else match.start(2)
+        marker = re.match(r"#+[ ]?", text[begin:])[0]
+        yield begin - text.rfind("\n", 0, begin), begin + len(marker), text[begin + len(marker):match.end()].rstrip()
 
 
 def python_comments(text):
@@ -57,32 +57,29 @@ def python_comments(text):
         starts.append(starts[-1] + len(line))
     begins_statement = True
     for token in tokenize.generate_tokens(io.StringIO(text).readline):
-        offset = starts[token.start[0] - 1] + token.start[1]
+        column, offset = token.start[1], starts[token.start[0] - 1] + token.start[1]
         if token.type == tokenize.COMMENT and not token.string.startswith("#!"):
-            yield offset + 2, token.string[2:]
+            yield column, offset + 2, token.string[2:]
         elif token.type == tokenize.STRING and begins_statement:
-            for line in token.string.strip('ruRU"').splitlines(keepends=True):
-                indent = 3 if offset == starts[token.start[0] - 1] + token.start[1] else len(line) - len(line.lstrip())
-                yield offset + indent, line.strip()
+            for line in token.string.removesuffix('"""').splitlines(keepends=True):
+                marker = re.match(r"\w?['\"]+" if line == token.string[:len(line)] else f"[ ]{{0,{column}}}", line)[0]
+                yield column, offset + len(marker), line[len(marker):].rstrip()
                 offset += len(line)
-            yield offset, ""
-        begins_statement = token.type in (tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.NL, tokenize.COMMENT)
+        if token.type not in (tokenize.NL, tokenize.COMMENT):
+            begins_statement = token.type in (tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT)
 
 
 def comment_blocks(text, comments):
     """Joins comment lines below each other into blocks: lists of (offset, text)."""
-    block, column, last_line = [], 0, -2
-    for offset, line in comments:
-        number = text.count("\n", 0, offset)
-        here = offset - text.rfind("\n", 0, offset)
-        joined = block and number == last_line + 1 and here == column and \
-            (not text[text.rfind("\n", 0, offset) + 1:offset].strip(" \t/*#<"))
-        if not joined and block:
+    block, last_column, last_line = [], 0, -2
+    for column, offset, line in comments:
+        number, begin = text.count("\n", 0, offset), text.rfind("\n", 0, offset) + 1
+        if block and (number > last_line + 1 or column != last_column or text[begin:offset].strip(" \t/*#<")):
             yield block
             block = []
         if not NO_PROSE.match(line):
             block.append((offset, line))
-        column, last_line = here, number
+        last_column, last_line = column, number
     yield block
 
 

@@ -55,30 +55,30 @@ struct TieNumber {
   Vec3d inverse_inertia{};  ///< of a body, about its principal axes [1/(kg m^2)]
 };
 
-/// The ties of a world. A tie holds the points p_a and p_b together, or at a rest length l (XPBD, Macklin 2016, eq. 18):
+/// The ties of a world. A tie holds the points p_a and p_b at a rest length l (XPBD, Macklin 2016, eq. 18):
 ///
 ///   C = p_a - p_b  (three rows) for l = 0,   C = |p_a - p_b| - l  otherwise,   alpha~ = alpha / h^2
 ///   dlambda = -(W_a + W_b + alpha~)^-1 (C + alpha~ lambda)
 ///
-/// For a weighted sum of particles W = sum w_i^2 / m_i, and each particle gets the part w_i of the impulse. For a point of
-/// a rigid body W = 1/m - [r] I^-1 [r] (Müller et al. 2020). lambda lasts one substep, over all projections.
+/// For a weighted sum of particles W = sum w_i^2 / m_i, and each particle gets the part w_i of the impulse. For a point
+/// of a rigid body W = 1/m - [r] I^-1 [r] (Müller et al. 2020). lambda lasts one substep, over all projections.
 ///
-/// Loads. A sweep moves light particles instead of a heavy body that is tied to them: light cloth would carry only about
-/// its own mass. So particles show the mass of the tied side as a load while the solver moves them:
+/// Loads. A sweep moves light particles instead of a heavy body that is tied to them: light cloth would carry only
+/// about its own mass. So particles show the mass of the tied side as a load while the solver moves them:
 ///
 ///   1. `begin` projects the ties and adds the loads, m_i + mu w_i. Sweeps, levels, eliminations and contacts count them.
 ///   2. The solver moves the particles. A particle's motion times mu w_i is the impulse on the tied side at that point.
 ///   3. `end` applies these impulses and removes the loads.
 ///   4. `project_all` projects the tied points onto each other, in turns with joints and contacts of bodies.
 ///
-/// Loads are a rigid body, a grain, a target or much heavier particles, tied with l = 0. Momentum and angular momentum are
-/// conserved to rounding, for any mu. If mu is too small by a factor n, g h^2 (n - 1) remains in equilibrium: 0.03 mm times
-/// n - 1 at 600 substeps a second. K ties of a body have 1 / mu = K s / m + alpha~ (uniform mass splitting, Tonge et al.
-/// 2012). The factor s makes this stable: in any motion of the body, masses m / (K s) at the tied points have at most the
-/// body's kinetic energy. s is the largest eigenvalue of B, see Crowding in ties.cpp.
+/// Loads are a rigid body, a grain, a target or much heavier particles, tied with l = 0. Momentum and angular momentum
+/// are conserved to rounding, for any mu. If mu is too small by a factor n, g h^2 (n - 1) remains in equilibrium: 0.03
+/// mm times n - 1 at 600 substeps a second. K ties of a body have 1 / mu = K s / m + alpha~ (uniform mass splitting,
+/// Tonge et al. 2012). The factor s makes this stable: masses m / (K s) at the tied points never have more kinetic
+/// energy than the body. s is the largest eigenvalue of B, see Crowding in ties.cpp.
 ///
-/// A tie that slides holds the point of the chain that is closest to p_a. Its impulse is perpendicular to the chain, except
-/// for Coulomb's friction and at the ends of the chain.
+/// A tie that slides holds the point of the chain that is closest to p_a. Its impulse is perpendicular to the chain,
+/// except for Coulomb's friction and at the ends of the chain.
 ///
 /// As a Projector, in the solver's sweeps, it projects ties between particles alone.
 class Ties final : public Projector {
