@@ -1,7 +1,7 @@
 """Writes the types of the compiled module: write_stubs.py FOLDER_OF_THE_PACKAGE, which gets _souple/*.pyi.
 
-They come from the module itself. It has the signatures that pybind11 puts before each text, the members of structs, and
-the keywords that a function takes for the members of its options. Python's standard library only.
+They come from the module itself. They consist of the signatures that pybind11 puts before each text, the members of
+structs, and the keywords for members of options. Python's standard library only.
 """
 
 import enum

@@ -105,16 +105,17 @@ def paragraphs(block, indented_is_code):
         item = LIST_ITEM.match(stripped)
         starts = not stripped or item or stripped.startswith(("|", "#", "@", ">")) or own_indent < indent
         code = indented_is_code and own_indent >= 2 + (indent if paragraph else 0) and not in_list and not item
-        if starts or code:
+        if starts or code or stripped.startswith("---"):
             yield paragraph
             paragraph = []
         if not stripped:
             in_list = False
+        elif stripped.startswith("---"):
+            yield [(offset + own_indent, stripped)]
         elif stripped.startswith("|"):
             for cell in re.finditer(r"(?:\\\||`[^`]*`|[^|])+", line):
                 yield [(offset + cell.start(), cell[0])]
-            continue
-        if stripped and not code:
+        elif not code:
             indent = own_indent if not paragraph else indent
             in_list = in_list or bool(item)
             paragraph.append((offset + own_indent + (item.end() if item else 0), stripped[item.end() if item else 0:]))

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Writes the small meshes of the shipped scenes beside itself: duck.obj, star.obj, beam.msh.
 
-Surfaces are level sets of smooth bodies, cut by marching tetrahedra on a grid (six tets to a cube, all along the same
-diagonal, so that neighbors agree): closed, manifold and wound outward by construction. A level-set mesh has slivers
-where it passes near a grid point, so near points are snapped to one vertex first, and the rest is smoothed.
+Surfaces are level sets of smooth bodies, cut by marching tetrahedra on a grid. Each cube has six tets, all along the
+same diagonal, so that neighbors agree. So surfaces are closed, manifold and wound outward by construction. A level-set
+mesh has slivers where it passes near a grid point. So near points are snapped to one vertex first, and the rest is
+smoothed.
 """
 import math
 import pathlib

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Writes the meshes of the shipped scenes that are swept along a circle or a curve, beside itself: glass.obj, tube.obj,
-knot_left.obj, knot_right.obj, torso.obj, shirt.obj, coat.obj, water_balloon.obj, bag_left.obj, bag_right.obj. Meters."""
+"""Writes the meshes of the shipped scenes that are swept along a circle or a curve, beside itself. These are glass.obj,
+tube.obj, knot_left.obj, knot_right.obj, torso.obj, shirt.obj, coat.obj, water_balloon.obj, bag_left.obj, bag_right.obj.
+Meters."""
 import math
 import pathlib
 
