@@ -2,8 +2,8 @@
 
 namespace souple::test {
 
-/// While it exists, allocations of this program fail: the n-th from now on (from 1), on whatever thread; that and all
-/// later ones; or the n-th on a thread that is not the one that made this. operator new then throws std::bad_alloc.
+/// While it exists, allocations of this program fail and operator new throws std::bad_alloc. The n-th from now on (from
+/// 1) fails on any thread; that and all later ones; or the n-th on a thread other than the one that made this.
 class FailingAllocations {
  public:
   enum class Which { one, all_later, one_elsewhere };

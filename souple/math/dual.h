@@ -16,8 +16,8 @@ namespace souple {
 ///     x[0].y.derivative = 1;
 ///     Distance::evaluate(x, params, gradient).derivative   // = gradient[0].y
 ///
-/// Comparisons use values only. If a function has no derivative (sqrt at 0, acos at -1 and 1, abs and atan2 at 0), the
-/// derivative is 0, as for constraints. Dual<Dual<T>> gives second derivatives.
+/// Comparisons use values only. If a function has no derivative (sqrt at 0, acos at -1 and 1, abs and atan2 at 0), its
+/// derivative counts as 0. Dual<Dual<T>> gives second derivatives.
 template <class T>
 struct Dual {
   T value{};

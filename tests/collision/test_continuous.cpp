@@ -14,9 +14,9 @@
 
 #include <gtest/gtest.h>
 
-// The time of first contact in exact arithmetic, from the same doubles. With V(t) the volume of the four
-// particles, contact is at a root of V where the point in the plane is inside the triangle, or the lines
-// intersect inside the edges. If V is zero throughout, a particle first touches an edge or another particle.
+// The time of first contact in exact arithmetic, from the same doubles. Let V(t) be the volume of the four particles.
+// Contact is at a root of V where the point in the plane is inside the triangle, or the lines intersect inside the
+// edges. If V is zero throughout, a particle first touches an edge or another particle.
 
 namespace souple {
 namespace {
@@ -268,8 +268,8 @@ void describe(const Moving4& m) {
 
 class Continuous : public testing::TestWithParam<Kind> {};
 
-/// Besides the guarantee, tests the accuracy of the result: 0.995 of the time of first contact on average,
-/// below 0.9 in one of 200 motions (their distance may come near its bound before contact).
+/// Besides the guarantee, tests the accuracy of the result. It is 0.995 of the time of first contact on average, and
+/// below 0.9 in one of 200 motions. Their distance may come near its bound before contact.
 void compare_with_exact(Kind kind, int cases, std::uint64_t seed) {
   Random random(seed);
   int touches[motions] = {};

@@ -39,8 +39,8 @@ bool contains(const Shape& shape, const Vec3d& p) {
   return std::visit([&](const auto& s) { return contains(s, p); }, shape);
 }
 
-// The distance to the surface by bisection along many rays: no ray hits the surface nearer than the distance,
-// and the ray along the normal hits it at the distance.
+// The distance to the surface by bisection along many rays. No ray hits the surface nearer than the distance, and the
+// ray along the normal hits it at the distance.
 TEST(Shapes, DistanceIsThatOfTheNearestSurfacePoint) {
   for (const Shape& shape : shapes) {
     Random random(7);

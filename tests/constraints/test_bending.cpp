@@ -133,8 +133,8 @@ double dihedral_value(const std::array<Vec3d, 4>& x, const std::array<Vec3d, 4>&
                                    gradient);
 }
 
-// C is the signed difference to the rest angle times |e|/sqrt(A2 + A3), not an energy, both when the rest
-// shape is flat and when it is folded.
+// C is the signed difference to the rest angle times |e|/sqrt(A2 + A3), not an energy. This holds both for a flat rest
+// shape and for a folded one.
 TEST(Bending, DihedralIsTheSignedAngle) {
   const double scale = 1 / std::sqrt(0.4 + 0.45);
   for (const double rest : {0.0, 0.7, -1.5, 3.1, -3.1})

@@ -289,8 +289,8 @@ TYPED_TEST(EveryConstraintTest, RepeatedProjectionSatisfiesIt) {
   }
 }
 
-// Coincident, collinear and coplanar points, shapes that are folded shut or far apart: no result is NaN, and
-// no correction is longer than ten times the extent of the shape and of the constraint.
+// Coincident, collinear and coplanar points, and shapes that are folded shut or far apart. No result is NaN, and no
+// correction is longer than ten times the extent of the shape and of the constraint.
 TYPED_TEST(EveryConstraintTest, DegenerateShapesStayFinite) {
   using Kind = TypeParam;
   const std::vector<double> masses = uneven_masses(Kind::arity);

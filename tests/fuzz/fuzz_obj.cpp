@@ -7,7 +7,7 @@
 
 namespace souple::fuzz {
 
-// What was read is written and read again, which the writer's own groups and faces must survive.
+// A mesh that was read is written and read again: it must survive the writer's own groups and faces.
 void parse_obj_bytes(std::string_view bytes) {
   const TriangleMesh mesh = parse_obj(bytes, "fuzz.obj");
   check(mesh);

@@ -1,9 +1,8 @@
-// mutate FORMAT CORPUS_FOLDER [COUNT [FIRST_SEED]]: reads COUNT mutants of the corpus' files. Most have
-// changes that the structure of their format allows (structured.h), so that three of ten pass the reader's
-// first checks and are taken: fewer is a failure of this program. The others have any bytes changed.
-// A reader may take or refuse (souple::Error) each; any other exception, a crash or a slow mutant is a find,
-// told by its seed. The same seed makes the same mutant on every machine: `mutate FORMAT CORPUS 1 SEED`
-// repeats it, and with SOUPLE_MUTANT=FILE writes it there.
+// mutate FORMAT CORPUS_FOLDER [COUNT [FIRST_SEED]]: reads COUNT mutants of the corpus' files. Most have changes that
+// the structure of their format allows (structured.h). So three of ten pass the reader's first checks and are taken;
+// fewer is a failure of this program. The others have any bytes changed. A reader may take or refuse (souple::Error)
+// each. Any other exception, a crash or a slow mutant is a find, told by its seed. A seed makes one mutant on every
+// machine: `mutate FORMAT CORPUS 1 SEED` repeats it, and with SOUPLE_MUTANT=FILE writes it there.
 
 #include "formats.h"
 #include "random.h"
@@ -159,7 +158,7 @@ std::vector<std::string> read_corpus(const std::filesystem::path& folder) {
   return corpus;
 }
 
-// What a signal handler may touch: the text of the seed, ready to be written.
+// Data that a signal handler may touch: the text of the seed, ready to be written.
 char seed_text[64];
 std::size_t seed_length = 0;
 

@@ -38,7 +38,7 @@ std::uint32_t odd_float(Random& random) {
   const float odd[] = {0.0f, -0.0f, 1.0f, -1.5f, 1e-45f, 1e-38f, 3.4e38f, 1e9f, 1e10f, 0.1f};
   std::uint32_t bits;
   std::memcpy(&bits, &odd[random.below(std::size(odd))], sizeof(bits));
-  // Of sixteen, one is any number at all, NaN and infinity among them.
+  // One of sixteen is any number at all, NaN and infinity among them.
   return random.below(16) == 0 ? std::uint32_t(random.next()) : bits;
 }
 

@@ -6,8 +6,8 @@
 
 namespace souple::fuzz {
 
-/// Changes one number, or lines, of the text before `end`: a number takes a value from another line of the
-/// same shape, lines of one shape change places, and a line that comes or goes changes the count before it.
+/// Changes one number, or lines, of the text before `end`. A number takes a value from another line of the same shape.
+/// Lines of one shape change places, and a line that comes or goes changes the count before it.
 void change_text(std::string& text, std::size_t end, Random& random);
 
 /// Changes one value of a JSON text, or moves, copies or removes a member.

@@ -84,8 +84,9 @@ struct Ring {
   double radius, height;
 };
 
-/// A polygon of n sides whose radius r(y) runs linearly from ring to ring; rings run along the outline, outside to the right
-/// when looking along +Y. With the area k r^2, k = n/2 sin(2 pi/n), and the polar moment k r^4 (2 + cos(2 pi/n)) / 6:
+/// A polygon of n sides whose radius r(y) runs linearly from ring to ring. Rings run along the outline, with the
+/// outside to the right when looking along +Y. With the area k r^2, k = n/2 sin(2 pi/n), and the polar moment k r^4 (2
+/// + cos(2 pi/n)) / 6:
 ///   V = sum of integrals of k r^2 dy, and so on, by Simpson's rule with enough points to be exact for r^4.
 MassProperties revolved(const std::vector<Ring>& outline, int n) {
   const double angle = 2 * pi / n, k = n / 2.0 * std::sin(angle), polar = (2 + std::cos(angle)) / 6;

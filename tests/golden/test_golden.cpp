@@ -21,10 +21,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-// Every shipped scene runs 150 frames, 60 with fluids, which take longest, and all 300 in a slow test: calm, and bit for
-// bit as when tests/golden.json and its trace in tests/golden/trace were written. Compared are the hashes of a few frames,
-// and the codes of these frames and of the last one. Only where one differs the scene runs again, with every frame compared
-// with its trace.
+// Every shipped scene runs 150 frames, 60 with fluids, which take longest, and all 300 in a slow test. Runs are calm,
+// and equal bit for bit to tests/golden.json and the trace in tests/golden/trace. Compared are the hashes of a few
+// frames, and the codes of these frames and of the last one. Only where one differs the scene runs again, with every
+// frame compared with its trace.
 //   SOUPLE_GOLDEN_UPDATE=1   rewrites both, from all 300 frames (script/golden --update)
 //   SOUPLE_GOLDEN_FRAMES=30  stops there; what comes later is not looked at. Not for slow tests
 //   SOUPLE_GOLDEN_FLUID_FRAMES=30  the same for scenes with fluids alone
@@ -75,7 +75,7 @@ std::vector<std::string> scene_names() {
   return names;
 }
 
-/// What may move a scene beside its own energy, and how much of it there is; watched from frame to frame.
+/// Energies that may move a scene, besides its own; watched from frame to frame.
 class Energies {
  public:
   Energies(const World& world, const SceneDescription& scene)
@@ -100,10 +100,10 @@ class Energies {
 
   double kinetic() const { return sum().kinetic; }
 
-  /// No motion can hold more kinetic energy [J] than what was there at the start (kinetic and elastic), what
-  /// the fallen weight has given, pressure times the largest volume it can have made, and what moving objects
-  /// can lend a mass: twice their speed (an elastic bounce) from pins and colliders, the wind's own from
-  /// wind. Emitters bring what they bring, and motors of joints their largest force times the way.
+  /// No motion can hold more kinetic energy [J] than these sources give. They are kinetic and elastic energy at the
+  /// start, the work of weight, and pressure times the largest volume it can have made. Pins and colliders may give a
+  /// mass twice their speed (an elastic bounce), wind its own speed. Emitters add the energy of their fluid, and motors
+  /// of joints their largest force times the path.
   double bound() const {
     const Sum now = sum();
     const double gust = length(Vec3d(wind_.velocity)) * (1 + static_cast<double>(wind_.gust));
@@ -128,7 +128,7 @@ class Energies {
     return total;
   }
 
-  /// Of a particle that comes from the scene's strongest and highest emitters.
+  /// Energy of a particle from the scene's strongest and highest emitters.
   void find_largest_share(const FluidDescription& fluid) {
     const double mass = double{fluid.material.density} * std::pow(double{fluid.material.spacing}, 3);
     for (const EmitterDescription& emitter : fluid.emitters) {
@@ -155,7 +155,7 @@ class Energies {
     return work;
   }
 
-  /// Of hinges, the only motors in shipped scenes.
+  /// Motors of hinges, the only ones in shipped scenes.
   void watch_motors() {
     for (const JointId id : world_.joints()) {
       const auto* hinge = std::get_if<joint::Hinge>(&world_.joint_kind(id));
@@ -192,8 +192,8 @@ class Energies {
   double kinetic_share_ = 0, potential_share_ = 0;  ///< of each [J]
 };
 
-/// What fluids may have besides weight: their surface's energy, sigma times the area of a cube of it, cut up
-/// a little, and what they store by being compressed, p C V. [J]
+/// Energy [J] of fluids besides weight. Their surface stores sigma times the area of a cube of it, cut up a little.
+/// Compression stores p C V. [J]
 double stored_in_fluids(const World& world) {
   double stored = 0;
   for (const ObjectId object : world.objects()) {
@@ -219,7 +219,7 @@ double farthest(const World& world) {
   return largest;
 }
 
-/// What of a run is compared.
+/// Results of a run that are compared.
 struct RunResults {
   FrameHashes hashes;
   std::map<int, FrameCodes> codes;  ///< of the hashed frames and the last one; of all when updating
@@ -262,7 +262,7 @@ void expect_hashes(const std::string& scene, const FrameHashes& hashes) {
   }
 }
 
-/// Of the frames that were coded.
+/// The first of the coded frames that differs.
 std::optional<int> first_differing_frame(const Trace& trace, const RunResults& run) {
   for (const auto& [frame, codes] : run.codes) {
     if (difference_in(trace, frame, codes)) return frame;

@@ -13,7 +13,7 @@ namespace {
 
 using TraceFile = FolderTest;
 
-/// Of one frame of a duck and a ring; each number is made a code.
+/// Codes of one frame of a duck and a ring, one per number.
 FrameCodes frame(int duck_x, int duck_v, int ring_x, int ring_v) {
   const auto code = [](int number) { return fmt::format("{:02}", number); };
   return {{"duck", "positions", code(duck_x)},
@@ -32,7 +32,7 @@ Trace trace_of(const std::vector<FrameCodes>& frames) {
   return trace;
 }
 
-/// Of these frames, one after another.
+/// Compares these frames, one after another.
 std::optional<Difference> first_difference_of(const Trace& trace, const std::vector<FrameCodes>& frames) {
   std::size_t asked = 0;
   return first_difference(trace, static_cast<int>(frames.size()), [&] { return frames.at(asked++); });

@@ -64,9 +64,8 @@ void add_line(Trace& trace, Trace::Line line) {
 }  // namespace
 
 std::string code_of(std::span<const Vec3f> values) {
-  // The upper bits of a product by 2^64 / golden ratio depend on all of the hash (Knuth, section 6.4); the
-  // upper bits of FNV-1a itself hardly depend on the last bytes, and its lower ones little on the upper bits
-  // of a byte.
+  // The upper bits of a product by 2^64 / golden ratio depend on all of the hash (Knuth, section 6.4). The upper bits
+  // of FNV-1a itself hardly depend on the last bytes, and its lower ones little on the upper bits of a byte.
   const std::uint64_t bits = fnv1a64(std::as_bytes(values)) * 11400714819323198485ull >> 52;
   return {base64[bits >> 6], base64[bits & 63]};
 }

@@ -43,8 +43,8 @@ struct Trace {
 /// Appends a frame. The first frame defines the objects; all others must have them too.
 void append(Trace& trace, const FrameCodes& codes);
 
-/// One line of text per line of the trace: object, quantity, codes. Of each object first the positions, then
-/// the velocities.
+/// One line of text per line of the trace: object, quantity, codes. Each object has first its positions, then its
+/// velocities.
 std::string trace_text(const Trace& trace);
 /// Throws Error, which begins with `source` and the line's number, for any text that trace_text does not
 /// write.

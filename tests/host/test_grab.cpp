@@ -87,8 +87,8 @@ TEST(Grab, AHeldVertexIsNearTheMouse) {
   EXPECT_LT(mean, 0.025);  // converged: 0.004
 }
 
-/// A mouse that is thrown 100 m away in one frame, and back and forth: no NaN, no torn cloth, and afterwards
-/// it hangs as before.
+/// A mouse is thrown 100 m away in one frame, and back and forth. There is no NaN and no torn cloth, and afterwards it
+/// hangs as before.
 TEST(Grab, AMouseThrownFarAwayTearsNothing) {
   for (const bool shaken : {false, true}) {
     Curtain c;
@@ -200,7 +200,7 @@ TEST(Grab, EveryKindOfObjectSurvivesBeingThrown) {
     EXPECT_LT(strain_of(any.world, object), 0.2) << any.world.name(object);
 }
 
-/// What the hand does to the object's momentum is its force and no more, and nothing after it let go.
+/// The hand changes the object's momentum by its force and no more, and not at all after the release.
 TEST(Grab, ForceIsCappedAndEndsWithTheGrab) {
   AnyKind any;
   const ObjectId box = any.objects[3];

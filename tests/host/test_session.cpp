@@ -50,7 +50,7 @@ TEST(Session, MeshesOfTheHostMoveAsInAPureRunToTheBit) {
   for (int i = 0; i < 40; ++i) ASSERT_TRUE(world.step(dt).ok());
   EXPECT_EQ(host.session.hash(), world.hash());
 
-  // What is drawn: each corner where its particle is, in the mesh's own coordinates.
+  // Each drawn corner is where its particle is, in the mesh's own coordinates.
   const VertexWelder weld(sheet.soup());
   const std::vector<float> x = drawn(host.session, cloth);
   for (std::size_t v = 0; v < sheet.count(); ++v) {

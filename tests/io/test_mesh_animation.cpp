@@ -71,7 +71,7 @@ constexpr int arm_vertices = 5;
 constexpr double arm_height(int i) {
   return 0.5 * i;
 }
-/// Of the forearm: 0 at the shoulder, 1 at the hand.
+/// Weight of the forearm: 0 at the shoulder, 1 at the hand.
 constexpr double arm_weight(int i) {
   return 0.25 * i;
 }
@@ -222,8 +222,8 @@ TEST(MeshAnimation, SaysWhatIsWrong) {
   expect_error([&] { read_mesh_animation(write("souple_still.gltf", still)); }, {"holds no animation"});
 }
 
-/// An FBX of a triangle whose shape "A" moves it by 5 along z and has keys at 0 and 1 s, with the weights 0 and 1; "B" has
-/// three keys of 0. assimp lists per key only the shapes that have one at its time.
+/// An FBX of a triangle with two shapes. "A" moves it by 5 along z and has keys at 0 and 1 s, with the weights 0 and 1.
+/// "B" has three keys of 0. assimp lists per key only the shapes that have one at its time.
 std::string shapes_fbx() {
   const auto shape = [](int id, const char* name, const char* by) {
     return fmt::format(

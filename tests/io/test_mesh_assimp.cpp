@@ -78,7 +78,7 @@ std::string axes(int up, int up_sign, int front, int front_sign, int right, int 
          axis("FrontAxisSign", front_sign) + axis("CoordAxis", right) + axis("CoordAxisSign", right_sign);
 }
 
-// What lies along the stated up comes to lie along Y, what faces the stated front along Z.
+// Points along the stated up axis come to lie along Y, points toward the stated front along Z.
 TEST(AssimpReader, HeedsTheAxesOfFbx) {
   if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
   const auto corners = [](const std::string& stated) {
@@ -220,7 +220,7 @@ TEST(AssimpReader, SaysWhereItsProgramIsMissing) {
   EXPECT_EQ(read_triangle_mesh(path).positions.size(), 4u);
 }
 
-// What a damaged answer of the reader costs: an Error. Each byte of a small one in turn.
+// A damaged answer of the reader costs an Error. Damages each byte of a small one in turn.
 TEST(MeshMessage, IsCheckedByteByByte) {
   TriangleMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};

@@ -317,7 +317,7 @@ TEST_F(PlaybackTest, CutFilesNeverCrash) {
   }
 }
 
-/// What becomes bad while it plays: an Error, nothing shown, and the next frame plays.
+/// A file that becomes bad while it plays gives an Error and shows nothing, and the next frame plays.
 TEST_F(PlaybackTest, ABadFrameIsLeftOut) {
   const Shown shown = record({CacheFormat::pc2}, 3);
   const std::string good = get("out/flag.pc2");

@@ -191,8 +191,8 @@ TEST_F(RecorderTest, ManifestTellsTheRun) {
   EXPECT_EQ(manifest.reports[0].milliseconds.size(), stage_count);
 }
 
-/// Stopped after 4 frames by destruction (as Ctrl-C ends it), resumed from a snapshot: the folder is, bit for
-/// bit, that of the run that never stopped.
+/// A run is stopped after 4 frames by destruction (as Ctrl-C ends it) and resumed from a snapshot. The folder is, bit
+/// for bit, that of the run that never stopped.
 TEST_F(RecorderTest, ResumedRunEqualsUninterruptedRun) {
   World whole = everything();
   Recorder straight(whole, folder / "a", {.formats = all_formats, .frames = 9});
@@ -266,7 +266,7 @@ TEST_F(RecorderTest, ResumeRefusesWhatDoesNotFit) {
   EXPECT_EQ(files_of(folder / "out"), before);
 }
 
-/// What comes later cannot be in a PC2, which begins at frame 1: it is an OBJ sequence with the run's
+/// An object that comes later cannot be in a PC2, which begins at frame 1. It is an OBJ sequence with the run's
 /// numbers.
 TEST_F(RecorderTest, ObjectsThatComeAndGo) {
   World world;
@@ -363,7 +363,7 @@ TEST_F(RecorderTest, NewRunReplacesAnOldOne) {
   EXPECT_FALSE(has("out/flag_0004.obj"));
 }
 
-/// The files of the last run that its manifest lists go, and no others: not the user's notes, nor a mesh whose name
+/// The files of the last run that its manifest lists go, and no others. The user's notes stay, and a mesh whose name
 /// looks like a frame beyond the last.
 TEST_F(RecorderTest, NewRunRemovesTheFilesOfTheLast) {
   World world = everything();
@@ -523,8 +523,7 @@ TEST_F(RecorderTest, NoFrameNoCache) {
   EXPECT_EQ(object_of(read_manifest(folder / "out"), "flag").files, rest);
 }
 
-/// The disk fills up in the middle of a frame: that frame is in no file, and once there is room the run goes
-/// on as if nothing had been.
+/// The disk fills up in the middle of a frame. That frame is in no file, and once there is room the run goes on.
 TEST_F(RecorderTest, FullDiskLeavesTheFrameBefore) {
   World world;
   world.add_cloth(grid(4, 4, 1), {}, {.name = "small"});

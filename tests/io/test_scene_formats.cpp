@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <utility>
 
-// What the program's own tests (tests/app/test_cli_convert.py), which read whole files back, do not see.
+// Details that the program's own tests (tests/app/test_cli_convert.py), which read whole files back, do not see.
 
 namespace souple::test {
 namespace {

@@ -31,8 +31,8 @@ inline double settle(World& world, double dt, int frames, const std::function<do
   return std::nan("");
 }
 
-/// Forces [N] on individual vertices of an object, in user order: a projector that moves predicted positions
-/// by w h^2 f once per substep, as gravity does.
+/// Forces [N] on individual vertices of an object, in user order. A projector moves predicted positions by w h^2 f once
+/// per substep, as gravity does.
 class NodalLoad final : public Projector {
  public:
   NodalLoad(std::vector<std::uint32_t> particles, std::vector<Vec3d> forces)

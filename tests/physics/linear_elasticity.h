@@ -10,8 +10,8 @@
 
 namespace souple {
 
-/// Displacement of every vertex of a body of linear tets under nodal forces, with some vertices fixed, by
-/// static small-strain finite elements in double: K u = f with K = sum V B^T D B.
+/// Displacement of every vertex of a body of linear tets under nodal forces, with some vertices fixed. Solves static
+/// small-strain finite elements in double: K u = f with K = sum V B^T D B.
 inline std::vector<Vec3d> solve_linear_elasticity(const TetMesh& mesh, double E, double nu,
                                                   const std::vector<bool>& held,
                                                   const std::vector<Vec3d>& force) {

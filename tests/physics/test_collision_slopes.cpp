@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-// Objects on an inclined plane, and on another object that lies on one: each sticks below the friction angle
-// and slides above it with a = g (sin - mu cos). The slope is level and gravity is inclined.
+// Objects on an inclined plane, and on another object that lies on one. Each sticks below the friction angle and slides
+// above it with a = g (sin - mu cos). The slope is level and gravity is inclined.
 
 namespace souple {
 namespace {
@@ -163,8 +163,8 @@ TriangleMesh creased(double x_side, double z_side) {
   return mesh;
 }
 
-// An object on the middle of a ridge or valley, on a tip or on the border of a sheet is supported there, at
-// the contact distance from the nearest point.
+// An object is supported on the middle of a ridge or valley, on a tip or on the border of a sheet. It lies at the
+// contact distance from the nearest point.
 TEST(CreasedMesh, HoldsWhatLiesOnAnEdgeOrACorner) {
   struct Case {
     const char* what;

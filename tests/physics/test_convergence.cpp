@@ -180,8 +180,8 @@ TEST(Convergence, AStiffBarSagsAsFarAsItsMaterial) {
   }
 }
 
-// Sweeps that move a body a part of the way each must neither lose its motion nor throw it off the floor; cloth in
-// the same world is swept in the last round only.
+// Sweeps that move a body a part of the path each must neither lose its motion nor throw it off the floor. Cloth in the
+// same world is swept in the last round only.
 TEST(Convergence, AStiffBodyFallsAndRestsWithTwoSubsteps) {
   World world({.substeps = 2});
   world.add_collider(Plane{}, {.friction = 0.5f});

@@ -292,8 +292,8 @@ TEST(DefaultQuality, AStormStretchesClothNoMoreThanItsMaterial) {
   EXPECT_LT(largest, 0.15);
 }
 
-// Rigid, 100 x 100 by a row, pushed. Sweeps of stretched links that held them at the length to which they shorten them kept
-// lines along the pins stretched by 3.3 %; without these sweeps 0.8 %.
+// Rigid, 100 x 100 by a row, pushed. Sweeps of stretched links that held them at their shortened length left lines
+// along the pins stretched by 3.3 %. Without these sweeps it was 0.8 %.
 TEST(DefaultQuality, SweepsOfStretchedLinksDoNotStretch) {
   World world;
   ClothMaterial material;

@@ -88,11 +88,10 @@ void expect_recovery(const Crush& crush, Mode mode, float nu, Curves* curves = n
   validate(crushed, "smallest J" + of, volumes.smallest, 1, 0.01);
 }
 
-// Nearly incompressible bodies may unfold in a twisted state: parts of them are half a turn off, all push and
-// none can move, which is a local minimum of the energy. Measured on this cube: never at nu = 0.3 in these
-// settings, now and then from 0.4 on, often at 0.45 (volume down to 0.78; never in mode pbd). A volume row
-// that is weaker below J = 0.4 halves that rate, but a body squeezed by a load would then collapse. So only
-// 0.3 is promised.
+// Nearly incompressible bodies may unfold in a twisted state. Parts of them are half a turn off, all push and none can
+// move: a local minimum of the energy. On this cube it never occurs at nu = 0.3, now and then from 0.4 on, and often at
+// 0.45. The volume is then down to 0.78, but never in mode pbd. A volume row that is weaker below J = 0.4 halves that
+// rate, but a body squeezed by a load would then collapse. So only 0.3 is promised.
 TEST(Recovery, CrushedBodiesComeBack) {
   Curves curves(crushed, "time [s]", "smallest J of a tet, small steps, nu = 0.3");
   curves.add("theory: in the end", {0, 1}, {1, 1});

@@ -18,9 +18,8 @@ struct Strain {
   double along = std::nan(""), across = std::nan("");
 };
 
-// Steps are a tenth of the time in which sound crosses a cell: projection uses gradients at intermediate
-// positions, which biases the contraction by O(h^2), about 8 % at a third of that time (more iterations do
-// not help).
+// Steps are a tenth of the time in which sound crosses a cell. Projection uses gradients at intermediate positions,
+// which biases the contraction by O(h^2), about 8 % at a third of that time. More iterations do not help.
 
 /// A free bar of 8 x 2 x 2 cells of 5 cm under the traction for the strain `wanted` along X.
 Strain pull_bar(double E, double nu, double wanted) {

@@ -10,8 +10,8 @@
 namespace souple {
 namespace {
 
-/// Winding number of a surface around a point, from the solid angles of its triangles (Van Oosterom and
-/// Strackee 1983): 1 inside, 0 outside; hair-thin seams change little.
+/// Winding number of a surface around a point: 1 inside, 0 outside; hair-thin seams change little. Computed from the
+/// solid angles of its triangles (Van Oosterom and Strackee 1983).
 double winding(const World& world, ObjectId surface, const Vec3f& point) {
   const auto x = world.positions(surface);
   double sum = 0;

@@ -93,8 +93,8 @@ TEST(FluidBuoyancy, ALightSoftCubeFloatsAtItsDepthSlow) {
   EXPECT_NEAR(sunk(300, SoftBodyModel::neo_hookean), 0.3, 0.03);
 }
 
-// Water behaves as a fluid in channels wide enough to avoid an ordered packing: in a basin of 36 spacings
-// this cube floats 5 % of its height too high.
+// Water behaves as a fluid in channels wide enough to avoid an ordered packing. In a basin of 36 spacings this cube
+// floats 5 % of its height too high.
 TEST(FluidBuoyancy, AHeavyCubeFloatsAtItsDepthSlow) {
   EXPECT_NEAR(sunk(900, SoftBodyModel::shape_matching, 46, 32), 0.9, 0.03);
 }

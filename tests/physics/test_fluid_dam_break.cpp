@@ -11,8 +11,8 @@
 
 // A column of water, a wide and n^2 a high, collapses on a dry floor. J. C. Martin and W. J. Moyce 1952,
 // "Part IV. An experimental study of the collapse of liquid columns on a rigid horizontal plane", Phil.
-// Trans. R. Soc. A 244, 312-324, a = 2.25 in. The paper was not at hand: its values are those of the
-// validation scripts of other projects, which agree with each other (n^2 = 2: tables 2 and 6).
+// Trans. R. Soc. A 244, 312-324, a = 2.25 in. The paper was not at hand. Its values are those of the validation scripts
+// of other projects, which agree with each other (n^2 = 2: tables 2 and 6).
 
 namespace souple {
 namespace {

@@ -67,8 +67,8 @@ std::vector<Vec3d> lattice_points(double spacing) {
   return points;
 }
 
-// 5 x 5 x 5 particles, 0.4 m wide, no gravity, thrown at 1 m/s: either with rigid links along the edges of
-// the lattice, or an elastic solid of E = 1e5 Pa.
+// 5 x 5 x 5 particles, 0.4 m wide, thrown at 1 m/s without gravity. They have rigid links along the edges of the
+// lattice, or are an elastic solid of E = 1e5 Pa.
 struct Lattice {
   World world;
   ObjectId body;

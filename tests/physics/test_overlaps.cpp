@@ -8,8 +8,8 @@
 #include <cmath>
 #include <string>
 
-// Overlaps at the start leave alike at every size: a scene whose lengths are `scale` times as long, and whose stiffness
-// and time step follow, does the same `scale` times as far, in the square root of `scale` times as long.
+// Overlaps at the start leave alike at every size. If lengths are `scale` times as long, and stiffness and time step
+// follow, motions are `scale` times as long and take sqrt(scale) times the time.
 
 namespace souple {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 constexpr double g = 9.81;
 constexpr double scales[] = {1, 0.01, 100};
 
-/// Of a scene with objects that overlap, in units of a scene of scale 1.
+/// Separation of objects that overlap, in units of a scene of scale 1.
 struct Separation {
   double time = -1;  // until nothing overlaps [s]
   double fall = 0;   // the largest g times height plus half the square of the speed of a vertex, over g [m]

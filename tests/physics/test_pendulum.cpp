@@ -110,7 +110,7 @@ TEST(Pendulum, AmplitudeLossHalvesWithTheStep) {
 
 enum class Swinging { link, rope, cloth };
 
-/// What swings, 1 m long, hangs from the origin at 40 degrees.
+/// Adds a pendulum of 1 m that hangs from the origin at 40 degrees.
 ObjectId add_swinging(World& world, Swinging what) {
   const double angle = 40 * pi / 180;
   const Vec3d down{std::sin(angle), -std::cos(angle), 0}, ends[] = {{0, 0, 0}, down};

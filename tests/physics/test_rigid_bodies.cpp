@@ -24,7 +24,7 @@ struct SignChanges {
     if (before * value < 0) times.push_back(time - (time - time_before) * value / (value - before));
     before = value, time_before = time;
   }
-  /// Of two successive changes.
+  /// Mean time between two successive changes.
   double interval() const { return (times.back() - times.front()) / static_cast<double>(times.size() - 1); }
 };
 
@@ -190,7 +190,7 @@ TEST(RigidBodyPhysics, AStackStands) {
 
 // --- joints ------------------------------------------------------------------------------------------
 
-/// Of a pendulum, relative to small swings: 2 K(sin(amplitude / 2)) / pi, by the arithmetic-geometric mean.
+/// Period of a pendulum relative to small swings: 2 K(sin(amplitude / 2)) / pi, by the arithmetic-geometric mean.
 double period_factor(double amplitude) {
   double a = 1, b = std::cos(amplitude / 2);
   for (int i = 0; i < 10; ++i) {

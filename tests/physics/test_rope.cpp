@@ -66,8 +66,8 @@ TEST(Chain, HangsInACatenary) {
   validate_below(name, "20 x 10: farthest from the catenary / L", iterated.farthest, 0.01);
 }
 
-// Gauss-Seidel; the default solver eliminates chains exactly. A sweep moves a chain of N links like a spring of
-// stiffness m / h^2 per link: it hangs too long by N^2 g h^2 / L times a factor that depends only on its shape.
+// Gauss-Seidel; the default solver eliminates chains exactly. A sweep moves a chain of N links like springs of
+// stiffness m / h^2 per link. It hangs too long by N^2 g h^2 / L times a factor that depends only on its shape.
 TEST(Chain, StretchesByTheSquareOfTheStep) {
   const std::string name = "hanging chain, error against N^2 g h^2 / L";
   Curves curves(name, "N^2 g h^2 / L", "elongation");

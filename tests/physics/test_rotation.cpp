@@ -41,8 +41,8 @@ ObjectId add_body(World& world, Body kind, const Vec3f& velocity) {
   return body;
 }
 
-// A particle that moves straight for h and is then pulled back radially loses 1/2 (omega h)^2 of its angular
-// velocity: d omega / dt = -omega^3 h, so omega = omega0 / sqrt(1 + 2 omega0^2 h t).
+// A particle moves straight for h and is then pulled back radially. So it loses 1/2 (omega h)^2 of its angular
+// velocity: d omega / dt = -omega^3 h, and omega = omega0 / sqrt(1 + 2 omega0^2 h t).
 TEST(Spin, FallsByTheLawOfTheScheme) {
   const std::string name = "free rigid-like body spinning at 2 pi rad/s";
   Curves curves(name, "time [s]", "angular velocity [rad/s]");

@@ -9,9 +9,9 @@ namespace souple {
 namespace {
 
 // The plate of Zhou, Xu, Yu and Zulli 2002, "An experimental and numerical study of the angle of repose of coarse
-// spheres" (Powder Technology 125): spheres fill a box 20 diameters thick, its side walls vanish, what is not on the
-// plate any more falls off, and the rest is a heap between front and rear wall. Their fit, with lengths in mm and equal
-// friction of grains and walls (mu_s is that of sliding, the moment arm of rolling friction is mu_r r):
+// spheres" (Powder Technology 125). Spheres fill a box 20 diameters thick, and its side walls vanish. Spheres beyond
+// the plate fall off, and the rest is a heap between front and rear wall. Their fit has lengths in mm and equal
+// friction of grains and walls. mu_s is the coefficient of sliding; the moment arm of rolling friction is mu_r r:
 //   angle = 68.61 mu_s^(0.27 + 0.22) (mu_r r)^(0.06 + 0.12) d^-0.2 degrees
 constexpr double diameter = 0.01;
 

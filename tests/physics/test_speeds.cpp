@@ -17,9 +17,10 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
-// An object of a shipped scene is thrown at the next one, at 0 to 1e6 m/s. Time and memory of a frame follow the meshes and
-// not the speed, and no edge passes through a triangle unless the step says that it shortened motions. Each case prints its
-// row of the table in docs/collisions.md, with all speeds if the environment has SOUPLE_ALL_SPEEDS, else with every third.
+// An object of a shipped scene is thrown at the next one, at 0 to 1e6 m/s. Time and memory of a frame follow the meshes
+// and not the speed. No edge passes through a triangle unless the step says that it shortened motions. Each case prints
+// its row of the table in docs/collisions.md. With SOUPLE_ALL_SPEEDS in the environment it has all speeds, otherwise
+// every third.
 
 namespace souple {
 namespace {

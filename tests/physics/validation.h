@@ -66,12 +66,11 @@ inline void state(const std::string& name, const std::string& quantity, double m
   EXPECT_TRUE(std::isfinite(measured)) << name << ": " << quantity;
 }
 
-/// The curves of one case's plot. If the environment variable SOUPLE_VALIDATION_DIR names a folder, they are
-/// appended to a CSV file there, named after the case, so that several tests can share a plot: three comment
-/// lines (case, labels of the axes; "(log)" in a label makes the axis logarithmic), then `series,x,y`. A
-/// series whose name begins with "theory" is drawn as a broad gray line, with "bound" dashed, with
-/// "experiment" as dots, others as thin lines with hollow points. If every series has a single point, they
-/// are bars.
+/// The curves of one case's plot. If the environment variable SOUPLE_VALIDATION_DIR names a folder, they are appended
+/// to a CSV file there. The file is named after the case, so that several tests can share a plot. It has three comment
+/// lines (case, labels of the axes; "(log)" in a label makes the axis logarithmic), then `series,x,y`. A series whose
+/// name begins with "theory" is drawn as a broad gray line, with "bound" dashed, with "experiment" as dots. Others are
+/// thin lines with hollow points. If every series has a single point, they are bars.
 class Curves {
  public:
   Curves(const std::string& name, const std::string& x_label, const std::string& y_label) {

@@ -23,7 +23,7 @@ class Stubs(unittest.TestCase):
 
     def test_stubtest_finds_no_difference(self):
         result = self.run_tool("stubtest", "souple._souple", "--ignore-missing-stub", "--concise")
-        # What pybind11's classes have by themselves: a metaclass, and a constructor that refuses where the module has none.
+        # Differences of all classes of pybind11: a metaclass, and a constructor that refuses where the module has none.
         of_pybind11 = re.compile(r"souple\._souple[\w.]+ is inconsistent, (metaclass differs|stub does not have \*args argument.*)")
         lines = [line for line in result.stdout.splitlines() if not of_pybind11.fullmatch(line)]
         self.assertEqual(lines, [], result.stdout[-2000:] + result.stderr)

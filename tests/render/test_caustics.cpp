@@ -102,7 +102,7 @@ TEST_F(Caustics, StillFlatWaterLightsTheFloorEvenlyAndAsBrightly) {
   EXPECT_LT(deviation(values), 0.1);
 }
 
-/// Waves of curvature c focus light: under a crest of small slope the floor gets 1 / (1 - c depth (n - 1) / n) of the
+/// Waves of curvature c focus light. Under a crest of small slope the floor gets 1 / (1 - c depth (n - 1) / n) of the
 /// light, here 2, under a trough 0.67.
 TEST_F(Caustics, WavesDrawBrightLinesAlongTheirCrests) {
   constexpr float wave = 16, amplitude = 0.02f;

@@ -177,7 +177,7 @@ TEST_F(Films, FastGifKeepsItsSpeed) {
   EXPECT_EQ(probe(folder_ / "b.gif").substr(found.rfind(',')), ",3\n");
 }
 
-/// What webpinfo says of a film.
+/// Output of webpinfo for a film.
 struct WebpInfo {
   std::string canvas, loops;   ///< "64 x 48", "0": forever
   std::vector<int> durations;  ///< of each picture [ms]

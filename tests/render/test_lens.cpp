@@ -79,8 +79,8 @@ class LensTest : public GlTest {
   std::uint64_t version_ = 0;
 };
 
-/// A point at depth z is spread over a disk of diameter a |1 - z / f| at its depth, for a lens of diameter a in focus
-/// at f. The variance of a disk of diameter c across is c^2 / 16.
+/// A lens of diameter a in focus at f spreads a point at depth z over a disk of diameter a |1 - z / f| at its depth.
+/// The variance of a disk of diameter c across is c^2 / 16.
 TEST_F(LensTest, BlursByTheCircleOfConfusion) {
   RenderOptions sharp = options(), lens = options();
   lens.aperture = 0.15f;

@@ -252,8 +252,8 @@ TEST_F(BallOfParticles, HasAnOutlineThatEllipsoidsMakeSmooth) {
   EXPECT_LT(smooth, 0.7 * beads);
 }
 
-/// A ball cut out of a lattice has steps of up to a particle's spacing, here 3.8 pixels: its outermost centers lie on the
-/// ball, others up to a spacing below. Ellipsoids leave less than half of that.
+/// A ball cut out of a lattice has steps of up to a particle's spacing, here 3.8 pixels. Its outermost centers lie on
+/// the ball, others up to a spacing below. Ellipsoids leave less than half of that.
 TEST_F(BallOfParticles, HasASilhouetteThatIsHalfAsRoughAsItsLattice) {
   const LiquidImage image = renderer().liquid_image(with(ellipsoids_.liquid(SplatShape::ellipsoids)), camera_,
                                                     filtered(LiquidFilter::narrow_range), width, height);
@@ -277,8 +277,8 @@ TEST_F(BallOfParticles, HasASilhouetteThatIsHalfAsRoughAsItsLattice) {
 }
 
 /// x, in pixels, of the left and the right end of a row of the ellipsoids' outline, exactly. The ray through x is
-/// a + b x. In the space in which an ellipsoid is the unit ball around c, it meets it where
-/// (c . d)^2 >= |d|^2 (|c|^2 - 1): between the roots of a quadratic.
+/// a + b x. In the space in which an ellipsoid is the unit ball around c, it meets it between the roots of a quadratic:
+/// (c . d)^2 >= |d|^2 (|c|^2 - 1).
 std::array<double, 2> ends_of_row(const Liquid& liquid, const Camera& camera, double y, int columns,
                                   int rows) {
   const Vec3d forward = normalized(Vec3d(camera.to) - Vec3d(camera.from));
@@ -330,7 +330,8 @@ TEST_F(BallOfParticles, HasASilhouetteWithinAPixelOfItsEllipsoids) {
   }
 }
 
-/// Of many samples: a black liquid before an even sky leaves as much light in each row as its ellipsoids leave free.
+/// Averages many samples: a black liquid before an even sky leaves as much light in each row as its ellipsoids leave
+/// free.
 TEST_F(BallOfParticles, CoversTheShareOfEachPixelThatItsEllipsoidsCover) {
   const Liquid liquid = ellipsoids_.liquid(SplatShape::ellipsoids);
   const std::vector<double> covered = covered_rows(liquid, width, height);
@@ -354,8 +355,8 @@ TEST_F(BallOfParticles, CoversTheShareOfEachPixelThatItsEllipsoidsCover) {
   EXPECT_LT(sum / count, 0.1);
 }
 
-/// A drop whose particles lie in shells, as those of a drop at rest do, against the circle that its outline is: a ball
-/// of radius r at distance d appears as wide as r / sqrt(d^2 - r^2). Particles are 7.6 pixels apart.
+/// A drop whose particles lie in shells, as those of a drop at rest do, against the circle of its outline. A ball of
+/// radius r at distance d appears as wide as r / sqrt(d^2 - r^2). Particles are 7.6 pixels apart.
 TEST_F(BallOfParticles, ADropHasASilhouetteWithinAPixelOfTheCircle) {
   constexpr int columns = 640, rows = 480;
   const std::vector<Vec3f> centers = drop_of_shells(radius_);
@@ -576,8 +577,8 @@ TEST_F(LiquidAndBall, EachColorIsAbsorbedByItsOwnRate) {
   EXPECT_LT(amber[2], 0.2 * clear[2]);
 }
 
-/// A wedge of liquid on the floor, seen from straight above: the floor's light goes through its depth, which grows
-/// from 0 to 0.5 m, and is dimmed by the Beer-Lambert law, also where the wedge is as thin as a particle.
+/// A wedge of liquid on the floor, seen from straight above. The floor's light goes through its depth, which grows from
+/// 0 to 0.5 m. The Beer-Lambert law dims it, also where the wedge is as thin as a particle.
 TEST_F(LiquidTest, AWedgeDarkensTheFloorByItsDepth) {
   constexpr float slope = 0.4f;
   const std::vector<Vec3f> centers =

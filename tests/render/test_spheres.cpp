@@ -156,8 +156,8 @@ TEST_F(SpheresTest, NearestOfInterpenetratingBallsIsSeenAtEveryPixel) {
 }
 
 TEST_F(SpheresTest, CutASurfaceWhereTheyMeetIt) {
-  // A ball partly sunk into the plane z = 0, seen from the front: its visible part is the disc of its radius
-  // in that plane, smaller than its silhouette.
+  // A ball partly sunk into the plane z = 0, seen from the front. Its visible part is the disc of its radius in that
+  // plane, smaller than its silhouette.
   const std::array<Vec3f, 4> corners{Vec3f{-9, -9, 0}, Vec3f{9, -9, 0}, Vec3f{9, 9, 0}, Vec3f{-9, 9, 0}};
   const std::array<Triangle, 2> triangles{Triangle{0, 1, 2}, Triangle{0, 2, 3}};
   DrawList list = without_ground();

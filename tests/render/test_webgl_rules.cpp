@@ -1,5 +1,5 @@
-// What WebGL 2 forbids, and OpenGL ES 3.0 leaves undefined, but Mesa draws without a word: a buffer of indices that was
-// something else before, and a texture that a draw call both reads and draws into.
+// Rules of WebGL 2 that Mesa does not check, and that OpenGL ES 3.0 leaves undefined. They concern a buffer of indices
+// with another earlier use, and a texture that a draw call both reads and draws into.
 #include "gl_test.h"
 #include "souple/geometry/builders.h"
 

@@ -31,7 +31,7 @@ struct JointWorld {
     predicted.resize(i + 1), force.resize(i + 1), torque.resize(i + 1);
     return i;
   }
-  /// Of full edges [m].
+  /// Adds a box of full edges [m].
   std::uint32_t add_box(double mass, const Vec3d& e, const Vec3d& position) {
     const double m = mass / 12;
     return add_body(mass,

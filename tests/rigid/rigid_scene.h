@@ -142,7 +142,7 @@ class RigidScene {
       sum += cross(bodies.pose[i].position, bodies.velocity[i].linear) * mass(i) + spin_momentum(i);
     return sum;
   }
-  /// Of the centers of mass [m/s].
+  /// The largest speed of a center of mass [m/s].
   double fastest() const {
     double result = 0;
     for (const BodyVelocity& v : bodies.velocity) result = std::max(result, length(v.linear));

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-// What slides, rolls, bounces and hits: contacts of rigid bodies in motion.
+// Contacts of rigid bodies in motion: sliding, rolling, bouncing, impacts.
 
 namespace souple::test {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-// What lies or stands: contacts of rigid bodies at rest.
+// Contacts of rigid bodies at rest: lying, standing.
 
 namespace souple::test {
 namespace {

@@ -21,9 +21,9 @@ double complete_elliptic(double k) {
   return std::numbers::pi / (2 * a);
 }
 
-/// Time between two flips of a free body that spins about nearly its middle axis, from Jacobi's solution of Euler's
-/// equations with I1 > I2 > I3 (Landau and Lifshitz, Mechanics, section 37). The spin about the middle axis changes its
-/// sign every 2 K(k) / rate seconds.
+/// Time between two flips of a free body that spins about nearly its middle axis. It follows from Jacobi's solution of
+/// Euler's equations with I1 > I2 > I3 (Landau and Lifshitz, Mechanics, section 37). The spin about the middle axis
+/// changes its sign every 2 K(k) / rate seconds.
 double flip_time(const Vec3d& I, const Vec3d& w) {
   const double L2 = I.x * I.x * w.x * w.x + I.y * I.y * w.y * w.y + I.z * I.z * w.z * w.z;
   const double E2 = I.x * w.x * w.x + I.y * w.y * w.y + I.z * w.z * w.z;
@@ -34,7 +34,7 @@ double flip_time(const Vec3d& I, const Vec3d& w) {
   return 2 * complete_elliptic(std::sqrt(k2)) / rate;
 }
 
-/// Of a wing nut: about the middle axis for 60 s. Times at which the spin about it changes its sign.
+/// Spins a wing nut about its middle axis for `seconds`. Times at which the spin about it changes its sign.
 std::vector<double> flips_of(RigidBodies& bodies, double seconds) {
   std::vector<double> flips;
   double before = local_spin(bodies).y;

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-// What a user can write wrongly, and joints that cannot hold.
+// Errors of users, and joints that cannot hold.
 
 namespace souple {
 namespace {

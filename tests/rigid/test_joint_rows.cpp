@@ -36,7 +36,7 @@ struct Joined {
   joint::Rows rows() const { return rows_of(joint, ends_of(joint, {}, bodies)); }
 };
 
-/// Of each row by a motion of one body, against central differences.
+/// Compares each row's gradient by a motion of one body with central differences.
 void check_gradients(const Joined& joined) {
   const joint::Rows rows = joined.rows();
   const double d = 1e-5;

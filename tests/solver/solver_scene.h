@@ -17,8 +17,8 @@ inline SolverSettings kind_of(SolverKind kind) {
   return settings;
 }
 
-/// Particles that a solver moves, substep by substep, in the displacement form: a simulation loop without a
-/// World, all of whose data a test can read.
+/// Particles that a solver moves, substep by substep, in the displacement form. This is a simulation loop without a
+/// World, and a test can read all of its data.
 struct SolverScene {
   Body body;
   std::vector<Vec3f> velocity;

@@ -136,7 +136,7 @@ TEST(LevelLinks, ASweepKeepsMomentumOfFreeParticles) {
   EXPECT_LT(length(momentum() - before), 1e-5);
 }
 
-/// What the kernels of stretched links make of 60 particles.
+/// Results of the kernels of stretched links for 60 particles.
 struct Stretched {
   std::vector<std::uint16_t> found;
   std::vector<float> x, y, z, min_length, max_length, gain;

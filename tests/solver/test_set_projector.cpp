@@ -18,8 +18,8 @@ struct Pair {
   }
 };
 
-// Two unequal masses at a distance of 2 m, rest length 1 m: one rigid projection restores the rest length and
-// keeps the center of mass.
+// Two unequal masses at a distance of 2 m, rest length 1 m. One rigid projection restores the rest length and keeps the
+// center of mass.
 TEST(SetProjector, RigidDistanceKeepsTheCenterOfMass) {
   for (const Form form : {Form::plain, Form::displacement}) {
     Pair pair{{{0, 0, 0, 1.0f}, {2, 0, 0, 0.25f}}, {{}, {}}, {}};
@@ -72,8 +72,8 @@ double elongation_of_chain(std::uint32_t n, float alpha, bool prepared) {
   return -static_cast<double>(offset[n].y);
 }
 
-// sum_i alpha m g (n - i). A sweep that does not know that springs share particles is too soft by half of
-// h^2 (w_a + w_b) per spring; a spring alone is exact in any case.
+// sum_i alpha m g (n - i). A sweep that ignores shared particles is too soft by half of h^2 (w_a + w_b) per spring. A
+// spring alone is exact in any case.
 TEST(SetProjector, OneSweepIsAsCompliantAsTheMaterial) {
   const auto theory = [](std::uint32_t n, double alpha) { return alpha * 9.81 * n * (n + 1) / 2; };
   for (const bool prepared : {false, true})

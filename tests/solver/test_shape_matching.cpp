@@ -188,9 +188,9 @@ TEST(ShapeMatching, StiffnessDoesNotDependOnIterationsInPbd) {
   }
 }
 
-// Damping opposes changes of shape and leaves rigid motion alone: velocities of a substep, (p - x) / h, of a body that
-// turns by h rad/s (1, 2, 3) and moves. A rigid region that shrinks to its goal at a
-// rate stops doing so; one of compliance alpha keeps alpha~ / (alpha~ + gamma / M) of the rate.
+// Damping opposes changes of shape and leaves rigid motion alone. The body turns by h rad/s (1, 2, 3) and moves, with
+// velocities (p - x) / h of a substep. A rigid region that shrinks to its goal at a rate stops doing so; one of
+// compliance alpha keeps alpha~ / (alpha~ + gamma / M) of the rate.
 TEST(ShapeMatching, DampingLeavesRigidMotion) {
   const auto rest = lattice(3, 3, 3, 1);
   const double M = 27, h = 0.01, gamma = 10;

@@ -26,8 +26,8 @@ inline std::unique_ptr<Projector> floor_of(const World& world, ObjectId object, 
   return projector;
 }
 
-/// A cloth falls on a rotating ball, and grains and a stiff box fall on the cloth; beside them a soft body, a
-/// balloon and a second box fall on the floor. Every projector kind has enough work for several threads.
+/// A cloth falls on a rotating ball, and grains and a stiff box fall on the cloth. Beside them a soft body, a balloon
+/// and a second box fall on the floor. Every projector kind has enough work for several threads.
 inline World busy_world(Settings settings = {}) {
   settings.substeps = 5;
   settings.wind.velocity = {1, 0, 0};

@@ -9,8 +9,8 @@
 namespace souple {
 namespace {
 
-// All kinds of contacts: a cloth that folds over itself on a rotating ring, a soft body and grains on it, a
-// rope that coils on a table, and a lattice body between them.
+// All kinds of contacts. A cloth folds over itself on a rotating ring, with a soft body and grains on it. A rope coils
+// on a table, and a lattice body lies between them.
 World crowded_world(int threads) {
   World world({.threads = threads});
   const auto above = [](double x, double y, double z) {

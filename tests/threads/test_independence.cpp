@@ -28,8 +28,8 @@ std::vector<Vec4f> contract_chain() {
   return position;
 }
 
-// There is no global state: solvers on different threads share no data (checked by the thread sanitizer), and
-// each gives the bits of a solver that runs alone.
+// There is no global state: solvers on different threads share no data (checked by the thread sanitizer). Each gives
+// the bits of a solver that runs alone.
 TEST(Threads, SolversAreIndependent) {
   const std::vector<Vec4f> alone = contract_chain();
   ASSERT_LT(alone.back().x, 3.99f);

@@ -8,7 +8,7 @@
 namespace souple {
 namespace {
 
-/// What a thread of a game reads between two steps, as one number.
+/// Data that a thread of a game reads between two steps, as one number.
 std::uint64_t read_everything(const World& world, std::uint64_t start) {
   const std::vector<ObjectId> objects = world.objects();
   double sum = 0;

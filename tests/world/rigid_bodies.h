@@ -3,7 +3,7 @@
 #include "souple/geometry/builders.h"
 #include "souple/world/world.h"
 
-// What tests of rigid bodies in worlds share.
+// Helpers that tests of rigid bodies in worlds share.
 
 namespace souple {
 

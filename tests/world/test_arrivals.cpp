@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-// What a game drives: colliders and pins that arrive at a pose, wind of each object, force fields that know
-// whom they push, the host's threads, warnings.
+// Inputs of a game: colliders and pins that arrive at a pose, wind of each object, force fields that know whom they
+// push. Also the host's threads, and warnings.
 
 namespace souple {
 namespace {
@@ -67,7 +67,7 @@ TEST(Arrivals, PinsArriveStraightAndKeepTheSpeed) {
     world.step(dt);
     EXPECT_LT(length(Vec3d(world.positions(cloth)[0]) - there), 1e-6);
     EXPECT_EQ(world.velocities(cloth)[0].y, 0);
-    // The same motion again is the same place: it counts from where the vertices were pinned.
+    // Another call with this motion gives the same place: it counts from where the vertices were pinned.
     world.move_pins(cloth, vertices({0}), bone);
     world.step(dt);
     EXPECT_LT(length(Vec3d(world.positions(cloth)[0]) - there), 1e-6);

@@ -27,7 +27,7 @@
 namespace souple {
 namespace {
 
-/// What of a world its functions are called with.
+/// Handles with which a world's functions are called.
 struct Handles {
   ObjectId cloth, grains, fluid, obstacle, rigid_body, closed, kinematic;
   ColliderId collider;

@@ -14,7 +14,7 @@ namespace {
 constexpr double frame = 1.0 / 60;
 
 ObjectId add_sheet(World& world, const ClothMaterial& material, double height, const std::string& name = {}) {
-  // Of an irregular mesh, as colors of a regular one leave nothing to improve.
+  // An irregular mesh: colors of a regular one leave nothing to improve.
   return world.add_cloth(sphere(3, 0.3), material,
                          {.name = name, .transform = {.translation = {0, height, 0}}});
 }

@@ -81,8 +81,9 @@ TriangleMesh bumpy_ball() {
 }
 
 // Cotton of half a millimeter, edges of 5 cm. Where it hits, the solver leaves some millimeters for a moment. Without
-// contacts of elements, edges are 17 mm inside the box and 6 mm inside the bumps. Means of four positions: chance
-// decides whether a single one is 1 or 5 mm inside the cylinder in the end, and the mean 8 or 9 mm where it hits.
+// contacts of elements, edges are 17 mm inside the box and 6 mm inside the bumps. Results are means of four positions.
+// For a single one, chance decides whether it is 1 or 5 mm inside the cylinder in the end. The mean is 8 or 9 mm where
+// it hits.
 TEST(ColliderElementContacts, AThinClothStaysOutsideEdgesAndBumps) {
   const Shape shapes[] = {Box{{0, -0.25f, 0}, {0.25f, 0.25f, 0.25f}}, Cylinder{{0, -0.25f, 0}, 0.25f, 0.25f},
                           SignedDistanceField(bumpy_ball(), 0.01)};

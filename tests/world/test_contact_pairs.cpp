@@ -92,7 +92,7 @@ TEST(ContactPairs, ObjectsInOrder) {
   EXPECT_NEAR(pairs[3].impulse, weight, 0.02 * weight);
   EXPECT_NEAR(pairs[1].impulse + pairs[2].impulse, weight, 0.05 * weight);
   for (const ContactPair& pair : pairs) EXPECT_EQ(pair.phase, ContactPhase::persist);
-  // The same by ids in the contacts of the last substep.
+  // The contacts of the last substep have the same ids.
   for (const ContactEvent& event : world.contacts()) {
     EXPECT_EQ(event.object_id, world.find_object(event.object));
     if (event.other_is_collider) {

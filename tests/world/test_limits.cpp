@@ -152,8 +152,8 @@ TEST(Limits, AMotionBeyondTheLimitIsReported) {
   EXPECT_NE(world.step(0.01).message.find("a collider's motion threw"), std::string::npos);
 }
 
-// Two grains fly along an axis at 6e8 m/s, one of them from behind the other: only the first leaves the range in two
-// seconds, and the report says so from then on.
+// Two grains fly along an axis at 6e8 m/s, one behind the other. Only the first leaves the range in two seconds, and
+// the report says so from then on.
 TEST(Limits, WhatLeavesThemIsFlaggedWithItsNameAndSpeed) {
   World world({.gravity = {}});
   world.add_cloth(grid(3, 3, 1), {}, {.name = "near"});
@@ -170,8 +170,8 @@ TEST(Limits, WhatLeavesThemIsFlaggedWithItsNameAndSpeed) {
   }
 }
 
-// A force field throws everything as far as floats reach, in both directions: no conversion to a cell overflows (the
-// sanitizers check), and what is no number any more is flagged.
+// A force field throws everything as far as floats reach, in both directions. No conversion to a cell overflows (the
+// sanitizers check), and values that are no number any more are flagged.
 TEST(Limits, SimulationsMayLeaveThem) {
   for (const float way : {1.0f, -1.0f})
     for (const float push : {1e9f, 1e15f, 1e22f, 1e32f, 1e38f}) {

@@ -195,7 +195,7 @@ struct Attempt {
   }
 };
 
-/// What a program may do with a world after an exception.
+/// Calls that a program may make of a world after an exception.
 void expect_usable(const Case& c, Attempt& attempt, std::uint64_t hash) {
   World& world = *attempt.world;
   for (const ObjectId object : world.objects()) {

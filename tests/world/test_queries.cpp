@@ -78,7 +78,7 @@ TEST(Queries, ElasticEnergyNeedsNoStep) {
   EXPECT_NEAR(world.elastic_energy(), k * 0.04 / 2, 1e-4 * k);
 }
 
-// A cloth far stiffer than one sweep can make it swings down from the horizontal: its springs seem to store many times
+// A cloth far stiffer than one sweep can make it swings down from the horizontal. Its springs seem to store many times
 // the energy that it had, but no step can return that.
 TEST(Queries, EnergyOfAnUnconvergedClothDoesNotGrow) {
   Settings settings;
@@ -103,7 +103,7 @@ TEST(Queries, EnergyOfAnUnconvergedClothDoesNotGrow) {
   EXPECT_LT(highest, 0.02);
 }
 
-// What sweeps can carry, and what is solved exactly, is all there.
+// Energy that sweeps can carry, and energy of exactly solved constraints, is complete.
 TEST(Queries, EnergyOfConvergedConstraintsIsComplete) {
   World world({.substeps = 30});
   const ObjectId cloth = world.add_cloth(grid(10, 10, 1), {.membrane_stiffness = 10});

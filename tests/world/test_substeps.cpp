@@ -26,8 +26,8 @@ double largest_difference(const World& a, const World& b) {
   return largest;
 }
 
-/// Without contacts a step does not depend on its division: ten steps of one substep equal one step of ten
-/// bitwise, including pins and attachments with targets.
+/// Without contacts a step does not depend on its division. Ten steps of one substep equal one step of ten bitwise,
+/// including pins and attachments with targets.
 TEST(Substeps, OneByOneEqualAStepToTheBit) {
   const auto build = [] {
     World world({.wind = {.velocity = {1, 0, 0}, .gust = 0.5f}});

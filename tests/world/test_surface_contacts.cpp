@@ -30,8 +30,8 @@ struct OnTwoTriangles {
   ObjectId large, fine;
 };
 
-/// A sheet of n x n vertices is pressed with 10 m/s^2 on one of two triangles that can move: each of these has thousands
-/// of contacts.
+/// A sheet of n x n vertices is pressed with 10 m/s^2 on one of two triangles that can move. Each of these has
+/// thousands of contacts.
 OnTwoTriangles on_two_triangles(int n, int threads) {
   OnTwoTriangles scene{World({.substeps = 2, .gravity = {}, .threads = threads}), {}, {}};
   scene.large = scene.world.add_cloth(grid(2, 2, 3), {.areal_density = 1});
@@ -174,8 +174,8 @@ TEST(SurfaceContacts, AGrainSlidesDownARopeAsMuSays) {
   }
 }
 
-// A grain falls on the midpoint of an edge of a free rope: it bounces according to restitution, and the rope
-// receives the momentum that it loses.
+// A grain falls on the midpoint of an edge of a free rope. It bounces according to restitution, and the rope receives
+// the momentum that it loses.
 TEST(SurfaceContacts, AGrainBouncesOffAnEdgeOfARope) {
   World world({.substeps = 20, .gravity = {}});
   const std::vector<Vec3d> across{{-0.05, 0, 0}, {0.05, 0, 0}}, above{{0, 0.1, 0}};

@@ -13,8 +13,8 @@ namespace souple::test {
 
 enum class Answer { crosses, misses, ambiguous };
 
-/// An answer is unambiguous if it does not change when each volume changes by `Slack::volume` and the height
-/// by `Slack::height`: the effect of `roundings` roundings of the products of three lengths in the test.
+/// An answer is unambiguous if it does not change when each volume changes by `Slack::volume` and the height by
+/// `Slack::height`. That is the effect of `roundings` roundings of the products of three lengths in the test.
 struct Truth {
   Answer answer = Answer::ambiguous;
   double t = 0;
@@ -83,9 +83,9 @@ long double largest(const Vec3<T>& v) {
 }
 
 /// The lengths that a test multiplies: d S L for tests that use edges, d S S for tests that use corners
-/// alone. d is the direction's length, S the distance to the farthest corner and L the longest edge. Tests
-/// that use the plane lose L^2 / |n| more: their normal is not quite perpendicular to the edges of a sliver,
-/// and at its far end the plane is off by many times the sliver's width.
+/// alone. d is the direction's length, S the distance to the farthest corner and L the longest edge. Tests that use the
+/// plane lose L^2 / |n| more. Their normal is not quite perpendicular to the edges of a sliver. At its far end the
+/// plane is off by many times the sliver's width.
 struct Lengths {
   bool corners_alone = false, by_plane = false;
 };
