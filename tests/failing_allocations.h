@@ -2,8 +2,8 @@
 
 namespace souple::test {
 
-/// While it exists, allocations of this program fail and operator new throws std::bad_alloc. The n-th from now on (from
-/// 1) fails on any thread; that and all later ones; or the n-th on a thread other than the one that made this.
+/// While it exists, allocations of this program fail and operator new throws std::bad_alloc. Which ones: the n-th from
+/// now on (from 1), on any thread; that and all later ones; or the n-th on another thread than this.
 class FailingAllocations {
  public:
   enum class Which { one, all_later, one_elsewhere };
