@@ -25,7 +25,7 @@ HASH_COMMENT = re.compile(r"^[ \t]*(#(?!!)[^\n]*)|[ \t](# [^\n\"']*)$", re.M)
 NO_PROSE = re.compile(r"NOLINT|clang-format|shellcheck|SPDX|type:|noqa")
 
 LIST_ITEM = re.compile(r"(?:[-*+]|\d+[.)])\s+")
-ABBREVIATION = re.compile(r"\b(e\.g|i\.e|et al|eqs?|figs?|sec|ch|vol|no|pp?|cf|vs|ed|resp|approx)\.(?=\s)")
+ABBREVIATION = re.compile(r"\b(e\.g|i\.e|et al|eqs?|figs?|cf|vs|approx)\.(?=\s)")
 CODE_SPAN = re.compile(r"(`+)(?:(?!\1).)+\1|\$[^$]+\$", re.S)
 LINK = re.compile(r"!?\[([^\]]*)\]\([^)]*\)|<[^<>\s][^<>]*>")
 UNIT = re.compile(r"\[[^\[\]]{1,20}\]")
@@ -108,15 +108,14 @@ def paragraphs(block, indented_is_code):
         if starts or code or stripped.startswith("---"):
             yield paragraph
             paragraph = []
-        if not stripped:
-            in_list = False
-        elif stripped.startswith("---"):
+            in_list = in_list and own_indent >= indent
+        if stripped.startswith("---"):
             yield [(offset + own_indent, stripped)]
         elif stripped.startswith("|"):
             for cell in re.finditer(r"(?:\\\||`[^`]*`|[^|])+", line):
                 yield [(offset + cell.start(), cell[0])]
-        elif not code:
-            indent = own_indent if not paragraph else indent
+        elif stripped and not code:
+            indent = own_indent + bool(item) if not paragraph else indent
             in_list = in_list or bool(item)
             paragraph.append((offset + own_indent + (item.end() if item else 0), stripped[item.end() if item else 0:]))
     yield paragraph
