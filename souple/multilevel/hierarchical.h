@@ -25,7 +25,7 @@ namespace souple {
 /// A coarse particle is the weighted mean of the finer particles that follow it; in the paper it is a finer
 /// particle. With the mean, corrections of a level add no kinetic energy (as far as C is linear), whatever
 /// links the level has, and momentum is kept. With injection a swinging 100 x 100 cloth exploded within ten
-/// frames (docs/solvers.md).
+/// frames (docs/notes/solvers.md).
 ///
 /// The limits l_JK and L_JK: LinkLimits (kernels/links.h). A link whose finer links are all satisfied does not
 /// shrink, however inexact its rest length is. Lower limits let cloth fold freely (the paper's unilateral

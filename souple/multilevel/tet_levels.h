@@ -10,7 +10,7 @@
 namespace souple {
 
 /// A coarse level for bodies of stiff, fine tets. A sweep from lambda = 0 supplies a part of their stiffness that
-/// decreases with h^2 E / (rho dx^2) (docs/solvers.md). Before the sweeps, the level supplies the rest: it moves the
+/// decreases with h^2 E / (rho dx^2) (docs/notes/solvers.md). Before the sweeps, the level supplies the rest: it moves the
 /// nodes of a coarse lattice (TetLattice) by the implicit Euler step of the remaining elastic forces,
 ///
 ///   (M + h^2 K) dX = h^2 P^T f(x*),    x = x* + P dX

@@ -150,7 +150,7 @@ TwistedTube twisted_tube(int around, double turns, double seconds) {
   const double length = 1.5 * core + 0.2;
   const double nearer = length - std::sqrt(length * length - core * core);
   const int along = static_cast<int>(std::lround(length / edge));
-  // Levels do not feel contacts and fight a cloth that is wrung (docs/solvers.md).
+  // Levels do not feel contacts and fight a cloth that is wrung (docs/notes/solvers.md).
   TwistedTube scene{World({.solver = {.kind = SolverKind::gauss_seidel}}), {}, seconds};
   World& world = scene.world;
   ObjectOptions options;

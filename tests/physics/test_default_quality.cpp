@@ -215,7 +215,7 @@ TEST(DefaultQuality, TiesMayBeReleased) {
   EXPECT_LT(halves.world.report().largest_strain, 0.01);
 }
 
-// Panels that are sewn from a third of a link apart. (Those a link apart crumple: docs/solvers.md.)
+// Panels that are sewn from a third of a link apart. (Those a link apart crumple: docs/notes/solvers.md.)
 TEST(DefaultQuality, ASeamCloses) {
   Halves halves(30, 0.01);
   run(halves.world, 4);

@@ -19,7 +19,7 @@
 
 // An object of a shipped scene is thrown at the next one, at 0 to 1e6 m/s. Time and memory of a frame follow the meshes
 // and not the speed. No edge passes through a triangle unless the step says that it shortened motions. Each case prints
-// its row of the table in docs/collisions.md. With SOUPLE_ALL_SPEEDS in the environment it has all speeds, otherwise
+// its row of the table in docs/notes/collisions.md. With SOUPLE_ALL_SPEEDS in the environment it has all speeds, otherwise
 // every third.
 
 namespace souple {

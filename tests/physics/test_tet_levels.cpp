@@ -38,7 +38,7 @@ double sag(float young_modulus, const Vec3f& gravity, float drag, const Settings
   return sum / count;
 }
 
-// Sweeps alone leave such bars too soft (docs/solvers.md, Tet levels). At rest the level leaves about g h^2 / 2 = 0.014 mm too little, of
+// Sweeps alone leave such bars too soft (docs/notes/solvers.md, Tet levels). At rest the level leaves about g h^2 / 2 = 0.014 mm too little, of
 // 12 mm and, hanging at 1e6 Pa, of 1.7 mm.
 TEST(TetLevels, AFineBarSagsAsFarAsItsMaterial) {
   const Settings converged{.substeps = 200, .solver = {.kind = SolverKind::gauss_seidel}};
@@ -75,7 +75,7 @@ TEST(TetLevels, ASpinningBodyKeepsItsMomentum) {
   EXPECT_LT(world.report().largest_strain, 0.002);
 }
 
-// Plain Gauss-Seidel stretches a tet of a similar cube by 250 % at impact (docs/solvers.md).
+// Plain Gauss-Seidel stretches a tet of a similar cube by 250 % at impact (docs/notes/solvers.md).
 TEST(TetLevels, AStiffBodyFallsAndRests) {
   World world;
   world.add_collider(Plane{}, {.friction = 0.5f});

@@ -175,7 +175,7 @@ inline void project_constraint(const ProjectionInput<Kind, T>& in,
     limit_correction<Kind, T>(params, dx, dlambda);
 }
 
-/// Elastic forces of one constraint, times h^2, except for the part that sweeps supply (docs/solvers.md, "Tet
+/// Elastic forces of one constraint, times h^2, except for the part that sweeps supply (docs/notes/solvers.md, "Tet
 /// levels"). A sweep relaxed by omega acts on a smooth stress as a spring of compliance alpha~/omega + b D beside
 /// the others, b = `sweep_share`:
 ///
