@@ -13,12 +13,24 @@ namespace {
 
 using Ra::Core::Vector3Array;
 using Ra::Core::Vector3ui;
+using Ra::Core::Geometry::PolyMesh;
+using Ra::Core::Geometry::QuadMesh;
+using Ra::Core::Geometry::TriangleMesh;
 using Ra::Engine::RadiumEngine;
 
 template <class Mesh>
-void set_vertices(Mesh& mesh, const std::vector<Vector3>& vertices) {
+Mesh points(const std::vector<Vector3>& vertices) {
+  Mesh mesh;
   mesh.setVertices(Vector3Array(vertices.begin(), vertices.end()));
   mesh.setNormals(Vector3Array(vertices.size(), Vector3(0, 1, 0)));
+  return mesh;
+}
+
+template <class Mesh, class Face>
+Mesh faces(const std::vector<Vector3>& vertices, const std::vector<Face>& indices) {
+  Mesh mesh = points<Mesh>(vertices);
+  mesh.setIndices(Ra::Core::VectorArray<Face>(indices.begin(), indices.end()));
+  return mesh;
 }
 
 template <class Component, class Mesh>
@@ -96,39 +108,30 @@ Entity& Radium::entity(const std::string& name, const Transform& transform) {
 }
 
 Index Radium::show(const std::string& name, const Triangles& mesh, const Transform& transform) {
-  Ra::Core::Geometry::TriangleMesh core;
-  set_vertices(core, mesh.vertices);
-  core.setIndices({mesh.indices.begin(), mesh.indices.end()});
-  return show_mesh<Ra::Engine::Scene::TriangleMeshComponent>(*engine, entity(name, transform),
-                                                             std::move(core));
+  return show_mesh<Ra::Engine::Scene::TriangleMeshComponent>(
+      *engine, entity(name, transform), faces<TriangleMesh, Vector3ui>(mesh.vertices, mesh.indices));
 }
 
 Index Radium::show_quads(const std::string& name, const std::vector<Vector3>& vertices,
                          const std::vector<Ra::Core::Vector4ui>& quads) {
-  Ra::Core::Geometry::QuadMesh core;
-  set_vertices(core, vertices);
-  core.setIndices({quads.begin(), quads.end()});
-  return show_mesh<Ra::Engine::Scene::QuadMeshComponent>(*engine, entity(name), std::move(core));
+  return show_mesh<Ra::Engine::Scene::QuadMeshComponent>(
+      *engine, entity(name), faces<QuadMesh, Ra::Core::Vector4ui>(vertices, quads));
 }
 
 Index Radium::show_polygons(const std::string& name, const std::vector<Vector3>& vertices,
                             const std::vector<std::vector<unsigned>>& polygons) {
-  Ra::Core::Geometry::PolyMesh core;
-  set_vertices(core, vertices);
-  Ra::Core::VectorArray<Ra::Core::VectorNui> indices;
-  for (const std::vector<unsigned>& polygon : polygons) {
-    Ra::Core::VectorNui corners(static_cast<Eigen::Index>(polygon.size()));
-    for (std::size_t i = 0; i < polygon.size(); ++i) corners[static_cast<Eigen::Index>(i)] = polygon[i];
-    indices.push_back(corners);
-  }
-  core.setIndices(std::move(indices));
-  return show_mesh<Ra::Engine::Scene::PolyMeshComponent>(*engine, entity(name), std::move(core));
+  using Corners = Ra::Core::VectorNui;
+  std::vector<Corners> indices;
+  for (const std::vector<unsigned>& polygon : polygons)
+    indices.emplace_back(
+        Eigen::Map<const Corners>(polygon.data(), static_cast<Eigen::Index>(polygon.size())));
+  return show_mesh<Ra::Engine::Scene::PolyMeshComponent>(*engine, entity(name),
+                                                         faces<PolyMesh, Corners>(vertices, indices));
 }
 
 Index Radium::show_points(const std::string& name, const std::vector<Vector3>& vertices) {
-  Ra::Core::Geometry::PointCloud core;
-  set_vertices(core, vertices);
-  return show_mesh<Ra::Engine::Scene::PointCloudComponent>(*engine, entity(name), std::move(core));
+  return show_mesh<Ra::Engine::Scene::PointCloudComponent>(*engine, entity(name),
+                                                           points<Ra::Core::Geometry::PointCloud>(vertices));
 }
 
 void Radium::frames(int count) {

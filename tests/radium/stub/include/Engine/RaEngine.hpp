@@ -1,5 +1,0 @@
-#pragma once
-
-#include <Core/CoreMacros.hpp>
-
-#define RA_ENGINE_API
