@@ -27,7 +27,7 @@ NO_PROSE = re.compile(r"NOLINT|clang-format|shellcheck|SPDX|type:|noqa")
 LIST_ITEM = re.compile(r"(?:[-*+]|\d+[.)])\s+")
 ABBREVIATION = re.compile(r"\b(e\.g|i\.e|et al|eqs?|figs?|cf|vs|approx)\.(?=\s)")
 CODE_SPAN = re.compile(r"(`+)(?:(?!\1).)+\1|\$[^$]+\$", re.S)
-LINK = re.compile(r"!?\[([^\]]*)\]\([^)]*\)|<[^<>\s][^<>]*>")
+LINK = re.compile(r"!\[[^\]]*\]\([^)]*\)|\[([^\]]*)\]\([^)]*\)|<[^<>\s][^<>]*>")
 UNIT = re.compile(r"\[[^\[\]]{1,20}\]")
 CALL = re.compile(r"(?<=\w)(\([^()]*\)|\[[^\[\]]*\])")
 OPERATOR = re.compile(r"\s+(?:[-+*/=<>^|~&%!:]=?|->|<=>|&&|\|\||\*\*|[≤≥·×→≈±])\s+")
@@ -91,7 +91,7 @@ def markdown_block(text):
             fence = "" if mark and mark[1] == fence else fence
         elif mark:
             fence = mark[1]
-        block.append((offset, "" if fence or mark else line.rstrip()))
+        block.append((offset, "" if fence or mark or line.startswith("<") else line.rstrip()))
         offset += len(line)
     return block
 
