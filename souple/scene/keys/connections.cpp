@@ -34,7 +34,7 @@ CodecPtr<PairDescription> pair_codec() {
   auto keys = table<P>(
       "pair",
       "Overrides for two objects or colliders: their friction and restitution instead of their materials', "
-      "and whether they collide, whatever their groups. The same name twice means an object with itself.");
+      "and whether they collide, whatever their groups. A name twice means an object with itself.");
   keys->required<&P::between>("between", CodecPtr<std::array<std::string, 2>>(std::make_shared<TwoNames>()),
                               "names of objects or colliders")
       .key<&P::collide>("collide", boolean(), "false: they pass through each other")
@@ -64,7 +64,7 @@ CodecPtr<ConnectionDescription> connection_codec() {
       .required<&C::to>("to", CodecPtr<EndDescription>(end), "vertices of the second object")
       .key<&C::pairing>(
           "pairing", enumeration<Pairing>({{"in_order", Pairing::in_order}, {"nearest", Pairing::nearest}}),
-          "in_order: first with first, second with second (a single vertex joins all of the other side); "
+          "in_order: first with first, second with second (a single vertex joins all of the other side). "
           "nearest: each vertex of `from` with the nearest of `to`")
       .key<&C::rest_length>(
           "rest_length", maybe(number<float>(from_zero(far_away))),

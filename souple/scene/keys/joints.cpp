@@ -99,7 +99,7 @@ void add_axis_keys(Table<T>& keys, Motion motion) {
 
 CodecPtr<JointAxisDescription> axis_codec() {
   using A = JointAxisDescription;
-  auto keys = table<A>("joint_axis", "What acts about one axis of a joint.");
+  auto keys = table<A>("joint_axis", "Forces about one axis of a joint.");
   keys->key<&A::limits>("limits", maybe(limits_codec(Motion::rotation)), "stops")
       .key<&A::spring>("spring", maybe(spring_codec(Motion::rotation)), "spring and damper")
       .key<&A::motor>("motor", maybe(motor_codec(Motion::rotation)), "drive");

@@ -21,7 +21,7 @@ void add_map_keys(Table<T>& keys, const char* value_doc, const char* fallback_do
 CodecPtr<PinMapDescription> pin_map_codec() {
   auto keys = table<PinMapDescription>(
       "pin_map",
-      "How strongly each vertex is attached to its start position: weight 1 is a pin, 0 is free, and w "
+      "How strongly each vertex is attached to its start position: weight 1 is a pin, 0 is free. A weight w "
       "between them is a spring of compliance (1 - w) / w times `compliance`.");
   add_map_keys(*keys, "weight in the group, or at color 1; at most 1", "weight elsewhere, or at color 0");
   keys->key<&PinMapDescription::compliance>("compliance", number<float>(positive(1e6)),

@@ -178,8 +178,8 @@ CodecPtr<MaterialDescription<GrainsMaterial>> grains_material_codec() {
   add_surface_keys(*keys);
   keys->key<&M::rolling_friction>(
           "rolling_friction", number<float>(friction_range),
-          "largest moment of a contact against rolling, as a part of radius times normal "
-          "force; 0: perfect spheres, from about 1 on grains slide but do not roll")
+          "largest moment of a contact against rolling, as a part of radius times normal force; 0: perfect "
+          "spheres. From about 1 on grains slide but do not roll")
       .key<&M::damping>("damping", number<float>(from_zero(1e4)),
                         "damping rate of motion relative to the whole object [1/s]");
   return keys;

@@ -9,13 +9,13 @@ CodecPtr<SequenceDescription> sequence_codec() {
       "Positions of all vertices of the object over time, in the coordinates of its mesh: the `transform` of "
       "the object applies. Linear between frames; constant before the first and after the last.");
   keys->required<&S::file>("file", file_or_folder(),
-                           "a .pc2 file, a .mdd file, a .glb, .gltf, .fbx or .dae file whose bones, "
-                           "shapes or nodes move the mesh, or a sequence of OBJ files: one of its files "
+                           "a .pc2 or .mdd file, or a .glb, .gltf, .fbx or .dae file whose bones, shapes or "
+                           "nodes move the mesh. Or a sequence of OBJ files: one of its files "
                            "(NAME_0001.obj), or the folder if it contains no other sequence")
-      .key<&S::animation>("animation", text(),
-                          "name of an animation in a .glb, .gltf, .fbx or .dae file; may be left out "
-                          "where the file has only one, but for NAME_0001.glb beside NAME_0002.glb, which "
-                          "are a sequence of meshes")
+      .key<&S::animation>(
+          "animation", text(),
+          "name of an animation in a .glb, .gltf, .fbx or .dae file; may be left out where the file has only "
+          "one. Without it, NAME_0001.glb beside NAME_0002.glb is a sequence of meshes")
       .key<&S::frame_rate>(
           "frame_rate", number<double>(positive(1e4)),
           "frames per second; ignored for .mdd files, which store their own times; animations "

@@ -108,10 +108,9 @@ void add_self_collision_key(Table<T>& keys) {
 
 template <class T>
 void add_layer_key(Table<T>& keys) {
-  keys.template key<&T::layer>(
-      "layer", number<int>(within(0, 1000)),
-      "layer of cloth: of two colliding objects, the one with the higher layer lies over the other, on the "
-      "side where the other's triangles are counterclockwise; 0: no order");
+  keys.template key<&T::layer>("layer", number<int>(within(0, 1000)),
+                               "layer of cloth; 0: no order. A colliding object of a higher layer lies over "
+                               "the other, on the side where the other's triangles are counterclockwise");
 }
 
 std::shared_ptr<Table<ClothDescription>> cloth_table() {
