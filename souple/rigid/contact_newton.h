@@ -41,8 +41,8 @@ class ContactNewton {
     double error = 0;  ///< of motions, below which it ends [m]
   };
   /// Iterates until motions are exact. Takes the multiplications of its solves from `budget`, and begins no solve that
-  /// exceeds the rest. If it has not converged, it moves a part of the way that decreases the energy. If no part does,
-  /// it restores the state and returns false.
+  /// exceeds the rest. If it has not converged, it moves by the part of the step that decreases the energy. If no part
+  /// does, it restores the state and returns false.
   bool step(const ContactSystem& system, const Limits& limits, double& budget);
   bool converged() const { return converged_; }
   std::size_t bytes() const;

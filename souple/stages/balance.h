@@ -14,8 +14,9 @@
 
 // How far the forces of an object are out of balance after the last solve of a step.
 //
-// A solve moves particle i from x* to x: its elastic constraints applied the force f_i = m_i (x_i - x*_i) / h^2,
-// without what contacts, attachments and shape matching moved. Converged, that is the force of the deformation,
+// A solve moves particle i from x* to x: its elastic constraints applied the force f_i = m_i (x_i - x*_i) / h^2. Motion
+// by contacts, attachments and shape matching is excluded. If the solve has converged, that is the force of the
+// deformation,
 //
 //   f_i = e_i = -sum_j grad_i C_j alpha_j^-1 C_j
 //

@@ -308,7 +308,7 @@ void RigidStage::predict(const StageView& stage, const Substep& substep) {
   if (!fresh_) finder_.refresh(bodies_, shapes_, stage.threads);
   fresh_ = false;
   for_each_awake(stage, [&](std::size_t k) {
-    // Gravity acts on the center of mass exactly; particles have shares of the mass whose center may be elsewhere.
+    // Gravity acts on the center of mass exactly. The center of the particles' masses may be elsewhere.
     bodies_.velocity[k].linear += g * h;
     read_velocities(stage, k);
     bodies_.velocity[k].linear -= g * h;
@@ -471,7 +471,7 @@ void RigidStage::finish(const StageView& stage, const Substep& substep) {
   });
 }
 
-// Restitution of particles changes what they touch in this substep.
+// Restitution of particles changes the velocities of touched bodies in this substep.
 void RigidStage::gather_velocities(const StageView& stage) {
   for_each_awake(stage, [&](std::size_t k) {
     if (records_[k].touched > 0) {

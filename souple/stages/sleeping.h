@@ -60,7 +60,7 @@ std::size_t wake_disturbed(const SleepView& step, double dt);
 /// asleep. `has_force_fields`: forces of users may act at any time.
 std::size_t fall_asleep(const SleepView& step, const StartOfStep& start, bool has_force_fields, double dt);
 
-/// Brings `constraints` up to date: those of projectors each of whose constraints is of one object.
+/// Updates `constraints`: only projectors count in which each constraint belongs to one object.
 void leave_out_asleep(const ObjectsView& objects, std::span<Projector* const> projectors,
                       SleepScratch& sleep);
 

@@ -142,7 +142,7 @@ class Ties final : public Projector {
   Residual residual(const ParticleView& particles) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
-  /// The world removes ties with what they hold, and lists them again.
+  /// The world removes ties together with their objects, and lists them again.
   void erase_particles(std::uint32_t, std::uint32_t) override {}
 
  private:

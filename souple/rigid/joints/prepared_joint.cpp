@@ -78,7 +78,7 @@ void set_arms(Rows& rows, const Vec3d& ra, const Vec3d& rb) {
   }
 }
 
-/// Scales what the last substep left to this one.
+/// Scales the impulses of the last substep to this one.
 void warm_start(JointState& state, const Rows& start, const Rows& predicted, double h,
                 PreparedJoint& prepared) {
   const double ratio = state.h > 0 ? h / state.h : 0;
@@ -106,7 +106,7 @@ void find_target(const RowLaw& law, int at, double h, std::size_t i, PreparedJoi
   prepared.target[i] = target_of(law, at, prepared.history[i], prepared.K[i], size_of(i, prepared), h);
 }
 
-/// Which end of its range, or of its force, a row is at.
+/// The end of its range, or of its force, at which a row is.
 int end_of(const RowLaw& law, int at, double value, double lambda, const RowTarget& target, double most) {
   if (law.kind == RowLaw::Kind::range) {
     if (at != 0) return at * lambda > 0 ? 0 : at;  // a row at its low end pushes up, never pulls
