@@ -3,6 +3,7 @@
 
 import json
 import re
+import shlex
 import shutil
 import signal
 import struct
@@ -116,63 +117,59 @@ class Pictures(RenderCase):
         self.assertEqual(done.stderr, "")
         self.assertEqual(png_size(self.folder / "out/small.png"), (160, 90))
         self.assertEqual(self.names(), ["out", "out/small.png", "small.json"])
-
-    def test_something_is_seen(self):
-        self.render(self.scene(SCENE), "--out", "a.png")
-        colors = {pixel for row in png_pixels(self.folder / "a.png") for pixel in row}
-        self.assertGreater(len(colors), 200)
-        self.render(self.scene(dict(SCENE, objects=[])), "--out", "b.png")
-        self.assertGreater(difference(self.folder / "a.png", self.folder / "b.png"), 0.02)
-
-    def test_twice_the_same_file(self):
-        scene = self.scene(SCENE)
-        for name in "a.png", "b.png":
-            self.souple("render", scene, "--out", name, "--size", "200x100", "--samples", "4")
-        self.assertEqual((self.folder / "a.png").read_bytes(), (self.folder / "b.png").read_bytes())
+        self.assertGreater(len({pixel for row in png_pixels(self.folder / "out/small.png") for pixel in row}), 200)
 
     def test_a_frame_alone_is_the_frame_of_many(self):
         scene = self.scene(SCENE)
-        self.render(scene, "--out", "a.png", "--frames", "13")
-        self.render(scene, "--out", "all")
-        self.assertEqual((self.folder / "a.png").read_bytes(), (self.folder / "all/small_0013.png").read_bytes())
+        self.assertEqual(self.render(scene, "--out", "a.png", "--frames", "15", "--quiet").stdout, "")
+        done = self.render(scene, "--out", "pictures", "--frames", "5-last/5")
+        self.assertIn("4 pictures of 160x90", done.stdout)
+        self.assertNotIn("\r", done.stdout + done.stderr)  # progress only on a terminal
+        names = [n for n in self.names() if n.startswith("pictures/")]
+        self.assertEqual(names, [f"pictures/small_{n:04}.png" for n in (5, 10, 15, 20)])
+        self.assertEqual((self.folder / "a.png").read_bytes(), (self.folder / "pictures/small_0015.png").read_bytes())
 
-    def test_quiet(self):
-        done = self.render(self.scene(SCENE), "--quiet")
-        self.assertEqual(done.stdout + done.stderr, "")
+    def pictures(self, scene, variants):
+        """The picture of frame 10 with each of these options: {options: bytes}."""
+        made = {}
+        for options in variants:
+            self.souple("render", scene, "--out", "a.png", "--frames", "10", "--size", "96x54", "--samples", "2",
+                        *shlex.split(options))
+            made[options] = (self.folder / "a.png").read_bytes()
+        return made
 
-    def test_settings(self):
+    def test_options_change_the_picture(self):
+        said = self.souple("render", "--help").stdout
+        displays = re.search(r"displays: +(.*)", said).group(1).split(", ")
+        constraints = re.search(r"constraints: +(.*)", said).group(1).split(", ")
+        self.assertEqual((len(displays), len(constraints)), (9, 5))
         scene = self.scene(SCENE)
-        self.render(scene, "--out", "a.png")
-        self.render(scene, "--out", "b.png", "--set", "objects.flag.transform.translate=[0.4,1.2,0]")
-        self.assertGreater(difference(self.folder / "a.png", self.folder / "b.png"), 0.02)
+        made = self.pictures(scene, [
+            "", "--set objects.flag.transform.translate=[0.4,1.2,0]", "--focus 1 --aperture 0.3", "--shutter 1", "--colors 9",
+            "--camera 'fov 15'", "--camera auto", *(f"--display {name}" for name in displays[1:]),
+            *(f"--constraints {name}" for name in constraints[1:])])
+        self.assertEqual(len(set(made.values())), len(made), "two of them look alike")
+        self.assertLess(len(made["--colors 9"]), 0.7 * len(made[""]))
+        same = self.pictures(scene, ["", f"--display {displays[0]}", f"--constraints {constraints[0]}"])
+        self.assertEqual(set(same.values()), {made[""]})
+        for option, names in ("--display", displays), ("--constraints", constraints):
+            refused = self.render(scene, option, "nothing", code=2).stderr
+            for name in names:
+                self.assertIn(name, refused)
 
-    def test_odd_and_tiny_sizes(self):
-        scene = self.scene(SCENE)
-        for size in "1x1", "7x301", "333x5":
-            self.souple("render", scene, "--out", "a.png", "--size", size, "--samples", "1", "--frames", "1")
-            self.assertEqual("%dx%d" % png_size(self.folder / "a.png"), size)
-
-    def test_lens_and_shutter_blur(self):
-        scene = self.scene(SCENE)
-        size = ["--size", "160x90", "--samples", "16", "--frames", "10"]
-        for name, more in (("sharp", []), ("lens", ["--focus", "1", "--aperture", "0.3"]), ("shutter", ["--shutter", "1"])):
-            self.souple("render", scene, "--out", name + ".png", *size, *more)
-            self.souple("render", scene, "--out", name + "_again.png", *size, *more)
-            self.assertEqual((self.folder / (name + ".png")).read_bytes(), (self.folder / (name + "_again.png")).read_bytes())
-        for name in "lens", "shutter":
-            self.assertNotEqual((self.folder / (name + ".png")).read_bytes(), (self.folder / "sharp.png").read_bytes(), name)
-
-    def test_fabrics_and_prints_of_cloths(self):
-        pictures = set()
-        for keys in {}, {"look": "velvet"}, {"look": "satin"}, {"pattern": "dots"}, {"pattern": "stripes"}, {"pattern": "plain"}:
-            scene = self.scene(dict(SCENE, objects=[dict(SCENE["objects"][0], **keys)]))
-            self.souple("render", scene, "--out", "a.png", "--frames", "3", *QUICK)
-            pictures.add((self.folder / "a.png").read_bytes())
-        self.assertEqual(len(pictures), 6)
-        scene = self.scene(dict(SCENE, objects=[dict(SCENE["objects"][0], look="fur")]))
-        done = self.souple("render", scene, code=2)
-        for word in "look", "fur", "velvet", "satin":
-            self.assertIn(word, done.stderr)
+    def test_options_of_liquids_change_the_picture(self):
+        pool = {"name": "pool", "kind": "fluid", "box": {"lo": [-0.3, 0, -0.3], "hi": [0.3, 0.1, 0.3]},
+                "material": {"preset": "water", "spacing": 0.03}}
+        scene = {"souple": 1, "frames": 10, "objects": [pool], "colliders": [{"name": "floor", "shape": {"plane": {}}}],
+                 "camera": {"from": [0, 0.6, 0.9], "to": [0, 0.05, 0]}}
+        made = self.pictures(self.scene(scene), [
+            "", "--liquid-filter none", "--liquid-filter curvature-flow", "--liquid-filter curvature-flow --liquid-steps 2",
+            "--liquid-splats spheres", "--caustics"])
+        self.assertEqual(len(set(made.values())), len(made), "two of them look alike")
+        same = self.pictures(self.scene(scene), ["--liquid-filter narrow-range", "--liquid-splats ellipsoids"])
+        self.assertEqual(set(same.values()), {made[""]})
+        marked = self.pictures(self.scene(dict(scene, objects=[dict(pool, caustics=True)]), "marked.json"), [""])
+        self.assertEqual(marked[""], made["--caustics"])
 
     def printed(self, pattern, **cloth):
         """A scene with a square cloth that stands still and fills the picture, under an even light."""
@@ -207,11 +204,10 @@ class Pictures(RenderCase):
                                ("text.png", ["text.png", "not a PNG"]), ("half.png", ["half.png", "damaged"]),
                                ("wide.png", ["wide.png", "4097 x 1", "at most 4096"]),
                                ("text.jpg", ["objects[0].pattern", "text.jpg", ".png"]), ("spots", ["spots", "dots"])):
-            for command in "check", "render":
-                done = self.souple(command, self.printed(pattern), code=2)
-                self.assert_one_line(done.stderr)
-                for word in words:
-                    self.assertIn(word, done.stderr, pattern)
+            done = self.souple("check", self.printed(pattern), code=2)
+            self.assert_one_line(done.stderr)
+            for word in words:
+                self.assertIn(word, done.stderr, pattern)
         scene = self.printed("good.png", mesh={"file": "bare.obj"})
         for command in "check", "render":
             done = self.souple(command, scene, code=2)
@@ -237,76 +233,6 @@ class Pictures(RenderCase):
             done = self.souple(*arguments, code=2)
             self.assert_one_line(done.stderr)
             self.assertIn("no.hdr" if arguments[-1] == "no.hdr" else "bad.hdr", done.stderr)
-
-    def test_caustics_are_drawn_where_they_are_asked_for(self):
-        pool = {"name": "pool", "kind": "fluid", "box": {"lo": [-0.3, 0, -0.3], "hi": [0.3, 0.2, 0.3]},
-                "material": {"preset": "water", "spacing": 0.04}}
-        floor = {"colliders": [{"name": "floor", "shape": {"plane": {}}}], "camera": {"from": [0, 1, 0.6], "to": [0, 0.1, 0]}}
-        scene = self.scene(dict({"souple": 1, "frames": 3, "objects": [pool]}, **floor))
-        marked = self.scene(dict({"souple": 1, "frames": 3, "objects": [dict(pool, caustics=True)]}, **floor), "marked.json")
-        self.render(scene, "--out", "plain.png")
-        self.render(scene, "--out", "asked.png", "--caustics")
-        self.render(marked, "--out", "marked.png")
-        self.assertNotEqual((self.folder / "plain.png").read_bytes(), (self.folder / "asked.png").read_bytes())
-        self.assertEqual((self.folder / "asked.png").read_bytes(), (self.folder / "marked.png").read_bytes())
-
-    def test_few_colors_make_small_files(self):
-        scene = self.scene(SCENE)
-        for name, more in ("a.png", []), ("b.png", ["--colors", "256"]):
-            self.souple("render", scene, "--out", name, "--size", "320x180", "--samples", "4", *more)
-        a, b = (self.folder / "a.png").stat().st_size, (self.folder / "b.png").stat().st_size
-        self.assertLess(b, 0.7 * a)
-
-    def test_fluids_are_drawn_as_liquids_by_the_splats_and_filter_that_are_asked_for(self):
-        pool = {"name": "pool", "kind": "fluid", "box": {"lo": [-0.3, 0, -0.3], "hi": [0.3, 0.1, 0.3]},
-                "material": {"preset": "water", "spacing": 0.03}}
-        scene = self.scene({"souple": 1, "frames": 1, "objects": [pool],
-                            "colliders": [{"name": "floor", "shape": {"plane": {}}}],
-                            "camera": {"from": [0, 0.6, 0.9], "to": [0, 0.05, 0]}})
-        pictures = {}
-        for filter_ in ("none", "curvature-flow", "narrow-range"):
-            self.souple("render", scene, "--out", filter_ + ".png", "--liquid-filter", filter_, *QUICK)
-            pictures[filter_] = (self.folder / (filter_ + ".png")).read_bytes()
-        self.souple("render", scene, "--out", "default.png", *QUICK)
-        self.assertEqual((self.folder / "default.png").read_bytes(), pictures["narrow-range"])
-        self.souple("render", scene, "--out", "steps.png", "--liquid-filter", "curvature-flow", "--liquid-steps", "2",
-                    *QUICK)
-        pictures["two steps"] = (self.folder / "steps.png").read_bytes()
-        for splats in "spheres", "ellipsoids":
-            self.souple("render", scene, "--out", splats + ".png", "--liquid-splats", splats, *QUICK)
-            pictures[splats] = (self.folder / (splats + ".png")).read_bytes()
-        self.assertEqual(pictures.pop("ellipsoids"), pictures["narrow-range"])
-        self.assertEqual(len(set(pictures.values())), 5)
-
-    def test_every_display(self):
-        scene = self.scene(SCENE)
-        said = self.souple("render", "--help").stdout
-        displays = re.search(r"displays: +(.*)", said).group(1).split(", ")
-        constraints = re.search(r"constraints: +(.*)", said).group(1).split(", ")
-        self.assertEqual((len(displays), len(constraints)), (9, 5))
-        pictures = set()
-        for display in displays:
-            self.render(scene, "--out", "a.png", "--display", display, "--frames", "10")
-            pictures.add((self.folder / "a.png").read_bytes())
-        for how in constraints[1:]:
-            self.render(scene, "--out", "a.png", "--constraints", how, "--frames", "10")
-            pictures.add((self.folder / "a.png").read_bytes())
-        self.assertEqual(len(pictures), 13, "two of them look alike")
-        for option, names in ("--display", displays), ("--constraints", constraints):
-            refused = self.render(scene, option, "nothing", code=2).stderr
-            for name in names:
-                self.assertIn(name, refused)
-
-    def test_camera(self):
-        scene = self.scene(SCENE)
-        self.render(scene, "--out", "a.png")
-        self.render(scene, "--out", "same.png", "--camera", "from 1,1.5,3 to 0 1 0")
-        self.render(scene, "--out", "near.png", "--camera", "fov 15")
-        self.render(scene, "--out", "auto.png", "--camera", "auto")
-        a = (self.folder / "a.png").read_bytes()
-        self.assertEqual(a, (self.folder / "same.png").read_bytes())
-        self.assertNotEqual(a, (self.folder / "near.png").read_bytes())
-        self.assertNotEqual(a, (self.folder / "auto.png").read_bytes())
 
     def test_without_a_camera_the_objects_fill_the_picture(self):
         far = json.loads(json.dumps(SMALL))
@@ -358,23 +284,6 @@ class Pictures(RenderCase):
         self.assertTrue(changed)
         self.assertTrue(all(y > 55 for _, y in changed), "the label lies at the bottom, the rest is the frame")
 
-    def test_sheet_of_fewer_frames_than_cells(self):
-        self.render(self.scene(SCENE), "--sheet", "3x2", "--frames", "1-4")
-        width, height = png_size(self.folder / "out/small.png")
-        page = png_pixels(self.folder / "out/small.png")
-        self.assertEqual(page[height - 10][width - 10], (255, 255, 255))
-        self.assertNotEqual(page[height - 10][10], (255, 255, 255))
-
-    def test_folder_of_pictures(self):
-        done = self.render(self.scene(SCENE), "--out", "pictures", "--frames", "5-last/5")
-        self.assertIn("4 pictures of 160x90", done.stdout)
-        names = [n for n in self.names() if n.startswith("pictures/")]
-        self.assertEqual(names, [f"pictures/small_{n:04}.png" for n in (5, 10, 15, 20)])
-
-    def test_progress_only_on_a_terminal(self):
-        done = self.render(self.scene(SCENE), "--out", "pictures")
-        self.assertNotIn("\r", done.stdout + done.stderr)
-
 
 class Runs(RenderCase):
     """The picture of a run's folder equals that of its scene."""
@@ -386,13 +295,11 @@ class Runs(RenderCase):
         scene = self.scene(moving)
         for formats in "pc2", "mdd":
             self.souple("run", scene, "--out", "run", "--write", formats)
-            for frame in "1", "12", "last":
-                self.render(scene, "--out", "a.png", "--frames", frame)
-                for source in "run", "run/run.json":
-                    self.render(source, "--out", "b.png", "--frames", frame)
-                    self.assertEqual((self.folder / "a.png").read_bytes(), (self.folder / "b.png").read_bytes())
-            self.render(scene, "--out", "b.png", "--frames", "1")
-            self.assertGreater(difference(self.folder / "a.png", self.folder / "b.png"), 0.02)  # the comparison detects differences
+            for frame, source in ("12", "run"), ("last", "run/run.json"):
+                self.render(scene, "--out", frame + ".png", "--frames", frame)
+                self.render(source, "--out", "b.png", "--frames", frame)
+                self.assertEqual((self.folder / (frame + ".png")).read_bytes(), (self.folder / "b.png").read_bytes())
+            self.assertNotEqual((self.folder / "12.png").read_bytes(), (self.folder / "last.png").read_bytes())
 
     def test_speed_comes_from_two_frames(self):
         scene = self.scene(SCENE)
@@ -402,11 +309,6 @@ class Runs(RenderCase):
         self.render(scene, "--out", "c.png", "--frames", "15")
         self.assertGreater(difference(self.folder / "a.png", self.folder / "c.png"), 0.03)
         self.assertLess(difference(self.folder / "a.png", self.folder / "b.png"), 0.02)
-
-    def test_default_name(self):
-        self.souple("run", self.scene(SCENE), "--frames", "2")
-        self.render("out/small/")
-        self.assertTrue((self.folder / "out/small.png").is_file())
 
     def test_a_run_whose_meshes_are_gone(self):
         (self.folder / "cloth.obj").write_text("v 0 1 0\nv 1 1 0\nv 0 1 1\nf 1 2 3\n")
@@ -453,15 +355,10 @@ class Films(RenderCase):
     def test_mp4(self):
         self.needs_ffmpeg()
         scene = self.scene(SCENE)
-        done = self.souple("render", scene, "--out", "a.mp4", "--size", "161x91", "--samples", "1")
-        self.assertIn("20 pictures of 161x91", done.stdout)
-        self.assertEqual(probe(self.folder / "a.mp4"), (162, 92, 60, 20))
+        done = self.souple("render", scene, "--out", "a.mp4", "--frames", "1-last/5", "--size", "161x91", "--samples", "1")
+        self.assertIn("4 pictures of 161x91", done.stdout)
+        self.assertEqual(probe(self.folder / "a.mp4"), (162, 92, 12, 4))  # every fifth frame keeps the speed
         self.assertEqual(self.names(), ["a.mp4", "small.json"])
-
-    def test_every_fifth_frame_keeps_the_speed(self):
-        self.needs_ffmpeg()
-        self.render(self.scene(SCENE), "--frames", "1-last/5")
-        self.assertEqual(probe(self.folder / "out/small.mp4"), (160, 90, 12, 4))
 
     def test_gif(self):
         self.needs_ffmpeg()
@@ -497,23 +394,6 @@ class Films(RenderCase):
         self.render(self.scene(SCENE), "--out", "a.mp4", "--film-rate", "15", "--frames", "1-last/2")
         self.assertEqual(probe(self.folder / "a.mp4"), (160, 90, 15, 10))
 
-    def test_an_ffmpeg_without_webp(self):
-        scene = self.scene(SCENE)
-        (self.folder / "bin").mkdir()
-        (self.folder / "bin/ffmpeg").write_text("#!/bin/sh\necho \"Unknown encoder 'libwebp_anim'\" >&2\nexit 1\n")
-        (self.folder / "bin/ffmpeg").chmod(0o755)
-        self.environment["PATH"] = str(self.folder / "bin")
-        said = self.render(scene, "--out", "a.webp", code=2).stderr
-        self.assert_one_line(said)
-        self.assertIn("no working encoder libwebp_anim", said)
-        self.assertEqual(self.names(), ["bin", "bin/ffmpeg", "small.json"])
-
-    def test_same_film_twice(self):
-        self.needs_ffmpeg()
-        for name in "a.mp4", "b.mp4":
-            self.render(self.scene(SCENE), "--out", name)
-        self.assertEqual((self.folder / "a.mp4").read_bytes(), (self.folder / "b.mp4").read_bytes())
-
     def test_an_ffmpeg_that_fails(self):
         scene = self.scene(SCENE)
         (self.folder / "bin").mkdir()
@@ -547,16 +427,16 @@ class Refused(RenderCase):
 
     def test_options(self):
         scene = self.scene(SCENE)
-        for size in "0x7", "7", "8193x1", "-1x5", "axb", "1x2x3", "4 x 5", "1e3x2":
+        for size in "0x7", "7", "8193x1", "4 x 5":
             self.refused(scene, "--size=" + size, said=f'--size "{size}": expected WIDTHxHEIGHT')
         for sheet in "0x3", "4", "99x1":
             self.refused(scene, "--sheet", sheet, said=f'--sheet "{sheet}": expected COLUMNSxROWS')
         self.refused(scene, "--sheet", "64x64", said="--size")
-        for frames in "0", "x", "1-", "3/2", "1-5/0", "1-2-3", "1,2":
+        for frames in "0", "1-", "3/2", "1-5/0":
             self.refused(scene, "--frames", frames, said=f'--frames "{frames}": expected N, A-B')
         self.refused(scene, "--frames", "21", said="from 1 to 20")
         self.refused(scene, "--frames", "5-2", said="not after the last")
-        for camera in "from 1,2", "1 2 3", "fov 0", "fov 180", "from 1,2,x", "to nan,0,0", "from 1,2,3 from 1,2,3":
+        for camera in "from 1,2", "fov 180", "to nan,0,0", "from 1,2,3 from 1,2,3":
             self.refused(scene, "--camera", camera, said=f'--camera "{camera}": expected')
         self.refused(scene, "--samples", "0", said="--samples 0: expected 1 to 1024")
         self.refused(scene, "--liquid-filter", "blur", said="--liquid-filter: unknown liquid filter 'blur'")
@@ -625,7 +505,6 @@ class Refused(RenderCase):
         self.assertIn("libegl-mesa0", said)
         self.assertEqual(self.names(), ["small.json"])
 
-
     def test_without_libraries_of_opengl(self):
         broken = self.folder / "broken"
         broken.mkdir()
@@ -690,25 +569,6 @@ class Trouble(RenderCase):
                                 wait_for=lambda: part.exists() and time.sleep(1) is None)
         pictures = int(re.search(r"interrupted after frame \d+; a.mp4 holds (\d+) pictures?", said).group(1))
         self.assertEqual(probe(self.folder / "a.mp4")[3], pictures)
-
-    def test_interrupt_while_ffmpeg_hangs(self):
-        scene = self.scene(dict(SCENE, frames=100000))
-        (self.folder / "bin").mkdir()
-        (self.folder / "bin/ffmpeg").write_text("#!/bin/sh\nexec sleep 1000\n")
-        (self.folder / "bin/ffmpeg").chmod(0o755)
-        self.environment["PATH"] = f"{self.folder}/bin:{self.environment['PATH']}"
-        run = subprocess.Popen([PROGRAM, "render", scene, "--out", "a.mp4", *QUICK], cwd=self.folder,
-                               env=self.environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.addCleanup(run.kill)
-        time.sleep(3)  # by then the film waits for ffmpeg
-        self.assertTrue((self.folder / "a.part.mp4").exists())
-        run.send_signal(signal.SIGTERM)
-        started = time.time()
-        out, error = run.communicate(timeout=30)
-        self.assertLess(time.time() - started, 10)
-        self.assertEqual(run.returncode, 1, out + error)
-        self.assertIn("a.mp4: ffmpeg failed: it did nothing for two seconds after the interrupt", error)
-        self.assertEqual(self.names(), ["bin", "bin/ffmpeg", "small.json"])
 
     def test_interrupt_between_pictures(self):
         scene = self.scene(dict(SCENE, frames=100000))
