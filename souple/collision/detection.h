@@ -23,8 +23,8 @@ inline constexpr std::pair<const char*, SegmentTest> segment_test_names[] = {
 enum class Detection {
   /// Vertices against triangles and edges against edges, by distance and by time of impact.
   continuous,
-  /// Vertices whose path x -> p crosses a triangle (Müller et al. 2007, section 3.4), by a SegmentTest. It
-  /// serves for comparison: edges pass through edges, and what a test misses passes as well.
+  /// Vertices whose path x -> p crosses a triangle (Müller et al. 2007, section 3.4), by a SegmentTest. It serves for
+  /// comparison: edges pass through edges, and a vertex that the test misses passes as well.
   discrete
 };
 

@@ -28,7 +28,7 @@ struct Simplex {
 };
 Simplex find_simplex(std::span<const GridPoint> points, double tolerance);
 
-/// Triangles over the points, wound outward, and what lies outside of them.
+/// Triangles over the points, wound outward, and the points outside of them.
 struct HullTriangles {
   std::vector<Triangle> triangles;
   std::vector<Triangle>

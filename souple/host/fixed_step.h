@@ -9,7 +9,7 @@
 
 namespace souple::host {
 
-/// Turns the frames of a game into steps of constant length: what a frame leaves over is kept for the next.
+/// Turns the frames of a game into steps of constant length and keeps the remaining time for the next frame.
 ///
 ///   for (int n = clock.advance(frame_seconds); n > 0; --n) step(clock.step());
 ///   draw(motion.at(clock.fraction()));

@@ -46,8 +46,8 @@ struct ExportObject {
   std::span<const std::uint8_t> foam_kinds{};  ///< FoamKind of each point; empty: unknown
 };
 
-/// Reads a run frame by frame, and adds what its caches do not hold: meshes with UVs, groups and materials, and
-/// velocities.
+/// Reads a run frame by frame, and adds data that its caches lack: velocities, and meshes with UVs, groups and
+/// materials.
 class ExportFrames {
  public:
   using FindLook = std::function<ExportLook(const Playback::Object& object)>;

@@ -36,8 +36,9 @@ struct ParticleFrame {
 /// (with faces, for example) or another format. Throws Error if the file cannot be read or is truncated.
 std::optional<ParticleFrame> read_particle_ply(const std::filesystem::path& path);
 
-/// The velocities vx, vy, vz of the vertices of a PLY, with faces or without [m/s]. Empty where it has none, and for what
-/// Souple does not write: text, other types than float. Throws Error if the file cannot be read or is truncated.
+/// The velocities vx, vy, vz of the vertices of a PLY, with faces or without [m/s]. Empty if it has none, or is in a
+/// form that Souple does not write: text, other types than float. Throws Error if the file cannot be read or is
+/// truncated.
 std::vector<Vec3f> read_ply_velocities(const std::filesystem::path& path);
 
 }  // namespace souple

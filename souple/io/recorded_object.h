@@ -77,7 +77,7 @@ class RecordedObject {
   void drop_after(std::uint64_t frames);
   /// The object was removed: completes its caches.
   void leave();
-  /// Removes what the start of a run wrote, when another of its files could not be.
+  /// Removes the files from the start of a run, when another of its files could not be written.
   void discard();
   /// Renames .part files; removes files without frames.
   void finish();

@@ -41,7 +41,7 @@ struct JointOptions {
   bool collide = false;  ///< whether both sides collide with each other
 };
 
-/// How a joint is, and what it does.
+/// State and forces of a joint.
 struct JointReport {
   std::string_view name{};             ///< valid until the joint is removed
   Vec3d point_a{}, point_b{};          ///< in the world [m]
@@ -49,7 +49,7 @@ struct JointReport {
   Vec3d force{};                       ///< on b, in the last substep of a step [N]
   Vec3d torque{};                      ///< on b, about the joint's point [N m]
   std::array<double, 2> coordinate{};  ///< see joint::coordinates_of [rad] or [m]
-  double distance_error = 0;           ///< how far it is from what it holds rigidly [m]
+  double distance_error = 0;           ///< distance by which it violates its rigid rows [m]
   double angle_error = 0;              ///< rad
   bool broken = false;
 };

@@ -27,8 +27,8 @@ struct NewObject {
 /// An object of a material, without particles yet. Throws Error if the material, the options' transform, velocities or
 /// max_particles are not valid.
 NewObject start_object(std::string name, const Material& material, const ObjectOptions& options);
-/// When particles and their masses are there: what the options say per vertex, and its constraints. Throws Error if
-/// there are no particles, or a map, the layer or a constraint is not valid.
+/// Call when particles and their masses are there: applies the options per vertex, and builds the constraints. Throws
+/// Error if there are no particles, or a map, the layer or a constraint is not valid.
 void finish_object(NewObject& made, const ObjectOptions& options);
 
 /// Throws Error if `layer` is out of range, or if the object has no surface for a layer.

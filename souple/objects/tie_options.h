@@ -57,7 +57,7 @@ struct TieSlide {
   double friction = 0;  ///< Coulomb's coefficient
 };
 
-/// Where a tie is when it is added, and what it bears.
+/// Place of a tie when it is added, and its limits.
 struct TieOptions {
   std::string name{};              ///< for the log; empty: "tie"
   Vec3d point{};                   ///< of both sides [m]
@@ -71,7 +71,7 @@ struct TieOptions {
   std::optional<TieSlide> slide{};
 };
 
-/// How a tie is, and what it does.
+/// State and force of a tie.
 struct TieReport {
   std::string_view name{};     ///< valid until a tie is added or removed
   Vec3d point_a{}, point_b{};  ///< in the world [m]

@@ -6,7 +6,7 @@ namespace souple {
 
 class World;
 
-/// Adds a joint to a world that has what it joins. Throws Error.
+/// Adds a joint to a world that has the joined bodies. Throws Error.
 void add_joint(const AnyJointDescription& joint, World& world);
 
 }  // namespace souple

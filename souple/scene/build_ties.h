@@ -6,7 +6,7 @@ namespace souple {
 
 class World;
 
-/// Adds a tie, or the ties of a stitch, to a world that has what they hold. Throws Error.
+/// Adds a tie, or the ties of a stitch, to a world that has the tied objects. Throws Error.
 void add_tie(const TieDescription& tie, World& world);
 
 }  // namespace souple

@@ -8,7 +8,7 @@
 
 namespace souple {
 
-/// Contacts of a world, what they read in a step, and what is told of them after it.
+/// Contacts of a world, with their input in a step and their reports after it.
 struct ContactState {
   Contacts contacts;
   ContactTables tables;  ///< built from objects and colliders

@@ -2,8 +2,7 @@
 
 #include "souple/world/state.h"
 
-// The fluids of a world in its step: what their stage (souple/fluid/stage/fluids.h) sees of it. stages.h declares
-// the rest.
+// Connects a world to its fluids' stage (souple/fluid/stage/fluids.h). stages.h declares the rest.
 
 namespace souple {
 

@@ -6,8 +6,8 @@
 
 namespace souple {
 
-/// An edit that an exception may leave half done. Unless `done` is called, the world then refuses what needs it whole:
-/// require_whole throws.
+/// An edit that an exception may leave half done. Unless `done` is called, functions that need the whole world then
+/// refuse: require_whole throws.
 class Edit {
  public:
   explicit Edit(WorldState& world);

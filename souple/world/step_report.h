@@ -12,7 +12,7 @@ namespace souple {
 bool refuse_nested_step(WorldState& world);
 /// Clears the report. Returns false, with a message in it, if dt is not positive and finite.
 bool begin_report(WorldState& world, double dt);
-/// Counts the step that begins, and what takes part in it.
+/// Counts the step that begins, and its particles.
 void count_step(WorldState& world);
 /// Saves the state that restore_last_valid restores after a step with non-finite values.
 void save_last_valid(WorldState& world);

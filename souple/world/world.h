@@ -128,10 +128,10 @@ class World {
   World& operator=(World&&) noexcept;
 
   // --- the loop ----------------------------------------------------------------------------------
-  /// Advances the world by dt seconds in `substeps` equal parts. Throws std::bad_alloc, and what a Projector of the
-  /// user throws, on whatever thread. The particles then return to their positions before the step. Until `restore`,
-  /// only the functions of objects remain: the next step, changes, snapshot, foam and others throw Error. All other
-  /// problems stand in the report.
+  /// Advances the world by dt seconds in `substeps` equal parts. Throws std::bad_alloc, and exceptions of a user's
+  /// Projector, on whatever thread. The particles then return to their positions before the step. Until `restore`,
+  /// functions that need more of the world than its objects (the next step, changes, snapshot, foam, ...) throw Error.
+  /// All other problems stand in the report.
   const StepReport& step(double dt);
   const StepReport& report() const;
   double time() const;  ///< s
@@ -422,7 +422,8 @@ class World {
   /// All triangles, balls and colliders that the ray hits, in order of distance.
   std::vector<Hit> ray_cast_all(const Vec3f& origin, const Vec3f& direction, double max_distance = 1e30,
                                 const QueryFilter& filter = {}) const;
-  /// The first hit of a ball whose center moves along the ray; at distance 0 of what it touches at the start.
+  /// The first hit of a ball whose center moves along the ray. A surface that the ball touches at the start is hit at
+  /// distance 0.
   Hit sphere_cast(const Vec3f& origin, float radius, const Vec3f& direction, double max_distance = 1e30,
                   const QueryFilter& filter = {}) const;
   Hit closest_point(const Vec3f& point, const QueryFilter& filter = {}) const;
@@ -431,8 +432,9 @@ class World {
   /// to a ten-thousandth of the shape's size.
   std::vector<Overlap> overlap(const Shape& shape, const Transform& pose = {},
                                const QueryFilter& filter = {}) const;
-  /// Number of edges of an object that pass through its own triangles: what SelfCollision::particles let through. A
-  /// search of its whole surface, some 30 ms for 20,000 triangles; 0 for objects without triangles of their own.
+  /// Number of edges of an object that pass through its own triangles, for example because SelfCollision::particles
+  /// lets them through. A search of its whole surface, some 30 ms for 20,000 triangles; 0 for objects without triangles
+  /// of their own.
   std::size_t count_crossings(ObjectId object) const;
   double kinetic_energy(ObjectId object) const;    ///< with the rotation of grains and rigid bodies [J]
   double potential_energy(ObjectId object) const;  ///< of its weight; 0 at the origin [J]
