@@ -8,6 +8,7 @@
 #include "render/context.h"
 #include "render/image.h"
 
+#include <algorithm>
 #include <backends/imgui_impl_opengl3.h>
 #include <cmath>
 #include <cstdint>
@@ -15,6 +16,7 @@
 #include <fstream>
 #include <imgui.h>
 #include <imgui_internal.h>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <string>
@@ -72,6 +74,25 @@ class OffscreenViewer {
     viewer_ = std::make_unique<Viewer>(std::move(scenes), std::move(session),
                                        ViewerOptions{folder_.path(), false, half_resolution});
     viewer_->rendering().shadows = viewer_->rendering().ambient_occlusion = false;  // costly on a processor
+  }
+
+  /// As after the start: the scene in a window of the usual size, no key or button pressed, no message, no file.
+  void begin_again(const std::filesystem::path& scene) {
+    std::fill(std::begin(io().MouseDown), std::end(io().MouseDown), false);
+    std::fill(std::begin(io().KeysDown), std::end(io().KeysDown), false);
+    io().MousePos = {-1, -1};
+    io().KeyCtrl = false;
+    resize({});
+    picture();
+    if (viewer_->filming()) type("v");
+    if (!viewer_->panels_shown()) type("h");
+    if (viewer_->display().wireframe) type("w");
+    type("1");
+    picture(100);  // messages disappear
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
+      std::filesystem::remove_all(entry.path());
+    controls_.clear();
+    viewer_->open(scene);
   }
 
   Viewer& viewer() { return *viewer_; }
@@ -139,8 +160,7 @@ class OffscreenViewer {
             (static_cast<float>(area.y) + at->y) / area.scale};
   }
 
-  /// The center of a control in an ImGui window, found by pointing at it as a user does. Cached until the
-  /// panel's layout changes (`invalidate_layout`).
+  /// The center of a control in an ImGui window, found by pointing at it as a user does, and then remembered.
   ImVec2 control(const char* id, const char* window = "##panel", float x = -1) {
     const ImGuiWindow* found = ImGui::FindWindowByName(window);
     if (found == nullptr) return {-1, -1};
@@ -151,7 +171,6 @@ class OffscreenViewer {
     const auto at = seen.find(ImHashStr(id, 0, found->ID));
     return at == seen.end() ? ImVec2{-1, -1} : ImVec2{x, (at->second.first + at->second.second) / 2};
   }
-  void invalidate_layout() { controls_.clear(); }
 
  private:
   using Rows = std::map<ImGuiID, std::pair<float, float>>;  // first and last y of each control

@@ -32,7 +32,7 @@ class ViewRecording : public View {
   Vec3f last{};
 };
 
-TEST_F(ViewRecording, PlaysToItsEndAndAgain) {
+TEST_F(ViewRecording, PlaysToItsEndAndAgainAndGoesFrameByFrame) {
   EXPECT_EQ(view.viewer().session().frame(), 1u);
   view.pictures(40);
   EXPECT_EQ(view.viewer().session().frame(), 30u);
@@ -42,10 +42,6 @@ TEST_F(ViewRecording, PlaysToItsEndAndAgain) {
   view.pictures(3);
   EXPECT_LT(view.viewer().session().frame(), 10u);
   EXPECT_TRUE(view.viewer().session().playing());
-}
-
-TEST_F(ViewRecording, KeysGoFrameByFrame) {
-  view.pictures(5);
   view.type(".");
   const std::uint64_t frame = view.viewer().session().frame();
   view.type(".");
@@ -66,17 +62,6 @@ TEST_F(ViewRecording, GoesBackButTakesNoBalls) {
     view.type(key);
     EXPECT_TRUE(said("a recording cannot be changed"));
   }
-}
-
-TEST_F(ViewRecording, TheSliderGoesAnywhere) {
-  view.pictures(2);
-  const ImVec2 slider = view.control("##frame_shown", "##time", 670);
-  ASSERT_GT(slider.x, 0);
-  view.click(970, slider.y);
-  EXPECT_GE(view.viewer().session().frame(), 29u);
-  EXPECT_FALSE(view.viewer().session().playing());
-  view.click(380, slider.y);
-  EXPECT_LE(view.viewer().session().frame(), 2u);
 }
 
 TEST_F(ViewRecording, CannotBeGrabbedButCanBeTurned) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -45,10 +46,26 @@ struct TestScenes {
       {"broken", folder.write("broken.json", "{ \"souple\": 1, \"objets\": [] }")}};
 };
 
+/// The tests of a suite share one viewer, whose start takes longer than most tests; each begins with a rebuilt scene of the cloth.
 class View : public ::testing::Test {
+ public:
+  static void SetUpTestSuite() { shared() = std::make_unique<Shared>(); }
+  static void TearDownTestSuite() { shared().reset(); }
+
  protected:
-  TestScenes scenes;
-  OffscreenViewer view{scenes.list[0].file, {}, scenes.list};
+  struct Shared {
+    TestScenes scenes;
+    OffscreenViewer view{scenes.list[0].file, {}, scenes.list};
+  };
+  static std::unique_ptr<Shared>& shared() {
+    static std::unique_ptr<Shared> it;
+    return it;
+  }
+
+  View() { view.begin_again(scenes.list[0].file); }
+
+  TestScenes& scenes = shared()->scenes;
+  OffscreenViewer& view = shared()->view;
 
   Vec3f vertex(std::size_t i) { return world().positions(world().find_object("cloth"))[i]; }
   World& world() { return view.simulation().world(); }

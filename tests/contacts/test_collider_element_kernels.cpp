@@ -1,14 +1,12 @@
-// Searches for the deepest point of elements, compared with sampling in double and between instruction sets.
+// Searches for the deepest point of elements, compared with sampling in double.
 #include "souple/contacts/kernels/find_kernels.h"
 #include "souple/contacts/packed_collider.h"
 #include "souple/geometry/builders.h"
+#include "souple/simd/instruction_set.h"
 #include "tests/collision/random.h"
-#include "tests/instruction_sets.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -211,59 +209,6 @@ TEST(ColliderElementKernels, FindDipsOfAField) {
   EXPECT_GT(near, 100);
   EXPECT_LT(worst, 0.005);  // half a cell
   EXPECT_LE(wrong, near / 50);
-}
-
-TEST(ColliderElementKernels, HaveTheSameBitsForEveryInstructionSet) {
-  std::vector<Shape> shapes(std::begin(convex_shapes), std::end(convex_shapes));
-  shapes.emplace_back(SignedDistanceField(sphere(2, 0.1), 0.02));
-  for (const Shape& shape : shapes) {
-    const kernels::ColliderBody body = body_of(shape);
-    std::vector<float> first;
-    for (const InstructionSet set : all_sets()) {
-      const auto& kernels = kernels::find_collider_element_kernels(set);
-      Triangles triangles = near_surface(shape, 0.08, 203, 0.004);
-      std::vector<float> result;
-      const auto add = [&](const float* from) { result.insert(result.end(), from, from + triangles.size()); };
-      const auto add_found = [&] {
-        for (std::size_t t = 0; t < triangles.size(); ++t) {
-          result.push_back(triangles.out[0][t]), result.push_back(triangles.out[4][t]);
-          if (triangles.out[0][t] > 0)
-            for (const std::size_t column : {1u, 2u, 3u, 5u, 6u, 7u, 8u})
-              result.push_back(triangles.out[column][t]);
-        }
-      };
-      const std::size_t n = triangles.size();
-      std::vector<float> reach(n, 0.01f), near(n);
-      kernels.near_triangles(body, triangles.records(), triangles.elements(), reach.data(), 0, n,
-                             near.data());
-      add(near.data());
-      if (std::holds_alternative<SignedDistanceField>(shape)) {
-        const auto search = triangles.field_search();
-        kernels.sample_field_elements(body, triangles.records(), triangles.elements(), search,
-                                      triangles.list.data(), 0, n);
-        add(search.lower);
-        for (int again = 0; again < 3; ++again) {
-          const auto out = triangles.touches();
-          kernels.find_in_field(body, triangles.records(), triangles.elements(), search,
-                                triangles.list.data(), 0, n, out);
-          add_found();
-        }
-        for (const float* column : {search.u, search.v}) add(column);
-      } else {
-        kernels.near_edges(body, triangles.records(), triangles.elements(0, 1, 1), reach.data(), 0, n,
-                           near.data());
-        add(near.data());
-        kernels.find_edges(body, triangles.records(), triangles.elements(0, 1, 1), 0, n, triangles.touches());
-        add_found();
-        kernels.find_triangles(body, triangles.records(), triangles.elements(), 0, n, triangles.touches());
-        add_found();
-      }
-      if (first.empty()) first = result;
-      ASSERT_EQ(first.size(), result.size()) << shape_name(shape) << ' ' << simd_name(set);
-      EXPECT_EQ(std::memcmp(first.data(), result.data(), first.size() * sizeof(float)), 0)
-          << shape_name(shape) << ' ' << simd_name(set);
-    }
-  }
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ def without_code(text):
 
 
 def anchors(page):
-    """Of the page's headings, as GitHub makes them."""
+    """Anchors of the page's headings, as GitHub makes them."""
     text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.S)
     found = []
     for heading in re.findall(r"^#+ +(.*?) *$", text, re.M):
@@ -71,18 +71,18 @@ class Links(unittest.TestCase):
         self.assertNotIn("SOUPLE_WARNINGS_AS_ERRORS", release.get("cacheVariables", {}))
 
 
-# What a block without a main function is compiled in. A session's headers are C++17.
+# A block without a main function is compiled in one of these. A session's headers are C++17.
 OBJECTS = "veil crate bone post door rope ball sleeve shirt bead water".split()
 WORLD = ("#include <souple/mesh_files/mesh_file.h>\n#include <souple/souple.h>\n#include <souple/surface/fluid_surface.h>\n"
          "#include <souple/threads/threads.h>\nusing namespace souple;\nvoid snippet(World& world, const TriangleMesh& mesh, "
          f"const std::vector<PoseKey>& keys, {', '.join('ObjectId ' + name for name in OBJECTS)}) {{{{\n")
 SESSION = "#include <souple/host/session.h>\nvoid snippet(souple::host::Session& session, souple::host::Handle cloth) {{\n"
-# Beginnings of commands of the program that are not run: why. Of other commands only the scripts are looked for.
+# Beginnings of commands of the program that are not run: why. Scripts are only looked for.
 NOT_RUN = {
     "view": "needs a screen; tests/app/test_view_window.py opens it",
     "bench cloth --strain": "searches for minutes; tests/app/test_bench.py runs it small",
 }
-# What commands that take long get instead of their own values or the default.
+# Options that make long commands short.
 SMALL = {"run": {"--frames": "2"}, "render": {"--frames": "2", "--size": "64x36", "--samples": "1"},
          "sweep": {"--frames": "2"}, "bench": {"--size": "10", "--runs": "2"}}
 

@@ -64,16 +64,6 @@ TEST(CellOrder, HoldsEveryParticleOnceWhateverTheyAre) {
   }
 }
 
-TEST(CellOrder, IsTheSameForAnyNumberOfThreads) {
-  const std::vector<Vec4f> points = test::random_cloud(50000, 1, 5);
-  CellOrder one, other;
-  one.build(points, 0.03f, *make_threads(Threading::serial, 1));
-  for (const int count : {2, 8}) {
-    other.build(points, 0.03f, *make_threads(Threading::pool, count));
-    EXPECT_TRUE(std::ranges::equal(one.order(), other.order()));
-  }
-}
-
 TEST(CellOrder, AllocatesNothingWhenWarm) {
   const auto threads = make_threads(Threading::pool, 2);
   const std::vector<Vec4f> points = test::random_cloud(30000, 1, 6);

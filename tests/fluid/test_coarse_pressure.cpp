@@ -104,12 +104,6 @@ TEST(CoarsePressure, SolvesWhatItsFormulaSays) {
   EXPECT_LT(std::sqrt(error / size), 0.03);
 }
 
-TEST(CoarsePressure, IsTheSameForAnyNumberOfThreads) {
-  const Case c;
-  EXPECT_EQ(c.multipliers(2), c.multipliers(1));
-  EXPECT_EQ(c.multipliers(8), c.multipliers(1));
-}
-
 TEST(CoarsePressure, OfNothingAndOfOne) {
   const auto threads = make_threads(Threading::serial, 1);
   CoarsePressure coarse;

@@ -1,8 +1,6 @@
-#include "souple/fluid/kernels/find_kernels.h"
 #include "souple/fluid/neighbors.h"
 #include "tests/count_allocations.h"
 #include "tests/fluid/clouds.h"
-#include "tests/instruction_sets.h"
 
 #include <algorithm>
 
@@ -44,8 +42,8 @@ Lists brute_force(const std::vector<Vec4f>& points, float radius) {
   return lists;
 }
 
-Lists found(const std::vector<Vec4f>& points, float cell_size, float radius, int threads = 2) {
-  const auto pool = make_threads(Threading::pool, threads);
+Lists found(const std::vector<Vec4f>& points, float cell_size, float radius) {
+  const auto pool = make_threads(Threading::pool, 2);
   CellOrder order;
   Neighbors neighbors;
   order.build(points, cell_size, *pool);
@@ -74,32 +72,6 @@ TEST(Neighbors, BeyondTheGrid) {
   std::vector<Vec4f> points = test::random_cloud(200, 1, 2);
   for (const Vec4f& far : test::random_cloud(200, 1, 3)) points.push_back({far.x + 3e5f, far.y, far.z, 0});
   EXPECT_EQ(found(points, 0.1f, 0.1f), brute_force(points, 0.1f));
-}
-
-TEST(Neighbors, InTheSameOrderForAnyNumberOfThreads) {
-  const std::vector<Vec4f> points = test::random_cloud(20000, 1, 7);
-  const Lists expected = found(points, 0.06f, 0.06f, 1);
-  for (const int threads : {2, 8}) EXPECT_EQ(found(points, 0.06f, 0.06f, threads), expected);
-}
-
-TEST(Neighbors, WithAllInstructionSets) {
-  const std::vector<Vec4f> points = test::random_cloud(500, 1, 8);
-  const auto threads = make_threads(Threading::serial, 1);
-  CellOrder order;
-  order.build(points, 1, *threads);
-  const kernels::PointColumns columns{{order.component(0), order.component(1), order.component(2)}};
-  const auto near = [&](const kernels::NeighborKernels& k, std::uint32_t i) {
-    // Ranges shorter, equal and longer than a register.
-    std::vector<std::uint32_t> list(600);
-    const kernels::IndexRange ranges[] = {{3, 3}, {5, 6}, {10, 27}, {40, 56}, {100, 133}, {490, 500}};
-    list.resize(k.near_point(columns, i, ranges, 6, 0.3f, list.data()));
-    return list;
-  };
-  for (const InstructionSet set : all_sets()) {
-    for (std::uint32_t i = 0; i < 500; ++i)
-      ASSERT_EQ(near(kernels::find_neighbor_kernels(set), i),
-                near(kernels::find_neighbor_kernels(InstructionSet::scalar), i));
-  }
 }
 
 TEST(Neighbors, AllocatesNothingWhenWarm) {

@@ -1,11 +1,9 @@
 #include "souple/fluid/kernels/shapes.h"
 #include "souple/fluid/smoothing.h"
+#include "souple/simd/instruction_set.h"
 #include "tests/fluid/clouds.h"
-#include "tests/instruction_sets.h"
 
-#include <array>
 #include <cmath>
-#include <tuple>
 
 #include <gtest/gtest.h>
 
@@ -93,63 +91,11 @@ TEST(Smoothing, SlopesAreDerivatives) {
   check(kernels::CubicSpline{});  // poly6 and spiky are different kernels: spiky is not the slope of poly6
 }
 
-// Lists of a cloud: all instruction sets and the scalar loop give identical bits.
-TEST(DensityKernels, GiveTheSameBits) {
-  std::vector<Vec4f> records = test::random_cloud(300, 1, 1);
-  for (std::size_t i = 0; i < records.size(); ++i) records[i].w = 0.01f * static_cast<float>(i);
-  records[7] = records[8];  // two at one position
-  std::vector<std::uint32_t> list;
-  for (std::uint32_t i = 0; i < 300; ++i) list.push_back(4 * i);
-  while (list.size() % 16 != 0) list.push_back(4 * 300);
-  records.push_back({1e15f, 1e15f, 1e15f, 0});
-  const Smoothing smoothing(0.2f);
-  for (const SmoothingShape shape : shapes) {
-    const auto& plain = kernels::find_density_kernels(InstructionSet::scalar, shape);
-    for (const InstructionSet set : all_sets()) {
-      const auto& packed = kernels::find_density_kernels(set, shape);
-      // Particles 0 to 2, with ranges of the list.
-      const std::uint32_t first[] = {0, 64, 64, 304};
-      const kernels::NeighborLists lists{list.data(), first, 0, 3};
-      std::array<kernels::DensitySums, 3> sums_a{}, sums_b{};
-      std::array<Vec3f, 3> push_a{}, push_b{}, repel_a{}, repel_b{};
-      const kernels::Repulsion repulsion{-0.3f, 2};
-      for (const auto& [kernels, sums, push, repel] :
-           {std::tie(plain, sums_a, push_a, repel_a), std::tie(packed, sums_b, push_b, repel_b)}) {
-        kernels.sums_of(records.data(), lists, smoothing.factors(), sums.data());
-        kernels.push_of(records.data(), lists, smoothing.factors(), push.data());
-        kernels.repel_of(records.data(), lists, smoothing.factors(), repulsion, repel.data());
-      }
-      for (std::size_t k = 0; k < 3; ++k) {
-        EXPECT_EQ(sums_a[k].density, sums_b[k].density);
-        EXPECT_EQ(sums_a[k].gradient, sums_b[k].gradient);
-        EXPECT_EQ(push_a[k], push_b[k]);
-        EXPECT_EQ(repel_a[k], repel_b[k]);
-        EXPECT_EQ(push_b[k], packed.push(records.data(), records[k], list.data() + first[k],
-                                         first[k + 1] - first[k], smoothing.factors()));
-      }
-      EXPECT_NE(push_a[0], repel_a[0]);
-      for (const std::uint32_t i : {0u, 7u, 100u, 299u}) {
-        const auto a = plain.sums(records.data(), records[i], list.data(), list.size(), smoothing.factors());
-        const auto b = packed.sums(records.data(), records[i], list.data(), list.size(), smoothing.factors());
-        EXPECT_EQ(a.density, b.density);
-        EXPECT_EQ(a.gradient_squared, b.gradient_squared);
-        EXPECT_EQ(a.gradient, b.gradient);
-        EXPECT_TRUE(std::isfinite(a.density) && is_finite(a.gradient));
-        EXPECT_EQ(plain.spread(records.data(), records.data(), records[i], records[i], list.data(),
-                               list.size(), smoothing.factors()),
-                  packed.spread(records.data(), records.data(), records[i], records[i], list.data(),
-                                list.size(), smoothing.factors()));
-        EXPECT_EQ(plain.push(records.data(), records[i], list.data(), list.size(), smoothing.factors()),
-                  packed.push(records.data(), records[i], list.data(), list.size(), smoothing.factors()));
-      }
-    }
-  }
-}
-
-// The velocity kernels, with values of every kind.
-TEST(VelocityKernels, GiveTheSameBits) {
+// Two particles at one position push each other nowhere, and nothing becomes infinite.
+TEST(DensityKernels, AreFiniteWhereParticlesCoincide) {
   std::vector<Vec4f> records = test::random_cloud(300, 1, 1), values = test::random_cloud(300, 1, 2);
-  for (std::size_t i = 0; i < values.size(); ++i) values[i].w = 0.1f + 0.01f * static_cast<float>(i);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    records[i].w = values[i].w = 0.1f + 0.01f * static_cast<float>(i);
   records[7] = records[8];
   std::vector<std::uint32_t> list;
   for (std::uint32_t i = 0; i < 300; ++i) list.push_back(4 * i);
@@ -158,25 +104,16 @@ TEST(VelocityKernels, GiveTheSameBits) {
   values.push_back({});
   const Smoothing smoothing(0.2f);
   for (const SmoothingShape shape : shapes) {
-    const auto& plain = kernels::find_velocity_kernels(InstructionSet::scalar, shape);
-    for (const InstructionSet set : all_sets()) {
-      const auto& packed = kernels::find_velocity_kernels(set, shape);
-      for (const std::uint32_t i : {0u, 7u, 100u, 299u}) {
-        const auto sum = [&](const auto& function, const auto&... more) {
-          return function(records.data(), values.data(), records[i], values[i], list.data(), list.size(),
-                          smoothing.factors(), more...);
-        };
-        const kernels::CohesionFactors cohesion{0.3f, 0.2f};
-        EXPECT_EQ(sum(plain.exchange), sum(packed.exchange));
-        EXPECT_EQ(sum(plain.strain), sum(packed.strain));
-        EXPECT_EQ(sum(plain.curl), sum(packed.curl));
-        EXPECT_EQ(sum(plain.closing_speed), sum(packed.closing_speed));
-        EXPECT_GT(sum(plain.closing_speed), 0);
-        EXPECT_EQ(sum(plain.cohesion, cohesion), sum(packed.cohesion, cohesion));
-        EXPECT_TRUE(is_finite(sum(plain.strain)) && is_finite(sum(plain.cohesion, cohesion)));
-        EXPECT_GT(length(sum(plain.curl)), 0);
-      }
-    }
+    const auto& density = kernels::find_density_kernels(instruction_set(), shape);
+    const auto sums = density.sums(records.data(), records[7], list.data(), list.size(), smoothing.factors());
+    EXPECT_TRUE(std::isfinite(sums.density) && is_finite(sums.gradient));
+    const auto& velocity = kernels::find_velocity_kernels(instruction_set(), shape);
+    const auto sum = [&](const auto& function, const auto&... more) {
+      return function(records.data(), values.data(), records[7], values[7], list.data(), list.size(),
+                      smoothing.factors(), more...);
+    };
+    EXPECT_TRUE(is_finite(sum(velocity.strain)) && is_finite(sum(velocity.curl)));
+    EXPECT_TRUE(is_finite(sum(velocity.cohesion, kernels::CohesionFactors{0.3f, 0.2f})));
   }
 }
 

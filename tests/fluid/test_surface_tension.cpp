@@ -234,15 +234,5 @@ TEST(SurfaceTension, AllocatesNothingWhenWarm) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-TEST(SurfaceTension, IsTheSameForAnyNumberOfThreads) {
-  std::vector<Vec4f> first;
-  for (const int threads : {1, 2, 8}) {
-    Drop drop(moved(test::ball_of(7 * d, d), {0, 7 * d, 0}), 1, 1e-5f, threads);
-    for (int s = 0; s < 20; ++s) drop.substep();
-    if (first.empty()) first = drop.positions;
-    for (std::size_t i = 0; i < first.size(); ++i) ASSERT_EQ(first[i].xyz(), drop.positions[i].xyz());
-  }
-}
-
 }  // namespace
 }  // namespace souple

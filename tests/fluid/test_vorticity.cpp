@@ -113,17 +113,6 @@ TEST(Vorticity, AllocatesNothingWhenWarm) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-TEST(Vorticity, IsTheSameForAnyNumberOfThreads) {
-  std::vector<Vec4f> first;
-  for (const int threads : {1, 2, 8}) {
-    FluidArrays fluid(test::block_of(12, 12, 12, d, 0.2f), d, 1000, 0, threads);
-    fluid.set_velocities([](const Vec3f& x) { return Whirl::flow(x * 2.0f); });
-    VorticityConfinement().apply(fluid.view(), 1, 1e-2f, *fluid.threads);
-    if (first.empty()) first = fluid.v;
-    for (std::size_t k = 0; k < fluid.size(); ++k) ASSERT_EQ(first[k].xyz(), fluid.v[k].xyz());
-  }
-}
-
 // A drop of 2 mm reaches the terminal speed sqrt(2 m g / (rho C d^2)) and drifts with the wind.
 TEST(AirDrag, ADropFallsAtItsTerminalSpeed) {
   constexpr float size = 0.002f, g = 9.81f, h = 1.0f / 240;

@@ -196,17 +196,6 @@ TEST(FluidFoam, IsBounded) {
   EXPECT_EQ(most, 300);
 }
 
-TEST(FluidFoam, IsTheSameForAnyNumberOfThreads) {
-  World one = dam_break({.substeps = 8, .threads = 1}, 4);
-  World two = dam_break({.substeps = 8, .threads = 2}, 4);
-  World eight = dam_break({.substeps = 8, .threads = 8}, 4);
-  for (int frame = 0; frame < 30; ++frame)
-    for (World* world : {&one, &two, &eight}) world->step(1.0 / 60);
-  ASSERT_GT(one.foam().positions.size(), 500);
-  EXPECT_TRUE(equal(one.foam(), two.foam()));
-  EXPECT_TRUE(equal(one.foam(), eight.foam()));
-}
-
 TEST(FluidFoam, GoesOnFromASnapshot) {
   World a = dam_break(), b = dam_break();
   for (int frame = 0; frame < 40; ++frame) a.step(1.0 / 60);

@@ -149,20 +149,5 @@ TEST(FluidGrains, RainOfGrainsIntoWaterStaysCalm) {
   }
 }
 
-TEST(FluidGrains, AreTheSameForAnyNumberOfThreads) {
-  std::uint64_t first = 0;
-  for (const int threads : {1, 2, 8}) {
-    Basin basin({0.2, 0.1, 0.16});
-    Settings settings = basin.world.settings();
-    settings.threads = threads;
-    basin.world.set_settings(settings);
-    basin.world.add_grains(fill(Vec3d{-0.08, 0.12, -0.06}, Vec3d{0.08, 0.2, 0.06}, 0.02),
-                           {.radius = 0.008f, .density = 2000});
-    basin.run(0.5);
-    if (first == 0) first = basin.world.hash();
-    EXPECT_EQ(basin.world.hash(), first);
-  }
-}
-
 }  // namespace
 }  // namespace souple

@@ -171,20 +171,6 @@ TEST(FluidRobustness, AColliderWhoseMotionThrowsIsReported) {
   EXPECT_TRUE(world.report().has(Flag::callback_failed));
 }
 
-TEST(FluidRobustness, IsTheSameForAnyNumberOfThreads) {
-  std::uint64_t first = 0;
-  for (const int threads : {1, 2, 8}) {
-    World world({.substeps = 6, .threads = threads});
-    add_tank(world, {0.5, 1, 0.3});
-    world.add_fluid(fill(Vec3d{-0.25, 0, -0.15}, Vec3d{0, 0.3, 0.15}, d), water);
-    world.add_soft_body(box({0.1, 0.1, 0.1}, 2), {.density = 500}, LatticeOptions{.cells = 200},
-                        {.transform = {.translation = {-0.1, 0.4, 0}}});
-    for (int frame = 0; frame < 40; ++frame) world.step(1.0 / 60);
-    if (first == 0) first = world.hash();
-    EXPECT_EQ(world.hash(), first);
-  }
-}
-
 TEST(FluidRobustness, GoesOnFromASnapshotToTheBit) {
   const auto make = [] {
     World world({.substeps = 6});

@@ -8,7 +8,7 @@ namespace {
 using host::Handle;
 using host::Kind;
 
-/// What a user can delete of a mesh in Radium's tree.
+/// A part of a mesh that a user can delete in Radium's tree.
 struct Deletion {
   const char* name;
   std::function<void(Ra::Engine::RadiumEngine&, const RenderMesh&, Ra::Engine::Scene::Component&)> run;

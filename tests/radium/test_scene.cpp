@@ -68,7 +68,7 @@ TEST_F(Scene, NeighboringGrainsDifferInColor) {
   EXPECT_TRUE(material->m_perVertexColor);
 }
 
-/// What the issue asks for: bit for bit what the library alone makes of it.
+/// The adapter gives the bits of the library alone.
 TEST_F(Scene, AfterAHundredFramesItIsWhereAPureRunIs) {
   const std::string file = scenes + "one_room.json";
   system->open_scene(file);

@@ -200,15 +200,6 @@ TEST_P(Surface, OfSprayIsClosedAndManifold) {
   EXPECT_TRUE(topology.is_closed_manifold()) << topology.wrong_edges << " " << topology.wrong_corners;
 }
 
-TEST_P(Surface, IsTheSameForAnyNumberOfThreads) {
-  const std::vector<Vec3f> points = spray();
-  SurfaceOptions options = options_of(GetParam());
-  options.smoothing_passes = 2;
-  const std::uint64_t expected = hash_of(surface_of(points, options, 1));
-  EXPECT_EQ(hash_of(surface_of(points, options, 2)), expected);
-  EXPECT_EQ(hash_of(surface_of(points, options, 8)), expected);
-}
-
 // A grid that begins at the fluid's outermost particle would flicker as it moves.
 TEST(FluidSurface, DoesNotDependOnParticlesFarAway) {
   std::vector<Vec3f> points = ball(5, 0.1);

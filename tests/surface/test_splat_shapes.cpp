@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -129,16 +128,6 @@ TEST(SplatShapes, LeaveOutWhatIsNowhere) {
   EXPECT_EQ(bad.centers()[4], good.centers()[4]);
   EXPECT_EQ(bad.centers()[6], good.centers()[5]);
   EXPECT_TRUE(shapes_of({}).axes().empty());
-}
-
-TEST(SplatShapes, AreTheSameForAnyNumberOfThreads) {
-  const std::vector<Vec3f> points = pool(30, 20, 0.2);
-  const SplatShapes one = shapes_of(points, 1);
-  for (const int threads : {2, 8}) {
-    const SplatShapes many = shapes_of(points, threads);
-    EXPECT_EQ(0, std::memcmp(one.axes().data(), many.axes().data(), one.axes().size_bytes()));
-    EXPECT_EQ(0, std::memcmp(one.centers().data(), many.centers().data(), one.centers().size_bytes()));
-  }
 }
 
 TEST(SplatShapes, AllocateNothingWhenWarm) {

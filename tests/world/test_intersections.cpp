@@ -272,19 +272,5 @@ TEST(Intersections, WhateverIsThrownTogetherComesApartSlow) {
   }
 }
 
-TEST(Intersections, ThreadsChangeNoBit) {
-  const auto hash = [](int threads) {
-    World world({.threads = threads});
-    add_sheet(world, {});
-    add_sheet(world, upright(0.21));
-    world.add_obstacle(sphere(3, 0.2), {.thickness = 0.01f});
-    for (int frame = 0; frame < 30; ++frame) world.step(frame_time);
-    return world.hash();
-  };
-  const std::uint64_t one = hash(1);
-  EXPECT_EQ(hash(2), one);
-  EXPECT_EQ(hash(8), one);
-}
-
 }  // namespace
 }  // namespace souple

@@ -70,52 +70,6 @@ TEST(WorldJoints, AMotionThatThrowsIsReported) {
     EXPECT_NE(world.step(1.0 / 60).message.find("collider trouble"), std::string::npos);
 }
 
-TEST(WorldJoints, APhysicalPendulumHasItsPeriod) {
-  World world;
-  const ObjectId rod = world.add_rigid_body(Box{{}, {0.5f, 0.02f, 0.02f}}, {}, at(0.5, 0, 0));
-  // Horizontal at the start, so the amplitude is 90 degrees.
-  const JointId hinge = world.add_joint({}, rod, joint::Hinge{}, {.axis = {0, 0, 1}});
-  std::vector<double> crossings;  // of the vertical
-  double before = 0;
-  for (int frame = 0; frame < 600; ++frame) {
-    world.step(1.0 / 60);
-    const double angle = world.joint_report(hinge).coordinate[0] + pi / 2;
-    if (frame > 0 && before > 0 && angle <= 0)
-      crossings.push_back(world.time() - angle / (angle - before) / 60);
-    before = angle;
-  }
-  ASSERT_GE(crossings.size(), 3u);
-  const double period = (crossings.back() - crossings.front()) / static_cast<double>(crossings.size() - 1);
-  const RigidBodyState state = world.rigid_body(rod);
-  const double inertia = std::max(state.inertia.x, state.inertia.z) + state.mass * 0.25;
-  const double small = 2 * pi * std::sqrt(inertia / (state.mass * 9.81 * 0.5));
-  EXPECT_NEAR(period, small * 1.1803406, small * 0.002);  // of 90 degrees, by the elliptic integral K
-  EXPECT_LT(largest_error(world), 1e-5);
-}
-
-TEST(WorldJoints, AtwoodsMachineFallsAtItsAcceleration) {
-  World world;
-  const ObjectId light = world.add_rigid_body(Sphere{{}, 0.1f}, {.density = 500}, at(-0.5, 0, 0));
-  const ObjectId heavy = world.add_rigid_body(Sphere{{}, 0.1f}, {.density = 1000}, at(0.5, 0, 0));
-  const joint::Pulley rope{.wheel_a = {-0.5, 3, 0}, .wheel_b = {0.5, 3, 0}, .length = 6};
-  const JointId pulley =
-      world.add_joint(light, heavy, rope, {.point = {-0.5, 0, 0}, .point_b = Vec3d{0.5, 0, 0}});
-  run(world, 1);
-  EXPECT_NEAR(world.rigid_body(heavy).velocity.y, -9.81 / 3, 0.01 * 9.81 / 3);
-  EXPECT_NEAR(world.rigid_body(light).velocity.y, 9.81 / 3, 0.01 * 9.81 / 3);
-  const double m = world.rigid_body(light).mass, M = world.rigid_body(heavy).mass;
-  EXPECT_NEAR(world.joint_report(pulley).force.y, 2 * m * M / (m + M) * 9.81, 0.01 * m * 9.81);
-}
-
-TEST(WorldJoints, AChainCarriesAThousandTimesALinksMass) {
-  World world;
-  const Chain chain = hang_chain(world, 20, 41778);
-  run(world, 5);
-  EXPECT_LT(largest_error(world), 0.01 * 0.2);
-  EXPECT_LT(length(world.rigid_body(chain.ball).pose.translation), 4.2 * 1.01);
-  EXPECT_TRUE(world.report().ok());
-}
-
 TEST(WorldJoints, BreakAtTheirForceAndSaySo) {
   World world;
   const ObjectId load = world.add_rigid_body(brick, {}, at(0, 0, 0));

@@ -102,8 +102,8 @@ struct Dressed {
 
 // A column and two tubes around it.
 Dressed dressed(double shirt_radius, int shirt_layer, const TriangleMesh& coat, const Transform& coat_placed,
-                int coat_layer, int threads = 1) {
-  Dressed d{World({.gravity = {}, .threads = threads})};
+                int coat_layer) {
+  Dressed d{World({.gravity = {}})};
   d.world.add_obstacle(tube(20, 8, 0.11, 0.7), {.thickness = 0.004f});
   d.shirt = d.world.add_cloth(tube(30, 14, shirt_radius, 0.5), cotton, layer("shirt", shirt_layer));
   d.coat = d.world.add_cloth(coat, cotton, layer("coat", coat_layer, coat_placed));
@@ -253,21 +253,6 @@ TEST(Layers, TheOrderMayBeGivenLater) {
   EXPECT_EQ(world.layer(one), 2);
   expect_right(simulate(world, 60));
   EXPECT_LT(above(), -0.004f);
-}
-
-TEST(Layers, ResultsDoNotDependOnThreads) {
-  std::vector<std::uint64_t> alone;
-  for (const int threads : {1, 2, 8}) {
-    Dressed d =
-        dressed(0.165, 1, tube(26, 12, 0.167, 0.4), {.translation = {0.012, 0.01, 0.007}}, 2, threads);
-    std::vector<std::uint64_t> hashes;
-    for (int frame = 0; frame < 6; ++frame) {
-      d.world.step(frame_time);
-      hashes.push_back(d.world.hash());
-    }
-    if (threads == 1) alone = hashes;
-    EXPECT_EQ(hashes, alone) << threads << " threads";
-  }
 }
 
 TEST(Layers, WhatIsNoLayerIsRefused) {

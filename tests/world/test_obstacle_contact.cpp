@@ -162,21 +162,5 @@ TEST(ObstacleContact, NothingPassesAPaddleThatTurnsInACloth) {
   }
 }
 
-TEST(ObstacleContact, ResultsDoNotDependOnThreads) {
-  const auto hash_with = [](int threads) {
-    World world({.threads = threads});
-    const TriangleMesh mesh = torus(0.4, 0.15, 24, 12);
-    const auto turning = ColliderMotion::callback([](double t) {
-      return Transform{.translation = {0, 0.3, 0}, .rotation = Quatd::from_axis_angle({1, 0, 0}, 2 * t)};
-    });
-    world.add_obstacle(mesh, {}, {.pose = turning});
-    world.add_cloth(grid(25, 25, 1.2), thick_cloth(), {.transform = {.translation = {0, 0.465, 0}}});
-    run(world, 0.25);
-    EXPECT_GT(world.contacts().size(), 10u);
-    return world.hash();
-  };
-  EXPECT_EQ(hash_with(1), hash_with(8));
-}
-
 }  // namespace
 }  // namespace souple

@@ -138,22 +138,6 @@ TEST(RigidBodies, MomentumStaysWhereABodyHitsACloth) {
   EXPECT_NEAR(after / before, 1, 0.02);
 }
 
-std::uint64_t hash_of_heap(int threads) {
-  World world = on_the_ground(threads);
-  world.add_soft_body(tet_bar(4, 2, 4, {0.6, 0.3, 0.6}), material::jelly, at(0, 0.16, 0));
-  for (int i = 0; i < 12; ++i)
-    world.add_rigid_body(i % 2 == 0 ? Shape(small_box) : Shape(Capsule{{}, 0.06f, 0.1f}), {},
-                         at(0.05 * (i % 3), 0.5 + 0.25 * i, 0.04 * (i % 2)));
-  run(world, 1.5);
-  return world.hash();
-}
-
-TEST(RigidBodies, MoveAlikeOnAnyNumberOfThreads) {
-  const std::uint64_t one = hash_of_heap(1);
-  EXPECT_EQ(hash_of_heap(2), one);
-  EXPECT_EQ(hash_of_heap(8), one);
-}
-
 TEST(RigidBodies, ASnapshotHoldsThem) {
   World world = on_the_ground();
   for (int i = 0; i < 4; ++i) world.add_rigid_body(small_box, {}, at(0.03 * i, 0.3 + 0.25 * i, 0));

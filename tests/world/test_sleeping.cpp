@@ -374,8 +374,8 @@ TEST(Sleeping, OthersLeaveThemAlone) {
   EXPECT_TRUE(world.is_asleep(box)) << "what does not meet it";
 }
 
-World three_heaps(int threads) {
-  Settings settings = sleepy(threads);
+World three_heaps() {
+  Settings settings = sleepy(1);
   settings.sleeping.seconds = 0.2f;
   settings.substeps = 5;
   World world(settings);
@@ -389,44 +389,12 @@ World three_heaps(int threads) {
   return world;
 }
 
-void add_wakers(World& world) {
-  const std::vector<Vec3d> one{{1.08, 0.5, 0.08}};
-  world.add_grains(one, {.radius = 0.02f});
-  add_box(world, {0, 0.8, 0}, "falls");
-}
-
-TEST(Sleeping, TheSameBitsOnAnyNumberOfThreads) {
-  std::vector<std::uint64_t> hashes;
-  std::vector<std::size_t> sleepers;
-  for (const int threads : {1, 2, 8}) {
-    World world = three_heaps(threads);
-    std::uint64_t hash = 0;
-    std::size_t asleep = 0, most = 0, least = 9;
-    for (int k = 0; k < 180; ++k) {
-      if (k == 120) add_wakers(world);
-      const std::size_t now = world.step(frame).asleep;
-      hash = hash * 31 + world.hash();
-      asleep = asleep * 7 + now;
-      if (k < 120) most = std::max(most, now);
-      if (k >= 120) least = std::min(least, now);
-    }
-    EXPECT_GT(most, 2u);
-    EXPECT_LT(least, most) << "some were woken";
-    hashes.push_back(hash);
-    sleepers.push_back(asleep);
-  }
-  EXPECT_EQ(hashes[0], hashes[1]);
-  EXPECT_EQ(hashes[0], hashes[2]);
-  EXPECT_EQ(sleepers[0], sleepers[1]);
-  EXPECT_EQ(sleepers[0], sleepers[2]);
-}
-
 TEST(Sleeping, SnapshotsKeepWhoSleeps) {
-  World a = three_heaps(1);
+  World a = three_heaps();
   for (int k = 0; k < 100; ++k) a.step(frame);
   ASSERT_GT(a.report().asleep, 0u);
   ASSERT_LT(a.report().asleep, 5u);
-  World b = three_heaps(1);
+  World b = three_heaps();
   b.restore(a.snapshot());
   for (const ObjectId id : a.objects()) EXPECT_EQ(a.is_asleep(id), b.is_asleep(b.find_object(a.name(id))));
   for (int k = 0; k < 60; ++k) {
@@ -435,7 +403,7 @@ TEST(Sleeping, SnapshotsKeepWhoSleeps) {
     ASSERT_EQ(a.report().asleep, b.report().asleep) << k;
   }
   // Restored to a state before any object slept.
-  World fresh = three_heaps(1);
+  World fresh = three_heaps();
   const Snapshot start = fresh.snapshot();
   for (int k = 0; k < 10; ++k) fresh.step(frame);
   a.restore(start);

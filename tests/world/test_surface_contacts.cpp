@@ -87,17 +87,6 @@ TEST(SurfaceContacts, ASheetThatFallsInAHeapNeverPassesThroughItself) {
   EXPECT_GT(crossing_counter_of(without).crossings(), 0u);
 }
 
-TEST(SurfaceContacts, ThreadsChangeNoBit) {
-  const auto hash = [](int threads) {
-    World world = falling_sheet(16, true, threads);
-    for (int frame = 0; frame < 40; ++frame) world.step(1.0 / 60);
-    return world.hash();
-  };
-  const std::uint64_t one = hash(1);
-  EXPECT_EQ(hash(2), one);
-  EXPECT_EQ(hash(8), one);
-}
-
 // A stone thrown at a free sheet moves it: no crossing, and momentum is conserved.
 TEST(SurfaceContacts, AFastStoneDoesNotPass) {
   for (const Form form : {Form::displacement, Form::plain}) {

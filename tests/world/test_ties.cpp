@@ -261,19 +261,6 @@ std::vector<TieId> tie_everything(World& world) {
   return ties;
 }
 
-TEST(Ties, BitsAreEqualForAnyNumberOfThreads) {
-  std::vector<std::uint64_t> hashes;
-  for (const int threads : {1, 2, 8}) {
-    World world({.threads = threads});
-    tie_everything(world);
-    run(world, 0.5);
-    hashes.push_back(world.hash());
-    EXPECT_TRUE(world.report().ok());
-  }
-  EXPECT_EQ(hashes[0], hashes[1]);
-  EXPECT_EQ(hashes[0], hashes[2]);
-}
-
 TEST(Ties, ASnapshotContinuesWithEqualBits) {
   World first, second;
   const std::vector<TieId> ties = tie_everything(first);

@@ -140,23 +140,6 @@ TEST(VertexBalls, MomentumIsConserved) {
   EXPECT_LT(length(world.momentum(cloth) - before), 2e-5 * length(before));
 }
 
-TEST(VertexBalls, ThreadsChangeNoBit) {
-  std::vector<std::uint64_t> alone;
-  for (const int threads : {1, 2, 8}) {
-    World world = falling_sheet(40, SelfCollision::particles, {.threads = threads});
-    for (int k = 0; k < 3; ++k)
-      world.add_cloth(grid(16, 16, 0.4), {},
-                      with_balls({{0.6 * k, 1.5, 0}, Quatd::from_axis_angle({1, 0, 0}, 1.4), 1}));
-    std::vector<std::uint64_t> hashes;
-    for (int frame = 0; frame < 40; ++frame) {
-      world.step(1.0 / 60);
-      hashes.push_back(world.hash());
-    }
-    if (threads == 1) alone = hashes;
-    EXPECT_EQ(hashes, alone) << threads << " threads";
-  }
-}
-
 TEST(VertexBalls, ARestoredSnapshotGoesOnToTheBit) {
   World world = falling_sheet(24, SelfCollision::particles);
   for (int frame = 0; frame < 40; ++frame) world.step(1.0 / 60);
