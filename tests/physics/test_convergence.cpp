@@ -142,7 +142,9 @@ TEST(Convergence, AMaterialMayChange) {
 // The particles of the cloth get other numbers.
 TEST(Convergence, AnEarlierObjectMayBeRemoved) {
   World world;
-  const ObjectId grains = world.add_grains(std::vector<Vec3d>(3000, Vec3d{5, 5, 5}));
+  std::vector<Vec3d> apart;
+  for (int i = 0; i < 3000; ++i) apart.push_back({5 + 0.1 * (i % 50), 5 + 0.1 * (i / 50), 5});
+  const ObjectId grains = world.add_grains(apart);
   TriangleMesh mesh = grid(30, 30, 1.0);
   for (Vec3d& x : mesh.positions) x = {x.x, -x.z, 0};
   const ObjectId cloth = world.add_cloth(mesh, material::cotton);

@@ -53,7 +53,7 @@ TEST(Damping, StackOfDampedCubesStands) {
         world.add_soft_body(cube, {.young_modulus = 1e6f, .density = 1000, .damping_time = 0.005f}));
     for (Vec3d& x : cube.positions) x.y += 0.202;
   }
-  for (int frame = 0; frame < 600; ++frame) world.step(1.0 / 60);
+  for (int frame = 0; frame < 240; ++frame) world.step(1.0 / 60);
   for (std::size_t i = 0; i < 5; ++i) {
     double height = 0;
     const auto x = world.positions(cubes[i]);
