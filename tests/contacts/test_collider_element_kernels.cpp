@@ -150,7 +150,7 @@ TEST(ColliderElementKernels, NoFastElementPasses) {
   const auto& kernels = kernels::find_collider_element_kernels(instruction_set());
   for (const Shape& shape : convex_shapes) {
     const kernels::ColliderBody body = body_of(shape);
-    Triangles all = near_surface(shape, 0.08, 3000, 0.06), moving;
+    Triangles all = near_surface(shape, 0.08, 2000, 0.06), moving;
     for (std::size_t t = 0; t < all.size(); ++t) {
       if (lowest_of(shape, all, t, 0, true) < 2 * double(radius)) continue;
       const Vec3d x[3] = {all.at(t, 0, 0), all.at(t, 1, 0), all.at(t, 2, 0)};

@@ -123,7 +123,7 @@ void expect_stands(int count, double size, const SoftBodyMaterial& material, int
 }
 
 TEST(SoftStack, TenShapeMatchedBoxesStand) {
-  expect_stands(10, 0.1, material_of(SoftBodyModel::shape_matching, 1e7f), 4);
+  expect_stands(10, 0.1, material_of(SoftBodyModel::shape_matching, 1e7f), 2);
 }
 
 // A case for each stiffness: the cores share them.
@@ -138,7 +138,7 @@ TEST(SoftStack, FiveCubesOfTetsStand) {
   for (const float damping_time : {0.0f, 0.01f}) {
     SoftBodyMaterial material = material_of(SoftBodyModel::neo_hookean, 1e6f);
     material.damping_time = damping_time;
-    expect_stands(5, 0.1, material, 6);
+    expect_stands(5, 0.1, material, 3);
   }
 }
 
@@ -162,7 +162,7 @@ TEST(SoftStack, AShapeMatchedCubeCarriesAHundredTimesItsMass) {
   material.density *= 100;
   const ObjectId heavy =
       world.add_soft_body(box(0.1), material, {.transform = {.translation = {0, 0.167, 0}}});
-  for (int frame = 0; frame < 240; ++frame) world.step(1.0 / 60);
+  for (int frame = 0; frame < 120; ++frame) world.step(1.0 / 60);
   EXPECT_LT(top_speed(world, light), 0.02);
   const Vec3d top = world.center_of_mass(heavy);
   EXPECT_LT(std::hypot(top.x, top.z), 0.001);

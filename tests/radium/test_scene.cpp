@@ -69,17 +69,17 @@ TEST_F(Scene, NeighboringGrainsDifferInColor) {
 }
 
 /// The adapter gives the bits of the library alone.
-TEST_F(Scene, AfterAHundredFramesItIsWhereAPureRunIs) {
+TEST_F(Scene, AfterThirtyFramesItIsWhereAPureRunIs) {
   const std::string file = scenes + "one_room.json";
   system->open_scene(file);
   first_frame();
   system->play();
-  frames(100);
+  frames(30);
   // A gust may stretch the worst link of the flag by more than 10 %; there is nothing else to say.
   const std::string said = words();
   EXPECT_EQ(said.find("contact"), std::string::npos) << said;
   EXPECT_EQ(said.find("non-finite"), std::string::npos) << said;
-  const PureRun pure = run_scene(file, 100, double{frame_time});
+  const PureRun pure = run_scene(file, 30, double{frame_time});
   EXPECT_EQ(session().hash(), pure.hash);
 }
 
