@@ -178,22 +178,6 @@ class BallOfParticles : public LiquidTest {
     result.area = double(covered) / expected;
     return result;
   }
-  /// Distance of the left end of each row from the exact ball's outline, row by row around the center.
-  /// [pixels]
-  std::vector<double> outline(SplatShape splat) {
-    constexpr int columns = 960, rows = 720, reach = 120;
-    const LiquidImage image = renderer().liquid_image(with(ellipsoids_.liquid(splat)), camera_,
-                                                      filtered(LiquidFilter::none), columns, rows);
-    std::vector<double> off;
-    for (int y = rows / 2 - reach; y < rows / 2 + reach; ++y) {
-      int x = 0, of_ball = 0;
-      while (image.depth[std::size_t(y * columns + x)] == 0) ++x;
-      while (cast(ball_, camera_, of_ball + 0.5, y + 0.5, columns, rows).ball < 0) ++of_ball;
-      off.push_back(x - of_ball);
-    }
-    return off;
-  }
-
   /// Pixels of each row that the liquid covers, as the mean of many samples.
   std::vector<double> covered_rows(Liquid liquid, int columns, int rows) {
     liquid.look.absorption = {1e6f, 1e6f, 1e6f};
@@ -243,37 +227,6 @@ TEST_F(BallOfParticles, HasTheOutlineAndThicknessOfTheBall) {
   EXPECT_GT(rough[0], 0.2) << "beads";
   EXPECT_LT(rough[1], 0.5 * rough[0]);
   EXPECT_LT(rough[1], 0.16);
-}
-
-TEST_F(BallOfParticles, HasAnOutlineThatEllipsoidsMakeSmooth) {
-  const double beads = deviation(outline(SplatShape::spheres));
-  const double smooth = deviation(outline(SplatShape::ellipsoids));
-  EXPECT_GT(beads, 1) << "pixels";
-  EXPECT_LT(smooth, 0.7 * beads);
-}
-
-/// A ball cut out of a lattice has steps of up to a particle's spacing, here 3.8 pixels. Its outermost centers lie on
-/// the ball, others up to a spacing below. Ellipsoids leave less than half of that.
-TEST_F(BallOfParticles, HasASilhouetteThatIsHalfAsRoughAsItsLattice) {
-  const LiquidImage image = renderer().liquid_image(with(ellipsoids_.liquid(SplatShape::ellipsoids)), camera_,
-                                                    filtered(LiquidFilter::narrow_range), width, height);
-  const double tangent = std::tan(double(camera_.fov) * pi / 360);
-  const double circle = double(radius_) / std::sqrt(9 - double(radius_ * radius_)) / tangent * height / 2;
-  std::vector<double> off;
-  for (int i = 0; i < 360; ++i) {
-    const double angle = i * pi / 180, x = std::cos(angle), y = std::sin(angle);
-    double reach = 1.2 * circle;
-    const auto wet = [&](double at) {
-      constexpr int middle_x = width / 2, middle_y = height / 2;
-      return image.depth[std::size_t(int(middle_y + at * y) * width + int(middle_x + at * x))] > 0;
-    };
-    while (reach > 0 && !wet(reach)) reach -= 0.1;
-    off.push_back(reach - circle);
-  }
-  EXPECT_NEAR(mean(off), 0, 0.75) << "pixels";
-  EXPECT_LT(deviation(off), 0.5);
-  for (double& o : off) o = std::abs(o);
-  EXPECT_LT(quantile(off, 0.9), 1.2);
 }
 
 /// x, in pixels, of the left and the right end of a row of the ellipsoids' outline, exactly. The ray through x is
