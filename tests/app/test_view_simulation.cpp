@@ -401,7 +401,7 @@ TEST(ViewerAdditions, EachIsAddedFreelyAndFallsToRest) {
       EXPECT_NEAR(start.z, 2, 0.01 * size);
       for (const Vec3f& x : simulation.world().positions(id)) EXPECT_GT(x.y, 0);
       EXPECT_GT(simulation.world().total_mass(id), 0);
-      for (int i = 0; i < 90; ++i) simulation.step_frame();
+      for (int i = 0; i < (size == 0.5 ? 90 : 30); ++i) simulation.step_frame();
       EXPECT_FALSE(simulation.failure());
       const Vec3d end = simulation.world().center_of_mass(id);
       EXPECT_LT(end.y, start.y);
