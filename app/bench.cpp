@@ -93,7 +93,6 @@ BenchOptions options_of(const BenchRequest& request) {
   settings.threads = 1;
   settings.solver = solver_settings(request);
   if (!request.mode.empty()) settings.mode = value_of(mode_names, request.mode, "--mode");
-  if (!request.form.empty()) settings.form = value_of(form_names, request.form, "--form");
   if (!request.threading.empty())
     settings.threading = value_of(threading_names, request.threading, "--threading");
   set_option(request.size, "--size", 1, 100000000, options.size);

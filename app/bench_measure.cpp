@@ -165,7 +165,6 @@ void describe(const BenchOptions& options, BenchResult& result) {
   result.simd = simd_name();
   result.solver = name_of(solver_names, s.solver.kind);
   result.sweep = name_of(sweep_names, s.solver.sweep);
-  result.form = name_of(form_names, s.form);
   result.mode = name_of(mode_names, s.mode);
   result.relaxation = static_cast<double>(s.solver.relaxation);
   result.chebyshev = static_cast<double>(s.solver.chebyshev);

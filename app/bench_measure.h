@@ -48,7 +48,7 @@ struct BenchResult {
   std::string name;
   int size = 0, threads = 0;
   std::string simd;
-  std::string solver, sweep, form, mode;
+  std::string solver, sweep, mode;
   double relaxation = 1, chebyshev = 0;
   int colors = 0;
   int substeps = 0, iterations = 0, warm_up = 0, runs = 0;

@@ -84,9 +84,9 @@ void print_head(const Json& now) {
   std::printf("%s, size %s: %s particles, %s constraints\n", text_at(now, "name").c_str(),
               text_at(now, "size").c_str(), text_at(now, "particles").c_str(),
               text_at(now, "constraints").c_str());
-  std::printf("  threads %s, %s, %s, %s substeps of %s, %s form; %s steps\n", text_at(now, "threads").c_str(),
+  std::printf("  threads %s, %s, %s, %s substeps of %s; %s steps\n", text_at(now, "threads").c_str(),
               text_at(now, "simd").c_str(), text_at(now, "solver").c_str(), text_at(now, "substeps").c_str(),
-              text_at(now, "iterations").c_str(), text_at(now, "form").c_str(), text_at(now, "runs").c_str());
+              text_at(now, "iterations").c_str(), text_at(now, "runs").c_str());
   const std::string diagnostic = now.find("remark") != nullptr ? text_at(now, "remark") : "";
   if (!diagnostic.empty()) std::printf("  %s\n", diagnostic.c_str());
 }
@@ -118,7 +118,7 @@ void print_residual(const Json& residual) {
 /// Lists settings that differ between two results: then their ratio is not a speed-up of the code alone.
 void print_differences(const Json& now, const Json& before) {
   for (const char* key : {"name", "size", "threads", "simd", "substeps", "iterations", "solver", "sweep",
-                          "relaxation", "chebyshev", "colors", "form", "mode"}) {
+                          "relaxation", "chebyshev", "colors", "mode"}) {
     const std::string is = text_at(now, key), was = text_at(before, key);
     if (is != was) std::printf("  %s: %s, was %s\n", key, is.c_str(), was.c_str());
   }
@@ -153,7 +153,6 @@ Json bench_json(const BenchResult& r) {
   object.set("relaxation", rounded(r.relaxation));
   object.set("chebyshev", rounded(r.chebyshev));
   object.set("colors", Json::whole(r.colors));
-  object.set("form", Json::of(r.form));
   object.set("mode", Json::of(r.mode));
   object.set("substeps", Json::whole(r.substeps));
   object.set("iterations", Json::whole(r.iterations));

@@ -96,7 +96,7 @@ int convert(const ConvertRequest& request);
 struct BenchRequest {
   std::string name;  ///< empty: list the benchmarks
   std::optional<std::uint32_t> size, threads, substeps, iterations, warm_up, runs, colors;
-  std::string solver, sweep, form, mode, threading;
+  std::string solver, sweep, mode, threading;
   std::optional<float> relaxation, chebyshev;
   std::optional<double> residual, strain;
   std::filesystem::path compare;  ///< JSON of an earlier result

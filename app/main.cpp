@@ -434,7 +434,6 @@ void add_bench(CLI::App& app, std::function<int()>& action) {
       ->type_name("N");
   add_bench_solver(command, *request);
   command.add_option("--mode", request->mode, "small_steps, xpbd, pbd [small_steps]")->type_name("MODE");
-  command.add_option("--form", request->form, "displacement, plain [displacement]")->type_name("FORM");
   command.add_option("--warm-up", request->warm_up, "number of steps before the measurement [5]")
       ->type_name("N");
   command.add_option("--runs", request->runs, "number of measured steps [30; with --strain 600]")

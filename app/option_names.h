@@ -13,9 +13,6 @@
 
 namespace souple::app {
 
-inline constexpr std::pair<const char*, Form> form_names[] = {{"displacement", Form::displacement},
-                                                              {"plain", Form::plain}};
-
 inline constexpr std::pair<const char*, Threading> threading_names[] = {{"automatic", Threading::automatic},
                                                                         {"serial", Threading::serial},
                                                                         {"pool", Threading::pool},

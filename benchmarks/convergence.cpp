@@ -99,7 +99,7 @@ struct Cloth {
     for (const Hinge& hinge : interior_edges(mesh.triangles)) add(hinge[2], hinge[3]);
     distances.prepare(position.size());
   }
-  ParticleView view() { return {position, offset, start, Form::displacement}; }
+  ParticleView view() { return {position, offset, start}; }
   void reset() { offset = start; }
 };
 

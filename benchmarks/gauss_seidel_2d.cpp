@@ -34,8 +34,8 @@ struct Case {
 // Each evaluation of a constraint records the particle's position.
 std::vector<Vec3f> path_of(const Case& scene, float relaxation, int iterations) {
   std::vector<Vec3f> path;
-  std::vector<Vec4f> position{{scene.start.x, scene.start.y, 0, 1}};
-  const std::vector<Vec4f> start = position;
+  const std::vector<Vec4f> position{{scene.start.x, scene.start.y, 0, 1}}, start(1);
+  std::vector<Vec4f> moving(1);
   CustomProjector lines;
   for (const Line& line : scene.lines)
     lines.add(std::make_shared<CallbackConstraint>(
@@ -45,8 +45,8 @@ std::vector<Vec3f> path_of(const Case& scene, float relaxation, int iterations) 
           return dot(line.a, x[0]) - line.b;
         }));
   lines.prepare(1);
-  const ParticleView view{position, position, start, Form::plain};
-  const Substep substep{.h = 1, .iterations = iterations, .form = Form::plain};
+  const ParticleView view{position, moving, start};
+  const Substep substep{.h = 1, .iterations = iterations};
   SolverSettings settings;
   settings.relaxation = relaxation;
   const std::unique_ptr<Solver> solver = make_solver(settings);
@@ -56,7 +56,7 @@ std::vector<Vec3f> path_of(const Case& scene, float relaxation, int iterations) 
   path.clear();
   lines.begin_substep(view, substep);
   solver->solve(projectors, view, substep, *threads);
-  path.push_back(position[0].xyz());
+  path.push_back(position[0].xyz() + moving[0].xyz());
   return path;
 }
 

@@ -57,7 +57,7 @@ struct Body {
     offset.resize(position.size());
     start = offset;
   }
-  ParticleView view() { return {position, offset, start, Form::displacement}; }
+  ParticleView view() { return {position, offset, start}; }
 };
 
 double mean_length(const std::vector<Edge>& edges, const std::vector<Vec3d>& x) {

@@ -12,7 +12,7 @@
 
 #include <benchmark/benchmark.h>
 
-// Projection alone, by kind and form, through SetProjector: all colors of a mesh, once per iteration; and the
+// Projection alone, by kind, through SetProjector: all colors of a mesh, once per iteration; and the
 // stages of a step. SOUPLE_SIMD selects the instruction set.
 
 namespace souple {
@@ -25,9 +25,8 @@ struct Particles {
   std::vector<Vec4f> position, moving, start;
   std::vector<Vec3d> rest;
   std::vector<std::uint32_t> number;  ///< particle of each vertex
-  Form form;
 
-  Particles(const std::vector<Vec3d>& vertices, Form of) : number(vertices.size()), form(of) {
+  explicit Particles(const std::vector<Vec3d>& vertices) : number(vertices.size()) {
     const std::vector<std::uint32_t> order = morton_order(vertices);
     for (std::uint32_t i = 0; i < order.size(); ++i) {
       number[order[i]] = i;
@@ -35,12 +34,9 @@ struct Particles {
       const Vec3f x(rest.back() * 1.01);
       position.push_back({x.x, x.y, x.z, 1});
     }
-    moving = start = form == Form::plain ? position : std::vector<Vec4f>(position.size());
+    moving = start = std::vector<Vec4f>(position.size());
   }
-  ParticleView view() {
-    return {
-        .position = form == Form::plain ? moving : position, .moving = moving, .start = start, .form = form};
-  }
+  ParticleView view() { return {.position = position, .moving = moving, .start = start}; }
 };
 
 template <std::size_t n>
@@ -96,12 +92,12 @@ void fill(SetProjector<NeoHookean>& set, const TetMesh& mesh, const Particles& p
 /// Projects for the duration of the benchmark, always from the same positions.
 template <class Kind, class Mesh>
 void project_all(benchmark::State& state, const Mesh& mesh) {
-  Particles particles(mesh.positions, state.range(0) == 0 ? Form::displacement : Form::plain);
+  Particles particles(mesh.positions);
   SetProjector<Kind> set;
   fill(set, mesh, particles);
   set.prepare(particles.rest.size());
   const std::unique_ptr<Threads> threads = make_threads(Threading::serial, 1);
-  const Substep substep{.h = 1.0f / 600, .form = particles.form};
+  const Substep substep{.h = 1.0f / 600};
   const ParticleView view = particles.view();
   set.begin_substep(view, substep);
   for (auto _ : state) {
@@ -110,7 +106,6 @@ void project_all(benchmark::State& state, const Mesh& mesh) {
   }
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()) *
                           static_cast<std::int64_t>(set.size()));
-  state.SetLabel(particles.form == Form::plain ? "plain" : "displacement");
 }
 
 template <class Kind>
@@ -120,30 +115,28 @@ void project_cloth(benchmark::State& state) {
 void project_neo_hookean(benchmark::State& state) {
   project_all<NeoHookean>(state, tet_bar(60, 12, 12, {1.2, 0.24, 0.24}));
 }
-BENCHMARK(project_cloth<Distance>)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
-BENCHMARK(project_cloth<DihedralBending>)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
-BENCHMARK(project_cloth<IsometricBending>)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
-BENCHMARK(project_cloth<TriangleMembrane>)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
-BENCHMARK(project_neo_hookean)->Arg(0)->Arg(1)->Unit(benchmark::kMicrosecond);
+BENCHMARK(project_cloth<Distance>)->Unit(benchmark::kMicrosecond);
+BENCHMARK(project_cloth<DihedralBending>)->Unit(benchmark::kMicrosecond);
+BENCHMARK(project_cloth<IsometricBending>)->Unit(benchmark::kMicrosecond);
+BENCHMARK(project_cloth<TriangleMembrane>)->Unit(benchmark::kMicrosecond);
+BENCHMARK(project_neo_hookean)->Unit(benchmark::kMicrosecond);
 
 /// One stage of the steps of the cloth of `souple bench`, timed by the world's own clock.
 void stage(benchmark::State& state) {
   Settings settings;
   settings.threads = 1;
   settings.measure_residuals = false;
-  settings.form = state.range(1) == 0 ? Form::displacement : Form::plain;
   World world(settings);
   app::find_bench_scene("cloth").build(world, side);
   const auto which = static_cast<std::size_t>(state.range(0));
   world.step(1.0 / 60);
   for (auto _ : state) state.SetIterationTime(1e-3 * world.step(1.0 / 60).milliseconds[which]);
-  state.SetLabel(std::string(stage_name(static_cast<Stage>(which))) +
-                 (settings.form == Form::plain ? ", plain" : ", displacement"));
+  state.SetLabel(std::string(stage_name(static_cast<Stage>(which))));
 }
 BENCHMARK(stage)
-    ->ArgsProduct({{static_cast<int>(Stage::integrate), static_cast<int>(Stage::solve),
-                    static_cast<int>(Stage::finish)},
-                   {0, 1}})
+    ->Arg(static_cast<int>(Stage::integrate))
+    ->Arg(static_cast<int>(Stage::solve))
+    ->Arg(static_cast<int>(Stage::finish))
     ->UseManualTime()
     ->Unit(benchmark::kMillisecond)
     ->MinTime(0.2);

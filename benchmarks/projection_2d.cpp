@@ -21,16 +21,18 @@ namespace {
 using namespace souple;
 
 void solve(Projector& projector, std::span<Vec4f> position, int iterations) {
-  const std::vector<Vec4f> start(position.begin(), position.end());
+  std::vector<Vec4f> moving(position.size());
+  const std::vector<Vec4f> start = moving;
   projector.prepare(position.size());
-  const ParticleView view{position, position, start, Form::plain};
-  const Substep substep{.h = 1, .iterations = iterations, .form = Form::plain};
+  const ParticleView view{position, moving, start};
+  const Substep substep{.h = 1, .iterations = iterations};
   const std::unique_ptr<Solver> solver = make_solver({.kind = SolverKind::gauss_seidel});
   const std::unique_ptr<Threads> threads = make_threads(Threading::serial, 1);
   std::array<Projector*, 1> projectors{&projector};
   solver->prepare(projectors, view);
   projector.begin_substep(view, substep);
   solver->solve(projectors, view, substep, *threads);
+  for (std::size_t i = 0; i < position.size(); ++i) position[i].set_xyz(position[i].xyz() + moving[i].xyz());
 }
 
 /// C = |x| - 1, or the quadratic C = (|x|^2 - 1) / 2 with the same zeros: fills its gradient.

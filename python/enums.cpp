@@ -31,7 +31,6 @@ void bind_settings_enums(py::handle m) {
                            {"implicit_euler", Integrator::implicit_euler}});
   enumeration<Mode>(m, "Mode",
                     {{"small_steps", Mode::small_steps}, {"xpbd", Mode::xpbd}, {"pbd", Mode::pbd}});
-  enumeration<Form>(m, "Form", {{"displacement", Form::displacement}, {"plain", Form::plain}});
   enumeration<SolverKind>(m, "SolverKind",
                           {{"automatic", SolverKind::automatic},
                            {"gauss_seidel", SolverKind::gauss_seidel},

@@ -25,7 +25,6 @@ SOUPLE_PYTHON_ENUM(souple::Flag, "Flag");
 SOUPLE_PYTHON_ENUM(souple::LogLevel, "LogLevel");
 SOUPLE_PYTHON_ENUM(souple::Integrator, "Integrator");
 SOUPLE_PYTHON_ENUM(souple::Mode, "Mode");
-SOUPLE_PYTHON_ENUM(souple::Form, "Form");
 SOUPLE_PYTHON_ENUM(souple::SolverKind, "SolverKind");
 SOUPLE_PYTHON_ENUM(souple::Sweep, "Sweep");
 SOUPLE_PYTHON_ENUM(souple::Sense, "Sense");

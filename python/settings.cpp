@@ -76,7 +76,6 @@ void bind_settings(py::module_& m) {
       .field<&S::substeps>("substeps")
       .field<&S::iterations>("iterations")
       .field<&S::mode>("mode")
-      .field<&S::form>("form")
       .field<&S::integrator>("integrator")
       .field<&S::gravity>("gravity")
       .field<&S::wind>("wind")

@@ -9,7 +9,6 @@ void solver_panel(Simulation& simulation) {
   if (!section("Solver")) return;
   Settings settings = simulation.scene().settings;
   int mode = static_cast<int>(settings.mode), integrator = static_cast<int>(settings.integrator);
-  int form = static_cast<int>(settings.form);
   bool changed =
       count_row("Substeps", "##substeps", settings.substeps, 1, 100,
                 "Substeps of one frame. More are stiffer and more accurate, at proportional cost.");
@@ -19,12 +18,9 @@ void solver_panel(Simulation& simulation) {
                         "PBD uses stiffnesses from 0 to 1 instead of a material.");
   changed |= choice_row("Integrator", "##integrator", integrator,
                         {"semi-implicit", "explicit Euler", "implicit Euler"});
-  changed |= choice_row("Form", "##form", form, {"displacements", "positions"},
-                        "Unknowns of the solver. Displacements keep the precision that small steps need.");
   if (!changed) return;
   settings.mode = static_cast<Mode>(mode);
   settings.integrator = static_cast<Integrator>(integrator);
-  settings.form = static_cast<Form>(form);
   simulation.set_settings(settings);
 }
 

@@ -48,20 +48,18 @@ void add_peers(Comparison& comparison) {
   comparison.engines.push_back(make_bullet(comparison.input, 1, substeps));
 }
 
-/// The benchmark `cloth`, in both forms.
+/// The benchmark `cloth`.
 Comparison cloth(const Options& options) {
   Comparison comparison;
   comparison.scene = "cloth " + std::to_string(options.size) + " x " + std::to_string(options.size);
   comparison.input = cloth_scene(options.size);
-  const auto add = [&](Form form, SolverKind solver, std::string name) {
-    Settings with_form = settings(options);
-    with_form.form = form;
-    with_form.solver.kind = solver;
-    comparison.engines.push_back(make_souple_cloth(options.size, with_form, true, std::move(name)));
+  const auto add = [&](SolverKind solver, std::string name) {
+    Settings with_solver = settings(options);
+    with_solver.solver.kind = solver;
+    comparison.engines.push_back(make_souple_cloth(options.size, with_solver, true, std::move(name)));
   };
-  add(Form::displacement, SolverKind::gauss_seidel, "Souple");
-  add(Form::plain, SolverKind::gauss_seidel, "Souple, plain form");
-  add(Form::displacement, SolverKind::automatic, "Souple, default solver");
+  add(SolverKind::gauss_seidel, "Souple");
+  add(SolverKind::automatic, "Souple, default solver");
   add_peers(comparison);
   return comparison;
 }

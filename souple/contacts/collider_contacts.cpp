@@ -5,7 +5,6 @@
 #include "souple/contacts/element_clearance.h"
 #include "souple/contacts/kernels/find_kernels.h"
 #include "souple/contacts/packed_collider.h"
-#include "souple/contacts/particle_position.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 
@@ -133,7 +132,7 @@ void ColliderContacts::find_frame(Body& body, const ParticleView& particles) con
   if (!std::holds_alternative<Plane>(shape)) return;
   const Vec3d near = members_.particle.empty()
                          ? Vec3d{}
-                         : body.after.to_local(particle_position(particles, members_.particle[0]));
+                         : body.after.to_local(particles.exact_position(members_.particle[0]));
   const SurfaceDistance below = surface_distance(shape, near);
   body.origin = near - below.normal * below.distance;
   body.axes = axes_around(below.normal);
@@ -171,7 +170,7 @@ void ColliderContacts::find_groups(const ParticleView& particles) {
         members_.object[m], m, m, {infinity, infinity, infinity}, {-infinity, -infinity, -infinity}, 0, 0};
     for (; m < count && members_.object[m] == group.object; ++m) {
       const std::uint32_t i = members_.particle[m];
-      const Vec3d x = particle_position(particles, i);
+      const Vec3d x = particles.exact_position(i);
       for (int axis = 0; axis < 3; ++axis) {
         group.lo[axis] = min(group.lo[axis], x[axis]);
         group.hi[axis] = max(group.hi[axis], x[axis]);
@@ -255,8 +254,8 @@ void ColliderContacts::refresh(const ParticleView& particles, const Substep& sub
 // Of a particle and the body in the substep, in the body's frame [m].
 Vec3f ColliderContacts::relative_motion(const Body& body, std::uint32_t particle,
                                         const ParticleView& particles) {
-  return Vec3f(body.after.to_local(particle_position(particles, particle)) -
-               body.before.to_local(particle_start_position(particles, particle)));
+  return Vec3f(body.after.to_local(particles.exact_position(particle)) -
+               body.before.to_local(particles.exact_start(particle)));
 }
 
 // All threads find the near particles; one thread then counts them in order. So contacts and their order do

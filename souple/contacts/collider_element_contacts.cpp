@@ -3,7 +3,6 @@
 #include "souple/contacts/element_clearance.h"
 #include "souple/contacts/kernels/find_kernels.h"
 #include "souple/contacts/packed_collider.h"
-#include "souple/contacts/particle_position.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
@@ -360,7 +359,6 @@ void ColliderElementContacts::find_depenetrating(Body& body, std::span<const Cor
   kernels::ColliderBody at_start = body.packed;
   at_start.after = at_start.before;
   kernels::ColliderParticles start = packed_particles(particles);
-  if (start.position == start.moving) start.position = start.start;
   start.moving = start.start;
   threads.for_each(corners.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
     particle_kernels_->distances(start, at_start, particle.data(), begin, end, corners_.distance.data());
@@ -459,8 +457,8 @@ bool ColliderElementContacts::contact_of(const Body& body, const kernels::Collid
     const float w = found.weight[k][candidate];
     const std::uint32_t i = element.particle[k];
     contact.anchor.weight[k] = w;
-    start += particle_start_position(particles, i) * double(w);
-    end += particle_position(particles, i) * double(w);
+    start += particles.exact_start(i) * double(w);
+    end += particles.exact_position(i) * double(w);
   }
   contact.inverse_mass = contact.anchor.inverse_mass(particles);
   Vec3d n;
@@ -535,8 +533,7 @@ void ColliderElementContacts::events(const ParticleView& particles, std::vector<
       const auto heaviest = std::max_element(weight.begin(), weight.end());
       const auto k = static_cast<std::size_t>(heaviest - weight.begin());
       Vec3d point;
-      for (std::size_t j = 0; j < 3; ++j)
-        point += particle_position(particles, particle[j]) * double(weight[j]);
+      for (std::size_t j = 0; j < 3; ++j) point += particles.exact_position(particle[j]) * double(weight[j]);
       const auto C = double(gap(contact, particles));
       const Vec3d n(contact.normal);
       const float impulse = normal_impulse(contact.sums.normal_sum, contact.restitution_velocity, inverse_h,

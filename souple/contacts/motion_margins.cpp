@@ -1,7 +1,6 @@
 #include "souple/contacts/motion_margins.h"
 
 #include "souple/contacts/packed_collider.h"
-#include "souple/contacts/particle_position.h"
 #include "souple/math/elementary.h"
 #include "souple/state/bytes.h"
 
@@ -25,7 +24,7 @@ void MotionMargins::begin(std::span<const std::uint32_t> particle, std::span<con
   threads.for_each(particle.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint32_t i = particle[k];
-      const Vec3f x(particle_position(particles, i));
+      const Vec3f x(particles.exact_position(i));
       for (int axis = 0; axis < 3; ++axis) at_[static_cast<std::size_t>(axis)][k] = x[axis];
       const float speed =
           speeds.h > 0 ? length(particles.moved(i)) / speeds.h : length(speeds.velocity[i].xyz());

@@ -57,7 +57,7 @@ std::vector<Vec3d> particles_near(const ObjectsView& objects, std::span<const Dr
   for (const auto& object : objects.objects) {
     if (!object->traits().flows) continue;
     for (std::uint32_t i = object->begin; i < object->end; ++i) {
-      const Vec3d x = objects.exact_position(i);
+      const Vec3d x = objects.particles.exact_position(i);
       bool within = true;
       for (int k = 0; k < 3; ++k) within = within && x[k] > lo[k] - distance && x[k] < hi[k] + distance;
       if (within) result.push_back(x);
@@ -123,7 +123,9 @@ std::vector<std::uint32_t> particles_in(const Drain& drain, const Object& fluid,
   const Collider collider{"drain", drain.shape, ColliderMotion::fixed(drain.pose), {}, true};
   threads.for_each(is_in.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      is_in[i] = surface_distance(collider, 0, objects.exact_position(fluid.begin + i)).distance < 0 ? 1 : 0;
+      is_in[i] = surface_distance(collider, 0, objects.particles.exact_position(fluid.begin + i)).distance < 0
+                     ? 1
+                     : 0;
   });
   std::vector<std::uint32_t> result;
   for (std::uint32_t i = 0; i < is_in.size(); ++i)

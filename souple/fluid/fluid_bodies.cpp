@@ -1,6 +1,5 @@
 #include "souple/fluid/fluid_bodies.h"
 
-#include "souple/contacts/particle_position.h"
 #include "souple/geometry/closest_point.h"
 
 #include <algorithm>
@@ -39,8 +38,8 @@ void FluidBodies::update_state(const BoundaryMesh& mesh, State& state, const Par
       const std::uint32_t i = mesh.particles[v][k];
       const auto weight = static_cast<double>(mesh.weights[v][k]);
       if (weight == 0) continue;
-      before += (particle_start_position(particles, i) - origin_) * weight;
-      after += (particle_position(particles, i) - origin_) * weight;
+      before += (particles.exact_start(i) - origin_) * weight;
+      after += (particles.exact_position(i) - origin_) * weight;
       state.vertex_inverse_mass[v] += mesh.weights[v][k] * mesh.weights[v][k] * particles.inverse_mass(i);
     }
     state.start[v] = Vec3f(before);
@@ -55,13 +54,13 @@ void FluidBodies::update_state(const BoundaryMesh& mesh, State& state, const Par
   for (std::uint32_t i = mesh.begin; i < mesh.end; ++i) {
     if (particles.inverse_mass(i) == 0) return;  // a fixed particle: the body does not move as a whole
     const auto m = static_cast<double>(mass[i]);
-    center += (particle_position(particles, i) - origin_) * m;
+    center += (particles.exact_position(i) - origin_) * m;
     all += m;
   }
   center = center / all;
   Mat3d second{};
   for (std::uint32_t i = mesh.begin; i < mesh.end; ++i) {
-    const Vec3d r = particle_position(particles, i) - origin_ - center;
+    const Vec3d r = particles.exact_position(i) - origin_ - center;
     second = second + outer(r, r) * static_cast<double>(mass[i]);
   }
   const double t = trace(second);
@@ -313,11 +312,11 @@ void FluidBodies::keep_apart(const BoundaryPlane& plane, std::uint32_t i, const 
   const Vec3f along = cross(n, x - point(plane, states_[plane.mesh].now));
   if (dot(along, along) > radius * radius) return;
   const Carriers carriers = carriers_of(plane);
-  Vec3d offset = particle_position(particles, i);
+  Vec3d offset = particles.exact_position(i);
   float w = particles.inverse_mass(i);
   for (std::size_t c = 0; c < carriers.count; ++c) {
     const float share = carriers.share[c];
-    offset -= particle_position(particles, carriers.particle[c]) * static_cast<double>(share);
+    offset -= particles.exact_position(carriers.particle[c]) * static_cast<double>(share);
     w += share * share * particles.inverse_mass(carriers.particle[c]);
   }
   const float C = dot(n, Vec3f(offset)) - meshes_[plane.mesh].half_thickness - radius;

@@ -1,7 +1,5 @@
 #include "souple/fluid/sub_resolution_bodies.h"
 
-#include "souple/contacts/particle_position.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -31,8 +29,8 @@ void SubResolutionBodies::update_states(const ParticleView& particles) {
   for (Block& block : blocks_) block.near.clear();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const SubResolutionBody& body = bodies_[b];
-    const Vec3d first = particle_position(particles, body.particles[0]) - origin_;
-    const Vec3d second = particle_position(particles, body.particles[1]) - origin_;
+    const Vec3d first = particles.exact_position(body.particles[0]) - origin_;
+    const Vec3d second = particles.exact_position(body.particles[1]) - origin_;
     const Vec3f offset(second - first);
     const float size = length(offset);
     states_[b].at =

@@ -99,11 +99,7 @@ Vec3d shortened(const Vec3d& v, double longest) {
 
 Vec3d blend(const ParticleView& particles, const std::vector<Carrier>& carriers) {
   Vec3d sum;
-  for (const Carrier& c : carriers) {
-    Vec3d x(particles.position[c.particle].xyz());
-    if (particles.form == Form::displacement) x += Vec3d(particles.moving[c.particle].xyz());
-    sum += x * c.weight;
-  }
+  for (const Carrier& c : carriers) sum += particles.exact_position(c.particle) * c.weight;
   return sum;
 }
 

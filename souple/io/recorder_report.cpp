@@ -35,10 +35,6 @@ const char* word(Mode mode) {
   return "unknown";
 }
 
-const char* word(Form form) {
-  return form == Form::plain ? "plain" : "displacement";
-}
-
 const char* word(Integrator integrator) {
   switch (integrator) {
     case Integrator::semi_implicit:
@@ -83,8 +79,8 @@ std::vector<KindReport> by_kind(const std::vector<KindReport>& reports) {
 }  // namespace
 
 std::string settings_text(const Settings& s) {
-  std::string text = fmt::format(R"({{"substeps": {}, "iterations": {}, "mode": "{}", "form": "{}", )",
-                                 s.substeps, s.iterations, word(s.mode), word(s.form));
+  std::string text = fmt::format(R"({{"substeps": {}, "iterations": {}, "mode": "{}", )", s.substeps,
+                                 s.iterations, word(s.mode));
   text += fmt::format(R"("integrator": "{}", "gravity": {}, )", word(s.integrator), vector(s.gravity));
   text += fmt::format(R"("wind": {{"velocity": {}, "gust": {}, "gust_period": {}, "air_density": {}}}, )",
                       vector(s.wind.velocity), number(s.wind.gust), number(s.wind.gust_period),

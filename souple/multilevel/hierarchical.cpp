@@ -449,13 +449,12 @@ std::size_t Hierarchical::coarse_projections() const {
 // level need no path: their lengths are those of paths across triangles of finer links, so no state that
 // satisfies the finer links is longer.
 void Hierarchical::measure(const ParticleView& particles, Threads& threads) {
-  const std::span<const Vec4f> start = particles.form == Form::plain ? particles.start : particles.position;
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     Level& level = levels_[l];
     if (l > 0) measure_paths(l, threads);
     level.all.measure({.position = &level.position.data()->x,
                        .moving = &level.moving.data()->x,
-                       .start = &start.data()->x,
+                       .start = &particles.position.data()->x,
                        .start_a = level.start_a.data(),
                        .start_b = level.start_b.data(),
                        .rest_length = level.rest_length.data(),
@@ -538,14 +537,10 @@ float Hierarchical::softening_of(std::size_t l, std::size_t e) const {
 }
 
 void Hierarchical::restrict_particles(const ParticleView& particles, Threads& threads) {
-  const bool plain = particles.form == Form::plain;
-  std::span<const Vec4f> position = plain ? particles.start : particles.position, moving = particles.moving;
+  std::span<const Vec4f> position = particles.position, moving = particles.moving;
   for (Level& level : levels_) {
-    const bool differs = plain && &level == levels_.data();
     threads.for_each(level.restriction.rows(), grain, [&](std::size_t begin, std::size_t end) {
       level.restriction.assign(begin, end, position, moving, level.position, level.moving);
-      for (std::size_t j = begin; differs && j < end; ++j)
-        level.moving[j].set_xyz(level.moving[j].xyz() - level.position[j].xyz());
       std::copy(level.moving.begin() + static_cast<std::ptrdiff_t>(begin),
                 level.moving.begin() + static_cast<std::ptrdiff_t>(end),
                 level.before.begin() + static_cast<std::ptrdiff_t>(begin));

@@ -50,19 +50,14 @@ void sweep_links(const kernels::LinkArrays& links, float* moving, std::size_t be
 
 // One lane of the packed kernels.
 
-Vec3f difference_of(const float* position, const float* moving, std::uint32_t a, std::uint32_t b) {
-  Vec3f u = difference(position, a, b);
-  if (moving) u += difference(moving, a, b);
-  return u;
-}
-
 void find_stretched(const kernels::ParticleLinks& links, const float* position, const float* moving,
                     std::uint16_t* stretched, std::size_t begin, std::size_t end) {
   for (std::size_t k = begin; k < end; ++k) {
     unsigned bits = 0;
     for (std::size_t lane = 0; lane < lanes; ++lane) {
       const std::size_t i = lanes * k + lane;
-      const Vec3f u = difference_of(position, moving, links.a[i], links.b[i]);
+      const Vec3f u =
+          difference(position, links.a[i], links.b[i]) + difference(moving, links.a[i], links.b[i]);
       if (dot(u, u) > links.longest[i] * links.longest[i]) bits |= 1u << lane;
     }
     stretched[k] = static_cast<std::uint16_t>(bits);
@@ -73,7 +68,7 @@ void measure_stretched(const kernels::LinkArrays& links, const kernels::Stretche
                        const float* position, const float* moving, float* gain, std::size_t begin,
                        std::size_t end) {
   for (std::size_t i = begin; i < end; ++i) {
-    const Vec3f X = position ? difference(position, links.a[i], links.b[i]) : Vec3f{};
+    const Vec3f X = difference(position, links.a[i], links.b[i]);
     const Vec3f u = X + difference(moving, links.a[i], links.b[i]);
     links.x[i] = X.x, links.y[i] = X.y, links.z[i] = X.z;
     links.max_length[i] = m.longest[i];

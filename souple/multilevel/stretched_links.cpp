@@ -163,7 +163,7 @@ bool StretchedLinks::find_stretched(std::span<const Link> of_level, const Partic
                                     Threads& threads) {
   const kernels::ParticleLinks links{search_a_.data(), search_b_.data(), search_longest_.data()};
   const float* const position = &particles.position.data()->x;
-  const float* const moving = particles.form == Form::displacement ? &particles.moving.data()->x : nullptr;
+  const float* const moving = &particles.moving.data()->x;
   threads.for_each(stretched_.size(), grain / lanes, [&](std::size_t begin, std::size_t end) {
     link_kernels().find_stretched(links, position, moving, stretched_.data(), begin, end);
   });
@@ -237,7 +237,7 @@ void StretchedLinks::gather_links() {
 }
 
 // n sweeps of n times the compliance, each from lambda = 0, as on the levels.
-void StretchedLinks::measure_links(const Rounds& rounds, Form form, float h, Threads& threads) {
+void StretchedLinks::measure_links(const Rounds& rounds, float h, Threads& threads) {
   const float h2 = h * h, n = static_cast<float>(rounds.count * rounds.sweeps);
   const kernels::StretchedMeasures from{region_.longest.data(),
                                         region_.compliance.data(),
@@ -245,9 +245,8 @@ void StretchedLinks::measure_links(const Rounds& rounds, Form form, float h, Thr
                                         rounds.shortest_part,
                                         softest * h2,
                                         n / h2};
-  const float* const position = form == Form::displacement ? &position_.data()->x : nullptr;
   threads.for_each(region_.size() / lanes, grain / lanes, [&](std::size_t begin, std::size_t end) {
-    link_kernels().measure_stretched(region_.arrays(), from, position, &moving_.data()->x,
+    link_kernels().measure_stretched(region_.arrays(), from, &position_.data()->x, &moving_.data()->x,
                                      region_.gain.data(), begin * lanes, end * lanes);
   });
 }
@@ -264,7 +263,6 @@ ParticleView StretchedLinks::load(const ParticleView& particles, bool all) {
   for (const std::uint32_t i : chosen_) load(i);
   ParticleView result = particles;
   result.moving = std::span(moving_).first(number_.size());
-  if (particles.form == Form::plain) result.position = result.moving;
   return result;
 }
 
@@ -288,7 +286,7 @@ void StretchedLinks::sweep(std::span<const Link> of_level, const TiedParticles& 
   if (!touches) choose_particles(of_level, h2, rounds.radius);
   gather_links();
   const ParticleView view = load(particles, substep.external != nullptr);
-  measure_links(rounds, particles.form, substep.h, threads);
+  measure_links(rounds, substep.h, threads);
   for (int round = 0; round < rounds.count; ++round) {
     sweep_colors(region_.arrays(), region_.color_begin, rounds.sweeps, over_relaxation, moving_, threads);
     if (touches) project_contacts(projectors, view, substep, round > 0);

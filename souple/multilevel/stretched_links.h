@@ -76,7 +76,7 @@ class StretchedLinks {
   bool choose_particles(std::span<const Link> of_level, float h2, int radius);
   void mark_links();
   void gather_links();
-  void measure_links(const Rounds& rounds, Form form, float h, Threads& threads);
+  void measure_links(const Rounds& rounds, float h, Threads& threads);
   ParticleView load(const ParticleView& particles, bool all);
   void store(const ParticleView& particles) const;
 

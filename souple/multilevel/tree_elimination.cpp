@@ -37,11 +37,6 @@ double square(float h) {
   return static_cast<double>(h) * static_cast<double>(h);
 }
 
-Vec3d position(const ParticleView& particles, std::span<const Vec4f> moving, std::size_t i) {
-  const Vec3d x(moving[i].xyz());
-  return particles.form == Form::displacement ? x + Vec3d(particles.position[i].xyz()) : x;
-}
-
 /// (I - g g^T) v.
 Vec3d across(const Vec3d& g, const Vec3d& v) {
   return v - g * dot(g, v);
@@ -120,7 +115,7 @@ void TreeElimination::find_attachments(std::size_t particle_count) {
 void TreeElimination::begin_substep(const ParticleView& particles, const Substep&) {
   begun_.assign(trees_.size(), 0);
   for (std::size_t k = 0; k < predicted_.size(); ++k)
-    predicted_[k] = position(particles, particles.moving, trees_.nodes[k].particle);
+    predicted_[k] = particles.exact_position(trees_.nodes[k].particle);
 }
 
 bool TreeElimination::is_fixed(std::size_t tree, const ParticleView& particles) const {
@@ -150,7 +145,7 @@ void TreeElimination::load(const Work& work, const ParticleView& particles, bool
     const std::uint32_t i = trees_.nodes[work.begin + k].particle;
     const auto w = static_cast<double>(particles.inverse_mass(i));
     node.mass = w > 0 ? 1 / w : 0;
-    node.x = position(particles, particles.start, i);
+    node.x = particles.exact_start(i);
   }
   for (std::size_t k = 0; k + 1 < work.nodes.size(); ++k) {
     const TreeNode& link = trees_.nodes[work.begin + k];
@@ -168,7 +163,7 @@ void TreeElimination::load(const Work& work, const ParticleView& particles, bool
     } else {
       kept.moved = {};
     }
-    node.x = position(particles, particles.moving, trees_.nodes[work.begin + k].particle);
+    node.x = particles.exact_position(trees_.nodes[work.begin + k].particle);
     node.y = node.x - kept.moved;
   }
 }
@@ -202,7 +197,7 @@ void TreeElimination::store(const Work& work, const ParticleView& particles, boo
     if (with_forces) kept.force = node.length > 0 ? node.f * node.lambda : node.lambdas;
     if (node.fixed()) continue;
     const std::uint32_t i = trees_.nodes[work.begin + k].particle;
-    const Vec3d change = node.x - position(particles, particles.moving, i);
+    const Vec3d change = node.x - particles.exact_position(i);
     kept.moved += change;
     particles.moving[i].set_xyz(Vec3f(Vec3d(particles.moving[i].xyz()) + change));
   }
@@ -353,8 +348,7 @@ void TreeElimination::add_external(ExternalMoves& external, const ParticleView& 
     const auto w = static_cast<double>(particles.inverse_mass(i));
     if (w == 0 || !external.concerns(*attachments_[anchor.set])) continue;
     const Vec3d target(attachments_[anchor.set]->set().params(anchor.constraint).target);
-    add(i, (target - position(particles, particles.moving, i)) *
-               (1 / anchor_alpha(anchor, 1 / w, square(substep.h))));
+    add(i, (target - particles.exact_position(i)) * (1 / anchor_alpha(anchor, 1 / w, square(substep.h))));
   }
 }
 

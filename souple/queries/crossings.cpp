@@ -15,11 +15,11 @@ namespace souple {
 std::size_t count_crossings(const QueryView& view, const Object& object) {
   const std::uint32_t n = object.particle_count();
   if (object.surface.empty()) return 0;
-  std::vector<Vec4f> position(n);
-  const Vec3d origin = view.exact_position(object.begin);
+  std::vector<Vec4f> position(n), unmoved(n);
+  const Vec3d origin = view.particles.exact_position(object.begin);
   for (std::uint32_t i = 0; i < n; ++i)
-    position[i].set_xyz(Vec3f(view.exact_position(object.begin + i) - origin));
-  const ParticleView particles{position, position, position, Form::plain};
+    position[i].set_xyz(Vec3f(view.particles.exact_position(object.begin + i) - origin));
+  const ParticleView particles{position, unmoved, unmoved};
   const ContactSurface surface{
       .end = n, .triangles = object.surface, .self_collision = true, .rest = object.rest};
   const std::lock_guard<std::mutex> lock(view.caches.lock);  // queries share the threads

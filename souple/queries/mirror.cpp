@@ -92,7 +92,8 @@ void fill_normals(Threads* threads, std::span<const Triangle> triangles, Mirror&
 
 std::span<const Vec3f> mirrored_positions(const QueryView& view, const Object& object, Mirror& mirror) {
   if (mirror.version == view.version) return mirror.positions;
-  fill(view.threads, object, mirror.positions, [&](std::size_t i) { return view.exact_position(i); });
+  fill(view.threads, object, mirror.positions,
+       [&](std::size_t i) { return view.particles.exact_position(i); });
   mirror.version = view.version;
   return mirror.positions;
 }

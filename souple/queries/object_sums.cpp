@@ -28,7 +28,8 @@ double kinetic_energy(const QueryView& view, const Object& object) {
 double potential_energy(const QueryView& view, const Object& object, const Vec3f& gravity) {
   double sum = 0;
   for (std::uint32_t i = object.begin; i < object.end; ++i)
-    sum -= static_cast<double>(view.particles.mass[i]) * dot(Vec3d(gravity), view.exact_position(i));
+    sum -=
+        static_cast<double>(view.particles.mass[i]) * dot(Vec3d(gravity), view.particles.exact_position(i));
   return sum;
 }
 
@@ -44,11 +45,11 @@ Vec3d center_of_mass(const QueryView& view, const Object& object) {
   double mass = 0;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
     const auto m = static_cast<double>(view.particles.mass[i]);
-    sum += view.exact_position(i) * m;
+    sum += view.particles.exact_position(i) * m;
     mass += m;
   }
   if (mass > 0) return sum / mass;
-  for (std::uint32_t i = object.begin; i < object.end; ++i) sum += view.exact_position(i);
+  for (std::uint32_t i = object.begin; i < object.end; ++i) sum += view.particles.exact_position(i);
   return sum / std::max(1u, object.particle_count());
 }
 

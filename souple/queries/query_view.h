@@ -24,11 +24,6 @@ struct QueryView {
   SegmentTest segment_test;                          ///< of rays against triangles
   Threads* threads;                                  ///< null: the caller's alone
   Caches& caches;
-
-  /// Position of a particle, including the part beyond float precision [m].
-  Vec3d exact_position(std::size_t i) const {
-    return Vec3d(particles.position[i].xyz()) + Vec3d(particles.offset[i].xyz());
-  }
 };
 
 }  // namespace souple

@@ -10,10 +10,4 @@ enum class Mode {
   pbd  ///< stiffness k in [0, 1], made independent of the iteration count (Müller et al. 2007, section 3.3)
 };
 
-/// Content of the array that the solver modifies (see state/particles.h).
-enum class Form {
-  displacement,  ///< displacements from the positions
-  plain          ///< predicted positions
-};
-
 }  // namespace souple

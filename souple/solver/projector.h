@@ -27,7 +27,6 @@ struct Substep {
   float h = 0;         ///< length [s]
   int iterations = 1;  ///< per substep
   Mode mode = Mode::small_steps;
-  Form form = Form::displacement;
   int count = 1;  ///< substeps per step
   /// Factor of every correction and its multiplier (above 1: over-relaxation), constant from begin_substep
   /// on. Only solvers that sweep use it. Contacts ignore it.
@@ -48,13 +47,11 @@ inline float stiffness_per_iteration(float k, int n) {
   return 1 - static_cast<float>(elementary::pow(double{1 - k}, 1.0 / n));
 }
 
-/// The particles that a projector reads and moves. Projectors write to `moving` only: predicted positions
-/// (plain form) or displacements. Its w lane is not changed.
+/// The particles that a projector reads and moves (see state/particles.h). Projectors write to `moving` only.
 struct ParticleView {
-  std::span<const Vec4f> position;  ///< plain form: same array as `moving`; w = inverse mass
-  std::span<Vec4f> moving;          ///< displacement form: w = 0
+  std::span<const Vec4f> position;  ///< constant during a substep; w = inverse mass
+  std::span<Vec4f> moving;          ///< displacements; w is not changed
   std::span<const Vec4f> start;     ///< `moving` at the start of the substep
-  Form form = Form::displacement;
   /// Array that corrections are added to; empty: `moving`, as in Gauss-Seidel.
   std::span<Vec4f> corrected{};
 
@@ -62,14 +59,16 @@ struct ParticleView {
 
   /// x_i - origin, without the rounding error of a large x_i. [m]
   Vec3f relative(std::size_t i, const Vec3f& origin) const {
-    const Vec3f x = position[i].xyz() - origin;
-    return form == Form::displacement ? x + moving[i].xyz() : x;
+    return position[i].xyz() - origin + moving[i].xyz();
   }
   /// x_i - x_j. [m]
   Vec3f difference(std::size_t i, std::size_t j) const {
-    const Vec3f x = position[i].xyz() - position[j].xyz();
-    return form == Form::displacement ? x + (moving[i].xyz() - moving[j].xyz()) : x;
+    return (position[i].xyz() - position[j].xyz()) + (moving[i].xyz() - moving[j].xyz());
   }
+  /// x_i in double: far from the origin no part of its displacement is lost. [m]
+  Vec3d exact_position(std::size_t i) const { return exact_sum(position[i], moving[i]); }
+  /// x_i at the start of the substep. [m]
+  Vec3d exact_start(std::size_t i) const { return exact_sum(position[i], start[i]); }
   /// Displacement of particle i since the start of the substep. [m]
   Vec3f moved(std::size_t i) const { return moving[i].xyz() - start[i].xyz(); }
   /// Adds a correction. [m]

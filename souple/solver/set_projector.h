@@ -193,8 +193,7 @@ class SetProjector final : public Projector {
     arrays.set.h = substep.h;
     arrays.set.inverse_h2 = inverse_h2(substep);
     arrays.set.sweep_share = sweep_share;
-    kernels_->forces[particles.form == Form::displacement ? 1 : 0](arrays_of(particles), arrays.set,
-                                                                   color_begin + first, color_begin + last);
+    kernels_->forces(arrays_of(particles), arrays.set, color_begin + first, color_begin + last);
   }
 
   void begin_substep(const ParticleView&, const Substep& substep) override {
@@ -240,7 +239,7 @@ class SetProjector final : public Projector {
     arrays.set.inverse_h2 = inverse_h2(substep);
     kernels::ParticleArrays p = arrays_of(particles);
     p.corrected = &velocity.data()->x;
-    const kernels::Project kernel = kernels_->damp[particles.form == Form::displacement ? 1 : 0];
+    const kernels::Project kernel = kernels_->damp;
     for (int color = 0; color < color_count(); ++color) {
       const std::size_t first = set_.color_begin[static_cast<std::size_t>(color)];
       threads.for_each(color_size(color), grain(), [&](std::size_t begin, std::size_t end) {
@@ -535,8 +534,7 @@ class SetProjector final : public Projector {
       for (std::size_t r = 0; r < rows_of<Kind>; ++r) rows[r] = C[r];
       Arrays arrays(set_);
       arrays.set.scale = {scales_.data(), scales_.stride()};
-      kernels_->evaluate[particles.form == Form::displacement ? 1 : 0](arrays_of(particles), arrays.set,
-                                                                       begin, end, rows);
+      kernels_->evaluate(arrays_of(particles), arrays.set, begin, end, rows);
       return;
     }
     for (std::size_t i = begin; i < end; ++i) {
@@ -664,8 +662,7 @@ class SetProjector final : public Projector {
     float* multipliers[rows_of<Kind>];
     for (std::size_t r = 0; r < rows_of<Kind>; ++r) multipliers[r] = set_.multipliers[r].data();
     if (substep.stores_multipliers()) arrays.set.multipliers = multipliers;
-    const std::size_t form = particles.form == Form::displacement ? 1 : 0;
-    (general ? kernels_->general : kernels_->plain)[form](arrays_of(particles), arrays.set, begin, end);
+    (general ? kernels_->general : kernels_->plain)(arrays_of(particles), arrays.set, begin, end);
   }
 
   // The scalar, readable version: the reference for the packed kernels, and the code for a user's own kinds.

@@ -31,11 +31,6 @@ double norm(const Mat3d& m) {
   return std::sqrt(frobenius_squared(m));
 }
 
-Vec3d position(const ParticleView& view, std::size_t i) {
-  const Vec3d x(view.position[i].xyz());
-  return view.form == Form::displacement ? x + Vec3d(view.moving[i].xyz()) : x;
-}
-
 /// y = alpha^-1 y, with alpha~ = alpha / h^2 as constraints are linearized.
 template <int rows>
 void apply_stiffness(const LinearConstraint& constraint, const ParticleView& view, double h2,
@@ -132,10 +127,10 @@ Vec3d Balance::center_of(const ObjectsView& objects, const Samples& samples) con
   const ParticleView view = objects.view();
   const Object& object = *objects.objects[objects_[samples.object].index];
   Vec3d sum{};
-  for (const PinnedParticle& pin : object.pins) sum += position(view, object.begin + pin.particle);
+  for (const PinnedParticle& pin : object.pins) sum += view.exact_position(object.begin + pin.particle);
   if (!object.pins.empty()) return sum * (1 / static_cast<double>(object.pins.size()));
   for (std::uint32_t k = samples.begin; k < samples.end; ++k)
-    sum += position(view, parts_[part_].particles[k]);
+    sum += view.exact_position(parts_[part_].particles[k]);
   return sum * (1.0 / (samples.end - samples.begin));
 }
 
@@ -150,7 +145,7 @@ void Balance::add_carried(const ObjectsView& objects, double gravity, double h) 
       const std::uint32_t i = parts_[part_].particles[k];
       if (view.inverse_mass(i) == 0) continue;
       const double m = samples.weight / static_cast<double>(view.inverse_mass(i));
-      const Vec3d u = position(view, i) - sums.center;
+      const Vec3d u = view.exact_position(i) - sums.center;
       const Vec3d moved(view.moving[i].xyz() - start_[k] - external_.sums()[k]);
       sums.carried = sums.carried + outer(moved * (m / (h * h)), u);
       sums.load += m * gravity * length(u);
@@ -170,7 +165,7 @@ void Balance::add_elastic(const ParticleView& view, const Substep& substep, cons
         y[r] = static_cast<double>(constraint.C[r]);
         for (std::size_t i = 0; i < arity; ++i) {
           if (view.inverse_mass(constraint.particles[i]) == 0) continue;
-          const Vec3d u = position(view, constraint.particles[i]) - sums.center;
+          const Vec3d u = view.exact_position(constraint.particles[i]) - sums.center;
           const Vec3d gradient(constraint.gradient[r * arity + i]);
           gradients[r] = gradients[r] + outer(gradient, u);
           rate[r] += dot(gradient, u);

@@ -63,7 +63,7 @@ void push_triangles(const StageView& stage, const Object& object, const Air& air
       &view.position.data()->x, &view.moving.data()->x, &velocity.data()->x,
       object.surface.data(),    object.begin,           &triangle_force.data()->x};
   stage.threads.for_each(object.surface.size(), grain, [&](std::size_t t, std::size_t end) {
-    if (kernels) t = kernels->air_forces[view.form == Form::displacement](arrays, air, t, end);
+    if (kernels) t = kernels->air_forces(arrays, air, t, end);
     for (; t < end; ++t) {
       const Triangle& corner = object.surface[t];
       const std::uint32_t first = object.begin;

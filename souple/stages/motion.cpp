@@ -102,7 +102,6 @@ void finish_one(const StageView& stage, std::size_t i, float h, const std::vecto
   const Vec3f v = base + (p[i].xyz() - since) / h;
   particles.velocity[i].set_xyz(v);
   if (is_non_finite(v)) first_non_finite.note(i);
-  if (stage.objects.form == Form::plain) return;
   // x += q; the part beyond the precision of x stays in the offset.
   const Vec3f q = particles.offset[i].xyz();
   const Vec3f x = particles.position[i].xyz();
@@ -121,7 +120,7 @@ const kernels::MotionKernels* packed(const Settings& settings) {
 kernels::MotionArrays arrays_of(const ObjectsView& objects, std::span<const Vec4f> wind) {
   Particles& particles = objects.particles;
   if (particles.size() == 0) return {};
-  return {&particles.position.data()->x, &objects.moving().data()->x, &particles.start.data()->x,
+  return {&particles.position.data()->x, &objects.particles.offset.data()->x, &particles.start.data()->x,
           &particles.velocity.data()->x, wind.empty() ? nullptr : &wind.data()->x};
 }
 
@@ -145,7 +144,7 @@ std::optional<std::size_t> predict_motion(const StageView& stage,
   const ObjectsView& objects = stage.objects;
   ExternalForces forces{stage, fields, wind_at(stage.settings, stage.time)};
   if (find_wind_forces(stage, substep.h, scratch.wind)) forces.wind_of_particle = scratch.wind.of_particle;
-  std::vector<Vec4f>& p = objects.moving();
+  std::vector<Vec4f>& p = objects.particles.offset;
   LowestParticle first_non_finite;
   const auto one_by_one = [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) predict_one(forces, i, substep.h, p, first_non_finite);
@@ -168,22 +167,20 @@ std::optional<std::size_t> predict_motion(const StageView& stage,
 }
 
 void keep_prediction(const StageView& stage, MotionScratch& scratch) {
-  if (stage.settings.integrator != Integrator::semi_implicit) scratch.predicted = stage.objects.moving();
+  if (stage.settings.integrator != Integrator::semi_implicit)
+    scratch.predicted = stage.objects.particles.offset;
 }
 
 std::optional<std::size_t> finish_motion(const StageView& stage, const Substep& substep,
                                          const MotionScratch& scratch) {
   const ObjectsView& objects = stage.objects;
-  const bool plain = objects.form == Form::plain;
-  SOUPLE_ASSERT(plain || has_no_mass(objects.particles.offset),
-                "displacements have no mass in their last lane");
-  const std::vector<Vec4f>& p = objects.moving();
+  SOUPLE_ASSERT(has_no_mass(objects.particles.offset), "displacements have no mass in their last lane");
+  const std::vector<Vec4f>& p = objects.particles.offset;
   LowestParticle first_non_finite;
   if (const kernels::MotionKernels* kernels = packed(stage.settings)) {
     const kernels::MotionArrays arrays = arrays_of(objects, {});
-    const kernels::Finish finish_packed = kernels->finish[plain ? 0 : 1];
     for_each_awake(stage, [&](std::size_t begin, std::size_t end) {
-      if (!finish_packed(arrays, begin, end, substep.h))
+      if (!kernels->finish(arrays, begin, end, substep.h))
         find_non_finite(objects.particles, begin, end, first_non_finite);
     });
   } else {

@@ -32,7 +32,7 @@ void predict_obstacles(const StageView& stage, double dt) {
         jumps(object->motion, stage.time, stage.time + dt))
       continue;
     at_moment(stage, *object, stage.time + dt, [&](std::size_t i, const Vec3d& x) {
-      objects.particles.velocity[i].set_xyz(Vec3f((x - objects.exact_position(i)) / dt));
+      objects.particles.velocity[i].set_xyz(Vec3f((x - objects.particles.exact_position(i)) / dt));
     });
   }
 }
@@ -40,16 +40,14 @@ void predict_obstacles(const StageView& stage, double dt) {
 bool drive_obstacles(const StageView& stage, const Substep& substep) {
   const double t = stage.time + static_cast<double>(substep.h);
   Particles& particles = stage.objects.particles;
-  const bool plain = stage.objects.form == Form::plain;
-  std::vector<Vec4f>& p = stage.objects.moving();
   bool any_jump = false;
   for (const auto& object : stage.objects.objects) {
     if (!object->traits().driven || is_static(object->motion)) continue;
     const bool jump = jumps(object->motion, stage.time, t);
     any_jump = any_jump || jump;
     at_moment(stage, *object, t, [&](std::size_t i, const Vec3d& x) {
-      p[i].set_xyz(Vec3f(plain ? x : x - Vec3d(particles.position[i].xyz())));
-      if (jump) particles.start[i].set_xyz(p[i].xyz());  // it did not move there
+      particles.offset[i].set_xyz(Vec3f(x - Vec3d(particles.position[i].xyz())));
+      if (jump) particles.start[i].set_xyz(particles.offset[i].xyz());  // it did not move there
     });
   }
   return any_jump;

@@ -117,7 +117,7 @@ void RigidStage::end_kinematic(const StageView& stage, const Substep& substep) {
     // The body stands or has jumped, so it did not move there.
     write_positions(stage, k, bodies_.pose[k]);
     for (std::uint32_t i = objects_[k]->begin; i < objects_[k]->end; ++i)
-      stage.objects.particles.start[i].set_xyz(stage.objects.moving()[i].xyz());
+      stage.objects.particles.start[i].set_xyz(stage.objects.particles.offset[i].xyz());
   }
 }
 

@@ -177,13 +177,12 @@ std::span<const Vec3d> RigidStage::arms(std::size_t body, const Quatd& rotation)
 void RigidStage::write_positions(const StageView& stage, std::size_t body, const BodyPose& pose) {
   const std::span<const Vec3d> r = arms(body, pose.rotation);
   const Vec4f* const position = stage.objects.particles.position.data() + objects_[body]->begin;
-  Vec4f* const moving = stage.objects.moving().data() + objects_[body]->begin;
-  const bool plain = stage.objects.form == Form::plain;
+  Vec4f* const moving = stage.objects.particles.offset.data() + objects_[body]->begin;
   std::vector<Vec3f>& written = records_[body].written;
   written.resize(r.size());
   for (std::size_t i = 0; i < r.size(); ++i) {
     const Vec3d x = pose.position + r[i];
-    written[i] = Vec3f(plain ? x : x - Vec3d(position[i].xyz()));
+    written[i] = Vec3f(x - Vec3d(position[i].xyz()));
     moving[i].set_xyz(written[i]);
   }
 }
@@ -324,7 +323,7 @@ void RigidStage::predict(const StageView& stage, const Substep& substep) {
 }
 
 bool RigidStage::is_as_written(const StageView& stage, std::size_t body) const {
-  const Vec4f* const moving = stage.objects.moving().data() + objects_[body]->begin;
+  const Vec4f* const moving = stage.objects.particles.offset.data() + objects_[body]->begin;
   const std::vector<Vec3f>& written = records_[body].written;
   for (std::size_t i = 0; i < written.size(); ++i)
     if (!(moving[i].xyz() == written[i])) return false;
@@ -436,8 +435,6 @@ void RigidStage::solve_bodies(const StageView& stage, const Substep& substep, Ti
 // keep_apart returns all their particles to the start of the substep.
 bool RigidStage::is_held(const StageView& stage, std::size_t body) const {
   constexpr double rounding = 1e-6;  // of positions
-  const ParticleView view = stage.objects.view();
-  const bool plain = stage.objects.form == Form::plain;
   const BodyPose &from = bodies_.start[body], &to = bodies_.pose[body];
   const Mat3d R_from = rotation_matrix(from.rotation), R_to = rotation_matrix(to.rotation);
   std::size_t i = objects_[body]->begin;
@@ -445,9 +442,7 @@ bool RigidStage::is_held(const StageView& stage, std::size_t body) const {
   for (const Vec3d& local : records_[body].definition.particles) {
     const Vec3d start = from.position + R_from * local;
     const double way = length(to.position + R_to * local - start);
-    const Vec3d x =
-        plain ? Vec3d(view.moving[i].xyz()) : Vec3d(view.position[i].xyz()) + Vec3d(view.moving[i].xyz());
-    ++i;
+    const Vec3d x = stage.objects.particles.exact_position(i++);
     if (way <= rounding * (1 + length(start))) continue;
     if (length(x - start) > way / 2) return false;
     moves = true;

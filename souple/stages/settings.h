@@ -43,7 +43,6 @@ struct Settings {
   int substeps = 10;   ///< per step, >= 1
   int iterations = 1;  ///< solver iterations per substep, >= 1
   Mode mode = Mode::small_steps;
-  Form form = Form::displacement;
   Integrator integrator = Integrator::semi_implicit;
   Vec3f gravity{0, -9.81f, 0};  ///< m/s^2
   Wind wind{};

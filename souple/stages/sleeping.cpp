@@ -165,7 +165,7 @@ void wake_near_collider(const SleepView& step, std::size_t collider, double dt) 
     for (std::uint32_t i = object.begin; i < object.end; ++i) {
       const auto radius = static_cast<double>(max(view.particles.radius[i], 0.0f));
       const double margin = (1 + double(margin_ratio)) * radius + double(min_margin);
-      if (!moving.touches(view.exact_position(i), margin, threshold)) continue;
+      if (!moving.touches(view.particles.exact_position(i), margin, threshold)) continue;
       wake_island(view, object, step.sleep);
       break;
     }

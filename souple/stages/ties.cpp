@@ -14,11 +14,6 @@ namespace {
 /// Largest carried mass, relative to the particle's own: practically rigid, without a division by zero.
 constexpr double heaviest = 1e6;
 
-Vec3d position(const ParticleView& particles, std::size_t i) {
-  const Vec3d x(particles.moving[i].xyz());
-  return particles.form == Form::displacement ? x + Vec3d(particles.position[i].xyz()) : x;
-}
-
 void move(const ParticleView& particles, std::size_t i, const Vec3d& change) {
   particles.moving[i].set_xyz(Vec3f(Vec3d(particles.moving[i].xyz()) + change));
 }
@@ -137,11 +132,12 @@ class Ties::Sides {
     if (point.end->kind == TieEnd::Kind::target) return point.target;
     if (is_body(point)) return bodies_->pose[point.number.index].point(point.end->local);
     Vec3d sum;
-    for_each_part(point, [&](std::uint32_t i, double weight) { sum += position(particles_, i) * weight; });
+    for_each_part(point,
+                  [&](std::uint32_t i, double weight) { sum += particles_.exact_position(i) * weight; });
     return sum;
   }
   Vec3d of_chain(const Point& point, std::uint32_t k) const {
-    return position(particles_, point.number.index + point.chain[k]);
+    return particles_.exact_position(point.number.index + point.chain[k]);
   }
   /// W of the point [1/kg].
   Mat3d inverse_mass(const Point& point) const {
@@ -365,7 +361,7 @@ void Ties::end(const ParticleView& particles, RigidBodies& bodies, std::span<Vec
     record.lambda += by_a ? -impulse : impulse;
     if (heavy.end->kind == TieEnd::Kind::body) {
       const std::uint32_t body = heavy.number.index;
-      souple::push(bodies, body, souple::position(particles, i) - bodies.pose[body].position, impulse);
+      souple::push(bodies, body, particles.exact_position(i) - bodies.pose[body].position, impulse);
     } else {
       Sides(particles, &bodies).push(heavy, impulse);
     }

@@ -7,18 +7,21 @@
 
 namespace souple {
 
+/// The position of a record plus its displacement, without rounding to float [m].
+inline Vec3d exact_sum(const Vec4f& position, const Vec4f& displacement) {
+  return Vec3d(position.xyz()) + Vec3d(displacement.xyz());
+}
+
 /// All particles of a world, as plain arrays of equal length; an object owns a contiguous range.
 ///
-/// Two forms of time integration share these arrays (docs/architecture.md: small steps lose float digits):
-/// - Plain form: during a substep, `position` is the predicted p and `start` is x, the position before
-///   prediction; v = (p - start) / h.
-/// - Displacement form: during a substep, `position` is x and does not change. `offset` is q, the sum of x's
-///   rounding remainder and the displacement d. `start` is `offset` at the substep's start;
-///   v = (q - start) / h. Then x += q is rounded, and `offset` keeps the remainder.
+/// Small steps lose float digits (docs/architecture.md), so the solver moves displacements. During a substep,
+/// `position` is x and does not change. `offset` is q, the sum of x's rounding remainder and the displacement d.
+/// `start` is `offset` at the substep's start; v = (q - start) / h. Then x += q is rounded, and `offset` keeps the
+/// remainder.
 struct Particles {
   std::vector<Vec4f> position;  ///< x, y, z [m]; w: inverse mass [1/kg], 0: moved by targets only
-  std::vector<Vec4f> offset;    ///< displacement form: q; plain form: 0 [m]
-  std::vector<Vec4f> start;     ///< `position` (plain) or `offset` (displacement form) before prediction [m]
+  std::vector<Vec4f> offset;    ///< q [m]
+  std::vector<Vec4f> start;     ///< `offset` before prediction [m]
   std::vector<Vec4f> velocity;  ///< [m/s]
   std::vector<float> mass;      ///< [kg], of pinned particles too
   std::vector<float> radius;    ///< half the thickness in contacts [m]
@@ -34,6 +37,8 @@ struct Particles {
   std::vector<Vec4f> turn;
 
   std::size_t size() const { return position.size(); }
+  /// Position of a particle, including the part beyond float precision [m].
+  Vec3d exact_position(std::size_t i) const { return exact_sum(position[i], offset[i]); }
   bool has_spin() const { return !spin.empty(); }
   void add_spin() { spin.resize(size()), turn.resize(size()); }
 

@@ -30,7 +30,7 @@ void begin_arrivals(WorldState& world, double dt) {
     if (record.arrival) record.arrival->start = world.time, record.arrival->length = dt;
   for (const auto& object : world.objects)
     for (PinnedParticle& pin : object->pins)
-      if (pin.arrival) pin.from = world.exact_position(object->begin + pin.particle);
+      if (pin.arrival) pin.from = world.particles.exact_position(object->begin + pin.particle);
 }
 
 void end_arrivals(WorldState& world, bool made) {

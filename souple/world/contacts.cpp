@@ -181,7 +181,7 @@ void find_candidates(WorldState& world, double dt) {
   predict_obstacles(world.stage_view(), dt);
   world.rigid->aim(world.stage_view(), dt);
   wake_disturbed(world, dt);
-  particles.start = world.settings.form == Form::plain ? particles.position : particles.offset;
+  particles.start = particles.offset;
   const ParticleView view = world.view();
   for (std::size_t a = 0; a < tables.objects.size(); ++a)
     tables.objects[a].moves = world.objects[a]->sleep.island == 0;

@@ -23,7 +23,8 @@ void draw_constraints(WorldState& world, const std::function<void(const DebugCon
     const std::string_view kind = projector->kind();
     projector->visit(view, [&](const ConstraintState& constraint) {
       points.clear();
-      for (const std::uint32_t i : constraint.particles) points.push_back(Vec3f(world.exact_position(i)));
+      for (const std::uint32_t i : constraint.particles)
+        points.push_back(Vec3f(world.particles.exact_position(i)));
       draw({kind, points, constraint.color, constraint.strain, constraint.residual});
     });
   }
@@ -33,15 +34,16 @@ void draw_particles(const WorldState& world, const std::function<void(const Debu
   for (const auto& object : world.objects)
     for (std::uint32_t i = object->begin; i < object->end; ++i) {
       const float w = world.particles.position[i].w;
-      draw({Vec3f(world.exact_position(i)), world.particles.radius[i], w, w == 0, object->id.value});
+      draw(
+          {Vec3f(world.particles.exact_position(i)), world.particles.radius[i], w, w == 0, object->id.value});
     }
 }
 
 void draw_tet_edges(const WorldState& world, const std::function<void(const Vec3f&, const Vec3f&)>& draw) {
   for (const auto& object : world.objects)
     for (const Edge& edge : unique_edges(object->tets.tets))
-      draw(Vec3f(world.exact_position(object->begin + edge[0])),
-           Vec3f(world.exact_position(object->begin + edge[1])));
+      draw(Vec3f(world.particles.exact_position(object->begin + edge[0])),
+           Vec3f(world.particles.exact_position(object->begin + edge[1])));
 }
 
 void draw_joints(const World& world, const std::function<void(const DebugJoint&)>& draw) {

@@ -85,9 +85,10 @@ void World::pin(ObjectId id, const Selector& selector, Target target) {
   wake_island(world, object);
   const auto shared = target ? std::make_shared<const Target>(std::move(target)) : nullptr;
   for (const auto& [particle, vertex] : particles_with_vertices(object, chosen)) {
-    PinnedParticle pin{particle, vertex, {}, shared, world.exact_position(object.begin + particle), {}, {}};
+    PinnedParticle pin{particle, vertex, {}, shared, world.particles.exact_position(object.begin + particle),
+                       {},       {}};
     if (object.embedding)
-      pin.offset = world.exact_position(object.begin + particle) - Vec3d(positions(id)[vertex]);
+      pin.offset = world.particles.exact_position(object.begin + particle) - Vec3d(positions(id)[vertex]);
     const auto position =
         std::lower_bound(object.pins.begin(), object.pins.end(), particle,
                          [](const PinnedParticle& p, std::uint32_t i) { return p.particle < i; });
@@ -135,7 +136,7 @@ ProjectorId World::attach(ObjectId id, const Selector& selector, Target target, 
   UserConstraint user_constraint;
   user_constraint.target = std::move(target);
   for (const auto& [particle, vertex] : particles_with_vertices(object, chosen)) {
-    const Vec3d x = world.exact_position(object.begin + particle);
+    const Vec3d x = world.particles.exact_position(object.begin + particle);
     projector->add({object.begin + particle}, {Vec3f(x)}, {compliance});
     user_constraint.attached_vertices.push_back(
         {vertex, object.embedding ? x - Vec3d(positions(id)[vertex]) : Vec3d{}});
@@ -159,7 +160,7 @@ ProjectorId World::connect(std::span<const std::pair<VertexRef, VertexRef>> pair
     require_permanent_particles(world.object(b.object), "connect");
     const std::uint32_t i = particle(a.object, a.vertex), j = particle(b.object, b.vertex);
     if (i == j) throw Error("connect: a vertex of " + name(a.object) + " is connected to itself");
-    const double now = length(world.exact_position(i) - world.exact_position(j));
+    const double now = length(world.particles.exact_position(i) - world.particles.exact_position(j));
     projector->add({i, j}, {rest_length < 0 ? static_cast<float>(now) : rest_length}, {compliance});
   }
   for (const auto& [a, b] : pairs)

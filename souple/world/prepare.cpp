@@ -24,7 +24,6 @@ Substep substep_of(const Settings& settings, double dt) {
   return {.h = static_cast<float>(dt / settings.substeps),
           .iterations = settings.iterations,
           .mode = settings.mode,
-          .form = settings.form,
           .count = settings.substeps,
           .relaxation = sweeps ? settings.solver.relaxation : 1};
 }

@@ -28,7 +28,7 @@ class MeasurementScope {
     bring_up_to_date(world);
     position_ = world.particles.position;
     offset_ = world.particles.offset;
-    world.particles.start = world.settings.form == Form::plain ? position_ : offset_;
+    world.particles.start = offset_;
     world.threads->wake();
   }
   MeasurementScope(const MeasurementScope&) = delete;

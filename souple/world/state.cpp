@@ -71,8 +71,7 @@ void WorldState::teleport_particle(std::size_t i, const Vec3d& x) {
 void WorldState::set_position(std::size_t i, const Vec3d& x) {
   const Vec3f rounded(x);
   particles.position[i].set_xyz(rounded);
-  particles.offset[i] = {};
-  if (settings.form == Form::displacement) particles.offset[i].set_xyz(Vec3f(x - Vec3d(rounded)));
+  particles.offset[i].set_xyz(Vec3f(x - Vec3d(rounded)));
 }
 
 void Callbacks::erase_removed() {

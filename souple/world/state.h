@@ -139,17 +139,12 @@ struct WorldState {
   ColliderRecord& collider(ColliderId id);
   ParticleView view();
   /// For stages of lower floors.
-  ObjectsView objects_view() { return {particles, objects, object_of, settings.form}; }
+  ObjectsView objects_view() { return {particles, objects, object_of}; }
   StageView stage_view();
   /// For queries.
   QueryView query_view() const;
 
-  /// Position of a particle, including the part beyond float precision [m].
-  Vec3d exact_position(std::size_t i) const {
-    return Vec3d(particles.position[i].xyz()) + Vec3d(particles.offset[i].xyz());
-  }
-  /// Sets the position of a particle; the displacement form keeps the part beyond float precision in the
-  /// offset.
+  /// Sets the position of a particle; its offset keeps the part beyond float precision.
   void set_position(std::size_t i, const Vec3d& x);
   /// Sets a position without continuous motion, which may create intersections: requests a check.
   void teleport_particle(std::size_t i, const Vec3d& x);

@@ -39,7 +39,6 @@ void validate(const FoamParameters& f) {
 void validate(const Settings& s) {
   validate(s.fluid.foam);
   check_all("settings", {{"mode", double(s.mode), 0, double(Mode::pbd)},
-                         {"form", double(s.form), 0, double(Form::plain)},
                          {"integrator", double(s.integrator), 0, double(Integrator::implicit_euler)},
                          {"solver.kind", double(s.solver.kind), 0, double(SolverKind::hierarchical)},
                          {"solver.sweep", double(s.solver.sweep), 0, double(Sweep::symmetric)},

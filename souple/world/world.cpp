@@ -63,12 +63,10 @@ void World::set_settings(const Settings& settings) {
   instruction_set();               // or if SOUPLE_SIMD is no instruction set
   WorldState& world = state();
   const CallScope call(*world.calls, "set_settings");
-  if (settings.form == Form::plain)
-    for (Vec4f& offset : world.particles.offset) offset = {};
   if (settings.threads != world.settings.threads || settings.threading != world.settings.threading)
     world.threads.reset();
   const Settings& old = world.settings;
-  const bool same = settings.solver == old.solver && settings.form == old.form && settings.mode == old.mode;
+  const bool same = settings.solver == old.solver && settings.mode == old.mode;
   world.dirty.solver = world.dirty.solver || !same;  // building a hierarchy takes a while
   if (!(settings.gravity == old.gravity && settings.wind == old.wind && settings.drag == old.drag &&
         settings.sleeping == old.sleeping))
@@ -404,14 +402,14 @@ void World::teleport(ObjectId id, const Transform& transform) {
   if (transform.scale != 1)
     throw Error(fmt::format("teleport: the scale is {}, expected 1", transform.scale));
   for (std::uint32_t i = object.begin; i < object.end; ++i)
-    if (!is_within(transform.point(world.exact_position(i)), range::coordinate))
+    if (!is_within(transform.point(world.particles.exact_position(i)), range::coordinate))
       throw Error(fmt::format("teleport: {} would be more than {:g} m from the origin", object.name,
                               range::coordinate));
   wake_island(world, object);
   if (object.traits().rigid) teleport_body(world, object, transform);
   const bool rolls = object.traits().rolls;
   for (std::uint32_t i = object.begin; i < object.end; ++i) {
-    const Vec3d x = world.exact_position(i);
+    const Vec3d x = world.particles.exact_position(i);
     world.teleport_particle(i, transform.point(x));
     Vec4f& velocity = world.particles.velocity[i];
     velocity.set_xyz(Vec3f(transform.direction(Vec3d(velocity.xyz()))));
@@ -466,7 +464,8 @@ std::vector<Carrier> World::carriers(ObjectId id, std::uint32_t vertex) const {
   require_vertex(object, vertex, "carriers");
   const auto carrier = [&](std::uint32_t local, double weight) -> Carrier {
     const std::uint32_t i = object.begin + local;
-    return {i, weight, inverse_mass_awake(state().particles, object, local), state().exact_position(i)};
+    return {i, weight, inverse_mass_awake(state().particles, object, local),
+            state().particles.exact_position(i)};
   };
   if (!object.embedding) return {carrier(object.particle_of[vertex], 1)};
   std::vector<Carrier> result;

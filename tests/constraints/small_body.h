@@ -11,7 +11,7 @@
 
 namespace souple {
 
-/// Particles with constraints of one kind, simulated in the displacement form (state/particles.h).
+/// Particles with constraints of one kind, simulated as in a world (state/particles.h).
 template <class Kind>
 class SmallBody {
  public:
@@ -57,7 +57,7 @@ class SmallBody {
     for (std::size_t i = 0; i < size(); ++i)
       if (position_[i].w > 0)
         offset_[i].set_xyz(offset_[i].xyz() + (velocity_[i].xyz() + gravity * substep.h) * substep.h);
-    const ParticleView view{position_, offset_, start_, Form::displacement};
+    const ParticleView view{position_, offset_, start_};
     projector.begin_substep(view, substep);
     for (int k = 0; k < substep.iterations; ++k)
       for (int c = 0; c < projector.color_count(); ++c) projector.project(c, view, substep);

@@ -14,15 +14,12 @@ namespace souple::test {
 /// Radius of an object whose old overlaps are removed at 3 m/s [m]: a fall by it takes it to that speed.
 constexpr float radius_at_3_mps = 9.0f / (2 * 9.81f);
 
-/// A simulation loop with contacts only, in both forms of time integration.
+/// A simulation loop with contacts only.
 struct MiniWorld {
-  explicit MiniWorld(Form form_) : form(form_) {}
-
   void add(const Vec3d& x, float radius_, float mass = 1, const Vec3f& v = {}) {
     const Vec3f rounded(x);
     position.push_back({rounded.x, rounded.y, rounded.z, mass > 0 ? 1 / mass : 0.0f});
-    // The rounding remainder of the position, which the displacement form keeps.
-    const Vec3f rest = form == Form::displacement ? Vec3f(x - Vec3d(rounded)) : Vec3f{};
+    const Vec3f rest(x - Vec3d(rounded));  // of rounding the position
     offset.push_back({rest.x, rest.y, rest.z, 0});
     velocity.push_back({v.x, v.y, v.z, 0});
     radius.push_back(radius_);
@@ -48,7 +45,7 @@ struct MiniWorld {
       named.push_back({names(k), materials[k].second, {}, radius_at_3_mps});
     for (const Collider& collider : colliders) obstacles.push_back({collider.name, collider.material});
     tables = {objects, colliders, {}, {named, obstacles, table}, {named, named, table}};
-    start = moving();
+    start = offset;
     begin_step(ContactStep{time, float(dt), length(gravity)});
   }
   /// With `tables` as they are.
@@ -60,16 +57,16 @@ struct MiniWorld {
 
   void step(double dt, int substeps, int iterations = 1) {
     begin_step(dt);
-    for (int s = 0; s < substeps; ++s) substep({float(dt / substeps), iterations, Mode::small_steps, form});
+    for (int s = 0; s < substeps; ++s) substep({float(dt / substeps), iterations, Mode::small_steps});
   }
 
   void substep(const Substep& substep) {
     const float h = substep.h;
-    start = moving();
+    start = offset;
     for (std::size_t i = 0; i < position.size(); ++i) {
       if (position[i].w == 0) continue;
       velocity[i].set_xyz(velocity[i].xyz() + gravity * h);
-      moving()[i].set_xyz(moving()[i].xyz() + velocity[i].xyz() * h);
+      offset[i].set_xyz(offset[i].xyz() + velocity[i].xyz() * h);
     }
     on_colliders.refresh(view(), substep, time, *threads);
     on_particles.refresh(view(), substep, time, *threads);
@@ -79,8 +76,7 @@ struct MiniWorld {
     }
     for (std::size_t i = 0; i < position.size(); ++i) {
       if (position[i].w == 0) continue;
-      velocity[i].set_xyz((moving()[i].xyz() - start[i].xyz()) * (1 / h));
-      if (form == Form::plain) continue;
+      velocity[i].set_xyz((offset[i].xyz() - start[i].xyz()) * (1 / h));
       const Vec3f before = position[i].xyz();
       position[i].set_xyz(before + offset[i].xyz());
       offset[i].set_xyz(offset[i].xyz() - (position[i].xyz() - before));
@@ -90,9 +86,8 @@ struct MiniWorld {
     time += double(h);
   }
 
-  std::vector<Vec4f>& moving() { return form == Form::plain ? position : offset; }
-  ParticleView view() { return {position, moving(), start, form}; }
-  Vec3d at(std::size_t i) const { return Vec3d(position[i].xyz()) + Vec3d(offset[i].xyz()); }
+  ParticleView view() { return {position, offset, start}; }
+  Vec3d at(std::size_t i) const { return exact_sum(position[i], offset[i]); }
   std::string_view names(std::size_t k) const { return materials[k].first; }
 
   /// FNV-1a 64 over positions, then velocities.
@@ -108,7 +103,6 @@ struct MiniWorld {
     return value;
   }
 
-  Form form;
   Vec3f gravity{0, -9.81f, 0};
   double time = 0;
   std::vector<Vec4f> position, offset, start, velocity;

@@ -24,17 +24,16 @@ struct Crowd {
   std::vector<Vec4f> position, moving, start, moved, velocity;
   std::vector<std::array<std::uint32_t, 4>> pairs;
   std::vector<float> thickness, distance_bound, contact_margin;
-  bool plain;
 
-  explicit Crowd(bool is_plain, std::size_t count) : plain(is_plain) {
+  explicit Crowd(std::size_t count) {
     test::Random random(count);
     const std::size_t particles = 4 * count;
     for (std::size_t i = 0; i < particles; ++i) {
       const float w = i % 5 == 0 ? 0.0f : float(random.uniform(0.5, 2));
       const Vec3d x = random.point(0, 0.1), d = random.point(-0.01, 0.01);
-      start.push_back(record(plain ? x : Vec3d{}, plain ? w : 0));
-      moving.push_back(record(plain ? x + d : d, plain ? w : 0));
-      position.push_back(plain ? moving.back() : record(x, w));
+      start.push_back({});
+      moving.push_back(record(d, 0));
+      position.push_back(record(x, w));
       moved.push_back({});
       moved[i].set_xyz(moving[i].xyz() - start[i].xyz());
       velocity.push_back(record(random.point(-1, 1), 0));
@@ -53,7 +52,7 @@ struct Crowd {
   kernels::ParticleRecords records() {
     kernels::ParticleRecords result;
     result.moving = &moving[0].x;
-    result.position = plain ? result.moving : &position[0].x;
+    result.position = &position[0].x;
     result.corrected = result.moving;
     result.start = &start[0].x;
     result.moved = &moved[0].x;
@@ -63,8 +62,8 @@ struct Crowd {
 };
 
 /// All results of the kernels for a crowd, one after another.
-std::vector<float> everything(const ElementPairKernels& kernels, bool plain, std::size_t count, int kind) {
-  Crowd crowd(plain, count);
+std::vector<float> everything(const ElementPairKernels& kernels, std::size_t count, int kind) {
+  Crowd crowd(count);
   for (std::size_t k = 0; kind == 1 && k < count; k += 3) crowd.pairs[k][1] = crowd.pairs[k][0];
   std::vector<float> result(3 * count);
   const auto add = [&](const float* from, std::size_t n) { result.insert(result.end(), from, from + n); };
@@ -109,19 +108,17 @@ std::vector<float> everything(const ElementPairKernels& kernels, bool plain, std
 
 // Numbers of pairs that fill registers or not. Some edges repeat a vertex.
 TEST(ElementPairKernels, EveryInstructionSetGivesTheSameBits) {
-  for (const bool plain : {false, true})
-    for (const int kind : {0, 1})
-      for (const std::size_t count : {1u, 2u, 7u, 16u, 33u, 250u}) {
-        const std::vector<float> scalar =
-            everything(kernels::find_element_pair_kernels(InstructionSet::scalar), plain, count, kind);
-        for (const InstructionSet set : all_sets()) {
-          const std::vector<float> packed =
-              everything(kernels::find_element_pair_kernels(set), plain, count, kind);
-          ASSERT_EQ(packed.size(), scalar.size()) << simd_name(set);
-          EXPECT_EQ(std::memcmp(packed.data(), scalar.data(), scalar.size() * sizeof(float)), 0)
-              << simd_name(set) << (plain ? " plain " : " displacement ") << kind << " " << count;
-        }
+  for (const int kind : {0, 1})
+    for (const std::size_t count : {1u, 2u, 7u, 16u, 33u, 250u}) {
+      const std::vector<float> scalar =
+          everything(kernels::find_element_pair_kernels(InstructionSet::scalar), count, kind);
+      for (const InstructionSet set : all_sets()) {
+        const std::vector<float> packed = everything(kernels::find_element_pair_kernels(set), count, kind);
+        ASSERT_EQ(packed.size(), scalar.size()) << simd_name(set);
+        EXPECT_EQ(std::memcmp(packed.data(), scalar.data(), scalar.size() * sizeof(float)), 0)
+            << simd_name(set) << " " << kind << " " << count;
       }
+    }
 }
 
 // A vertex and a triangle that approach each other: the range has the radii of the vertex and of the thickest
@@ -168,7 +165,7 @@ void project_one(const ElementPairKernels& kernels, Crowd& crowd, int kind) {
 TEST(ElementPairKernels, AProjectionKeepsMomentumAndTheDistance) {
   for (const InstructionSet set : all_sets()) {
     const ElementPairKernels& kernels = kernels::find_element_pair_kernels(set);
-    Crowd crowd(false, 1);
+    Crowd crowd(1);
     crowd.position = {record({0.3, 0.01, 0.2}, 2), record({0, 0, 0}, 1), record({0, 0, 1}, 1),
                       record({1, 0, 0}, 0)};
     crowd.moving = crowd.start = crowd.moved = std::vector<Vec4f>(4);
@@ -185,23 +182,18 @@ TEST(ElementPairKernels, AProjectionKeepsMomentumAndTheDistance) {
 
 // A ball and an edge; the ball is an edge from its particle to itself. Its correction counts exactly once.
 TEST(ElementPairKernels, ABallIsPushedOffAnEdge) {
-  for (const bool plain : {false, true})
-    for (const InstructionSet set : all_sets()) {
-      const ElementPairKernels& kernels = kernels::find_element_pair_kernels(set);
-      Crowd crowd(plain, 1);
-      crowd.pairs[0] = {0, 0, 2, 3};
-      crowd.position = {record({0.25, 0.01, 0}, 2), record({}, 1), record({0, 0, 0}, 1),
-                        record({1, 0, 0}, 1)};
-      crowd.moving = plain ? crowd.position : std::vector<Vec4f>(4);
-      crowd.start = crowd.moving;
-      crowd.moved = std::vector<Vec4f>(4);
-      const std::vector<Vec4f> before = crowd.moving;
-      project_one(kernels, crowd, 1);
-      const auto moved = [&](std::size_t i) { return Vec3d(crowd.moving[i].xyz() - before[i].xyz()); };
-      EXPECT_NEAR(0.01 + moved(0).y - 0.75 * moved(2).y - 0.25 * moved(3).y, 0.03, 1e-7) << simd_name(set);
-      EXPECT_NEAR(moved(0).y / 2 + moved(2).y + moved(3).y, 0, 1e-8);
-      EXPECT_NEAR(moved(2).y / moved(3).y, 3, 1e-4);
-    }
+  for (const InstructionSet set : all_sets()) {
+    const ElementPairKernels& kernels = kernels::find_element_pair_kernels(set);
+    Crowd crowd(1);
+    crowd.pairs[0] = {0, 0, 2, 3};
+    crowd.position = {record({0.25, 0.01, 0}, 2), record({}, 1), record({0, 0, 0}, 1), record({1, 0, 0}, 1)};
+    crowd.moving = crowd.start = crowd.moved = std::vector<Vec4f>(4);
+    project_one(kernels, crowd, 1);
+    const auto moved = [&](std::size_t i) { return Vec3d(crowd.moving[i].xyz()); };
+    EXPECT_NEAR(0.01 + moved(0).y - 0.75 * moved(2).y - 0.25 * moved(3).y, 0.03, 1e-7) << simd_name(set);
+    EXPECT_NEAR(moved(0).y / 2 + moved(2).y + moved(3).y, 0, 1e-8);
+    EXPECT_NEAR(moved(2).y / moved(3).y, 3, 1e-4);
+  }
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ struct Fluid {
     object.rest.resize(points.size());
     object.end = object.capacity = static_cast<std::uint32_t>(points.size());
   }
-  ObjectsView view() { return {particles, objects, object_of, Form::displacement}; }
+  ObjectsView view() { return {particles, objects, object_of}; }
 };
 
 TEST(Emission, EachLayerLeavesOnceAndFliesOn) {

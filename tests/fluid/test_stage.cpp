@@ -53,7 +53,7 @@ struct Pool {
     fluids.build(input().objects);
   }
   FluidInput input() {
-    return {.objects = {particles, objects, object_of, Form::displacement},
+    return {.objects = {particles, objects, object_of},
             .contacts = tables,
             .emitters = {},
             .settings = settings,

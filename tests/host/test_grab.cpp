@@ -117,7 +117,6 @@ TEST(Grab, HoldsForAllSettings) {
                                {.substeps = 2, .iterations = 20, .mode = Mode::xpbd},
                                {.substeps = 2, .iterations = 10, .mode = Mode::pbd},
                                {.substeps = 20},
-                               {.substeps = 5, .form = Form::plain},
                                {.integrator = Integrator::explicit_euler}};
   for (const Settings& s : settings) {
     Curtain c;

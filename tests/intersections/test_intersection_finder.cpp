@@ -37,7 +37,7 @@ class CrumpledSheets {
     }
   }
 
-  ParticleView view() { return {position_, offset_, offset_, Form::displacement}; }
+  ParticleView view() { return {position_, offset_, offset_}; }
   std::vector<ContactSurface>& surfaces() { return surfaces_; }
   const test::CrossingCounter& checker() const { return checker_; }
 
@@ -130,7 +130,7 @@ TEST(IntersectionFinder, TouchingSurfacesDoNotIntersect) {
       surfaces[k].rest = mesh.positions;
     IntersectionFinder finder;
     finder.set_surfaces(surfaces);
-    finder.find({position, still, still, Form::displacement}, *threads);
+    finder.find({position, still, still}, *threads);
     EXPECT_EQ(finder.intersections().empty(), offset == 1.0) << offset;
     EXPECT_TRUE(finder.is_closed(0));
   }

@@ -6,7 +6,7 @@ namespace souple {
 namespace {
 
 // The rounding remainder of a double as a float. g++ 12 gives 0 here when it vectorizes straight-line code,
-// which the build turns off: positions would lose the remainder that the displacement form keeps.
+// which the build turns off: positions would lose the remainder that offsets keep.
 Vec3f remainder_of(const Vec3d& x) {
   return Vec3f(x - Vec3d(Vec3f(x)));
 }

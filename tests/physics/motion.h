@@ -9,9 +9,6 @@
 
 namespace souple {
 
-inline const char* form_name(Form form) {
-  return form == Form::plain ? "plain" : "displacement";
-}
 inline const char* mode_name(Mode mode) {
   return mode == Mode::pbd ? "pbd" : mode == Mode::xpbd ? "xpbd" : "small steps";
 }

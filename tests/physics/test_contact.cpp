@@ -43,29 +43,26 @@ TEST(InclinedPlane, SticksBelowTheFrictionAngleAndSlidesAbove) {
   Curves curves(name, "time [s]", "way down the slope [m]");
   for (const double mu : {0.2, 0.5, 1.0}) {
     const double steep = std::atan(1.2 * mu), steeper = std::atan(2 * mu), gentle = std::atan(0.95 * mu);
-    for (const Mode mode : {Mode::small_steps, Mode::xpbd, Mode::pbd})
-      for (const Form form : {Form::displacement, Form::plain}) {
-        const Settings settings{
-            .substeps = 10, .iterations = mode == Mode::small_steps ? 1 : 4, .mode = mode, .form = form};
-        const bool drawn = mode == Mode::small_steps && form == Form::displacement && mu == 0.5;
-        const std::string at = std::string("mu = ") +
-                               (mu == 0.2   ? "0.2"
-                                : mu == 0.5 ? "0.5"
-                                            : "1") +
-                               ", " + mode_name(mode) + ", " + form_name(form) + ": ";
-        const Slide stuck = slide(gentle, mu, settings, drawn ? &curves : nullptr, "tan = 0.95 mu");
-        validate_below(name, at + "creep at tan = 0.95 mu in 2 s [m]", std::fabs(stuck.traveled), 1e-3);
-        for (const double angle : {steep, steeper}) {
-          const double expected = g * (std::sin(angle) - mu * std::cos(angle));
-          const std::string slope = angle == steep ? "tan = 1.2 mu" : "tan = 2 mu";
-          const Slide slides = slide(angle, mu, settings, drawn ? &curves : nullptr, slope);
-          validate_relative(name, at + "acceleration at " + slope + " [m/s^2]", slides.acceleration, expected,
-                            0.02);
-          if (drawn)
-            for (int k = 0; k <= 40; ++k)
-              curves.add("theory: " + slope, k / 20.0, expected / 2 * k * k / 400);
-        }
+    for (const Mode mode : {Mode::small_steps, Mode::xpbd, Mode::pbd}) {
+      const Settings settings{.substeps = 10, .iterations = mode == Mode::small_steps ? 1 : 4, .mode = mode};
+      const bool drawn = mode == Mode::small_steps && mu == 0.5;
+      const std::string at = std::string("mu = ") +
+                             (mu == 0.2   ? "0.2"
+                              : mu == 0.5 ? "0.5"
+                                          : "1") +
+                             ", " + mode_name(mode) + ": ";
+      const Slide stuck = slide(gentle, mu, settings, drawn ? &curves : nullptr, "tan = 0.95 mu");
+      validate_below(name, at + "creep at tan = 0.95 mu in 2 s [m]", std::fabs(stuck.traveled), 1e-3);
+      for (const double angle : {steep, steeper}) {
+        const double expected = g * (std::sin(angle) - mu * std::cos(angle));
+        const std::string slope = angle == steep ? "tan = 1.2 mu" : "tan = 2 mu";
+        const Slide slides = slide(angle, mu, settings, drawn ? &curves : nullptr, slope);
+        validate_relative(name, at + "acceleration at " + slope + " [m/s^2]", slides.acceleration, expected,
+                          0.02);
+        if (drawn)
+          for (int k = 0; k <= 40; ++k) curves.add("theory: " + slope, k / 20.0, expected / 2 * k * k / 400);
       }
+    }
   }
 }
 
@@ -91,25 +88,22 @@ TEST(Bounce, HeightIsTheSquareOfTheRestitution) {
   const std::string name = "bounce, 1 m drop, 20 substeps";
   Curves curves(name, "time [s]", "height [m]");
   for (const Mode mode : {Mode::small_steps, Mode::xpbd, Mode::pbd})
-    for (const Form form : {Form::displacement, Form::plain})
-      for (const double e : {0.0, 0.5, 0.9}) {
-        const Settings settings{
-            .substeps = 20, .iterations = mode == Mode::small_steps ? 1 : 4, .mode = mode, .form = form};
-        const bool drawn = mode == Mode::small_steps && form == Form::displacement;
-        const std::string series = e == 0.0 ? "e = 0" : e == 0.5 ? "e = 0.5" : "e = 0.9";
-        const double ratio = bounce(e, settings, drawn ? &curves : nullptr, series);
-        const std::string quantity =
-            series + ", " + mode_name(mode) + ", " + form_name(form) + ": height ratio";
-        if (e > 0) validate_relative(name, quantity, ratio, e * e, 0.02);
-        if (e == 0) validate_below(name, quantity, ratio, 0.01);
-        if (!drawn || e == 0) continue;
-        const double fallen = std::sqrt(2 / g), up = e * g * fallen;  // s, m/s
-        for (int i = 0; i <= 50; ++i) {
-          const double t = 2 * up / g * i / 50;
-          curves.add("theory: first bounce", fallen + t, up * t - g / 2 * t * t);
-        }
-        curves.lift("theory: first bounce");
+    for (const double e : {0.0, 0.5, 0.9}) {
+      const Settings settings{.substeps = 20, .iterations = mode == Mode::small_steps ? 1 : 4, .mode = mode};
+      const bool drawn = mode == Mode::small_steps;
+      const std::string series = e == 0.0 ? "e = 0" : e == 0.5 ? "e = 0.5" : "e = 0.9";
+      const double ratio = bounce(e, settings, drawn ? &curves : nullptr, series);
+      const std::string quantity = series + ", " + mode_name(mode) + ": height ratio";
+      if (e > 0) validate_relative(name, quantity, ratio, e * e, 0.02);
+      if (e == 0) validate_below(name, quantity, ratio, 0.01);
+      if (!drawn || e == 0) continue;
+      const double fallen = std::sqrt(2 / g), up = e * g * fallen;  // s, m/s
+      for (int i = 0; i <= 50; ++i) {
+        const double t = 2 * up / g * i / 50;
+        curves.add("theory: first bounce", fallen + t, up * t - g / 2 * t * t);
       }
+      curves.lift("theory: first bounce");
+    }
 }
 
 }  // namespace

@@ -14,13 +14,12 @@ struct Fall {
 };
 
 // Closed form of the scheme, v_n = -g n h and x_n = -g h^2 n (n + 1) / 2.
-Fall fall(Form form, int steps, double h, Curves& curves) {
-  World world({.substeps = 1, .form = form});
+Fall fall(int steps, double h, Curves& curves) {
+  World world({.substeps = 1});
   const Vec3d origin[] = {Vec3d{}};
   const ObjectId stone = world.add_grains(origin, grain_of_mass(1));
   const double g = -static_cast<double>(world.settings().gravity.y);
-  const std::string series =
-      std::string(form_name(form)) + ", h = 1/" + std::to_string(std::lround(1 / h)) + " s";
+  const std::string series = "h = 1/" + std::to_string(std::lround(1 / h)) + " s";
   Fall result;
   for (int n = 1; n <= steps; ++n) {
     world.step(h);
@@ -38,18 +37,12 @@ Fall fall(Form form, int steps, double h, Curves& curves) {
 TEST(FreeFall, FollowsTheDiscreteClosedForm) {
   const std::string name = "free fall";
   Curves curves(name, "time [s]", "relative error of the fallen height (log)");
-  const Fall long_steps = fall(Form::displacement, 1000, 1.0 / 60, curves);
-  validate_below(name, "displacement form, 1000 x 1/60 s: x", long_steps.x_error, 1e-4);
-  validate_below(name, "displacement form, 1000 x 1/60 s: v", long_steps.v_error, 1e-4);
-  const Fall short_steps = fall(Form::displacement, 10000, 1.0 / 600, curves);
-  validate_below(name, "displacement form, 10,000 x 1/600 s: x", short_steps.x_error, 1e-4);
-  validate_below(name, "displacement form, 10,000 x 1/600 s: v", short_steps.v_error, 1e-4);
-  const Fall plain = fall(Form::plain, 1000, 1.0 / 60, curves);
-  validate_below(name, "plain form, 1000 x 1/60 s: x", plain.x_error, 1e-3);
-  validate_below(name, "plain form, 1000 x 1/60 s: v", plain.v_error, 1e-3);
-  const Fall plain_short = fall(Form::plain, 10000, 1.0 / 600, curves);
-  state(name, "plain form, 10,000 x 1/600 s: x", plain_short.x_error);
-  state(name, "plain form, 10,000 x 1/600 s: v", plain_short.v_error);
+  const Fall long_steps = fall(1000, 1.0 / 60, curves);
+  validate_below(name, "1000 x 1/60 s: x", long_steps.x_error, 1e-4);
+  validate_below(name, "1000 x 1/60 s: v", long_steps.v_error, 1e-4);
+  const Fall short_steps = fall(10000, 1.0 / 600, curves);
+  validate_below(name, "10,000 x 1/600 s: x", short_steps.x_error, 1e-4);
+  validate_below(name, "10,000 x 1/600 s: v", short_steps.v_error, 1e-4);
 }
 
 // --- a free body ---------------------------------------------------------------------------------
@@ -73,8 +66,8 @@ struct Lattice {
   World world;
   ObjectId body;
 
-  Lattice(Make make, Form form, int substeps, const Vec3d& at = {}, float spin = 0)
-      : world({.substeps = substeps, .form = form, .gravity = {}}) {
+  Lattice(Make make, int substeps, const Vec3d& at = {}, float spin = 0)
+      : world({.substeps = substeps, .gravity = {}}) {
     const ObjectOptions thrown{
         .transform = {.translation = at}, .velocity = {0.8f, 0.6f, 0}, .angular_velocity = {0, 0, spin}};
     if (make == Make::links) {
@@ -94,11 +87,10 @@ struct Lattice {
 };
 
 // Maximum over the run. All particles move alike, so sum m|v| is the momentum itself.
-double momentum_error(Make make, Form form, int substeps, Curves& curves) {
-  Lattice lattice(make, form, substeps);
+double momentum_error(Make make, int substeps, Curves& curves) {
+  Lattice lattice(make, substeps);
   const Vec3d start = lattice.world.momentum(lattice.body);
-  const std::string series =
-      words(make) + ", " + form_name(form) + ", " + std::to_string(substeps) + " substeps";
+  const std::string series = words(make) + ", " + std::to_string(substeps) + " substeps";
   double worst = 0;
   for (int frame = 1; frame <= 600; ++frame) {
     if (!lattice.world.step(1.0 / 60).ok()) return std::nan("");
@@ -112,25 +104,15 @@ double momentum_error(Make make, Form form, int substeps, Curves& curves) {
 TEST(FreeLattice, KeepsItsMomentum) {
   const std::string name = "free 5 x 5 x 5 lattice";
   Curves curves(name, "time [s]", "lost momentum, relative to sum m|v| (log)");
-  const auto error = [&](Make make, Form form, int substeps) {
-    return momentum_error(make, form, substeps, curves);
-  };
+  const auto error = [&](Make make, int substeps) { return momentum_error(make, substeps, curves); };
   for (const int substeps : {10, 50}) {
     const std::string at = ", " + std::to_string(substeps) + " substeps";
-    validate_below(name, "displacement, rigid links" + at, error(Make::links, Form::displacement, substeps),
-                   1e-5);
-    validate_below(name, "displacement, tet springs" + at, error(Make::springs, Form::displacement, substeps),
-                   1e-5);
+    validate_below(name, "rigid links" + at, error(Make::links, substeps), 1e-5);
+    validate_below(name, "tet springs" + at, error(Make::springs, substeps), 1e-5);
   }
-  validate_below(name, "displacement, neo-Hookean, 10 substeps", error(Make::solid, Form::displacement, 10),
-                 1e-5);
+  validate_below(name, "neo-Hookean, 10 substeps", error(Make::solid, 10), 1e-5);
   // The noise of 320 tets' strains over 30,000 substeps.
-  validate_below(name, "displacement, neo-Hookean, 50 substeps", error(Make::solid, Form::displacement, 50),
-                 1.2e-5);
-  validate_below(name, "plain, rigid links, 10 substeps", error(Make::links, Form::plain, 10), 1e-3);
-  state(name, "plain, rigid links, 50 substeps", error(Make::links, Form::plain, 50));
-  state(name, "plain, tet springs, 10 substeps", error(Make::springs, Form::plain, 10));
-  state(name, "plain, tet springs, 50 substeps", error(Make::springs, Form::plain, 50));
+  validate_below(name, "neo-Hookean, 50 substeps", error(Make::solid, 50), 1.2e-5);
 }
 
 // --- far from the origin, and at other rates -----------------------------------------------------
@@ -140,8 +122,8 @@ struct Trajectory {
   double fastest = 0;                      // m/s
 };
 
-Trajectory trajectory(Form form, const Vec3d& at, int rate) {
-  Lattice lattice(Make::solid, form, 600 / rate, at, 1);  // rotating, hence strained
+Trajectory trajectory(const Vec3d& at, int rate) {
+  Lattice lattice(Make::solid, 600 / rate, at, 1);  // rotating, hence strained
   Trajectory result;
   for (int frame = 1; frame <= 5 * rate; ++frame) {
     EXPECT_TRUE(lattice.world.step(1.0 / rate).ok());
@@ -172,18 +154,14 @@ double largest_difference(const Trajectory& a, const Trajectory& b, const std::s
 TEST(FreeLattice, MovesAlikeEverywhere) {
   const std::string name = "the same lattice far from the origin";
   Curves curves(name, "time [s]", "distance to the run at the origin [m] (log)");
-  curves.add("bound of the displacement form", {0, 5}, {1e-4, 1e-4});
-  for (const Form form : {Form::displacement, Form::plain}) {
-    const Trajectory here = trajectory(form, {}, 60);
-    for (const double distance : {10.0, 1000.0}) {
-      const Trajectory there = trajectory(form, {distance, 0, 0}, 60);
-      const std::string at =
-          std::string(form_name(form)) + ", " + std::to_string(std::lround(distance)) + " m";
-      const double difference = largest_difference(here, there, at, curves);
-      if (form == Form::displacement) validate_below(name, at + ": difference [m]", difference, 1e-4);
-      if (form == Form::plain) state(name, at + ": difference [m]", difference);
-      validate_below(name, at + ": fastest particle [m/s]", there.fastest, 2);
-    }
+  curves.add("bound", {0, 5}, {1e-4, 1e-4});
+  const Trajectory here = trajectory({}, 60);
+  for (const double distance : {10.0, 1000.0}) {
+    const Trajectory there = trajectory({distance, 0, 0}, 60);
+    const std::string at = std::to_string(std::lround(distance)) + " m";
+    const double difference = largest_difference(here, there, at, curves);
+    validate_below(name, at + ": difference [m]", difference, 1e-4);
+    validate_below(name, at + ": fastest particle [m/s]", there.fastest, 2);
   }
 }
 
@@ -191,13 +169,11 @@ TEST(FreeLattice, MovesAlikeAtEveryFrameRate) {
   const std::string name = "the same lattice at other frame rates";
   Curves curves(name, "time [s]", "distance to the run at 60 Hz [m], 1e-9 is 0 (log)");
   curves.add("bound", {0, 5}, {1e-4, 1e-4});
-  for (const Form form : {Form::displacement, Form::plain}) {
-    const Trajectory reference = trajectory(form, {}, 60);
-    for (const int rate : {30, 120}) {
-      const std::string at = std::string(form_name(form)) + ", " + std::to_string(rate) + " Hz";
-      const double difference = largest_difference(reference, trajectory(form, {}, rate), at, curves);
-      validate_below(name, at + ": difference to 60 Hz [m]", difference, 1e-4);
-    }
+  const Trajectory reference = trajectory({}, 60);
+  for (const int rate : {30, 120}) {
+    const std::string at = std::to_string(rate) + " Hz";
+    const double difference = largest_difference(reference, trajectory({}, rate), at, curves);
+    validate_below(name, at + ": difference to 60 Hz [m]", difference, 1e-4);
   }
 }
 

@@ -47,33 +47,29 @@ TEST(Spin, FallsByTheLawOfTheScheme) {
   const std::string name = "free rigid-like body spinning at 2 pi rad/s";
   Curves curves(name, "time [s]", "angular velocity [rad/s]");
   for (const Body kind : {Body::shape_matching, Body::links})
-    for (const Form form : {Form::displacement, Form::plain})
-      for (const int substeps : {10, 50}) {
-        // The plain form spins in place: 10 m away its small steps lose digits (see the free lattice).
-        const Vec3d velocity = form == Form::plain ? Vec3d{} : Vec3d{0.6, 0.8, 0};
-        World world({.substeps = substeps, .form = form, .gravity = {}});
-        const ObjectId body = add_body(world, kind, Vec3f(velocity));
-        const Vec3d start = world.center_of_mass(body);
-        const double h = 1.0 / 60 / substeps;
-        const std::string at = std::string(kind == Body::links ? "rigid links, " : "shape matching, ") +
-                               form_name(form) + ", " + std::to_string(substeps) + " substeps";
-        double worst = 0, astray = 0;
-        for (int frame = 1; frame <= 600; ++frame) {
-          EXPECT_TRUE(world.step(1.0 / 60).ok());
-          const double t = frame / 60.0;
-          const double law = 2 * pi / std::sqrt(1 + 8 * pi * pi * h * t);
-          const double spin = spin_of(world, body);
-          worst = std::max(worst, std::fabs(spin / law - 1));
-          astray = std::max(astray, length(world.center_of_mass(body) - start - velocity * t));
-          if (form == Form::plain || frame % 10 != 0) continue;
-          curves.add(at, t, spin);
-          if (kind == Body::links) curves.add("theory: " + std::to_string(substeps) + " substeps", t, law);
-        }
-        validate_below(name, at + ": relative error of angular velocity", worst, 0.02);
-        const std::string line = at + ": distance of the center of mass from its line [m]";
-        if (form == Form::displacement) validate_below(name, line, astray, 1e-3);
-        if (form == Form::plain) state(name, line, astray);
+    for (const int substeps : {10, 50}) {
+      const Vec3d velocity{0.6, 0.8, 0};
+      World world({.substeps = substeps, .gravity = {}});
+      const ObjectId body = add_body(world, kind, Vec3f(velocity));
+      const Vec3d start = world.center_of_mass(body);
+      const double h = 1.0 / 60 / substeps;
+      const std::string at = std::string(kind == Body::links ? "rigid links, " : "shape matching, ") +
+                             std::to_string(substeps) + " substeps";
+      double worst = 0, astray = 0;
+      for (int frame = 1; frame <= 600; ++frame) {
+        EXPECT_TRUE(world.step(1.0 / 60).ok());
+        const double t = frame / 60.0;
+        const double law = 2 * pi / std::sqrt(1 + 8 * pi * pi * h * t);
+        const double spin = spin_of(world, body);
+        worst = std::max(worst, std::fabs(spin / law - 1));
+        astray = std::max(astray, length(world.center_of_mass(body) - start - velocity * t));
+        if (frame % 10 != 0) continue;
+        curves.add(at, t, spin);
+        if (kind == Body::links) curves.add("theory: " + std::to_string(substeps) + " substeps", t, law);
       }
+      validate_below(name, at + ": relative error of angular velocity", worst, 0.02);
+      validate_below(name, at + ": distance of the center of mass from its line [m]", astray, 1e-3);
+    }
 }
 
 // --- energy --------------------------------------------------------------------------------------
@@ -101,34 +97,30 @@ TEST(ElasticBody, NeverGainsEnergyAndLosesLessInSmallerSteps) {
   const std::string name = "unforced elastic body";
   Curves curves(name, "time [s]", "energy / its start");
   for (const SoftBodyModel model : {SoftBodyModel::neo_hookean, SoftBodyModel::springs})
-    for (const Mode mode : {Mode::small_steps, Mode::xpbd})
-      for (const Form form : {Form::displacement, Form::plain}) {
-        const std::string what =
-            std::string(model == SoftBodyModel::springs ? "springs, " : "neo-Hookean, ") + mode_name(mode) +
-            ", " + form_name(form) + ", ";
-        double before = 2;
-        for (const int substeps : {5, 20, 80}) {
-          if (mode == Mode::xpbd && substeps > 20) continue;
-          const int iterations = mode == Mode::xpbd ? 4 : 1;
-          const std::vector<double> energy = ring(
-              model,
-              {.substeps = substeps, .iterations = iterations, .mode = mode, .form = form, .gravity = {}});
-          const std::string at = what + std::to_string(substeps) + " substeps";
-          validate_below(name, at + ": largest energy", *std::max_element(energy.begin(), energy.end()),
-                         1.01);
-          // Loss over the first quarter second; later, little energy remains.
-          const double lost = 1 - energy[14];
-          state(name, at + ": lost in 0.25 s", lost);
-          // A quarter of the step: the loss must vanish with it.
-          if (before < 2) {
-            validate_below(name, at + ": loss / loss at four times the step", lost / before, 0.6);
-          }
-          before = lost;
-          if (mode == Mode::small_steps && form == Form::displacement)
-            for (std::size_t i = 0; i < energy.size(); ++i)
-              curves.add(at, static_cast<double>(i + 1) / 60, energy[i]);
+    for (const Mode mode : {Mode::small_steps, Mode::xpbd}) {
+      const std::string what = std::string(model == SoftBodyModel::springs ? "springs, " : "neo-Hookean, ") +
+                               mode_name(mode) + ", ";
+      double before = 2;
+      for (const int substeps : {5, 20, 80}) {
+        if (mode == Mode::xpbd && substeps > 20) continue;
+        const int iterations = mode == Mode::xpbd ? 4 : 1;
+        const std::vector<double> energy =
+            ring(model, {.substeps = substeps, .iterations = iterations, .mode = mode, .gravity = {}});
+        const std::string at = what + std::to_string(substeps) + " substeps";
+        validate_below(name, at + ": largest energy", *std::max_element(energy.begin(), energy.end()), 1.01);
+        // Loss over the first quarter second; later, little energy remains.
+        const double lost = 1 - energy[14];
+        state(name, at + ": lost in 0.25 s", lost);
+        // A quarter of the step: the loss must vanish with it.
+        if (before < 2) {
+          validate_below(name, at + ": loss / loss at four times the step", lost / before, 0.6);
         }
+        before = lost;
+        if (mode == Mode::small_steps)
+          for (std::size_t i = 0; i < energy.size(); ++i)
+            curves.add(at, static_cast<double>(i + 1) / 60, energy[i]);
       }
+    }
 }
 
 }  // namespace

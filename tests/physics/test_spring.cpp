@@ -99,19 +99,15 @@ TEST(Spring, SagsByItsWeightWithDampingOn) {
   const double k = 1000, expected = 9.81 / k;
   curves.add("theory: at rest, m g / k", {0, 1}, {1000 * expected, 1000 * expected});
   for (const Mode mode : {Mode::small_steps, Mode::xpbd})
-    for (const Form form : {Form::displacement, Form::plain})
-      for (const int iterations : {1, 5, 20}) {
-        Oscillator spring({.substeps = 10, .iterations = iterations, .mode = mode, .form = form}, k, 0,
-                          0.02f);
-        const std::string at = std::string(mode_name(mode)) + ", " + form_name(form) + ", " +
-                               std::to_string(iterations) + " iterations";
-        for (int frame = 1; frame <= 300; ++frame) {
-          spring.world.step(1.0 / 60);
-          if (frame <= 60 && form == Form::displacement)
-            curves.add(at, frame / 60.0, 1000 * spring.stretch());
-        }
-        validate_relative(name, at + " [m]", spring.stretch(), expected, 0.001);
+    for (const int iterations : {1, 5, 20}) {
+      Oscillator spring({.substeps = 10, .iterations = iterations, .mode = mode}, k, 0, 0.02f);
+      const std::string at = std::string(mode_name(mode)) + ", " + std::to_string(iterations) + " iterations";
+      for (int frame = 1; frame <= 300; ++frame) {
+        spring.world.step(1.0 / 60);
+        if (frame <= 60) curves.add(at, frame / 60.0, 1000 * spring.stretch());
       }
+      validate_relative(name, at + " [m]", spring.stretch(), expected, 0.001);
+    }
 }
 
 }  // namespace

@@ -7,7 +7,7 @@ namespace {
 /// The manual's example, with a value for every sort of key.
 TEST(Scene, ReadsEveryValueWhereItBelongs) {
   const SceneDescription scene = parse_scene(R"({
-    "souple": 1, "frame_rate": 50, "frames": 100, "substeps": 7, "iterations": 3, "mode": "pbd", "form": "plain",
+    "souple": 1, "frame_rate": 50, "frames": 100, "substeps": 7, "iterations": 3, "mode": "pbd",
     "integrator": "implicit_euler", "gravity": [0, -1.62, 0.5], "seed": 9007199254740991, "drag": 0.25,
     "measure_residuals": false, "sleeping": {"enabled": true, "speed": 0.25, "seconds": 2},
     "camera": {"from": [2, 1.5, 3], "to": [0, 0.5, 0], "fov": 35},
@@ -52,7 +52,6 @@ TEST(Scene, ReadsEveryValueWhereItBelongs) {
   EXPECT_EQ(scene.settings.substeps, 7);
   EXPECT_EQ(scene.settings.iterations, 3);
   EXPECT_EQ(scene.settings.mode, Mode::pbd);
-  EXPECT_EQ(scene.settings.form, Form::plain);
   EXPECT_EQ(scene.settings.integrator, Integrator::implicit_euler);
   EXPECT_EQ(scene.settings.gravity, Vec3f(0, -1.62f, 0.5f));
   EXPECT_EQ(scene.settings.seed, 9007199254740991u);

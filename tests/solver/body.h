@@ -9,24 +9,19 @@
 
 namespace souple::test {
 
-/// Particles without constraints, with the arrays of a ParticleView, in either form.
+/// Particles without constraints, with the arrays of a ParticleView.
 struct Body {
-  Form form;
   std::vector<Vec4f> position, offset, start;
 
-  explicit Body(Form f = Form::displacement) : form(f) {}
-  std::vector<Vec4f>& moving() { return form == Form::plain ? position : offset; }
   void add(const Vec3d& x, float inverse_mass) {
     const Vec3f rounded(x);
-    const Vec3f rest = form == Form::plain ? Vec3f{} : Vec3f(x - Vec3d(rounded));
+    const Vec3f rest = Vec3f(x - Vec3d(rounded));
     position.push_back({rounded.x, rounded.y, rounded.z, inverse_mass});
     offset.push_back({rest.x, rest.y, rest.z, 0});
-    start = moving();
+    start = offset;
   }
-  ParticleView view() { return {position, moving(), start, form}; }
-  Vec3d at(std::size_t i) const {
-    return form == Form::plain ? Vec3d(position[i].xyz()) : Vec3d(position[i].xyz()) + Vec3d(offset[i].xyz());
-  }
+  ParticleView view() { return {position, offset, start}; }
+  Vec3d at(std::size_t i) const { return exact_sum(position[i], offset[i]); }
   std::vector<Vec3d> all() const {
     std::vector<Vec3d> result;
     for (std::size_t i = 0; i < position.size(); ++i) result.push_back(at(i));

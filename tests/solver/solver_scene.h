@@ -17,8 +17,8 @@ inline SolverSettings kind_of(SolverKind kind) {
   return settings;
 }
 
-/// Particles that a solver moves, substep by substep, in the displacement form. This is a simulation loop without a
-/// World, and a test can read all of its data.
+/// Particles that a solver moves, substep by substep. This is a simulation loop without a World, and a test can read
+/// all of its data.
 struct SolverScene {
   Body body;
   std::vector<Vec3f> velocity;
@@ -51,7 +51,7 @@ struct SolverScene {
   }
   /// Solves the constraints of one substep that starts at the current positions.
   void solve() {
-    body.start = body.moving();
+    body.start = body.offset;
     solve_from_start();
   }
   void solve_from_start() {

@@ -45,8 +45,8 @@ double volume_of(const std::vector<Vec3d>& x, const std::vector<Triangle>& trian
   return sum / 6;
 }
 
-Body body_of(const Surface& s, double size, Form form = Form::displacement, const Vec3d& far = {}) {
-  Body body(form);
+Body body_of(const Surface& s, double size, const Vec3d& far = {}) {
+  Body body;
   for (std::size_t i = 0; i < s.positions.size(); ++i)
     body.add(far + (s.positions[i] + scatter3(i) * 0.02) * size, 1.0f + static_cast<float>(i % 2));
   return body;
@@ -59,35 +59,32 @@ TEST(EnclosedVolume, MeasuresTheVolumeOfABox) {
   for (int i = 0; i < 8; ++i) corners.push_back({2.0 * (i & 1), 3.0 * (i >> 1 & 1), 4.0 * (i >> 2 & 1)});
   const std::vector<Triangle> triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                            {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-  for (const Form form : {Form::plain, Form::displacement}) {
-    Body body(form);
-    for (const Vec3d& x : corners) body.add(x + Vec3d{100, 0, 0}, 1);
-    EnclosedVolume projector;
-    projector.add(triangles, 24);
-    projector.prepare(8);
-    EXPECT_NEAR(projector.volume(0, body.view()), 24, 1e-5);
-  }
+  Body body;
+  for (const Vec3d& x : corners) body.add(x + Vec3d{100, 0, 0}, 1);
+  EnclosedVolume projector;
+  projector.add(triangles, 24);
+  projector.prepare(8);
+  EXPECT_NEAR(projector.volume(0, body.view()), 24, 1e-5);
 }
 
 TEST(EnclosedVolume, HoldsItsVolumeAtEverySize) {
   const Surface s = ball(2);
-  for (const Form form : {Form::plain, Form::displacement})
-    for (const double size : {1e-3, 1.0, 100.0})
-      for (const double factor : {0.5, 1.0, 3.0}) {
-        Body body = body_of(s, size, form);
-        const double rest = volume_of(s.positions, s.triangles) * size * size * size;
-        EnclosedVolume projector;
-        projector.add(s.triangles, rest, {.keep_volume = true, .volume_factor = static_cast<float>(factor)});
-        projector.prepare(s.positions.size());
-        for (int i = 0; i < 30; ++i) solve(projector, body, {.h = 0.01f, .form = form});
-        EXPECT_NEAR(volume_of(body.all(), s.triangles) / rest, factor, 1e-5 * factor) << size;
-      }
+  for (const double size : {1e-3, 1.0, 100.0})
+    for (const double factor : {0.5, 1.0, 3.0}) {
+      Body body = body_of(s, size);
+      const double rest = volume_of(s.positions, s.triangles) * size * size * size;
+      EnclosedVolume projector;
+      projector.add(s.triangles, rest, {.keep_volume = true, .volume_factor = static_cast<float>(factor)});
+      projector.prepare(s.positions.size());
+      for (int i = 0; i < 30; ++i) solve(projector, body, {.h = 0.01f});
+      EXPECT_NEAR(volume_of(body.all(), s.triangles) / rest, factor, 1e-5 * factor) << size;
+    }
 }
 
 TEST(EnclosedVolume, KeepsMomentaFarFromTheOrigin) {
   const Surface s = ball(2);
   for (const bool keep_volume : {true, false}) {
-    Body body = body_of(s, 1, Form::displacement, {1000, 1000, -1000});
+    Body body = body_of(s, 1, {1000, 1000, -1000});
     const auto before = body.all();
     EnclosedVolume projector;
     projector.add(s.triangles, 6, {.pressure = keep_volume ? 0.0f : 1e3f, .keep_volume = keep_volume});

@@ -142,7 +142,7 @@ struct Stretched {
   std::vector<float> x, y, z, min_length, max_length, gain;
 };
 
-Stretched stretched_links(const kernels::LinkKernels& of, bool displaced) {
+Stretched stretched_links(const kernels::LinkKernels& of) {
   const CoarseLevel level = row();
   const Records records(level);
   std::vector<std::uint32_t> a, b;
@@ -163,17 +163,15 @@ Stretched stretched_links(const kernels::LinkKernels& of, bool displaced) {
               std::vector<float>(count),
               std::vector<float>(count)};
   const float *const position = &records.position.data()->x, *const moving = &records.moving.data()->x;
-  of.find_stretched({a.data(), b.data(), longest.data()}, position, displaced ? moving : nullptr,
-                    s.found.data(), 0, count / lanes);
+  of.find_stretched({a.data(), b.data(), longest.data()}, position, moving, s.found.data(), 0, count / lanes);
   of.measure_stretched({a.data(), b.data(), s.x.data(), s.y.data(), s.z.data(), s.min_length.data(),
                         s.max_length.data(), s.gain.data()},
-                       {longest.data(), compliance.data(), inverse_mass.data(), 0.9f, 1e-6f, 3e5f},
-                       displaced ? position : nullptr, displaced ? moving : position, s.gain.data(), 0,
-                       count);
+                       {longest.data(), compliance.data(), inverse_mass.data(), 0.9f, 1e-6f, 3e5f}, position,
+                       moving, s.gain.data(), 0, count);
   for (std::size_t e = 0; e < level.links.size(); ++e) {
     const Link& link = level.links[e];
-    Vec3f u = records.position[link.a].xyz() - records.position[link.b].xyz();
-    if (displaced) u += records.moving[link.a].xyz() - records.moving[link.b].xyz();
+    const Vec3f u = (records.position[link.a].xyz() - records.position[link.b].xyz()) +
+                    (records.moving[link.a].xyz() - records.moving[link.b].xyz());
     EXPECT_EQ((s.found[e / lanes] >> (e % lanes)) & 1, length(u) > longest[e]) << e;
     EXPECT_FLOAT_EQ(s.min_length[e], std::min(0.9f * longest[e], length(u))) << e;
   }
@@ -181,18 +179,16 @@ Stretched stretched_links(const kernels::LinkKernels& of, bool displaced) {
 }
 
 TEST(LevelLinks, StretchedLinksAreTheSameForAnyInstructionSet) {
-  for (const bool displaced : {false, true}) {
-    const Stretched expected = stretched_links(link_kernels(), displaced);
-    for (const InstructionSet set : {InstructionSet::sse, InstructionSet::avx2, InstructionSet::avx512}) {
-      const kernels::LinkKernels* const kernels = set <= instruction_set() ? find_link_kernels(set) : nullptr;
-      if (kernels == nullptr) continue;
-      const Stretched s = stretched_links(*kernels, displaced);
-      EXPECT_EQ(s.found, expected.found);
-      EXPECT_EQ(s.x, expected.x);
-      EXPECT_EQ(s.min_length, expected.min_length);
-      EXPECT_EQ(s.max_length, expected.max_length);
-      EXPECT_EQ(s.gain, expected.gain);
-    }
+  const Stretched expected = stretched_links(link_kernels());
+  for (const InstructionSet set : {InstructionSet::sse, InstructionSet::avx2, InstructionSet::avx512}) {
+    const kernels::LinkKernels* const kernels = set <= instruction_set() ? find_link_kernels(set) : nullptr;
+    if (kernels == nullptr) continue;
+    const Stretched s = stretched_links(*kernels);
+    EXPECT_EQ(s.found, expected.found);
+    EXPECT_EQ(s.x, expected.x);
+    EXPECT_EQ(s.min_length, expected.min_length);
+    EXPECT_EQ(s.max_length, expected.max_length);
+    EXPECT_EQ(s.gain, expected.gain);
   }
 }
 

@@ -29,7 +29,8 @@ TEST(Measure, IsTheSumOverConstraintsOnAnyNumberOfThreads) {
     if (rest > 0) expected.largest_strain = std::max(expected.largest_strain, C / static_cast<double>(rest));
   }
   chain.prepare(position.size());
-  const ParticleView view{position, position, position, Form::plain};
+  std::vector<Vec4f> unmoved(position.size());
+  const ParticleView view{position, unmoved, unmoved};
   const Residual alone = chain.residual(view);
   EXPECT_EQ(alone.count, links);
   EXPECT_NEAR(alone.largest, expected.largest, 1e-5 * expected.largest);

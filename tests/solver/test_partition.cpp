@@ -173,7 +173,7 @@ struct Wobbly {
   std::vector<Projector*> projectors{&links, &tets};
 
   // `bent`: maximum perturbation along each axis [m].
-  Wobbly(Form form, float compliance, double bent) : body(form) {
+  Wobbly(float compliance, double bent) {
     const TetMesh bar = tet_bar(8, 3, 3, {1.6, 0.6, 0.6});
     for (std::size_t i = 0; i < bar.positions.size(); ++i)
       body.add(bar.positions[i] + test::scatter3(i) * bent, static_cast<float>(2 + test::scatter(1000 + i)));
@@ -206,43 +206,38 @@ double farthest(const std::vector<Vec3d>& a, const std::vector<Vec3d>& b) {
   return result;
 }
 
-Substep substep_of(int iterations, Form form) {
-  return {.h = 1.0f / 600, .iterations = iterations, .mode = Mode::xpbd, .form = form};
+Substep substep_of(int iterations) {
+  return {.h = 1.0f / 600, .iterations = iterations, .mode = Mode::xpbd};
 }
 
-constexpr Form both_forms[] = {Form::displacement, Form::plain};
-
 TEST(PartitionedGaussSeidel, KeepsMomentum) {
-  for (const Form form : both_forms)
-    for (const int colors : {1, 2, 3, 5, 8}) {
-      Wobbly wobbly(form, 1e-6f, 0.02);
-      const std::vector<Vec3d> before = wobbly.body.all();
-      wobbly.solve({.colors = colors}, substep_of(4, form));
-      const test::Momentum momentum = test::momentum_of(wobbly.body, before);
-      EXPECT_GT(momentum.linear_scale, 0.01);
-      EXPECT_LT(length(momentum.linear), 1e-5 * momentum.linear_scale) << colors;
-    }
+  for (const int colors : {1, 2, 3, 5, 8}) {
+    Wobbly wobbly(1e-6f, 0.02);
+    const std::vector<Vec3d> before = wobbly.body.all();
+    wobbly.solve({.colors = colors}, substep_of(4));
+    const test::Momentum momentum = test::momentum_of(wobbly.body, before);
+    EXPECT_GT(momentum.linear_scale, 0.01);
+    EXPECT_LT(length(momentum.linear), 1e-5 * momentum.linear_scale) << colors;
+  }
 }
 
 // Multipliers accumulate along the gradients of each iteration. While gradients hardly rotate, the solution
 // of a substep is unique, and phantoms do not change it. With perturbations of 1e-3 m on edges of 0.2 m,
-// solutions agree within 2e-3 of the displacement (1e-2 in the plain form).
+// solutions agree within 2e-3 of the displacement.
 TEST(PartitionedGaussSeidel, ConvergesToTheSameShape) {
-  for (const float compliance : {0.0f, 1e-4f})
-    for (const Form form : both_forms) {
-      const auto solved = [&](int colors) {
-        Wobbly wobbly(form, compliance, 1e-3);
-        wobbly.projectors = {&wobbly.links};
-        wobbly.solve({.colors = colors}, substep_of(3000, form));
-        return wobbly.body.all();
-      };
-      const std::vector<Vec3d> before = Wobbly(form, compliance, 1e-3).body.all(), whole = solved(0);
-      const double moved = farthest(whole, before);
-      EXPECT_GT(moved, 3e-4);
-      const double tolerance = form == Form::plain ? 1e-2 : 2e-3;
-      for (const int colors : {1, 2, 3, 5, 8})
-        EXPECT_LT(farthest(solved(colors), whole), tolerance * moved) << colors;
-    }
+  for (const float compliance : {0.0f, 1e-4f}) {
+    const auto solved = [&](int colors) {
+      Wobbly wobbly(compliance, 1e-3);
+      wobbly.projectors = {&wobbly.links};
+      wobbly.solve({.colors = colors}, substep_of(3000));
+      return wobbly.body.all();
+    };
+    const std::vector<Vec3d> before = Wobbly(compliance, 1e-3).body.all(), whole = solved(0);
+    const double moved = farthest(whole, before);
+    EXPECT_GT(moved, 3e-4);
+    for (const int colors : {1, 2, 3, 5, 8})
+      EXPECT_LT(farthest(solved(colors), whole), 2e-3 * moved) << colors;
+  }
 }
 
 template <class A, class B>
@@ -251,39 +246,36 @@ bool same_bits(const std::vector<A>& a, const std::vector<B>& b) {
 }
 
 TEST(PartitionedGaussSeidel, ManyColorsAreGaussSeidel) {
-  Wobbly whole(Form::displacement, 1e-6f, 0.02), split(Form::displacement, 1e-6f, 0.02);
-  whole.solve({}, substep_of(3, Form::displacement));
-  split.solve({.colors = 64}, substep_of(3, Form::displacement));
+  Wobbly whole(1e-6f, 0.02), split(1e-6f, 0.02);
+  whole.solve({}, substep_of(3));
+  split.solve({.colors = 64}, substep_of(3));
   EXPECT_TRUE(same_bits(whole.body.offset, split.body.offset));
 }
 
 TEST(PartitionedGaussSeidel, AnyThreadsAnyOrderOfParts) {
-  for (const Form form : both_forms)
-    for (const int colors : {1, 2, 5}) {
-      Wobbly one(form, 1e-6f, 0.02), other(form, 1e-6f, 0.02);
-      BackwardThreads threads;
-      one.solve({.colors = colors}, substep_of(3, form));
-      other.solve({.colors = colors}, substep_of(3, form), threads);
-      EXPECT_TRUE(same_bits(one.body.moving(), other.body.moving())) << colors;
-    }
+  for (const int colors : {1, 2, 5}) {
+    Wobbly one(1e-6f, 0.02), other(1e-6f, 0.02);
+    BackwardThreads threads;
+    one.solve({.colors = colors}, substep_of(3));
+    other.solve({.colors = colors}, substep_of(3), threads);
+    EXPECT_TRUE(same_bits(one.body.offset, other.body.offset)) << colors;
+  }
 }
 
 TEST(PartitionedGaussSeidel, PinnedParticlesStayAndMassesDo) {
-  for (const Form form : both_forms) {
-    Wobbly wobbly(form, 0, 0.02);
-    for (const std::size_t i : {0u, 10u, 50u}) wobbly.body.position[i].w = 0;
-    wobbly.body.start = wobbly.body.moving();
-    const std::vector<Vec3d> before = wobbly.body.all();
-    const std::vector<Vec4f> position = wobbly.body.position;
-    wobbly.solve({.colors = 3}, substep_of(20, form));
-    for (const std::size_t i : {0u, 10u, 50u}) EXPECT_EQ(length(wobbly.body.at(i) - before[i]), 0);
-    for (std::size_t i = 0; i < position.size(); ++i) EXPECT_EQ(wobbly.body.position[i].w, position[i].w);
-  }
+  Wobbly wobbly(0, 0.02);
+  for (const std::size_t i : {0u, 10u, 50u}) wobbly.body.position[i].w = 0;
+  wobbly.body.start = wobbly.body.offset;
+  const std::vector<Vec3d> before = wobbly.body.all();
+  const std::vector<Vec4f> position = wobbly.body.position;
+  wobbly.solve({.colors = 3}, substep_of(20));
+  for (const std::size_t i : {0u, 10u, 50u}) EXPECT_EQ(length(wobbly.body.at(i) - before[i]), 0);
+  for (std::size_t i = 0; i < position.size(); ++i) EXPECT_EQ(wobbly.body.position[i].w, position[i].w);
 }
 
 // Residuals and visitors name particles, never phantoms; the split of a set can be undone.
 TEST(PartitionedGaussSeidel, SetsAreSplitAndMadeWhole) {
-  Wobbly wobbly(Form::displacement, 1e-6f, 0.02);
+  Wobbly wobbly(1e-6f, 0.02);
   const int colors = wobbly.links.color_count();
   const std::vector<std::uint32_t> first = wobbly.links.set().records[0];
   const double before = wobbly.links.residual(wobbly.body.view()).sum;

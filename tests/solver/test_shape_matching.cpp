@@ -23,9 +23,8 @@ std::vector<Vec3d> lattice(int nx, int ny, int nz, double size) {
   return result;
 }
 
-Body moved(const std::vector<Vec3d>& rest, double size, double noise, Form form = Form::displacement,
-           const Vec3d& far = {}) {
-  Body body(form);
+Body moved(const std::vector<Vec3d>& rest, double size, double noise, const Vec3d& far = {}) {
+  Body body;
   for (std::size_t i = 0; i < rest.size(); ++i)
     body.add(far + turn * rest[i] + (shift + scatter3(i) * noise) * size,
              1.0f + 0.5f * static_cast<float>(i % 3));
@@ -46,26 +45,25 @@ struct Extent {
 constexpr Extent extents[] = {{3, 3, 3}, {3, 3, 1}, {1, 3, 1}, {1, 1, 1}};
 
 TEST(ShapeMatching, RestoresShapesOfEveryDimensionAndSize) {
-  for (const Form form : {Form::plain, Form::displacement})
-    for (const Extent& e : extents)
-      for (const float linear : {0.0f, 0.5f})
-        for (const double size : {1e-3, 1.0, 100.0}) {
-          const auto rest = lattice(e.x, e.y, e.z, size);
-          Body body = moved(rest, size, 0.2, form);
-          ShapeMatching projector;
-          projector.add(first(rest.size()), rest, {.linear = linear});
-          projector.prepare(rest.size());
-          for (int i = 0; i < 60; ++i) solve(projector, body, {.h = 0.01f, .form = form});
-          // The linear part leaves a strain that each projection halves.
-          EXPECT_LT(largest_edge_error(body, rest), 3e-6 * size)
-              << e.x << e.y << e.z << " " << linear << " " << size;
-        }
+  for (const Extent& e : extents)
+    for (const float linear : {0.0f, 0.5f})
+      for (const double size : {1e-3, 1.0, 100.0}) {
+        const auto rest = lattice(e.x, e.y, e.z, size);
+        Body body = moved(rest, size, 0.2);
+        ShapeMatching projector;
+        projector.add(first(rest.size()), rest, {.linear = linear});
+        projector.prepare(rest.size());
+        for (int i = 0; i < 60; ++i) solve(projector, body, {.h = 0.01f});
+        // The linear part leaves a strain that each projection halves.
+        EXPECT_LT(largest_edge_error(body, rest), 3e-6 * size)
+            << e.x << e.y << e.z << " " << linear << " " << size;
+      }
 }
 
 TEST(ShapeMatching, RestFarFromTheOriginIsNotMoved) {
   const auto rest = lattice(3, 3, 3, 1);
   const Vec3d far{1000, -2000, 500};
-  Body body = moved(rest, 1, 0, Form::displacement, far);
+  Body body = moved(rest, 1, 0, far);
   const auto before = body.all();
   ShapeMatching projector;
   std::vector<Vec3d> far_rest = rest;

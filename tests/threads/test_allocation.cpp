@@ -39,7 +39,6 @@ TEST_P(WarmStep, AllocatesNothing) {
 std::string name_of(const testing::TestParamInfo<Settings>& info) {
   const Settings& settings = info.param;
   if (settings.mode == Mode::pbd) return "PBD";
-  if (settings.form == Form::plain) return "Plain";
   if (settings.integrator == Integrator::implicit_euler) return "Implicit";
   if (settings.iterations > 1) return "Iterations";
   return settings.threads == 1 ? "OneThread" : "ThreeThreads";
@@ -57,7 +56,6 @@ INSTANTIATE_TEST_SUITE_P(All, WarmStep, testing::Values(Settings{.threads = 3}),
 INSTANTIATE_TEST_SUITE_P(All, WarmStepInOtherModes,
                          testing::Values(Settings{.threads = 1}, Settings{.iterations = 3, .threads = 2},
                                          Settings{.mode = Mode::pbd, .threads = 2},
-                                         Settings{.form = Form::plain, .threads = 2},
                                          Settings{.integrator = Integrator::implicit_euler, .threads = 2}),
                          name_of);
 

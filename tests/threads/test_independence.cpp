@@ -16,15 +16,17 @@ std::vector<Vec4f> contract_chain() {
   std::vector<Vec4f> position(particles);
   for (std::uint32_t i = 0; i < particles; ++i)
     position[i] = {0.02f * static_cast<float>(i), 0, 0, i == 0 ? 0.0f : 1.0f};
-  const std::vector<Vec4f> start = position;
+  std::vector<Vec4f> moving(particles);
+  const std::vector<Vec4f> start = moving;
   SetProjector<Distance> links;
   for (std::uint32_t i = 0; i + 1 < particles; ++i) links.add({i, i + 1}, {0.01f});
   links.prepare(particles);
-  const ParticleView view{position, position, start, Form::plain};
-  const Substep substep{.h = 0.01f, .form = Form::plain};
+  const ParticleView view{position, moving, start};
+  const Substep substep{.h = 0.01f};
   links.begin_substep(view, substep);
   for (int sweep = 0; sweep < 50; ++sweep)
     for (int color = 0; color < links.color_count(); ++color) links.project(color, view, substep);
+  for (std::uint32_t i = 0; i < particles; ++i) position[i].x += moving[i].x;
   return position;
 }
 

@@ -38,8 +38,7 @@ TEST(WorldThreads, ResultsDoNotDependOnThem) {
 TEST(WorldThreads, ResultsOfManyIterationsDoNotDependOnThem) {
   std::vector<std::uint64_t> alone;
   for (const int threads : {1, 2, 5}) {
-    World world =
-        test::busy_world({.iterations = 3, .mode = Mode::xpbd, .form = Form::plain, .threads = threads});
+    World world = test::busy_world({.iterations = 3, .mode = Mode::xpbd, .threads = threads});
     std::vector<std::uint64_t> hashes;
     for (int frame = 0; frame < 4; ++frame) {
       world.step(1.0 / 60);

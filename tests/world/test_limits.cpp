@@ -47,7 +47,6 @@ TEST(Limits, ValuesThatNoEnumerationHasAreRefused) {
     expect_error([&] { world.set_settings(settings); }, {field, "77"});
   };
   refused("mode", [](Settings& s) { s.mode = Mode(77); });
-  refused("form", [](Settings& s) { s.form = Form(77); });
   refused("integrator", [](Settings& s) { s.integrator = Integrator(77); });
   refused("solver.kind", [](Settings& s) { s.solver.kind = SolverKind(77); });
   refused("solver.sweep", [](Settings& s) { s.solver.sweep = Sweep(77); });

@@ -29,17 +29,15 @@ World hanging_cloth(const Settings& settings) {
 // With users' force fields the world uses scalar code: a field without force must give the bits of the SIMD
 // kernels.
 TEST(Motion, AFieldWithoutForceChangesNoBit) {
-  for (const Form form : {Form::displacement, Form::plain}) {
-    for (const float wind : {0.0f, 8.0f}) {
-      Settings settings{.form = form};
-      settings.wind.velocity = {wind, 0, 0.5f * wind};
-      World packed = hanging_cloth(settings), one_by_one = hanging_cloth(settings);
-      one_by_one.add_force_field([](const Vec3f&, const Vec3f&, float, double) { return Vec3f{}; });
-      for (int i = 0; i < 30; ++i) packed.step(1.0 / 60), one_by_one.step(1.0 / 60);
-      EXPECT_EQ(packed.hash(), one_by_one.hash());
-      const Vec3f before = hanging_cloth(settings).positions(packed.objects()[0])[49];
-      EXPECT_GT(length(packed.positions(packed.objects()[0])[49] - before), 0.1f);
-    }
+  for (const float wind : {0.0f, 8.0f}) {
+    Settings settings;
+    settings.wind.velocity = {wind, 0, 0.5f * wind};
+    World packed = hanging_cloth(settings), one_by_one = hanging_cloth(settings);
+    one_by_one.add_force_field([](const Vec3f&, const Vec3f&, float, double) { return Vec3f{}; });
+    for (int i = 0; i < 30; ++i) packed.step(1.0 / 60), one_by_one.step(1.0 / 60);
+    EXPECT_EQ(packed.hash(), one_by_one.hash());
+    const Vec3f before = hanging_cloth(settings).positions(packed.objects()[0])[49];
+    EXPECT_GT(length(packed.positions(packed.objects()[0])[49] - before), 0.1f);
   }
 }
 
@@ -69,9 +67,8 @@ struct Bodies {
       force[i] = {next(), 0, -next(), 0};
     }
   }
-  kernels::MotionArrays arrays(bool plain, bool windy) {
-    return {&position[0].x, plain ? &position[0].x : &offset[0].x, &start[0].x, &velocity[0].x,
-            windy ? &force[0].x : nullptr};
+  kernels::MotionArrays arrays(bool windy) {
+    return {&position[0].x, &offset[0].x, &start[0].x, &velocity[0].x, windy ? &force[0].x : nullptr};
   }
   bool operator==(const Bodies& other) const {
     const auto same = [](const std::vector<Vec4f>& a, const std::vector<Vec4f>& b) {
@@ -86,13 +83,12 @@ constexpr float gravity[3] = {0.5f, -9.81f, 0};
 constexpr float h = 1.0f / 600;
 
 // Predicts, moves one particle as a solver would, and finishes: particles [begin, end) of 23.
-Bodies advance(const kernels::MotionKernels& kernels, bool plain, bool windy, std::size_t begin,
-               std::size_t end) {
+Bodies advance(const kernels::MotionKernels& kernels, bool windy, std::size_t begin, std::size_t end) {
   Bodies bodies(23);
-  const kernels::MotionArrays arrays = bodies.arrays(plain, windy);
+  const kernels::MotionArrays arrays = bodies.arrays(windy);
   EXPECT_TRUE(kernels.predict(arrays, begin, end, gravity, h));
   arrays.moving[4 * 9 + 1] += 0.01f;
-  EXPECT_TRUE(kernels.finish[plain ? 0 : 1](arrays, begin, end, h));
+  EXPECT_TRUE(kernels.finish(arrays, begin, end, h));
   return bodies;
 }
 
@@ -110,30 +106,28 @@ std::vector<const kernels::MotionKernels*> all_kernels() {
 }
 
 TEST(Motion, EveryInstructionSetGivesTheSameBits) {
-  for (const bool plain : {false, true})
-    for (const bool windy : {false, true})
-      for (const std::size_t begin : {0u, 1u, 6u})
-        for (const std::size_t end : {7u, 16u, 23u}) {
-          const Bodies expected = advance(*all_kernels().front(), plain, windy, begin, end);
-          for (const kernels::MotionKernels* kernels : all_kernels())
-            EXPECT_TRUE(advance(*kernels, plain, windy, begin, end) == expected);
-        }
+  for (const bool windy : {false, true})
+    for (const std::size_t begin : {0u, 1u, 6u})
+      for (const std::size_t end : {7u, 16u, 23u}) {
+        const Bodies expected = advance(*all_kernels().front(), windy, begin, end);
+        for (const kernels::MotionKernels* kernels : all_kernels())
+          EXPECT_TRUE(advance(*kernels, windy, begin, end) == expected);
+      }
 }
 
 // A free particle falls as the scheme says, a pinned one stays, and both keep their inverse masses.
 TEST(Motion, PinnedParticlesStay) {
-  for (const kernels::MotionKernels* kernels : all_kernels())
-    for (const bool plain : {false, true}) {
-      const Bodies before(23), after = advance(*kernels, plain, false, 0, 23);
-      for (std::size_t i = 0; i < 23; ++i) {
-        EXPECT_EQ(after.position[i].w, before.position[i].w);
-        if (i == 9) continue;
-        const bool pinned = before.position[i].w == 0;
-        const float v = before.velocity[i].y - 9.81f * h;
-        EXPECT_NEAR(after.velocity[i].y, pinned ? 0 : v, 1e-6) << i;
-        EXPECT_NEAR(after.position[i].y, before.position[i].y + (pinned ? 0 : v * h), 1e-6) << i;
-      }
+  for (const kernels::MotionKernels* kernels : all_kernels()) {
+    const Bodies before(23), after = advance(*kernels, false, 0, 23);
+    for (std::size_t i = 0; i < 23; ++i) {
+      EXPECT_EQ(after.position[i].w, before.position[i].w);
+      if (i == 9) continue;
+      const bool pinned = before.position[i].w == 0;
+      const float v = before.velocity[i].y - 9.81f * h;
+      EXPECT_NEAR(after.velocity[i].y, pinned ? 0 : v, 1e-6) << i;
+      EXPECT_NEAR(after.position[i].y, before.position[i].y + (pinned ? 0 : v * h), 1e-6) << i;
     }
+  }
 }
 
 TEST(Motion, BadNumbersAreSeen) {
@@ -143,10 +137,10 @@ TEST(Motion, BadNumbersAreSeen) {
       for (const std::size_t i : {0u, 13u, 22u}) {
         Bodies bodies(23);
         bodies.velocity[i].z = bad;
-        EXPECT_FALSE(kernels->predict(bodies.arrays(true, false), 0, 23, gravity, h));
+        EXPECT_FALSE(kernels->predict(bodies.arrays(false), 0, 23, gravity, h));
         bodies = Bodies(23);
         bodies.offset[i].x = bad;
-        EXPECT_FALSE(kernels->finish[1](bodies.arrays(false, false), 0, 23, h));
+        EXPECT_FALSE(kernels->finish(bodies.arrays(false), 0, 23, h));
       }
 }
 

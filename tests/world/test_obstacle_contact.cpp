@@ -70,16 +70,14 @@ TEST(ObstacleContact, AGrainRestsOnAStaticMesh) {
 }
 
 TEST(ObstacleContact, AClothRestsOnAStaticMesh) {
-  for (const Form form : {Form::plain, Form::displacement}) {
-    World world({.form = form});
-    world.add_obstacle(box({1, 1, 1}, 1), {.thickness = 0.01f});
-    const ObjectId cloth =
-        world.add_cloth(grid(11, 11, 0.8), thick_cloth(), {.transform = {.translation = {0.02, 0.6, 0.01}}});
-    run(world, 1.5);
-    for (const Vec3f& x : world.positions(cloth)) EXPECT_NEAR(x.y, 0.51f, 1e-3f);
-    EXPECT_LT(world.kinetic_energy(cloth), 1e-6);
-    EXPECT_EQ(world.report().flags, 0u);
-  }
+  World world;
+  world.add_obstacle(box({1, 1, 1}, 1), {.thickness = 0.01f});
+  const ObjectId cloth =
+      world.add_cloth(grid(11, 11, 0.8), thick_cloth(), {.transform = {.translation = {0.02, 0.6, 0.01}}});
+  run(world, 1.5);
+  for (const Vec3f& x : world.positions(cloth)) EXPECT_NEAR(x.y, 0.51f, 1e-3f);
+  EXPECT_LT(world.kinetic_energy(cloth), 1e-6);
+  EXPECT_EQ(world.report().flags, 0u);
 }
 
 TEST(ObstacleContact, AMovingMeshCarriesACloth) {

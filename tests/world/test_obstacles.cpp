@@ -30,70 +30,63 @@ MeshSequence breathing(const TriangleMesh& mesh, double part, double frame_rate)
 }
 
 TEST(Obstacles, AStaticOneStandsStill) {
-  for (const Form form : {Form::plain, Form::displacement}) {
-    World world({.form = form});
-    const TriangleMesh mesh = torus(0.5, 0.2, 12, 8);
-    const ObjectId ring =
-        world.add_obstacle(mesh, {}, {}, {.transform = {.translation = {0.1, 1.3, 0}, .scale = 2}});
-    EXPECT_EQ(world.kind(ring), ObjectKind::obstacle);
-    EXPECT_EQ(world.name(ring), "obstacle");
-    const std::vector<Vec3f> before(world.positions(ring).begin(), world.positions(ring).end());
-    EXPECT_LT(length(Vec3d(before[3]) - (mesh.positions[3] * 2 + Vec3d{0.1, 1.3, 0})), 1e-6);
-    for (int i = 0; i < 20; ++i) world.step(1.0 / 60);
-    for (std::size_t v = 0; v < before.size(); ++v) {
-      EXPECT_EQ(world.positions(ring)[v], before[v]);
-      EXPECT_EQ(world.velocities(ring)[v], Vec3f());
-    }
-    EXPECT_EQ(world.total_mass(ring), 0);
-    EXPECT_EQ(world.kinetic_energy(ring), 0);
-    EXPECT_LT(length(world.center_of_mass(ring) - Vec3d{0.1, 1.3, 0}), 1e-6);
-    EXPECT_TRUE(world.pinned(ring).empty());
-    EXPECT_EQ(world.report().flags, 0u);
+  World world;
+  const TriangleMesh mesh = torus(0.5, 0.2, 12, 8);
+  const ObjectId ring =
+      world.add_obstacle(mesh, {}, {}, {.transform = {.translation = {0.1, 1.3, 0}, .scale = 2}});
+  EXPECT_EQ(world.kind(ring), ObjectKind::obstacle);
+  EXPECT_EQ(world.name(ring), "obstacle");
+  const std::vector<Vec3f> before(world.positions(ring).begin(), world.positions(ring).end());
+  EXPECT_LT(length(Vec3d(before[3]) - (mesh.positions[3] * 2 + Vec3d{0.1, 1.3, 0})), 1e-6);
+  for (int i = 0; i < 20; ++i) world.step(1.0 / 60);
+  for (std::size_t v = 0; v < before.size(); ++v) {
+    EXPECT_EQ(world.positions(ring)[v], before[v]);
+    EXPECT_EQ(world.velocities(ring)[v], Vec3f());
   }
+  EXPECT_EQ(world.total_mass(ring), 0);
+  EXPECT_EQ(world.kinetic_energy(ring), 0);
+  EXPECT_LT(length(world.center_of_mass(ring) - Vec3d{0.1, 1.3, 0}), 1e-6);
+  EXPECT_TRUE(world.pinned(ring).empty());
+  EXPECT_EQ(world.report().flags, 0u);
 }
 
 TEST(Obstacles, APoseIsFollowed) {
-  for (const Form form : {Form::plain, Form::displacement}) {
-    World world({.form = form});
-    const TriangleMesh mesh = box({1, 1, 1}, 2);
-    const Transform placement{.translation = {1, 0, 0}};
-    const ObjectId block = world.add_obstacle(mesh, {}, {.pose = spinning(0.5)}, {.transform = placement});
-    for (int i = 1; i <= 30; ++i) {
-      world.step(1.0 / 60);
-      const Quatd turn = Quatd::from_axis_angle({0, 1, 0}, pi * i / 60);
-      for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-        const Vec3d wanted = rotate(turn, mesh.positions[v] + Vec3d{1, 0, 0});
-        ASSERT_LT(length(Vec3d(world.positions(block)[v]) - wanted), 1e-6);
-        const Vec3d speed = cross(Vec3d{0, pi, 0}, wanted);
-        ASSERT_LT(length(Vec3d(world.velocities(block)[v]) - speed), 0.01 * length(speed));
-      }
+  World world;
+  const TriangleMesh mesh = box({1, 1, 1}, 2);
+  const Transform placement{.translation = {1, 0, 0}};
+  const ObjectId block = world.add_obstacle(mesh, {}, {.pose = spinning(0.5)}, {.transform = placement});
+  for (int i = 1; i <= 30; ++i) {
+    world.step(1.0 / 60);
+    const Quatd turn = Quatd::from_axis_angle({0, 1, 0}, pi * i / 60);
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      const Vec3d wanted = rotate(turn, mesh.positions[v] + Vec3d{1, 0, 0});
+      ASSERT_LT(length(Vec3d(world.positions(block)[v]) - wanted), 1e-6);
+      const Vec3d speed = cross(Vec3d{0, pi, 0}, wanted);
+      ASSERT_LT(length(Vec3d(world.velocities(block)[v]) - speed), 0.01 * length(speed));
     }
   }
 }
 
 TEST(Obstacles, ASequenceIsFollowedBetweenItsFrames) {
   const TriangleMesh mesh = sphere(2, 0.5);
-  for (const Form form : {Form::plain, Form::displacement}) {
-    World world({.form = form});
-    const ObjectId ball = world.add_obstacle(
-        mesh, {},
-        {.pose = ColliderMotion::fixed({.translation = {0, 3, 0}}), .sequence = breathing(mesh, 0.4, 10)},
-        {.transform = {.scale = 2}});
-    for (int i = 1; i <= 150; ++i) {
-      world.step(1.0 / 60);
-      const double t = std::fmod(i / 60.0, 1), frame = std::floor(t * 10 + 1e-9);
-      const auto size = [](double k) { return 1 - 0.2 * (1 - std::cos(2 * pi * k / 10)); };
-      const double now = size(frame) + (size(frame + 1) - size(frame)) * (t * 10 - frame);
-      for (std::size_t v = 0; v < mesh.positions.size(); v += 17)
-        ASSERT_LT(length(Vec3d(world.positions(ball)[v]) - (mesh.positions[v] * 2 * now + Vec3d{0, 3, 0})),
-                  2e-6)
-            << i;
-      const double speed = (size(frame + 1) - size(frame)) * 10;
-      const bool between = t * 10 - frame > 0.05;  // the speed changes at a frame
-      if (between) {
-        ASSERT_NEAR(length(Vec3d(world.velocities(ball)[5])), std::fabs(speed),
-                    0.01 * std::fabs(speed) + 1e-4);
-      }
+  World world;
+  const ObjectId ball = world.add_obstacle(
+      mesh, {},
+      {.pose = ColliderMotion::fixed({.translation = {0, 3, 0}}), .sequence = breathing(mesh, 0.4, 10)},
+      {.transform = {.scale = 2}});
+  for (int i = 1; i <= 150; ++i) {
+    world.step(1.0 / 60);
+    const double t = std::fmod(i / 60.0, 1), frame = std::floor(t * 10 + 1e-9);
+    const auto size = [](double k) { return 1 - 0.2 * (1 - std::cos(2 * pi * k / 10)); };
+    const double now = size(frame) + (size(frame + 1) - size(frame)) * (t * 10 - frame);
+    for (std::size_t v = 0; v < mesh.positions.size(); v += 17)
+      ASSERT_LT(length(Vec3d(world.positions(ball)[v]) - (mesh.positions[v] * 2 * now + Vec3d{0, 3, 0})),
+                2e-6)
+          << i;
+    const double speed = (size(frame + 1) - size(frame)) * 10;
+    const bool between = t * 10 - frame > 0.05;  // the speed changes at a frame
+    if (between) {
+      ASSERT_NEAR(length(Vec3d(world.velocities(ball)[5])), std::fabs(speed), 0.01 * std::fabs(speed) + 1e-4);
     }
   }
 }

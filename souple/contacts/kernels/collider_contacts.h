@@ -59,7 +59,7 @@ struct ColliderBody {
 /// Arrays with one 16-byte record per particle.
 struct ColliderParticles {
   const float* position = nullptr;  ///< w = inverse mass [1/kg]
-  const float* moving = nullptr;    ///< plain form: the same as position
+  const float* moving = nullptr;    ///< displacements
   const float* start = nullptr;     ///< `moving` at the substep's start
   float* corrected = nullptr;       ///< project adds to it
   float* velocity = nullptr;        ///< apply_restitution changes it [m/s]

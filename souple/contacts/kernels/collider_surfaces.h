@@ -57,12 +57,6 @@ struct Motion {
                        const ParticlePack<Isa>& pack) {
     const Vectors<Isa> x = Records<Isa>(particles.position, pack.first_float).components();
     const Vectors<Isa> start = Records<Isa>(particles.start, pack.first_float).components();
-    const Vectors<Isa> zero{0.f, 0.f, 0.f};
-    if (particles.position == particles.moving) {
-      moved = x - start;
-      from = to_frame<Isa>(body.before, start, zero), to = to_frame<Isa>(body.after, x, zero);
-      return;
-    }
     const Vectors<Isa> q = Records<Isa>(particles.moving, pack.first_float).components();
     moved = q - start;
     from = to_frame<Isa>(body.before, x, start), to = to_frame<Isa>(body.after, x, q);
@@ -73,10 +67,7 @@ template <class Isa>
 SOUPLE_INLINE inline Vectors<Isa> end_in_frame(const ColliderParticles& particles, const ColliderBody& body,
                                                const ParticlePack<Isa>& pack) {
   const Vectors<Isa> x = Records<Isa>(particles.position, pack.first_float).components();
-  const bool plain = particles.position == particles.moving;
-  const Vectors<Isa> zero{0.f, 0.f, 0.f};
-  return to_frame<Isa>(body.after, x,
-                       plain ? zero : Records<Isa>(particles.moving, pack.first_float).components());
+  return to_frame<Isa>(body.after, x, Records<Isa>(particles.moving, pack.first_float).components());
 }
 
 /// The surface at distance `radius` around a point. `fallback`: the normal at that point itself.

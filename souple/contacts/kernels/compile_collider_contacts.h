@@ -310,13 +310,12 @@ void gaps(const ColliderParticles& particles, const ColliderBody& body, const Co
 template <class Isa>
 bool left(const ColliderParticles& particles, const std::uint32_t* particle, const float* const (&at)[3],
           const float* margin, std::size_t begin, std::size_t end) {
-  const bool plain = particles.position == particles.moving;
   for (std::size_t i = begin; i < end; i += Isa::lanes) {
     const ParticlePack<Isa> pack(particle, i, end);
     Vectors<Isa> x = Records<Isa>(particles.position, pack.first_float).components();
     x -= {load<Isa>(at[0] + i, pack.count), load<Isa>(at[1] + i, pack.count),
           load<Isa>(at[2] + i, pack.count)};
-    if (!plain) x += Records<Isa>(particles.moving, pack.first_float).components();
+    x += Records<Isa>(particles.moving, pack.first_float).components();
     const Numbers<Isa> m = load<Isa>(margin + i, pack.count);
     if (any_lane(length_squared(x) > m * m)) return true;
   }

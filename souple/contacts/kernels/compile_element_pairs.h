@@ -27,7 +27,7 @@ struct PairRecords {
 };
 
 /// Corners 1 to 3 relative to corner 0, without the rounding of positions far from the origin.
-template <class Isa, bool displacement>
+template <class Isa>
 SOUPLE_INLINE inline void differences(const ParticleRecords& particles, const PairRecords<Isa>& corners,
                                       Vectors<Isa> (&x)[4]) {
   const Numbers<Isa> zero(0.f);
@@ -36,19 +36,11 @@ SOUPLE_INLINE inline void differences(const ParticleRecords& particles, const Pa
   for (int k = 1; k < 4; ++k) {
     Records<Isa> records(particles.position, corners.first_float[k]);
     records.subtract(first);
-    if constexpr (displacement) {
-      Records<Isa> offset(particles.moving, corners.first_float[k]);
-      offset.subtract(Records<Isa>(particles.moving, corners.first_float[0]));
-      records.add(offset);
-    }
+    Records<Isa> offset(particles.moving, corners.first_float[k]);
+    offset.subtract(Records<Isa>(particles.moving, corners.first_float[0]));
+    records.add(offset);
     x[k] = records.components();
   }
-}
-template <class Isa>
-SOUPLE_INLINE inline void differences(const ParticleRecords& particles, const PairRecords<Isa>& corners,
-                                      Vectors<Isa> (&x)[4]) {
-  if (particles.position == particles.moving) return differences<Isa, false>(particles, corners, x);
-  differences<Isa, true>(particles, corners, x);
 }
 
 /// Motions of corners 1 to 3 relative to that of corner 0.
@@ -320,8 +312,7 @@ struct ContactPack {
   }
 };
 
-/// Inverse masses of contacts' particles, and the records that receive corrections: positions (plain form),
-/// displacements or velocities.
+/// Inverse masses of contacts' particles, and the records that receive corrections: displacements or velocities.
 template <class Isa>
 struct Movable {
   using T = Numbers<Isa>;
@@ -370,7 +361,7 @@ struct Movable {
 
 /// As for two particles (particle_contacts.cpp), for the difference of two points:
 ///   dx_k = w_k c_k / (sum_j w_j c_j^2) dx
-template <class Isa, bool displacement>
+template <class Isa>
 SOUPLE_INLINE inline void project_pack(const ParticleRecords& particles, const ContactColumns& columns,
                                        std::size_t i, std::size_t end) {
   using T = Numbers<Isa>;
@@ -383,18 +374,15 @@ SOUPLE_INLINE inline void project_pack(const ParticleRecords& particles, const C
         start(particles.start, pack.first_float[k]);
     Vectors<Isa> x = position.components();
     corners.inverse_mass[k] = T(position.r[3]);
-    corners.records[k] = position;
-    if constexpr (displacement) {
-      corners.records[k] = Records<Isa>(particles.moving, pack.first_float[k]);
-      corners.records[k].transpose();
-    }
+    corners.records[k] = Records<Isa>(particles.moving, pack.first_float[k]);
+    corners.records[k].transpose();
     const Vectors<Isa> d = corners.component(k), m = d - start.components();
     if (k == 0) {
       first = x, first_moved = m;
       continue;
     }
     x -= first;
-    if constexpr (displacement) x += d - corners.component(0);
+    x += d - corners.component(0);
     difference += x * pack.c[k];
     moved += (m - first_moved) * pack.c[k];
   }
@@ -440,14 +428,7 @@ SOUPLE_INLINE inline void project_pack(const ParticleRecords& particles, const C
 template <class Isa>
 [[gnu::flatten]] void project(const ParticleRecords& particles, const ContactColumns& columns,
                               std::size_t begin, std::size_t end) {
-  const bool displacement = particles.position != particles.moving;
-  for (std::size_t i = begin; i < end; i += Isa::lanes) {
-    if (displacement) {
-      project_pack<Isa, true>(particles, columns, i, end);
-    } else {
-      project_pack<Isa, false>(particles, columns, i, end);
-    }
-  }
+  for (std::size_t i = begin; i < end; i += Isa::lanes) project_pack<Isa>(particles, columns, i, end);
 }
 
 /// solve_restitution(), for the difference of two points.

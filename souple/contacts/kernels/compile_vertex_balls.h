@@ -100,7 +100,6 @@ template <class Isa>
                                      const BallContactColumns& out, std::size_t begin, std::size_t end) {
   using T = Numbers<Isa>;
   const T zero(0.f), one(1.f);
-  const bool displacement = particles.position != particles.moving;
   for (std::size_t c = begin; c < end; c += Isa::lanes) {
     const BallPack<Isa> pack(pairs, c - begin, end - begin, found);
     const int count = pack.count;
@@ -110,7 +109,7 @@ template <class Isa>
     const T w_i(i.r[3]), w_j(j.r[3]), share = one / (w_i + w_j);
     const Vectors<Isa> start = pack.difference(particles.start);
     const Vectors<Isa> moved = pack.difference(particles.moving) - start;
-    const Vectors<Isa> from = displacement ? x + start : start;  // x_i - x_j at the start
+    const Vectors<Isa> from = x + start;  // x_i - x_j at the start
     const T size = length(from), distance = gather<Isa>(pairs.distance, indices.at);
     const auto apart = size > zero;
     Vectors<Isa> n = from * (one / select(apart, size, one));
@@ -127,7 +126,7 @@ template <class Isa>
       store<Isa>(start[axis], out.start[axis] + c, count);
       store<Isa>(zero, out.tangent_sum[axis] + c, count);
     }
-    store<Isa>((displacement ? dot(n, x) : zero) - distance - slop, out.gap + c, count);
+    store<Isa>(dot(n, x) - distance - slop, out.gap + c, count);
     const auto slides = dot(moved, moved) > T(law.sliding_threshold) * T(law.sliding_threshold);
     store<Isa>(select(slides, T(law.kinetic_friction), T(law.static_friction)), out.kinetic_friction + c,
                count);

@@ -11,7 +11,7 @@ namespace souple::kernels {
 /// Arrays with one 16-byte record per particle (see solver/projector.h).
 struct BallRecords {
   const float* position = nullptr;  ///< w = inverse mass [1/kg]
-  float* moving = nullptr;          ///< plain form: the same as position
+  float* moving = nullptr;          ///< displacements
   float* corrected = nullptr;       ///< project adds to it: `moving`, unless the solver is Jacobi's
   const float* start = nullptr;     ///< `moving` at the substep's start
 };

@@ -15,7 +15,7 @@ namespace {
 constexpr float infinity = std::numeric_limits<float>::infinity();
 // Threads test pairs in batches of one size, whose results are joined in order: they do not depend on the
 // number of threads.
-constexpr std::size_t batch_size = ElementSurfaces::max_batch;
+constexpr std::size_t batch_size = 1024;
 // Margin of a surface's bounds, as a part of its size. The rest of the world may pull a surface far from all
 // others by as much within a step, while its particles are not checked.
 constexpr float far_surface_margin_part = 0.125f;
@@ -37,7 +37,7 @@ kernels::ParticleRecords records_of(const ParticleView& particles, std::span<con
   kernels::ParticleRecords records;
   records.moving = &particles.moving[0].x;
   records.corrected = particles.corrected.empty() ? records.moving : &particles.corrected[0].x;
-  records.position = particles.form == Form::plain ? records.moving : &particles.position[0].x;
+  records.position = &particles.position[0].x;
   if (!particles.start.empty()) records.start = &particles.start[0].x;
   if (!moved.empty()) records.moved = &moved[0].x;
   return records;
@@ -215,7 +215,6 @@ ParticleView ElementPairs::rewind(const ParticleView& particles, float h) {
   before_.assign(particles.start.begin(), particles.start.end());
   ParticleView before = particles;
   before.moving = before_;
-  if (particles.form == Form::plain) before.position = before_;
   return before;
 }
 
@@ -325,8 +324,7 @@ std::size_t ElementPairs::find_moved_by(float part, std::size_t index,
   }
   if (count == 0) return 0;
   kernels::ParticleRecords at_start = records;
-  at_start.moving = const_cast<float*>(records.start);                        // only read
-  if (records.position == records.moving) at_start.position = records.start;  // plain form
+  at_start.moving = const_cast<float*>(records.start);  // only read
   kernels::find_element_pair_kernels(instruction_set())
       .distances[chunk.edges ? 1 : 0](at_start, &near[0].particle, 0, count, distance);
   std::size_t kept = 0;

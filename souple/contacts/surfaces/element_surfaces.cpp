@@ -87,9 +87,18 @@ bool ElementSurfaces::is_excluded(const NearPair& pair, bool edges) const {
 
 void ElementSurfaces::limit_to_rest_distance(std::span<const NearPair> pairs, bool edges,
                                              float* thickness) const {
-  SOUPLE_ASSERT(pairs.size() <= max_batch, "a batch of pairs");
-  NearPair near[max_batch];
-  std::size_t which[max_batch], count = 0;
+  for (std::size_t k = 0; k < pairs.size(); k += rest_batch)
+    limit_some_to_rest_distance(pairs.subspan(k, std::min(rest_batch, pairs.size() - k)), edges,
+                                thickness + k);
+}
+
+// The kernel reads records of positions and displacements: copies of the corners at rest, and zeros.
+void ElementSurfaces::limit_some_to_rest_distance(std::span<const NearPair> pairs, bool edges,
+                                                  float* thickness) const {
+  static constexpr Vec4f undisplaced[4 * rest_batch]{};
+  Vec4f corners[4 * rest_batch];
+  std::uint32_t records[rest_batch][4];
+  std::size_t which[rest_batch], count = 0;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
     const auto& i = pairs[k].particle;
     const std::uint32_t surface = surface_of_[i[0]];
@@ -97,16 +106,19 @@ void ElementSurfaces::limit_to_rest_distance(std::span<const NearPair> pairs, bo
     if (surfaces_[surface].rest.empty() ||
         length_squared(rest_[i[0]].xyz() - rest_[i[3]].xyz()) > near_enough * near_enough)
       continue;
-    near[count] = pairs[k];
+    for (std::size_t j = 0; j < 4; ++j) {
+      records[count][j] = static_cast<std::uint32_t>(4 * count + j);
+      corners[4 * count + j] = rest_[i[j]];
+    }
     which[count++] = k;
   }
   if (count == 0) return;
-  float distance[max_batch];
+  float distance[rest_batch];
   kernels::ParticleRecords at_rest;
-  at_rest.position = &rest_[0].x;
-  at_rest.moving = const_cast<float*>(at_rest.position);  // only read
+  at_rest.position = &corners[0].x;
+  at_rest.moving = const_cast<float*>(&undisplaced[0].x);  // only read
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
-  kernels.distances[edges ? 1 : 0](at_rest, &near[0].particle, 0, count, distance);
+  kernels.distances[edges ? 1 : 0](at_rest, records, 0, count, distance);
   for (std::size_t n = 0; n < count; ++n)
     thickness[which[n]] = min(thickness[which[n]], rest_part * distance[n]);
 }

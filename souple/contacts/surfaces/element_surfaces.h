@@ -37,10 +37,8 @@ class ElementSurfaces {
   /// Mean length of a surface's edges, or sides of its triangles, at rest [m]; 0 if it has none.
   float mean_edge(std::size_t surface) const { return mean_edge_[surface]; }
   bool is_excluded(const NearPair& pair, bool edges) const;
-  /// Limits the thickness of pairs of one surface: contacts keep them no farther apart than at rest. At most
-  /// max_batch pairs.
+  /// Limits the thickness of pairs of one surface: contacts keep them no farther apart than at rest.
   void limit_to_rest_distance(std::span<const NearPair> pairs, bool edges, float* thickness) const;
-  static constexpr std::size_t max_batch = 1024;
   /// Calls f(particle) for evenly spaced particles of a surface, which stand for all of them in a mean.
   template <class Function>
   void for_each_sample(std::size_t surface, const Function& f) const {
@@ -52,6 +50,10 @@ class ElementSurfaces {
   std::size_t bytes() const;
 
  private:
+  static constexpr std::size_t rest_batch = 128;  // pairs that one call of a kernel limits
+
+  void limit_some_to_rest_distance(std::span<const NearPair> pairs, bool edges, float* thickness) const;
+
   std::vector<ContactSurface> surfaces_;
   std::vector<std::array<std::uint32_t, 2>> excluded_;  // in both orders, sorted
   std::vector<std::uint32_t> surface_of_;               // per particle: its surface, or no_surface

@@ -67,7 +67,7 @@ void Fluids::begin_step(const FluidInput& input, double dt) {
   fluids.inflow.begin_step(input, registry, dt);
   parts_->choose_solver(input.settings);
   fluids.solver->begin_step();
-  fluids.origin = origin_near(input.objects.exact_position(registry.particle[0]), fluids.spacing);
+  fluids.origin = origin_near(input.objects.particles.exact_position(registry.particle[0]), fluids.spacing);
   parts_->begin_boundary(input);
 }
 

@@ -57,7 +57,7 @@ void FoamCollisions::add_body(const FluidInput& input, const FoamInput& foam, co
       const auto weight = static_cast<double>(mesh.weights[v][k]);
       if (weight == 0) continue;
       before += (Vec3d(foam.start_position[i].xyz()) + Vec3d(foam.start_offset[i].xyz()) - origin) * weight;
-      after += (input.objects.exact_position(i) - origin) * weight;
+      after += (input.objects.particles.exact_position(i) - origin) * weight;
     }
     start_[v] = Vec3f(before);
     end_[v] = Vec3f(after);

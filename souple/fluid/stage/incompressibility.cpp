@@ -1,6 +1,5 @@
 #include "souple/fluid/stage/incompressibility.h"
 
-#include "souple/contacts/particle_position.h"
 #include "souple/fluid/stage/fluid_input.h"
 #include "souple/fluid/stage/fluid_state.h"
 #include "souple/state/warnings.h"
@@ -108,13 +107,11 @@ void Incompressibility::set_positions(const FluidInput& input, float h, FluidSta
   const ParticleView view = input.objects.view();
   const Vec3d origin = fluids.origin;
   const float radius = min_wall_distance * fluids.spacing;
-  const bool displaced = input.objects.form == Form::displacement;
   input.threads.for_each(particle.size(), grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const Vec4f& x = particles.position[particle[k]];
-      Vec3f at(Vec3d(x.xyz()) - origin);
-      if (displaced) at += particles.offset[particle[k]].xyz();
-      start_[k] = Vec3f(particle_start_position(view, particle[k]) - origin);
+      const Vec3f at = Vec3f(Vec3d(x.xyz()) - origin) + particles.offset[particle[k]].xyz();
+      start_[k] = Vec3f(view.exact_start(particle[k]) - origin);
       const Vec3d velocity(particles.velocity[particle[k]].xyz());
       const bool is_inflow = inflow.update(k, Vec3d(start_[k]) + origin, velocity);
       const Vec3f aim = is_inflow ? start_[k] + inflow.velocity(k) * h : at;

@@ -45,7 +45,7 @@ void InflowParticles::begin_step(const FluidInput& input, const FluidRegistry& r
     const double range = inflows_[e].radius + inflows_[e].depth + 2 * dt * length(inflows_[e].velocity);
     auto i = std::lower_bound(particles.begin(), particles.end(), fluid.begin);
     for (; i != particles.end() && *i < fluid.end; ++i)
-      if (length_squared(input.objects.exact_position(*i) - inflows_[e].position) < range * range)
+      if (length_squared(input.objects.particles.exact_position(*i) - inflows_[e].position) < range * range)
         candidate_emitter_[static_cast<std::size_t>(i - particles.begin())] = e + 1;
   }
 }

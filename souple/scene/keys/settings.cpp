@@ -90,6 +90,7 @@ CodecPtr<Wind> wind_codec() {
 
 void add_setting_keys(Table<SceneDescription>& keys) {
   using S = SceneDescription;
+  keys.foreign({{"form", "older versions; now the solver always moves displacements"}});
   keys.key<&S::settings, &Settings::substeps>("substeps", number<int>(within(1, 10000)), "substeps per frame")
       .key<&S::settings, &Settings::iterations>("iterations", number<int>(within(1, 10000)),
                                                 "solver iterations per substep")
@@ -97,10 +98,6 @@ void add_setting_keys(Table<SceneDescription>& keys) {
           "mode", enumeration<Mode>({std::begin(mode_names), std::end(mode_names)}),
           "how constraints are enforced: compliance with many substeps, compliance with stored multipliers, "
           "or classic PBD with a stiffness in [0, 1]")
-      .key<&S::settings, &Settings::form>(
-          "form", enumeration<Form>({{"displacement", Form::displacement}, {"plain", Form::plain}}),
-          "unknowns of the solver: displacements, or plain positions, which lose digits and serve for "
-          "comparison")
       .key<&S::settings, &Settings::integrator>(
           "integrator",
           enumeration<Integrator>({{"semi_implicit", Integrator::semi_implicit},

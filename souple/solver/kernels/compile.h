@@ -72,7 +72,7 @@ struct Block {
   using T = simd::Pack<Isa>;
 
   const std::uint32_t* records[Kind::arity];
-  /// Corrections are added here: to components of positions (plain form), or to records of displacements.
+  /// Records of displacements, to which corrections are added.
   typename Isa::Vector moving[Kind::arity][4];
   typename Kind::template Params<T> params;
   ProjectionInput<Kind, T> in;
@@ -84,35 +84,10 @@ struct Block {
   }
 };
 
-/// Loads x_k - x_0 (or x_0 - origin) and the inverse masses. In the plain form the components stay in
-/// registers.
-template <class Isa, class Kind>
-SOUPLE_INLINE inline void load_plain(const ParticleArrays& p, Block<Isa, Kind>& block) {
-  using T = simd::Pack<Isa>;
-  auto& x = block.moving;
-  static_for<Kind::arity>([&](auto k) SOUPLE_INLINE {
-    static_for<4>([&](auto j)
-                      SOUPLE_INLINE { x[k][j] = Isa::load_records(p.position, block.records[k] + j); });
-    simd::transpose<Isa>(x[k]);
-    block.in.inverse_mass[k] = T(x[k][3]);
-  });
-  const Vec3<T> first{T(x[0][0]), T(x[0][1]), T(x[0][2])};
-  if constexpr (has_origin<Kind>) {
-    block.in.x[0] = first - Kind::origin(block.params);
-  } else {
-    block.in.x[0] = {T(0), T(0), T(0)};
-  }
-  static_for<Kind::arity - 1>([&](auto before) SOUPLE_INLINE {
-    constexpr int k = before + 1;
-    block.in.x[k] = Vec3<T>{T(x[k][0]), T(x[k][1]), T(x[k][2])} - first;
-  });
-}
-
 /// Loads (x_k - x_0) + (d_k - d_0) and the inverse masses. Differences are computed record by record before
-/// they are transposed: the displacement form costs additional loads and additions, but no additional
-/// transpose.
+/// they are transposed: displacements cost additional loads and additions, but no additional transpose.
 template <class Isa, class Kind>
-SOUPLE_INLINE inline void load_displaced(const ParticleArrays& p, Block<Isa, Kind>& block) {
+SOUPLE_INLINE inline void load_particles(const ParticleArrays& p, Block<Isa, Kind>& block) {
   using T = simd::Pack<Isa>;
   using Vector = typename Isa::Vector;
   auto& d = block.moving;
@@ -145,15 +120,6 @@ SOUPLE_INLINE inline void load_displaced(const ParticleArrays& p, Block<Isa, Kin
   }
 }
 
-template <class Isa, class Kind, bool displacement>
-SOUPLE_INLINE inline void load_particles(const ParticleArrays& p, Block<Isa, Kind>& block) {
-  if constexpr (displacement) {
-    load_displaced(p, block);
-  } else {
-    load_plain(p, block);
-  }
-}
-
 /// Loads the velocities of the particles, from `corrected`.
 template <class Isa, class Kind>
 SOUPLE_INLINE inline void load_velocities(const ParticleArrays& p, const Block<Isa, Kind>& block,
@@ -170,30 +136,23 @@ SOUPLE_INLINE inline void load_velocities(const ParticleArrays& p, const Block<I
 /// Adds the corrections to the records of `corrected`; the fourth lane stays. `in_place`: `corrected` is
 /// `moving`, which the block still holds. (The general terms read it again: a third less code at the same
 /// speed.)
-template <class Isa, class Kind, bool displacement, bool in_place>
+template <class Isa, class Kind, bool in_place>
 SOUPLE_INLINE inline void store_corrections(const ParticleArrays& p, const Block<Isa, Kind>& block,
                                             const Vec3<simd::Pack<Isa>> (&dx)[Kind::arity]) {
   using Vector = typename Isa::Vector;
   static_for<Kind::arity>([&](auto k) SOUPLE_INLINE {
     const std::uint32_t* records = block.records[k];
-    if constexpr (in_place && !displacement) {
-      const auto& x = block.moving[k];
-      Vector r[4] = {x[0] + dx[k].x.v, x[1] + dx[k].y.v, x[2] + dx[k].z.v, x[3]};
-      simd::transpose<Isa>(r);
-      static_for<4>([&](auto j) SOUPLE_INLINE { Isa::store_records(p.corrected, records + j, r[j]); });
-    } else {
-      Vector r[4] = {dx[k].x.v, dx[k].y.v, dx[k].z.v, Vector{}};
-      simd::transpose<Isa>(r);
-      static_for<4>([&](auto j) SOUPLE_INLINE {
-        const Vector before = in_place ? block.moving[k][j] : Isa::load_records(p.corrected, records + j);
-        Isa::store_records(p.corrected, records + j, before + r[j]);
-      });
-    }
+    Vector r[4] = {dx[k].x.v, dx[k].y.v, dx[k].z.v, Vector{}};
+    simd::transpose<Isa>(r);
+    static_for<4>([&](auto j) SOUPLE_INLINE {
+      const Vector before = in_place ? block.moving[k][j] : Isa::load_records(p.corrected, records + j);
+      Isa::store_records(p.corrected, records + j, before + r[j]);
+    });
   });
 }
 
 /// Projects blocks of one register of constraints, from the i-th constraint on.
-template <class Isa, class Kind, bool displacement, Terms terms>
+template <class Isa, class Kind, Terms terms>
 [[gnu::flatten]] void project_blocks(const ParticleArrays& arrays, const SetArrays& set_arrays, std::size_t i,
                                      std::size_t end) {
   using T = simd::Pack<Isa>;
@@ -201,7 +160,7 @@ template <class Isa, class Kind, bool displacement, Terms terms>
   const LocalSet<Isa, Kind> set(set_arrays);
   for (; i < end; i += Isa::lanes) {
     Block<Isa, Kind> block(set, i);
-    load_particles<Isa, Kind, displacement>(p, block);
+    load_particles(p, block);
     for (int k = 0; k < LocalSet<Isa, Kind>::alpha_count; ++k)
       block.in.alpha[k] = set.compliances[k].load(i) * set.inverse_h2;
     block.in.scale = set.scale.load(i) * set.relaxation;
@@ -215,12 +174,12 @@ template <class Isa, class Kind, bool displacement, Terms terms>
     if constexpr (terms == Terms::general)
       for (int r = 0; set.stored && r < rows_of<Kind>; ++r)
         (block.in.lambda[r] + dlambda[r]).store(set.multipliers[r] + i);
-    store_corrections<Isa, Kind, displacement, terms == Terms::plain>(p, block, dx);
+    store_corrections<Isa, Kind, terms == Terms::plain>(p, block, dx);
   }
 }
 
 /// Damps blocks of one register of constraints, from the i-th constraint on.
-template <class Isa, class Kind, bool displacement>
+template <class Isa, class Kind>
 [[gnu::flatten]] void damp_blocks(const ParticleArrays& arrays, const SetArrays& set_arrays, std::size_t i,
                                   std::size_t end) {
   using T = simd::Pack<Isa>;
@@ -228,7 +187,7 @@ template <class Isa, class Kind, bool displacement>
   const LocalSet<Isa, Kind> set(set_arrays);
   for (; i < end; i += Isa::lanes) {
     Block<Isa, Kind> block(set, i);
-    load_particles<Isa, Kind, displacement>(p, block);
+    load_particles(p, block);
     DampingInput<Kind, T> in;
     load_velocities(p, block, in);
     for (int k = 0; k < LocalSet<Isa, Kind>::alpha_count; ++k)
@@ -237,13 +196,13 @@ template <class Isa, class Kind, bool displacement>
     in.gamma = set.damping_time.load(i) / set.h;
     Vec3<T> dv[Kind::arity];
     damp_constraint<Kind, T>(in, block.params, dv);
-    store_corrections<Isa, Kind, displacement, false>(p, block, dv);
+    store_corrections<Isa, Kind, false>(p, block, dv);
   }
 }
 
 /// Adds the elastic forces of blocks of one register of constraints, from the i-th constraint on. Blocks of scale 0
 /// have none.
-template <class Isa, class Kind, bool displacement>
+template <class Isa, class Kind>
 [[gnu::flatten]] void force_blocks(const ParticleArrays& arrays, const SetArrays& set_arrays, std::size_t i,
                                    std::size_t end) {
   using T = simd::Pack<Isa>;
@@ -254,25 +213,25 @@ template <class Isa, class Kind, bool displacement>
     const T scale = set.scale.load(i);
     if (!any_lane(scale > T(0))) continue;
     Block<Isa, Kind> block(set, i);
-    load_particles<Isa, Kind, displacement>(p, block);
+    load_particles(p, block);
     for (int k = 0; k < LocalSet<Isa, Kind>::alpha_count; ++k)
       block.in.alpha[k] = set.compliances[k].load(i) * set.inverse_h2;
     block.in.scale = scale;
     Vec3<T> f[Kind::arity];
     elastic_forces<Kind, T>(block.in, block.params, sweep_share, f);
-    store_corrections<Isa, Kind, displacement, false>(p, block, f);
+    store_corrections<Isa, Kind, false>(p, block, f);
   }
 }
 
 /// Evaluates C of blocks of one register of constraints, from the i-th constraint on.
-template <class Isa, class Kind, bool displacement>
+template <class Isa, class Kind>
 [[gnu::flatten]] void evaluate_blocks(const ParticleArrays& arrays, const SetArrays& set_arrays,
                                       std::size_t i, std::size_t end, float* const* values) {
   using T = simd::Pack<Isa>;
   const LocalSet<Isa, Kind> set(set_arrays);
   for (std::size_t at = 0; i < end; i += Isa::lanes, at += Isa::lanes) {
     Block<Isa, Kind> block(set, i);
-    load_particles<Isa, Kind, displacement>(arrays, block);
+    load_particles(arrays, block);
     T C[rows_of<Kind>];
     Vec3<T> gradient[rows_of<Kind>][Kind::arity];
     evaluate_rows<Kind, T>(block.in.x, block.params, C, gradient);
@@ -391,38 +350,34 @@ void run(const ParticleArrays& p, const SetArrays& set, std::size_t begin, std::
   tail.copy_back(p, set);
 }
 
-template <class Isa, class Kind, bool displacement>
+template <class Isa, class Kind>
 void evaluate(const ParticleArrays& p, const SetArrays& set, std::size_t begin, std::size_t end,
               float* const* values) {
   const std::size_t last = whole<Isa>(begin, end);
-  if (begin < last) evaluate_blocks<Isa, Kind, displacement>(p, set, begin, last, values);
+  if (begin < last) evaluate_blocks<Isa, Kind>(p, set, begin, last, values);
   if (last == end) return;
   static_assert(Tail<Isa>::fits(size_of_kind<Isa, Kind>));
   Tail<Isa> tail(size_of_kind<Isa, Kind>, p, set, last, end);
   float C[rows_of<Kind>][Isa::lanes];
   float* pointers[rows_of<Kind>];
   for (int r = 0; r < rows_of<Kind>; ++r) pointers[r] = C[r];
-  evaluate_blocks<Isa, Kind, displacement>(tail.particles(), tail.set(set), 0, Isa::lanes, pointers);
+  evaluate_blocks<Isa, Kind>(tail.particles(), tail.set(set), 0, Isa::lanes, pointers);
   for (int r = 0; r < rows_of<Kind>; ++r)
     for (std::size_t lane = 0; lane < end - last; ++lane) values[r][last - begin + lane] = C[r][lane];
 }
 
-template <class Isa, class Kind, bool displacement>
+template <class Isa, class Kind>
 constexpr Project forces_or_null() {
-  if constexpr (requires { Kind::softness; }) return run<Isa, Kind, force_blocks<Isa, Kind, displacement>>;
+  if constexpr (requires { Kind::softness; }) return run<Isa, Kind, force_blocks<Isa, Kind>>;
   return nullptr;
 }
 
 template <class Isa, class Kind>
 const KindKernels& kind_kernels() {
-  static constexpr KindKernels kernels{
-      {run<Isa, Kind, project_blocks<Isa, Kind, false, Terms::plain>>,
-       run<Isa, Kind, project_blocks<Isa, Kind, true, Terms::plain>>},
-      {run<Isa, Kind, project_blocks<Isa, Kind, false, Terms::general>>,
-       run<Isa, Kind, project_blocks<Isa, Kind, true, Terms::general>>},
-      {run<Isa, Kind, damp_blocks<Isa, Kind, false>>, run<Isa, Kind, damp_blocks<Isa, Kind, true>>},
-      {evaluate<Isa, Kind, false>, evaluate<Isa, Kind, true>},
-      {forces_or_null<Isa, Kind, false>(), forces_or_null<Isa, Kind, true>()}};
+  static constexpr KindKernels kernels{run<Isa, Kind, project_blocks<Isa, Kind, Terms::plain>>,
+                                       run<Isa, Kind, project_blocks<Isa, Kind, Terms::general>>,
+                                       run<Isa, Kind, damp_blocks<Isa, Kind>>, evaluate<Isa, Kind>,
+                                       forces_or_null<Isa, Kind>()};
   return kernels;
 }
 

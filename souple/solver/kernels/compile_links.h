@@ -92,7 +92,7 @@ template <class Isa>
   }
 }
 
-template <class Isa, bool displaced>
+template <class Isa>
 [[gnu::flatten]] void find_stretched(const ParticleLinks& of, const float* position, const float* moving,
                                      std::uint16_t* stretched, std::size_t begin, std::size_t end) {
   using T = simd::Pack<Isa>;
@@ -104,10 +104,8 @@ template <class Isa, bool displaced>
       const std::size_t i = block * k + lane;
       typename Isa::Vector r[4], d[4];
       subtract_records<Isa>(position, links.a + i, links.b + i, r);
-      if constexpr (displaced) {
-        subtract_records<Isa>(moving, links.a + i, links.b + i, d);
-        for (int j = 0; j < 4; ++j) r[j] = r[j] + d[j];
-      }
+      subtract_records<Isa>(moving, links.a + i, links.b + i, d);
+      for (int j = 0; j < 4; ++j) r[j] = r[j] + d[j];
       simd::transpose<Isa>(r);
       const Vec3<T> u{T(r[0]), T(r[1]), T(r[2])};
       const T longest = T::load(links.longest + i);
@@ -122,13 +120,6 @@ template <class Isa, bool displaced>
 }
 
 template <class Isa>
-void find_any_stretched(const ParticleLinks& links, const float* position, const float* moving,
-                        std::uint16_t* stretched, std::size_t begin, std::size_t end) {
-  (moving ? find_stretched<Isa, true> : find_stretched<Isa, false>)(links, position, moving, stretched, begin,
-                                                                    end);
-}
-
-template <class Isa, bool displaced>
 [[gnu::flatten]] void measure_stretched(const LinkArrays& of, const StretchedMeasures& from,
                                         const float* position, const float* moving, float* gain,
                                         std::size_t begin, std::size_t end) {
@@ -136,8 +127,7 @@ template <class Isa, bool displaced>
   const LinkArrays links = of;
   const StretchedMeasures m = from;
   for (std::size_t i = begin; i < end; i += Isa::lanes) {
-    Vec3<T> X{T(0.f), T(0.f), T(0.f)};
-    if constexpr (displaced) X = difference_of<Isa>(position, links.a + i, links.b + i);
+    const Vec3<T> X = difference_of<Isa>(position, links.a + i, links.b + i);
     const Vec3<T> u = X + difference_of<Isa>(moving, links.a + i, links.b + i);
     const T longest = T::load(m.longest + i);
     X.x.store(links.x + i), X.y.store(links.y + i), X.z.store(links.z + i);
@@ -149,16 +139,9 @@ template <class Isa, bool displaced>
 }
 
 template <class Isa>
-void measure_any_stretched(const LinkArrays& links, const StretchedMeasures& from, const float* position,
-                           const float* moving, float* gain, std::size_t begin, std::size_t end) {
-  (position ? measure_stretched<Isa, true> : measure_stretched<Isa, false>)(links, from, position, moving,
-                                                                            gain, begin, end);
-}
-
-template <class Isa>
 const LinkKernels& link_kernels() {
-  static constexpr LinkKernels kernels{measure_any_links<Isa>, sweep_links<Isa>, find_any_stretched<Isa>,
-                                       measure_any_stretched<Isa>};
+  static constexpr LinkKernels kernels{measure_any_links<Isa>, sweep_links<Isa>, find_stretched<Isa>,
+                                       measure_stretched<Isa>};
   return kernels;
 }
 

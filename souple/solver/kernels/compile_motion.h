@@ -53,16 +53,13 @@ class LastRecords {
     copy(of.position, position_), copy(of.moving, moving_), copy(of.start, start_);
     copy(of.velocity, velocity_), copy(of.force, force_);
   }
-  MotionArrays arrays() {
-    return {position_, is_plain() ? position_ : moving_, start_, velocity_, of_.force ? force_ : nullptr};
-  }
+  MotionArrays arrays() { return {position_, moving_, start_, velocity_, of_.force ? force_ : nullptr}; }
   void copy_back() const {
-    copy(position_, of_.position), copy(start_, of_.start), copy(velocity_, of_.velocity);
-    if (!is_plain()) copy(moving_, of_.moving);
+    copy(position_, of_.position), copy(moving_, of_.moving), copy(start_, of_.start);
+    copy(velocity_, of_.velocity);
   }
 
  private:
-  bool is_plain() const { return of_.moving == of_.position; }
   void copy(const float* from, float* to) const {
     for (std::size_t k = 0; from && k < floats_; ++k) to[k] = from[k];
   }
@@ -117,7 +114,7 @@ bool predict_any(const MotionArrays& arrays, std::size_t begin, std::size_t end,
   return (arrays.force ? predict<Isa, true> : predict<Isa, false>)(arrays, begin, end, gravity, h);
 }
 
-template <class Isa, bool displacement>
+template <class Isa>
 [[gnu::flatten]] bool finish(const MotionArrays& arrays, std::size_t begin, std::size_t end, float h) {
   using Vector = typename Isa::Vector;
   const typename Isa::Mask xyz = three_of_four<Isa>();
@@ -128,19 +125,17 @@ template <class Isa, bool displacement>
     const Vector v = base + (q - (Isa::load(at.start) + base * h)) / h;
     finite_check.add(xyz ? v : Vector{});
     Isa::store(at.velocity, xyz ? v : v_star);
-    if constexpr (displacement) {
-      const Vector moved = x + q;
-      finite_check.add(moved);
-      Isa::store(at.position, xyz ? moved : x);
-      Isa::store(at.moving, xyz ? q - (moved - x) : q);
-    }
+    const Vector moved = x + q;
+    finite_check.add(moved);
+    Isa::store(at.position, xyz ? moved : x);
+    Isa::store(at.moving, xyz ? q - (moved - x) : q);
   });
   return finite_check.all_finite();
 }
 
 template <class Isa>
 const MotionKernels& motion_kernels() {
-  static constexpr MotionKernels kernels{predict_any<Isa>, {finish<Isa, false>, finish<Isa, true>}};
+  static constexpr MotionKernels kernels{predict_any<Isa>, finish<Isa>};
   return kernels;
 }
 

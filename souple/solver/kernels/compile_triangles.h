@@ -29,14 +29,14 @@ inline Vec3<simd::Pack<Isa>> load_transposed(const Load& load) {
   return {simd::Pack<Isa>(r[0]), simd::Pack<Isa>(r[1]), simd::Pack<Isa>(r[2])};
 }
 
-/// Corner k minus corner 0.
-template <class Isa, bool displacement>
+/// Corner k minus corner 0; `displaced`: with `moving`.
+template <class Isa, bool displaced>
 inline Vec3<simd::Pack<Isa>> side(const TriangleArrays& a, const TriangleRecords<Isa>& records, int k) {
   return load_transposed<Isa>([&](int j) {
     const auto from_first = [&](const float* base) {
       return Isa::load_records(base, records.corner[k] + j) - Isa::load_records(base, records.corner[0] + j);
     };
-    if constexpr (displacement) return from_first(a.position) + from_first(a.moving);
+    if constexpr (displaced) return from_first(a.position) + from_first(a.moving);
     return from_first(a.position);
   });
 }
@@ -49,7 +49,7 @@ inline void store(const TriangleArrays& a, const TriangleRecords<Isa>& records, 
   for (int j = 0; j < 4; ++j) Isa::store_records(a.result + 4 * i, records.result + j, r[j]);
 }
 
-template <class Isa, bool displacement>
+template <class Isa>
 [[gnu::flatten]] std::size_t air_forces(const TriangleArrays& a, const Air& air, std::size_t i,
                                         std::size_t end) {
   using T = simd::Pack<Isa>;
@@ -61,8 +61,8 @@ template <class Isa, bool displacement>
              Isa::load_records(a.velocity, records.corner[1] + j) +
              Isa::load_records(a.velocity, records.corner[2] + j);
     });
-    const Vec3<T> force = air_force(side<Isa, displacement>(a, records, 1),
-                                    side<Isa, displacement>(a, records, 2), sum * T(1.0f / 3) - wind, air);
+    const Vec3<T> force = air_force(side<Isa, true>(a, records, 1), side<Isa, true>(a, records, 2),
+                                    sum * T(1.0f / 3) - wind, air);
     store(a, records, i, force * T(1.0f / 3));
   }
   return i;
@@ -79,8 +79,7 @@ template <class Isa>
 
 template <class Isa>
 const TriangleKernels& triangle_kernels() {
-  static constexpr TriangleKernels kernels{{air_forces<Isa, false>, air_forces<Isa, true>},
-                                           area_normals<Isa>};
+  static constexpr TriangleKernels kernels{air_forces<Isa>, area_normals<Isa>};
   return kernels;
 }
 

@@ -20,7 +20,7 @@ struct ColumnView {
 /// Particles as kernels access them: arrays of 16-byte records (see ParticleView).
 struct ParticleArrays {
   const float* position = nullptr;  ///< w = inverse mass
-  const float* moving = nullptr;    ///< plain form: same as position
+  const float* moving = nullptr;    ///< displacements
   float* corrected = nullptr;       ///< corrections are added here: `moving`, a separate array, or velocities
 };
 
@@ -44,13 +44,13 @@ using Project = void (*)(const ParticleArrays&, const SetArrays&, std::size_t be
 using Evaluate = void (*)(const ParticleArrays&, const SetArrays&, std::size_t begin, std::size_t end,
                           float* const* values);
 
-/// The kernels of one kind for one instruction set; [0] plain form, [1] displacement form.
+/// The kernels of one kind for one instruction set.
 struct KindKernels {
-  Project plain[2];    ///< no multipliers, corrections in place
-  Project general[2];  ///< all terms
-  Project damp[2];     ///< `corrected` are velocities
-  Evaluate evaluate[2];
-  Project forces[2];  ///< adds elastic forces times h^2 to `corrected`; null for kinds without softness
+  Project plain;    ///< no multipliers, corrections in place
+  Project general;  ///< all terms
+  Project damp;     ///< `corrected` are velocities
+  Evaluate evaluate;
+  Project forces;  ///< adds elastic forces times h^2 to `corrected`; null for kinds without softness
 };
 
 /// Compiled in one translation unit per instruction set (compile.h).

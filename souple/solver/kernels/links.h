@@ -55,7 +55,7 @@ struct ParticleLinks {
 };
 
 /// Sets bit k of stretched[i] where link 16 i + k is stretched; blocks [begin, end) of 16 links. The length is
-/// that of x_a - x_b, plus d_a - d_b where `moving` is not null.
+/// that of (x_a - x_b) + (d_a - d_b).
 using FindStretched = void (*)(const ParticleLinks&, const float* position, const float* moving,
                                std::uint16_t* stretched, std::size_t begin, std::size_t end);
 
@@ -69,7 +69,7 @@ struct StretchedMeasures {
   float sweeps_over_h2 = 0;  ///< number of sweeps n over h^2 [1/s^2]
 };
 /// Fills x, y, z, min_length, max_length and `gain` of links [begin, end), whole registers, from records x and d of the
-/// world's particles. Position null: x_a - x_b is 0.
+/// world's particles.
 ///
 ///   L = longest,  l = min(|u|, shortest part L),  g = 1 / (w + n alpha / (r h^2)),  r = 1 - alpha / (softest w)
 using MeasureStretched = void (*)(const LinkArrays&, const StretchedMeasures&, const float* position,

@@ -11,7 +11,7 @@ namespace souple::kernels {
 /// Arrays of 16-byte records, one per particle (see state/particles.h).
 struct MotionArrays {
   float* position = nullptr;     ///< w = inverse mass [1/kg]
-  float* moving = nullptr;       ///< plain form: same as position; else the offset
+  float* moving = nullptr;       ///< the offset
   float* start = nullptr;        ///< `moving` at the start of the substep
   float* velocity = nullptr;     ///< m/s
   const float* force = nullptr;  ///< force of the wind [N]; null: none
@@ -21,14 +21,14 @@ struct MotionArrays {
 /// end). Returns false if a value may be non-finite; the caller then searches for it.
 using Predict = bool (*)(const MotionArrays&, std::size_t begin, std::size_t end, const float (&gravity)[3],
                          float h);
-/// v += (moving - (start + v h)) / h, from v = 0 if w = 0. Displacement form: then x += q, and the offset
-/// keeps the rounding remainder of x. Particles [begin, end). Returns false if a value may be non-finite; the
-/// caller then searches for it.
+/// v += (moving - (start + v h)) / h, from v = 0 if w = 0. Then x += q, and the offset keeps
+/// the rounding remainder of x. Particles [begin, end). Returns false if a value may be non-finite; the caller
+/// then searches for it.
 using Finish = bool (*)(const MotionArrays&, std::size_t begin, std::size_t end, float h);
 
 struct MotionKernels {
   Predict predict;
-  Finish finish[2];  ///< [0] plain form, [1] displacement form
+  Finish finish;
 };
 
 /// Compiled in one translation unit per instruction set (compile_motion.h).

@@ -13,7 +13,7 @@ namespace souple::kernels {
 /// Arrays of 16-byte records, one per particle; `result`: one per triangle.
 struct TriangleArrays {
   const float* position = nullptr;
-  const float* moving = nullptr;  ///< displacement form: see MotionArrays
+  const float* moving = nullptr;  ///< see MotionArrays
   const float* velocity = nullptr;
   const std::array<std::uint32_t, 3>* triangles = nullptr;
   std::uint32_t first = 0;  ///< added to the vertex indices of triangles
@@ -25,7 +25,7 @@ using AirForces = std::size_t (*)(const TriangleArrays&, const Air&, std::size_t
 using AreaNormals = std::size_t (*)(const TriangleArrays&, std::size_t begin, std::size_t end);
 
 struct TriangleKernels {
-  AirForces air_forces[2];   ///< a third of air_force [N]; [0] plain form, [1] displacement form
+  AirForces air_forces;      ///< a third of air_force [N]
   AreaNormals area_normals;  ///< (x_b - x_a) x (x_c - x_a) of positions [m^2]
 };
 

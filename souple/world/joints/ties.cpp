@@ -48,7 +48,8 @@ const ColliderRecord& collider_of(const WorldState& world, ColliderId id) {
 Vec3d sum_of(const WorldState& world, const TieEnd& end) {
   const std::uint32_t begin = world.object(*end.object).begin;
   Vec3d sum;
-  for (const TieEnd::Part& part : end.parts) sum += world.exact_position(begin + part.particle) * part.weight;
+  for (const TieEnd::Part& part : end.parts)
+    sum += world.particles.exact_position(begin + part.particle) * part.weight;
   return sum;
 }
 
@@ -62,8 +63,8 @@ Vec3d place_of(const WorldState& world, const TieEnd& end) {
 Vec3d place_of_b(const WorldState& world, const Tie& tie, const TieState& state) {
   if (tie.chain.empty()) return place_of(world, tie.b);
   const std::uint32_t begin = world.object(*tie.b.object).begin;
-  const Vec3d from = world.exact_position(begin + tie.chain[state.segment]);
-  return from + (world.exact_position(begin + tie.chain[state.segment + 1]) - from) * state.along;
+  const Vec3d from = world.particles.exact_position(begin + tie.chain[state.segment]);
+  return from + (world.particles.exact_position(begin + tie.chain[state.segment + 1]) - from) * state.along;
 }
 
 // --- a side of a new tie
@@ -201,9 +202,9 @@ class NewTie {
   /// Size of the box around an object; a particle's diameter.
   double size_of(const TieEnd& end) const {
     const Object& object = world_.object(*end.object);
-    Vec3d lo = world_.exact_position(object.begin), hi = lo;
+    Vec3d lo = world_.particles.exact_position(object.begin), hi = lo;
     for (std::uint32_t i = object.begin; i < object.end; ++i) {
-      const Vec3d x = world_.exact_position(i);
+      const Vec3d x = world_.particles.exact_position(i);
       lo = {std::min(lo.x, x.x), std::min(lo.y, x.y), std::min(lo.z, x.z)};
       hi = {std::max(hi.x, x.x), std::max(hi.y, x.y), std::max(hi.z, x.z)};
     }
@@ -238,8 +239,8 @@ class NewTie {
   void find_place(const Object& object, const Vec3d& point) {
     double least = std::numeric_limits<double>::infinity();
     for (std::uint32_t k = 0; k + 1 < tie_.chain.size(); ++k) {
-      const Vec3d from = world_.exact_position(object.begin + tie_.chain[k]);
-      const Vec3d d = world_.exact_position(object.begin + tie_.chain[k + 1]) - from;
+      const Vec3d from = world_.particles.exact_position(object.begin + tie_.chain[k]);
+      const Vec3d d = world_.particles.exact_position(object.begin + tie_.chain[k + 1]) - from;
       const double square = length_squared(d);
       const double t = square > 0 ? std::clamp(dot(point - from, d) / square, 0.0, 1.0) : 0;
       const double distance = length_squared(from + d * t - point);

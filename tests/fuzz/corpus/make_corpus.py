@@ -111,7 +111,7 @@ scenes = here.parents[2] / "scenes"
 for name in ("balloon", "everything_together", "stiff_boxes", "tablecloth"):
     write(f"scene/{name}.json", (scenes / f"{name}.json").read_bytes())
 write("scene/words.json", """{
- "souple": 1, "frame_rate": 50, "frames": 100, "substeps": 7, "iterations": 3, "mode": "pbd", "form": "plain",
+ "souple": 1, "frame_rate": 50, "frames": 100, "substeps": 7, "iterations": 3, "mode": "pbd",
  "integrator": "implicit_euler", "gravity": [0, -1.62, 0.5], "seed": 9007199254740991, "drag": 0.25, "measure_residuals": false,
  "camera": {"from": [2, 1.5, 3], "to": [0, 0.5, 0], "fov": 35},
  "wind": {"velocity": [2, 0, -1], "gust": 0.3, "gust_period": 4, "air_density": 1.1},
