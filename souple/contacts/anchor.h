@@ -9,9 +9,9 @@
 
 namespace souple {
 
-/// What a contact pushes: sum_k c_k p_k of n particles. It is a point of an element (sum_k c_k = 1) that a collider
-/// pushes, or a point relative to that of another element (sum_k c_k = 0). Nothing else about a contact depends on
-/// the number of its particles.
+/// Point on which a contact acts: sum_k c_k p_k of n particles. It is a point of an element (sum_k c_k = 1) that a
+/// collider pushes, or a point relative to that of another element (sum_k c_k = 0). Nothing else about a contact
+/// depends on the number of its particles.
 template <std::size_t n>
 struct Anchor {
   std::array<std::uint32_t, n> particle{};

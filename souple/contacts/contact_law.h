@@ -18,9 +18,9 @@ Vec3<T> within_friction(const Vec3<T>& sticking, T static_friction, T kinetic_fr
   return sticking * select(sticks, T(1), kinetic_friction * normal / select(sticks, T(1), size));
 }
 
-/// The kinetic coefficient belongs to sides that slide. Where they move by less than `threshold` relative to each other in
-/// the substep [m], they stick or begin to slide, and both limits are static: else a body whose particles are pressed on
-/// one after the other would never stick.
+/// The kinetic coefficient belongs to sides that slide. Sides that move by less than `threshold` [m] relative to each
+/// other in the substep stick or begin to slide, so both limits are static. Otherwise a body whose particles are
+/// pressed on one after the other would never stick.
 inline float kinetic_friction_at(const ContactMaterialPair& material, const Vec3f& relative_motion,
                                  float threshold) {
   return length_squared(relative_motion) > threshold * threshold ? material.kinetic_friction
@@ -94,11 +94,11 @@ struct RollingSums {
   Vec3<T> moment;    ///< G [m]
 };
 
-/// F and G that stop slip and roll, F within Coulomb's law and |G| <= mu_r times the normal correction: the constant
-/// directional moment of Zhou et al. 1999, "Rolling friction in the dynamic simulation of sandpile formation", eq. 9,
-/// against the relative rotation (Ai et al. 2011, model A), where it sticks below that limit. `slip`: displacement at
-/// the point of contact, cross n. Solved as a block: where rolling sticks, a ball on a plane has its whole mass, where
-/// it does not, 2/7 of it. One after the other, a ball held by rolling friction would creep down a slope.
+/// F and G that stop slip and roll, with F within Coulomb's law and |G| <= mu_r times the normal correction. G is the
+/// constant directional moment of Zhou et al. 1999, "Rolling friction in the dynamic simulation of sandpile formation",
+/// eq. 9. It acts against the relative rotation (Ai et al. 2011, model A), and sticks below its limit. `slip`:
+/// displacement at the point of contact, cross n. Solved as a block: where rolling sticks, a ball on a plane has its
+/// whole mass, otherwise 2/7 of it. One after the other, a ball held by rolling friction would creep down a slope.
 template <class T>
 RollingSums<T> solve_rolling(const RollingSums<T>& sums, const RollingResponse<T>& response, const Vec3<T>& n,
                              const Vec3<T>& slip, const Vec3<T>& roll, T static_friction, T kinetic_friction,
@@ -158,9 +158,9 @@ struct Restitution {
 };
 
 /// Restitution: the normal part of the relative velocity u becomes e times the approach speed where that is
-/// above `threshold`, else 0. The change never removes more velocity than the contact added. Friction is then
-/// limited by the new normal sum: where several contacts support one object, each pushes more than its part,
-/// and only the sum of the remaining pushes carries the weight. `approach`: of the predicted motion [m/s].
+/// above `threshold`, else 0. The change never removes more velocity than the contact added. Friction is then limited
+/// by the new normal sum. If several contacts support one object, each pushes more than its part, and only the sum of
+/// the remaining pushes carries the weight. `approach`: of the predicted motion [m/s].
 template <class T>
 Restitution<T> solve_restitution(const ContactSums<T>& sums, const Vec3<T>& n, const Vec3<T>& u, T approach,
                                  T threshold, T restitution, T static_friction, T kinetic_friction,
@@ -175,7 +175,7 @@ Restitution<T> solve_restitution(const ContactSums<T>& sums, const Vec3<T>& n, c
   return {n * restitution_velocity + (tangent_sum - friction), restitution_velocity};
 }
 
-/// As above for balls that rotate: changes of velocities, and of F and G per second [m/s].
+/// Restitution of balls that rotate: changes of velocities, and of F and G per second [m/s].
 template <class T>
 struct RollingRestitution {
   RollingChange<T> change;

@@ -18,7 +18,7 @@ namespace souple {
 /// Particles of a search, where they were in it, and how far each may move until the next one.
 class MotionMargins {
  public:
-  /// What a search knows of the motion of particles.
+  /// Motion of particles as a search knows it.
   struct Speeds {
     std::span<const Vec4f> velocity;  ///< at a step's start [m/s]
     float h = 0;        ///< > 0: in the middle of a step; speeds are those of the predicted motion [s]
@@ -41,8 +41,8 @@ class MotionMargins {
   std::vector<float> margin_;             // [m]
 };
 
-/// A moving collider since a search: how far it may go until the next one. A point at most R from the center of a rigid
-/// body moves by at most |c' - c| + a R when the center moves from c to c' and the body turns by the angle a.
+/// A moving collider since a search: how far it may go until the next one. Let the center move from c to c' and the
+/// body turn by the angle a. Then a point at most R from the center moves by at most |c' - c| + a R.
 class ColliderMargin {
  public:
   /// `ball`: around the shape, in its own frame. The search compares points of a distance of at most `near`

@@ -28,10 +28,10 @@ struct DistanceTrees {
 };
 
 /// Finds the trees among links, in order of their lowest particle, which is the root:
-/// - all links that disappear when particles with a single link are removed again and again: ropes, chains, and
-///   what hangs on them, up to the body that they are tied to;
-/// - among the links that remain, each of which is part of a cycle or connects cycles, all unbranched paths of three
-///   links or more, such as a rope between two points of a cloth. A ring of at least eight links is cut at one.
+/// - all links that disappear when particles with a single link are removed again and again. These are ropes, chains,
+///   and loads on them, up to the tied body;
+/// - among the remaining links, which are part of a cycle or connect cycles, all unbranched paths of at least three
+///   links. An example is a rope between two points of a cloth. A ring of at least eight links is cut at one.
 /// A single link without length is omitted: sweeps and levels treat it as a tie (TiedParticles).
 DistanceTrees find_trees(std::span<const TreeLink> links, std::size_t particle_count);
 

@@ -31,7 +31,7 @@ void append(std::vector<std::uint32_t>& to, std::span<const std::uint32_t> from,
   for (const std::uint32_t value : from) to.push_back(value + static_cast<std::uint32_t>(offset));
 }
 
-/// The same of begins of ranges: the first is the end of the last range that is there.
+/// Appends begins of ranges: the first is the end of the last existing range.
 void append_begins(std::vector<std::uint32_t>& to, std::span<const std::uint32_t> from, std::size_t offset) {
   if (to.empty()) to.push_back(0);
   append(to, from.subspan(1), offset);

@@ -10,12 +10,12 @@
 
 namespace souple {
 
-/// Builds levels block by block. A block is a range of particles that no link leaves, such as those of one object: the
-/// shape of its levels depends on nothing else. It is kept for as long as the same links and the same fixed particles
-/// come again, so that an object that is added, removed or pinned builds its own levels alone. Equal blocks share them.
+/// Builds levels block by block. A block is a range of particles that no link leaves, such as those of one object. The
+/// shape of its levels depends on nothing else. It is kept while equal links and equal fixed particles come again. So
+/// an object that is added, removed or pinned builds its own levels alone. Equal blocks share them.
 class LevelCache {
  public:
-  /// What build_levels returns, bit for bit. `links`: sorted, a < b; every particle has one.
+  /// Result of build_levels, bit for bit. `links`: sorted, a < b; every particle has one.
   std::vector<CoarseLevel> build(std::span<const Link> links, std::span<const float> masses,
                                  std::size_t coarsest_size, Threads& threads);
 

@@ -13,7 +13,7 @@ namespace souple {
 
 struct Components;
 
-/// Solves the bending of stiff, finely divided sheets and ropes at once. Bending is of fourth order: one sweep from
+/// Solves the bending of stiff, finely divided sheets and ropes at once. Bending is of fourth order. One sweep from
 /// lambda = 0 reaches a stiffness D only while D h^2 is below the areal density times the fourth power of the cell. To
 /// first order a bending constraint is the length of a fixed combination of positions,
 ///
@@ -24,8 +24,8 @@ struct Components;
 ///   (M + h^2 sum_j K_j K_j^T / alpha_j) dx = -h^2 sum_j K_j K_j^T x / alpha_j - M (what it moved before)
 ///
 /// Its sparse Cholesky factors are computed once per mesh and length of the substep. DihedralBending is solved as
-/// IsometricBending, 2 sin(theta/2) in the place of theta, and only where it is flat at rest; elsewhere its matrix would
-/// turn with the sheet.
+/// IsometricBending, with 2 sin(theta/2) for theta, and only where it is flat at rest. Elsewhere its matrix would turn
+/// with the sheet.
 ///
 /// Only pieces whose sweep would be too soft are solved so, and their constraints are then not swept. Limp cloth costs
 /// nothing. Pieces whose factors would be too large are left to the sweeps.

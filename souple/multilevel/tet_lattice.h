@@ -13,8 +13,8 @@
 namespace souple {
 
 /// A coarse lattice of box-shaped cells around the rest shape of a soft body, which moves the body's particles by
-/// trilinear interpolation. Parts of the body that lie in one cell but are not connected there have cells and nodes
-/// of their own, so that an arm is not tied to the hip beside it.
+/// trilinear interpolation. Parts of the body may lie in one cell without being connected there. They have cells and
+/// nodes of their own, so that an arm is not tied to the hip beside it.
 struct TetLattice {
   /// Stiffness matrix of the tets of a cell, for displacements that are trilinear in it (lower triangle).
   using Stiffness = std::array<float, kernels::cell_stiffnesses>;

@@ -10,22 +10,22 @@
 namespace souple {
 
 /// A coarse level for bodies of stiff, fine tets. A sweep from lambda = 0 supplies a part of their stiffness that
-/// decreases with h^2 E / (rho dx^2) (docs/notes/solvers.md). Before the sweeps, the level supplies the rest: it moves the
-/// nodes of a coarse lattice (TetLattice) by the implicit Euler step of the remaining elastic forces,
+/// decreases with h^2 E / (rho dx^2) (docs/notes/solvers.md). Before the sweeps, the level supplies the rest. It moves
+/// the nodes of a coarse lattice (TetLattice) by the implicit Euler step of the remaining elastic forces,
 ///
 ///   (M + h^2 K) dX = h^2 P^T f(x*),    x = x* + P dX
 ///
-/// P: trilinear interpolation; M = P^T m: masses of the nodes; f: forces of all tets (elastic_forces); K: stiffness
-/// of the lattice, with the rotations of its cells. In equilibrium f is the load, and dX takes back what the load
-/// moved, whatever K is. So a body at rest has the shape of its tets, not that of the lattice. K only has to be at
-/// least as stiff as P^T (df/dx) P, or the body trembles.
+/// P: trilinear interpolation; M = P^T m: masses of the nodes; f: forces of all tets (elastic_forces). K: stiffness of
+/// the lattice, with the rotations of its cells. In equilibrium f is the load, and dX takes back what the load moved,
+/// whatever K is. So a body at rest has the shape of its tets, not that of the lattice. K only has to be at least as
+/// stiff as P^T (df/dx) P, or the body trembles.
 ///
-/// The lattice feels colliders: springs hold the particles that the body presses against one. What it presses against
-/// another object would have to move that object as well. A body that touches others has no level meanwhile, and is
-/// swept as often as it needs.
+/// The lattice feels colliders: springs hold the particles that the body presses against one. A body that presses
+/// against another object would have to move that object as well. A body that touches others has no level meanwhile,
+/// and is swept as often as it needs.
 ///
-/// Conjugate gradients with M as preconditioner find dX: every iterate is M^-1 times a sum of forces without
-/// resultant, so that momentum is kept to rounding and an unfinished solution is softer, not braked.
+/// Conjugate gradients with M as preconditioner find dX. Every iterate is M^-1 times a sum of forces without resultant.
+/// So momentum is conserved to rounding, and an unfinished solution is softer, not braked.
 class TetLevels {
  public:
   /// Finds the bodies and builds the lattices of those that may need one, unless the tets are unchanged.

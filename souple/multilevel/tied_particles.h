@@ -11,7 +11,7 @@
 namespace souple {
 
 /// Particles that rigid constraints hold at one place (distances of rest length 0, as `connect` makes them) or at a
-/// target (attachments): the levels of cloth see one particle, or a fixed one. Depends on the constraints and masses
+/// target (attachments). The levels of cloth see one particle, or a fixed one. Depends on the constraints and masses
 /// alone, not on positions.
 class TiedParticles {
  public:

@@ -8,8 +8,8 @@
 
 namespace souple {
 
-/// Sums how far the sweeps of some projectors move some particles during a solve: contacts, for example, so that what
-/// the elastic constraints moved is known as well.
+/// Sums the motion of some particles by the sweeps of some projectors during a solve, for example contacts. So the
+/// motion by the elastic constraints is known as well.
 class ExternalMoves {
  public:
   /// Sweeps of all projectors but `internal` will count, for these particles, ascending. Sums start at zero.

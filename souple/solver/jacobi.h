@@ -11,8 +11,8 @@ namespace souple {
 ///
 /// A plain average divides the corrections of particle i by the number n_i of its constraints. Where n_i
 /// differs between the particles of a constraint, its ends then move by different impulses, and momentum is
-/// lost. So the mass is split instead (Tonge et al. 2012, "Mass splitting for jitter-free parallel rigid body
-/// simulation"): each constraint acts on its own copy of a particle, of mass m_i / n_i,
+/// lost. So the mass is split instead: each constraint acts on its own copy of a particle, of mass m_i / n_i. See Tonge
+/// et al. 2012, "Mass splitting for jitter-free parallel rigid body simulation":
 ///
 ///   dlambda = (-C - alpha~ lambda) / (sum_i n_i w_i |grad_i C|^2 + alpha~)
 ///   dx_i = omega / n_i sum (n_i w_i grad_i C dlambda)

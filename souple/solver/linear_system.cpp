@@ -12,8 +12,8 @@ namespace souple {
 namespace {
 
 // Strain of a rigid constraint of the primal system that carries the weight of the whole scene, under 9.81
-// m/s^2. Ten times less still factorizes in double (the condition number of a 50 x 50 cloth is 1e6), but then
-// the errors of an inexact linearization act with more force.
+// m/s^2. Ten times less still factorizes in double (the condition number of a 50 x 50 cloth is 1e6). But then the
+// errors of an inexact linearization act with more force.
 constexpr double floor_strain = 1e-5;
 constexpr double gravity = 9.81;
 // Upper bound of the violation that the floor leaves of an isolated constraint, as a fraction, however light

@@ -28,8 +28,8 @@ bool has_linear_form(const Projector& projector, const ParticleView& particles);
 /// As usual in position-based dynamics, the geometric stiffness lambda d2C/dx2 and the residual M (x - x*) -
 /// J^T lambda of the first line are neglected. In PBD mode alpha~ = 0, and C is multiplied by k'.
 ///
-/// Pinned particles have no unknowns. A satisfied inequality (C >= 0) and a constraint whose particles are
-/// all pinned are inactive: J = 0, A = 1, b = 0, so that the pattern of the matrices never changes.
+/// Pinned particles have no unknowns. A satisfied inequality (C >= 0) and a constraint whose particles are all pinned
+/// are inactive. They have J = 0, A = 1, b = 0, so that the pattern of the matrices never changes.
 class LinearSystem {
  public:
   static constexpr std::uint32_t pinned = std::numeric_limits<std::uint32_t>::max();

@@ -11,9 +11,9 @@ namespace souple {
 /// Gauss-Seidel in a chosen number of colors (Fratarcangeli & Pellacini 2015). Particles with too many
 /// constraints are split into phantoms (partition.h), which are joined after each sweep of a set.
 ///
-/// A split particle divides its mass equally among its n phantoms (Tonge et al. 2012, "Mass Splitting for
-/// Jitter-Free Parallel Rigid Body Simulation"): w_k = n w, and x = 1/n sum_k x_k is their common center of
-/// mass. So momentum is kept whatever the numbers of phantoms are, and since
+/// A split particle divides its mass equally among its n phantoms, so w_k = n w. See Tonge et al. 2012, "Mass Splitting
+/// for Jitter-Free Parallel Rigid Body Simulation". x = 1/n sum_k x_k is their common center of mass. So momentum is
+/// kept whatever the numbers of phantoms are, and since
 ///   w grad C dlambda = 1/n (n w) grad C dlambda,
 /// x = x* + W J^T lambda holds as without phantoms: the solution is the same, but convergence is slower.
 ///

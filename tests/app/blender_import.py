@@ -1,7 +1,7 @@
 """Runs inside Blender: blender --background --factory-startup --python blender_import.py -- JOBS RESULTS.
 
-JOBS is a JSON list. Each job imports an OBJ, PLY or GLB file and says what Blender then shows: the coordinates of its
-vertices, in the object's own axes and in the world's, at each frame of a cache."""
+JOBS is a JSON list. Each job imports an OBJ, PLY or GLB file and says what Blender then shows. It gives the coordinates
+of its vertices, in the object's own axes and in the world's, at each frame of a cache."""
 
 import array
 import base64

@@ -1,4 +1,4 @@
-"""What the tests of the souple program share: scenes, and a case with a folder of its own that runs the program."""
+"""Scenes that the tests of the souple program share, and a case with a folder of its own that runs the program."""
 
 import json
 import os

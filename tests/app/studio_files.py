@@ -212,7 +212,7 @@ class Obj:
 
 
 class Run:
-    """What a run's folder holds of each object in one frame."""
+    """Contents of a run's folder for each object in one frame."""
 
     def __init__(self, folder, frame):
         self.folder, self.frame = Path(folder), frame

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What Blender makes of Souple's files: test_blender.py PROGRAM SOURCE_FOLDER [unittest's arguments].
+"""Blender's reading of Souple's files: test_blender.py PROGRAM SOURCE_FOLDER [unittest's arguments].
 
 Blender runs without a window. Where it is not installed, the exit code is 77 and CTest skips the test."""
 
@@ -140,8 +140,8 @@ class EveryScene(Case):
 
 
 class BelowAParent(Case):
-    """GLB of `souple convert`, and OBJ with PC2: objects below an empty that is moved, turned and scaled, in scenes of 24 and 60
-    frames a second."""
+    """GLB of `souple convert`, and OBJ with PC2, in scenes of 24 and 60 frames a second. Objects are below an empty
+    that is moved, turned and scaled."""
 
     SCENE = {"souple": 1, "frames": 4, "substeps": 4, "objects": [
         {"name": "flag", "kind": "cloth", "mesh": {"grid": {"columns": 9, "rows": 7, "size": 1}}, "color": "#ff0000",

@@ -99,7 +99,7 @@ class ConvertMixed(ConvertCase):
         self.assertEqual(len(nodes["7stone"]["frames"]), 1)
 
     def test_a_clip_moves_pins(self):
-        """What was written is read: a cloth whose vertices all follow the clip is where the run's cloth was."""
+        """A clip that was written is read: a cloth whose vertices all follow it is where the run's cloth was."""
         out = self.run_of(MIXED)
         self.convert("--write", "glb")
         clip = {"file": "out_converted/out.glb", "frame_rate": 24}

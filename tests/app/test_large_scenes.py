@@ -36,7 +36,7 @@ class LargeScenes(unittest.TestCase):
         return usage.ru_utime, usage.ru_maxrss / 1024, said
 
     def both(self, scene, code=0):
-        """Of check and of one frame."""
+        """Measures check and one frame."""
         frame = ["run", scene, "--frames", "1", "--quiet", "--out", self.folder / "out"]
         return [self.measured(*command, code=code) for command in (["check", scene], frame)]
 

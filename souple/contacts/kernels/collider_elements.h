@@ -4,9 +4,8 @@
 
 // Edges and triangles against one collider, a register of elements at a time. All versions return the same bits.
 //
-// The point of an element nearest to a convex shape is on one of its edges, or it is below the shape's point that is
-// farthest along the element's normal. So the first kernel searches the edges and the second tests the triangles'
-// insides.
+// The point of an element nearest to a convex shape is on an edge, or below the shape's farthest point along the
+// element's normal. So the first kernel searches the edges and the second tests the triangles' insides.
 
 namespace souple::kernels {
 
@@ -47,8 +46,8 @@ struct ColliderElementKernels {
   /// Writes the records of particles rows[begin, end) (4 rows[i]: its first float) from particle[rows[i]].
   void (*place)(const ColliderParticles&, const ColliderBody&, const std::uint32_t* particle,
                 const std::uint32_t* rows, std::size_t begin, std::size_t end, const ColliderFrameRecords&);
-  /// near[i]: 1 where, after motions of at most reach[i] of its corners, the edge may be nearer to the surface than
-  /// its ends, and closer than its radius. Positions: `to`.
+  /// near[i]: 1 if the edge may be nearer to the surface than its ends, and closer than its radius. Its corners may
+  /// move by at most reach[i] meanwhile. Positions: `to`.
   void (*near_edges)(const ColliderBody&, const ColliderFrameRecords&, const ColliderElements&,
                      const float* reach, std::size_t begin, std::size_t end, float* near);
   void (*near_triangles)(const ColliderBody&, const ColliderFrameRecords&, const ColliderElements&,

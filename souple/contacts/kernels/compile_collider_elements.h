@@ -62,7 +62,7 @@ struct LowestOnEdge {
   Numbers<Isa> ends;   ///< distance of the nearer end [m]
 };
 
-/// Where the distance d to a convex shape is least on the edge from a to b: d is convex, so it is above its tangents.
+/// Where the distance d to a convex shape is least on the edge from a to b. d is convex, so it is above its tangents.
 /// They meet at
 ///
 ///   t = ((d_b - s_b t_b) - (d_a - s_a t_a)) / (s_a - s_b),   s: slope of d along the edge,
@@ -142,8 +142,8 @@ struct LowestInside {
       inside;  ///< 1 where s is below the triangle, so that no point of it is nearer to the shape; else 0
 };
 
-// Weights are those of nearest_on_triangle (nearest.h). A plane that cuts the shape may do so beside its triangle, or far
-// from where the triangle enters it: then the surface around the point counts, if the point is inside the shape.
+// Weights are those of nearest_on_triangle (nearest.h). A plane that cuts the shape may do so beside its triangle, or
+// far from where the triangle enters it. Then the surface around the point counts, if the point is inside the shape.
 template <class Isa>
 SOUPLE_INLINE inline LowestInside<Isa> lowest_inside(const ColliderShape& shape, const Vectors<Isa> (&x)[3],
                                                      const Numbers<Isa>& r, int count) {
@@ -175,8 +175,8 @@ SOUPLE_INLINE inline LowestInside<Isa> lowest_inside(const ColliderShape& shape,
   return low;
 }
 
-/// Whether all corners stay above one flat side of the shape, or inside below it, while they move by a third of `reach`
-/// at most: d is linear there.
+/// Whether all corners stay above one flat side of the shape, or inside below it, while they move by at most a third of
+/// `reach`. There d is linear.
 template <class Isa, int corners>
 SOUPLE_INLINE inline auto above_one_side(const ColliderShape& shape, const Vectors<Isa> (&x)[corners],
                                          const Numbers<Isa>& reach) {
@@ -206,7 +206,7 @@ SOUPLE_INLINE inline auto above_one_side(const ColliderShape& shape, const Vecto
   return above;
 }
 
-/// Whether all corners stay beside a part of the shape that is straight along one axis: a point inside a triangle is
+/// Whether all corners stay beside a part of the shape that is straight along one axis. A point inside a triangle is
 /// then never the nearest one.
 template <class Isa>
 SOUPLE_INLINE inline auto along_straight_part(const ColliderShape& shape, const Vectors<Isa> (&x)[3],
@@ -276,8 +276,8 @@ SOUPLE_INLINE inline Numbers<Isa> longest_path(const Vectors<Isa> (&from)[corner
   return sqrt(squared);
 }
 
-/// Distances of a search: `target` that the deepest point keeps; it touches when it is `close` to that; `sag`: least
-/// depth below the corners that needs a contact. [m]
+/// Distances of a search [m]. `target`: distance that the deepest point keeps; it touches when it is `close` to that.
+/// `sag`: least depth below the corners that needs a contact.
 template <class Isa>
 struct TouchRule {
   Numbers<Isa> r, target, close, tolerance, sag;
@@ -343,8 +343,8 @@ template <class Isa>
   }
 }
 
-// The distance of the triangle's plane is a lower bound of the triangle's. Where the plane is closer but the lowest
-// point is not inside, the triangle advances by a sixteenth of its path: the point may be inside later.
+// The distance of the triangle's plane is a lower bound of the triangle's. If the plane is closer but the lowest point
+// is not inside, the triangle advances by a sixteenth of its path. The point may be inside later.
 template <class Isa>
 [[gnu::flatten]] void find_triangles(const ColliderBody& body, const ColliderFrameRecords& records,
                                      const ColliderElements& elements, std::size_t begin, std::size_t end,

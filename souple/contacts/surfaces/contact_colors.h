@@ -11,8 +11,8 @@
 namespace souple {
 
 /// Colors of surface contacts: those of one color share no particle that can move. The coloring is greedy, grows as new
-/// pairs come into contact, and lasts until the next search of all pairs. A particle in thousands of contacts, of a large
-/// triangle under a fine mesh, needs as many colors: from color 1024 on a contact gets the next color of its
+/// pairs come into contact, and lasts until the next search of all pairs. A particle in thousands of contacts, of a
+/// large triangle under a fine mesh, needs as many colors. From color 1024 on, a contact gets the next color of its
 /// particles, so that time and memory stay in proportion to the contacts.
 class ContactColors {
  public:

@@ -99,8 +99,7 @@ bool MotionFilter::stop(const ElementPairs& candidates, const ParticleView& part
   return any_moved;
 }
 
-// As above, for the driven particles of the surfaces that have violations. All of a surface stop, so that an obstacle keeps
-// its shape.
+// Stops the driven particles of surfaces with violations. All of a surface stop, so that an obstacle keeps its shape.
 bool MotionFilter::hold_driven(const ElementPairs& candidates, const ParticleView& particles) {
   const ElementSurfaces& surfaces = candidates.surfaces();
   for (const PairToi& violation : violations_)
@@ -117,8 +116,8 @@ bool MotionFilter::hold_driven(const ElementPairs& candidates, const ParticleVie
   return !held_particles_.empty();
 }
 
-// Whether all violations are with rigid bodies, which are driven here: particles between such a body and another one, or
-// between two surfaces, can only go back and forth.
+// Whether all violations are with rigid bodies, which are driven here. Particles between such a body and another one,
+// or between two surfaces, can only go back and forth.
 bool MotionFilter::all_are_with_bodies(const ElementPairs& candidates) const {
   const ElementSurfaces& surfaces = candidates.surfaces();
   return std::all_of(violations_.begin(), violations_.end(), [&](const PairToi& violation) {
@@ -128,14 +127,14 @@ bool MotionFilter::all_are_with_bodies(const ElementPairs& candidates) const {
   });
 }
 
-// First correction contacts, which conserve momentum. Then the motions of remaining violations are clamped. A clamped
-// particle may be hit by another one, so at last they are stopped, and driven particles only where they would pass through
-// stopped ones: each pass stops further particles, until no violation is left.
+// First correction contacts, which conserve momentum. Then the motions of remaining violations are clamped. Another
+// particle may hit a clamped one, so at last particles are stopped. Driven ones are stopped only where they would pass
+// through stopped ones. Each pass stops further particles, until no violation is left.
 MotionFilter::Result MotionFilter::apply(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase,
                                          const ParticleView& particles, const Substep& substep,
                                          Threads& threads) {
-  // Where 4 passes leave violations with rigid bodies, 20 hardly ever mend them (scenes/brick_wall.json: in 30 of 1600
-  // substeps), and a body that pinches a cloth has them in every substep.
+  // If 4 passes leave violations with rigid bodies, 20 hardly ever resolve them (scenes/brick_wall.json: in 30 of 1600
+  // substeps). A body that pinches a cloth has them in every substep.
   constexpr int correction_passes = 20, clamping_passes = 4, stopping_passes = 100, passes_with_bodies = 4;
   correction_pair_.clear(), correction_toi_.clear();
   Result result;

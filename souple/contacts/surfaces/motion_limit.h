@@ -18,19 +18,19 @@ namespace souple {
 ///
 ///   m' = u h + (m - u h) min(1, L / |m - u h|)
 ///
-/// u is the mean velocity of the slowest of these surfaces, so that objects that fly together are not slowed; 0 where a
-/// particle is held in place. A surface that only collides with itself has its own mean velocity as u. L is halved until a search
-/// stays within its budget. Driven particles are shortened as well, all of a surface by one factor: they lag behind, and
-/// catch up when they are slower.
+/// u is the mean velocity of the slowest of these surfaces, so that objects that fly together are not slowed. It is 0
+/// if a particle is held in place. A surface that only collides with itself has its own mean velocity as u. L is halved
+/// until a search stays within its budget. Driven particles are shortened as well, all of a surface by one factor. They
+/// lag behind, and catch up when they are slower.
 class MotionLimit {
  public:
   /// No limit, until one is needed in this step.
   void begin_step(const ElementSurfaces& surfaces);
   bool is_active() const { return length_ < std::numeric_limits<float>::infinity(); }
 
-  /// After a search for one substep of length `h` found too many pairs: the surfaces with overlaps_other and those with
-  /// self-collision are limited, by the greatest length that may suffice. Returns false if a shorter one would not matter:
-  /// the search then has to find all pairs.
+  /// Call after a search for one substep of length `h` found too many pairs. Limits the surfaces with overlaps_other
+  /// and those with self-collision by the greatest length that may suffice. Returns false if a shorter length would not
+  /// matter. The search then has to find all pairs.
   bool shorten(const ElementSurfaces& surfaces, std::span<const std::uint8_t> overlaps_other,
                const ParticleView& particles, std::span<const Vec4f> velocity, float h);
   /// Per particle: velocity with which it moves by its shortened motion in `h` [m/s]. The span is valid until the next

@@ -6,7 +6,7 @@
 #include <cstdint>
 
 // Kernels over the cells of a coarse lattice (multilevel/tet_levels.h), one register of cells at a time. A cell has a
-// stiffness matrix K of its 8 nodes in the frame of its rest shape, and a rotation R to where it is:
+// stiffness matrix K of its 8 nodes in the frame of its rest shape, and a rotation R from there:
 //
 //   y_a += s R sum_b K_ab R^T x_b
 

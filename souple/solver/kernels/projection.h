@@ -13,10 +13,10 @@
 // Several coupled rows solve (J W J^T + alpha~) dlambda = rhs at once.
 //
 // A sweep of Gauss-Seidel from lambda = 0 is too soft. With J W J^T = L + D + L^T (D: the terms of the
-// constraints themselves) it finds -C(x*) = (L + D + alpha~) lambda and leaves C(x) = -(alpha~ - L^T) lambda. For
-// a smooth stress J^T lambda vanishes between the constraints, so lambda^T L^T lambda = -1/2 lambda^T D lambda:
-// in the mean the sweep acts as if the compliance were alpha~ + D/2. Therefore a sweep without stored
-// multipliers subtracts that, as far as alpha~ reaches:
+// constraints themselves) it finds -C(x*) = (L + D + alpha~) lambda and leaves C(x) = -(alpha~ - L^T) lambda. For a
+// smooth stress J^T lambda vanishes between the constraints, so lambda^T L^T lambda = -1/2 lambda^T D lambda. In the
+// mean the sweep acts as if the compliance were alpha~ + D/2. Therefore a sweep without stored multipliers subtracts
+// that, as far as alpha~ reaches:
 //
 //   dlambda = -C / (D + alpha~ - c),   c = min(phi D / 2, alpha~)       (SetProjector::find_shared)
 //
@@ -29,10 +29,10 @@
 //           dlambda = -gamma grad C . v / (gamma sum_i w_i |grad_i C|^2 + alpha~),   gamma = tau / h
 //           dv_i = w_i grad_i C dlambda
 //
-// That is the implicit Euler step of the damper alone. What is at rest, or moves rigidly, has grad C . v = 0
-// and is not changed. Rejected: XPBD's damping within the projection (eq. 26). There gamma multiplies the
-// denominator, so that one projection corrects less of C, and one iteration per substep leaves a damped
-// material softer: a cotton cloth with tau = 5 ms hung 10 % too long instead of 2.7 %.
+// That is the implicit Euler step of the damper alone. Particles at rest, and rigid motions, have grad C . v = 0 and
+// are not changed. Rejected: XPBD's damping within the projection (eq. 26). There gamma multiplies the denominator, so
+// that one projection corrects less of C. One iteration per substep then leaves a damped material softer: a cotton
+// cloth with tau = 5 ms hung 10 % too long instead of 2.7 %.
 
 namespace souple {
 
