@@ -216,7 +216,7 @@ class FullDisk(Case):
                 self.souple("surface", "out", "--out", "meshes")  # other commands read what is left
 
     def test_the_manifest_of_surfaces_describes_its_meshes(self):
-        """Of `run --surface`, whose frames stop at the same one, and of `surface`."""
+        """Covers `run --surface`, whose frames stop at the same one, and `surface`."""
         scene = self.scene(WATER)
         self.souple("run", scene, "--out", "whole", "--surface", "anisotropic")
         shutil.copytree(self.folder / "whole", self.folder / "source")

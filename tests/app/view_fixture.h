@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-// What tests of the viewer share.
+// Fixtures that tests of the viewer share.
 
 namespace souple::viewer {
 
