@@ -6,9 +6,9 @@
 // Particles against one collider, a register of particles at a time. The version with one lane serves processors
 // without these instruction sets, and tests. All versions return the same bits.
 //
-// Positions are relative to the collider, in its frame: w = R^T ((x - o) - o' + q), o + o' its origin in double, x
-// and q the two parts of a particle's position. A float's relative error of 6e-8 then is a part of the distance from
-// the collider, wherever both are in the world.
+// Positions are relative to the collider, in its frame: w = R^T ((x - o) - o' + q). Here o + o' is its origin in
+// double; x and q are the two parts of a particle's position. A float's relative error of 6e-8 then is a part of the
+// distance from the collider, wherever both are in the world.
 
 namespace souple::kernels {
 
@@ -104,9 +104,9 @@ struct ColliderContactKernels {
   /// Distances of particles from the surface at the substep's end [m].
   void (*distances)(const ColliderParticles&, const ColliderBody&, const std::uint32_t* particle,
                     std::size_t begin, std::size_t end, float* distance);
-  /// Distance of each particle from the surface at the end of its motion [m], or infinity where it did not touch the
-  /// surface in the substep and other constraints are unlikely to push it in. keeps[i]: distance that particle[i]
-  /// keeps from the surface [m].
+  /// Distance of each particle from the surface at the end of its motion [m]. It is infinity if the particle did not
+  /// touch the surface in the substep and other constraints are unlikely to push it in. keeps[i]: distance that
+  /// particle[i] keeps from the surface [m].
   void (*find)(const ColliderParticles&, const ColliderBody&, const std::uint32_t* particle,
                const float* keeps, std::size_t begin, std::size_t end, float* distance);
   /// Fills contacts [begin, end) from particle, distance, end_distance and slop.
@@ -115,9 +115,9 @@ struct ColliderContactKernels {
   /// No two contacts may have the same particle.
   void (*project)(const ColliderParticles&, const ColliderBody&, const ColliderContactColumns&,
                   std::size_t begin, std::size_t end);
-  /// With the planes of the last projection, after small motions. A contact that touches for the first time now takes the
-  /// surface motion of a plane that has not been projected, 0: on a moving collider the exact projections that follow
-  /// correct its friction.
+  /// With the planes of the last projection, after small motions. A contact that touches for the first time now takes
+  /// the surface motion of a plane that has not been projected, 0. On a moving collider the exact projections that
+  /// follow correct its friction.
   void (*project_again)(const ColliderParticles&, const ColliderContactColumns&, std::size_t begin,
                         std::size_t end);
   void (*apply_restitution)(const ColliderParticles&, const ColliderBody&, const ColliderContactLimits&,

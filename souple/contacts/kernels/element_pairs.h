@@ -36,8 +36,8 @@ struct PredictionMargins {
   float min_thickness = 0, speculative_part = 0;
 };
 
-/// Pairs are skipped while their relative motion, that of a point of one element relative to a point of the
-/// other element, is below bound_part distance_bound - thickness_part thickness - contact_margin.
+/// Pairs are skipped while their relative motion is below bound_part distance_bound - thickness_part thickness -
+/// contact_margin. It is the motion of a point of one element relative to a point of the other.
 struct NearRule {
   float bound_part, thickness_part;
   float contact_margin;  ///< largest of all their particles [m]
@@ -52,8 +52,8 @@ struct NearPairStatistics {
 
 /// Bits of the result of `classify` for a pair.
 struct Classification {
-  /// At the end of its motion its distance is at most (1 + speculative_part) thickness + the largest contact
-  /// margin of its particles, and not 0; and it can move.
+  /// The pair can move, and its distance at the end of its motion is not 0. It is at most (1 + speculative_part)
+  /// thickness + the largest contact margin of its particles.
   static constexpr unsigned touches = 1;
   static constexpr unsigned fast = 2;  ///< its elements may pass through each other during the motion
   /// on_border << k: the nearest point of the triangle has no weight on corner k; it lies on a side or in

@@ -28,7 +28,7 @@ struct LinkArrays {
   const float* gain = nullptr;  ///< g [kg]
 };
 
-/// What the limits of the links are measured from.
+/// Input for the limits of the links.
 struct LinkMeasures {
   const float* position = nullptr;         ///< records X of the level
   const float* moving = nullptr;           ///< records d of the level; w = inverse mass
@@ -59,7 +59,7 @@ struct ParticleLinks {
 using FindStretched = void (*)(const ParticleLinks&, const float* position, const float* moving,
                                std::uint16_t* stretched, std::size_t begin, std::size_t end);
 
-/// What the sweeps of stretched links know of a link besides its ends.
+/// Data of a link besides its ends, for the sweeps of stretched links.
 struct StretchedMeasures {
   const float* longest = nullptr;       ///< the length it is shortened to [m]
   const float* compliance = nullptr;    ///< alpha [m/N]
@@ -88,9 +88,9 @@ const LinkKernels& link_kernels();
 
 // The formulas, for floats and registers of floats.
 
-/// L and l of a link. A link that is stretched at the start of the substep shrinks to its rest length, or by the
-/// stretch of its path where that is less; a folded link may unfold. No correction compresses an unstretched link,
-/// but ends that approach each other on their own may do so.
+/// L and l of a link. A link stretched at the start of the substep shrinks to its rest length, or by the stretch of its
+/// path if that is less. A folded link may unfold. No correction compresses an unstretched link, but ends that approach
+/// each other on their own may do so.
 ///
 ///   L = |X| max(rest / |x|, path / (path + stretch)),   l = min(L, |X|, |X + d|)
 ///
@@ -121,7 +121,7 @@ template <class T>
 T link_ratio(const T& now, const T& rest_length) {
   return rest_length / max(now, rest_length * T(1e-6f));
 }
-/// The same along the path.
+/// Ratio along the path.
 template <class T>
 T path_ratio(const T& path_length, const T& stretch, const T& rest_length) {
   return path_length / max(path_length + stretch, rest_length * T(1e-6f));

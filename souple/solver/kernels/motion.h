@@ -2,9 +2,9 @@
 
 #include <cstddef>
 
-// Prediction and velocity update of particles under semi-implicit Euler, with gravity and wind as the only
-// accelerations: the two passes over all particles in every substep. world/stages.cpp has the same formulas
-// for all other cases, one particle at a time; both give the same bits.
+// Prediction and velocity update of particles under semi-implicit Euler, the two passes over all particles in every
+// substep. Gravity and wind are the only accelerations. world/stages.cpp has the same formulas for all other cases, one
+// particle at a time; both give the same bits.
 
 namespace souple::kernels {
 
