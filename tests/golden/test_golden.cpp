@@ -21,7 +21,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-// Every shipped scene runs 150 frames, 60 with fluids, which take longest, and all 300 in a slow test. Runs are calm,
+// Every shipped scene runs 90 frames, 40 with fluids, which take longest, and all 300 in a slow test. Runs are calm,
 // and equal bit for bit to tests/golden.json and the trace in tests/golden/trace. Compared are the hashes of a few
 // frames, and the codes of these frames and of the last one. Only where one differs the scene runs again, with every
 // frame compared with its trace.
@@ -35,8 +35,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int all_frames = 300;
-constexpr int usual_frames = 150;
-constexpr int usual_fluid_frames = 60;
+constexpr int usual_frames = 90;
+constexpr int usual_fluid_frames = 40;
 constexpr int hashed_frames[] = {1, 30, all_frames};
 constexpr const char* how_to_update = "; script/golden --update rewrites it";
 
