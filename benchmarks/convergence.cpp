@@ -13,7 +13,7 @@
 #include "souple/error.h"
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/builders.h"
-#include "souple/multilevel/make_solver.h"
+#include "souple/studies/make_solver.h"
 #include "souple/solver/set_projector.h"
 #include "souple/state/particles.h"
 

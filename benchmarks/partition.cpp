@@ -15,8 +15,9 @@
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/builders.h"
 #include "souple/geometry/reorder.h"
-#include "souple/multilevel/make_solver.h"
 #include "souple/solver/set_projector.h"
+#include "souple/studies/make_solver.h"
+#include "souple/studies/partition.h"
 
 #include <algorithm>
 #include <cmath>
@@ -159,7 +160,7 @@ struct Variant {
 template <class Function>
 void with_solver(Body& body, Variant& variant, Threads& threads, const Function& f) {
   Projector* const projectors[] = {body.set.get()};
-  body.set->split(0, 0);
+  body.set->facets().study->restore();
   const std::unique_ptr<Solver> solver = make_solver({.colors = variant.colors});
   solver->prepare(projectors, body.view());
   variant.color_count = body.set->color_count();
@@ -173,7 +174,7 @@ void with_solver(Body& body, Variant& variant, Threads& threads, const Function&
     return milliseconds(threads) - begin;
   });
   const auto count = static_cast<std::uint32_t>(body.position.size());
-  variant.phantoms = variant.colors == 0 ? 0 : body.set->split(variant.colors, count).size();
+  variant.phantoms = variant.colors == 0 ? 0 : split(*body.set, variant.colors, count).size();
 }
 
 void measure(Body& body, Threads& threads, int runs) {

@@ -23,6 +23,8 @@ struct Attachment {
     return p.target;
   }
 
+  static Vec3f target(const Params<float>& p) { return p.target; }
+
   /// x is relative to the target.
   template <class T>
   static T evaluate(const Vec3<T> (&x)[1], const Params<T>&, Vec3<T> (&gradient)[1]) {

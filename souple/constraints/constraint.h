@@ -57,6 +57,23 @@
 //
 //   static std::array<float, arity> flat_gradient(const Params<float>& p);
 //
+// Only where it is flat at rest is this so; a kind that may be bent there also states
+//
+//   static bool is_flat(const Params<float>& p);
+//
+// A constraint of two particles with C = |x0 - x1| - l may state l. It is then solved as Distance is: cloth of it gets
+// levels, ropes of it are solved exactly (multilevel/):
+//
+//   static float rest_length(const Params<float>& p);
+//
+// One that resists stretch otherwise may name the links of which it consists, for the levels alone:
+//
+//   static std::array<KindLink, n> links(const Params<float>& p, const std::array<float, compliance_size>& alpha);
+//
+// A constraint with C = |x0 - t| may state t:
+//
+//   static Vec3f target(const Params<float>& p);
+//
 // Where the gradient is undefined (0/0), evaluate returns C = 0 or a zero gradient, never a NaN. Thresholds
 // are relative: a constraint must behave alike at millimeters and at hundreds of meters.
 
@@ -64,6 +81,13 @@ namespace souple {
 
 /// equality: C = 0. non_negative: satisfied while C >= 0.
 enum class Sense { equality, non_negative };
+
+/// A link of a constraint: see `links` above.
+struct KindLink {
+  int a, b;      ///< particles of the constraint
+  float length;  ///< at rest [m]
+  float energy;  ///< 2 E / strain^2 [J]
+};
 
 namespace detail {
 template <class Kind, class = void>

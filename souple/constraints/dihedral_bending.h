@@ -54,6 +54,9 @@ struct DihedralBending {
   static std::array<float, 4> flat_gradient(const Params<float>& p) {
     return {-(p.k1 + p.k2 + p.k3), p.k1, p.k2, p.k3};
   }
+  static bool is_flat(const Params<float>& p) {
+    return !(std::fabs(p.rest_sine) > 1e-4f || p.rest_cosine < 0);
+  }
 
   /// alpha of a bending stiffness D [N m].
   static std::array<float, 1> compliance(double bending_stiffness) {

@@ -30,6 +30,8 @@ struct Distance {
     return l - p.rest_length;
   }
 
+  static float rest_length(const Params<float>& p) { return p.rest_length; }
+
   /// Extension (l - l0) / l0 of a constraint whose value is C; 0 where the rest length is 0.
   static float strain(const Params<float>& p, const float (&C)[1]) {
     // A selection instead of a branch around the division, so that it vectorizes.

@@ -69,6 +69,20 @@ struct TriangleMembrane {
     return T(1) / sqrt(abs(p.b00 * p.b11 - p.b01 * p.b10));
   }
 
+  /// The edges divide the triangle's stiffness: each gets S A of its strain energy, with the mean S of warp and weft.
+  static std::array<KindLink, 3> links(const Params<float>& p, const std::array<float, 6>& alpha) {
+    const float determinant = p.b00 * p.b11 - p.b01 * p.b10;
+    const float rest[3][2] = {
+        {0, 0}, {p.b11 / determinant, -p.b10 / determinant}, {-p.b01 / determinant, p.b00 / determinant}};
+    std::array<KindLink, 3> edges{};
+    for (int k = 0; k < 3; ++k) {
+      const int l = (k + 1) % 3;
+      const float x = rest[k][0] - rest[l][0], y = rest[k][1] - rest[l][1];
+      edges[static_cast<std::size_t>(k)] = {k, l, std::sqrt(x * x + y * y), 2 / (alpha[0] + alpha[2])};
+    }
+    return edges;
+  }
+
   /// Largest extension (l - l0) / l0 of the triangle in any direction: sqrt(1 + 2 e) - 1, e the larger
   /// eigenvalue of Green's strain.
   static float strain(const Params<float>&, const float (&C)[3]) {

@@ -4,7 +4,7 @@
 #include "souple/contacts/collider.h"
 #include "souple/contacts/contact.h"
 #include "souple/contacts/contact_material.h"
-#include "souple/solver/projector.h"
+#include "souple/solver/facets.h"
 #include "souple/threads/threads.h"
 
 #include <array>
@@ -67,9 +67,12 @@ struct ContactInput {
 ///   report(), events()
 ///
 /// What `begin_step` gets must live until the step ends, except for the views of particles.
-class ContactProjector : public Projector {
+class ContactProjector : public Projector, public ContactFacet {
  public:
-  bool is_contact() const final { return true; }
+  Facets facets() final { return {.grain = grain(), .every_round = true, .contact = this}; }
+  /// See Facets.
+  virtual std::size_t grain() const = 0;
+  virtual std::size_t bytes() const = 0;
   void prepare(std::size_t) final {}
 
   /// Replaces all geometry, and drops all contacts: called when objects or colliders are added, removed or changed.
@@ -93,7 +96,7 @@ class ContactProjector : public Projector {
                                  const Substep& substep, Threads& threads) = 0;
 
   /// Sums what `visit` visits.
-  Residual residual(const ParticleView& particles) const final {
+  Residual residual(const ParticleView& particles, Threads* = nullptr) const final {
     Residual result;
     visit(particles, [&result](const ConstraintState& state) {
       result.largest = max(result.largest, static_cast<double>(state.residual));

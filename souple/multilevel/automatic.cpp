@@ -1,7 +1,7 @@
 #include "souple/multilevel/automatic.h"
 
 #include "souple/multilevel/tet_levels.h"
-#include "souple/solver/set_projector.h"
+#include "souple/solver/facets.h"
 
 #include <algorithm>
 
@@ -10,7 +10,7 @@ namespace {
 
 SetProjector<NeoHookean>* find_tets(std::span<Projector* const> projectors) {
   for (Projector* projector : projectors)
-    if (auto* tets = dynamic_cast<SetProjector<NeoHookean>*>(projector)) return tets;
+    if (SetProjector<NeoHookean>* const tets = projector->facets().tets) return tets;
   return nullptr;
 }
 
@@ -31,7 +31,7 @@ void Automatic::prepare(std::span<Projector* const> projectors, const ParticleVi
   trees_.find(projectors, particles.position.size());
   with_trees_.assign(projectors.begin(), projectors.end());
   const auto first_contact = std::find_if(with_trees_.begin(), with_trees_.end(),
-                                          [](const Projector* projector) { return projector->is_contact(); });
+                                          [](Projector* projector) { return projector->facets().contact != nullptr; });
   with_trees_.insert(first_contact, &trees_);
   LeftOut trees;
   trees_.leave_out(trees);
@@ -46,8 +46,8 @@ void Automatic::find_left_out() {
   left_out_changed_ = false;
 }
 
-int Automatic::sweep_count(const Projector& projector, const Substep& substep) const {
-  return substep.iterations * (substep.stores_multipliers() ? 1 : projector.sweeps_needed(substep));
+int Automatic::sweep_count(Projector& projector, const Substep& substep) const {
+  return substep.iterations * (substep.stores_multipliers() ? 1 : sweeps_needed(projector, substep));
 }
 
 LeftOut Automatic::solved_exactly(const Substep& substep) const {

@@ -34,7 +34,7 @@ class Automatic final : public Solver {
   void prepare(std::span<Projector* const> projectors, const ParticleView& particles) override;
   void solve(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
              Threads& threads) override;
-  int sweep_count(const Projector& projector, const Substep& substep) const override;
+  int sweep_count(Projector& projector, const Substep& substep) const override;
   LeftOut solved_exactly(const Substep& substep) const override;
 
  private:

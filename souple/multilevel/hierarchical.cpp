@@ -1,10 +1,7 @@
 #include "souple/multilevel/hierarchical.h"
 
-#include "souple/constraints/attachment.h"
-#include "souple/constraints/distance.h"
-#include "souple/constraints/triangle_membrane.h"
 #include "souple/multilevel/pieces.h"
-#include "souple/solver/set_projector.h"
+#include "souple/solver/facets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,42 +34,6 @@ constexpr std::size_t smallest_piece = 200;
 constexpr std::size_t shortest_strip = 16, slenderness = 5;
 /// Minimum number of coarse particles per thread.
 constexpr std::size_t grain = 256;
-
-void add_links(const SetProjector<Distance>& distances, const LeftOut& left_out, std::vector<Link>& links) {
-  const auto& set = distances.set();
-  const auto add = [&](std::size_t i) {
-    const auto [a, b] = set.indices(i);
-    const float length = set.params(i).rest_length;
-    if (a == b || !(length > 0)) return;
-    links.push_back(
-        {std::min(a, b), std::max(a, b), length, length * length / set.compliance(i)[0], set.stiffness(i)});
-  };
-  left_out.for_each_kept(distances, 0, set.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) add(i);
-  });
-}
-
-// The edges of a triangle with rest shape B^-1 divide its stiffness: each edge gets S A of the triangle's
-// strain energy, with the mean S of warp and weft.
-void add_links(const SetProjector<TriangleMembrane>& membranes, std::vector<Link>& links) {
-  const auto& set = membranes.set();
-  for (std::size_t i = 0; i < set.size(); ++i) {
-    const auto indices = set.indices(i);
-    const auto p = set.params(i);
-    const auto alpha = set.compliance(i);
-    const float determinant = p.b00 * p.b11 - p.b01 * p.b10;
-    const float rest[3][2] = {
-        {0, 0}, {p.b11 / determinant, -p.b10 / determinant}, {-p.b01 / determinant, p.b00 / determinant}};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t l = (k + 1) % 3;
-      const float x = rest[k][0] - rest[l][0], y = rest[k][1] - rest[l][1];
-      const float length = std::sqrt(x * x + y * y);
-      if (!(length > 0) || !std::isfinite(length)) continue;
-      links.push_back({std::min(indices[k], indices[l]), std::max(indices[k], indices[l]), length,
-                       2 / (alpha[0] + alpha[2]), set.stiffness(i)});
-    }
-  }
-}
 
 /// Merges the links of each pair of particles into one as strong as all of them together; sorts them.
 void merge(std::vector<Link>& links, std::size_t particles) {
@@ -207,12 +168,9 @@ float supplied_finest(float alpha, float h2_w, int iterations) {
 // large cloth.
 bool Hierarchical::constraints_changed(std::span<Projector* const> projectors) {
   std::vector<std::pair<const Projector*, std::uint64_t>> revisions;
-  for (const Projector* projector : projectors) {
-    if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector))
-      revisions.emplace_back(projector, distances->revision());
-    if (const auto* membranes = dynamic_cast<const SetProjector<TriangleMembrane>*>(projector))
-      revisions.emplace_back(projector, membranes->revision());
-  }
+  for (Projector* projector : projectors)
+    if (const StructureFacet* const set = projector->facets().links)
+      revisions.emplace_back(projector, set->revision());
   const bool changed = revisions != revisions_;
   revisions_ = std::move(revisions);
   return changed;
@@ -236,12 +194,11 @@ bool Hierarchical::masses_changed(const ParticleView& particles) const {
 std::vector<Link> Hierarchical::links_of(std::span<Projector* const> projectors, const LeftOut& left_out,
                                          const ParticleView& particles) const {
   std::vector<Link> links;
-  for (const Projector* projector : projectors) {
-    if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector))
-      add_links(*distances, left_out, links);
-    if (const auto* membranes = dynamic_cast<const SetProjector<TriangleMembrane>*>(projector))
-      add_links(*membranes, links);
-  }
+  for (Projector* projector : projectors)
+    if (const StructureFacet* const set = projector->facets().links)
+      left_out.for_each_kept(*projector, 0, projector->size(), [&](std::size_t begin, std::size_t end) {
+        set->append_links(begin, end, links);
+      });
   contract(tied_, links);
   merge(links, particles.position.size());
   if (pieces_ == Pieces::large) {
@@ -577,7 +534,7 @@ bool Hierarchical::begin_substep(std::span<Projector* const> projectors, const P
                                  const Substep& substep, Threads& threads) {
   if (levels_.empty() || !tied_.closed(mean_length_, particles)) return false;
   for (Projector* projector : projectors)
-    if (tied_.has_attached() && dynamic_cast<SetProjector<Attachment>*>(projector))
+    if (tied_.has_attached() && projector->facets().attachments != nullptr)
       sweep(*projector, particles, substep, threads);
   return true;
 }

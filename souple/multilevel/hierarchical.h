@@ -43,7 +43,7 @@ namespace souple {
 /// Where stress changes from link to link, as where cloth touches a collider, stretched links of the finest level are
 /// swept more often, together with their contacts (StretchedLinks).
 ///
-/// Needs SetProjector<Distance> or SetProjector<TriangleMembrane>; other kinds get Gauss-Seidel alone. Linear
+/// Needs kinds that state their links (constraints/constraint.h); others get Gauss-Seidel alone. Linear
 /// momentum is kept to rounding, angular momentum as far as the cloth is smooth.
 class Hierarchical final : public Solver {
  public:

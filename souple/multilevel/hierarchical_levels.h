@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/solver/facets.h"
 #include "souple/threads/threads.h"
 
 #include <cstddef>
@@ -8,16 +9,6 @@
 #include <vector>
 
 namespace souple {
-
-/// A distance that the material keeps, as the levels of the hierarchy use it.
-struct Link {
-  std::uint32_t a = 0, b = 0;
-  float length = 0;     ///< at rest, along the material [m]
-  float energy = 0;     ///< k l^2, twice the energy at strain 1 [J]; infinite if rigid
-  float stiffness = 1;  ///< PBD mode: k in [0, 1]
-
-  bool operator==(const Link&) const = default;
-};
 
 /// One coarser level of particles above a finer one.
 struct CoarseLevel {

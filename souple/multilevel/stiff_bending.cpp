@@ -1,10 +1,7 @@
 #include "souple/multilevel/stiff_bending.h"
 
-#include "souple/constraints/dihedral_bending.h"
-#include "souple/constraints/isometric_bending.h"
-#include "souple/constraints/rope_bending.h"
 #include "souple/geometry/adjacency.h"
-#include "souple/solver/set_projector.h"
+#include "souple/solver/facets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,8 +37,6 @@ struct StiffBending::Bending {
   float alpha = 0;       ///< 0: not solved here
   double stiffness = 0;  ///< h^2 / alpha [kg m^2]
 
-  template <class Kind>
-  static Bending of(const ConstraintSet<Kind>& set, std::size_t i);
   /// sum_k w_k K_k^2 / alpha [1/s^2]
   float softness(std::span<const float> inverse_masses) const {
     float sum = 0;
@@ -49,21 +44,6 @@ struct StiffBending::Bending {
     return alpha > 0 ? sum / alpha : 0;
   }
 };
-
-template <class Kind>
-StiffBending::Bending StiffBending::Bending::of(const ConstraintSet<Kind>& set, std::size_t i) {
-  Bending result;
-  const auto indices = set.indices(i);
-  const auto K = Kind::flat_gradient(set.params(i));
-  result.particle.fill(indices[0]);
-  std::copy(indices.begin(), indices.end(), result.particle.begin());
-  std::copy(K.begin(), K.end(), result.K.begin());
-  result.alpha = set.compliance(i)[0];
-  // Only a sheet that is flat at rest has a matrix that does not turn with it.
-  if constexpr (std::is_same_v<Kind, DihedralBending>)
-    if (std::fabs(set.params(i).rest_sine) > 1e-4f || set.params(i).rest_cosine < 0) result.alpha = 0;
-  return result;
-}
 
 struct StiffBending::Piece {
   std::vector<Bending> bendings;
@@ -213,19 +193,14 @@ StiffBending::~StiffBending() = default;
 
 namespace {
 
-/// Calls `function` with the projector as what it is, if its constraints are of bending.
-template <class Function>
-void if_bending(Projector& projector, const Function& function) {
-  if (auto* set = dynamic_cast<SetProjector<IsometricBending>*>(&projector)) function(*set);
-  if (auto* set = dynamic_cast<SetProjector<DihedralBending>*>(&projector)) function(*set);
-  if (auto* set = dynamic_cast<SetProjector<RopeBending>*>(&projector)) function(*set);
-}
-
 template <class Function>
 void for_each_bending(Projector& projector, const Function& function) {
-  if_bending(projector, [&](const auto& bendings) {
-    for (std::size_t i = 0; i < bendings.size(); ++i) function(StiffBending::Bending::of(bendings.set(), i));
-  });
+  const StructureFacet& set = *projector.facets().bendings;
+  for (std::size_t i = 0; i < projector.size(); ++i) {
+    const StructureFacet::Bending bending = set.bending(i);
+    function(StiffBending::Bending{
+        .particle = bending.particle, .unknown = {}, .K = bending.K, .alpha = bending.compliance});
+  }
 }
 
 }  // namespace
@@ -233,7 +208,8 @@ void for_each_bending(Projector& projector, const Function& function) {
 void StiffBending::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
   std::vector<std::pair<Projector*, std::uint64_t>> revisions;
   for (Projector* projector : projectors)
-    if_bending(*projector, [&](const auto& set) { revisions.emplace_back(projector, set.revision()); });
+    if (const StructureFacet* const set = projector->facets().bendings)
+      revisions.emplace_back(projector, set->revision());
   bool changed = revisions != revisions_ || inverse_masses_.size() != particles.position.size();
   for (std::size_t i = 0; i < inverse_masses_.size() && !changed; ++i)
     changed = inverse_masses_[i] != particles.inverse_mass(i);

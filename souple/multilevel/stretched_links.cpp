@@ -1,10 +1,9 @@
 #include "souple/multilevel/stretched_links.h"
 
-#include "souple/constraints/attachment.h"
 #include "souple/multilevel/level_links.h"
 #include "souple/solver/coloring.h"
 #include "souple/solver/external_moves.h"
-#include "souple/solver/set_projector.h"
+#include "souple/solver/facets.h"
 
 #include <algorithm>
 #include <bit>
@@ -30,31 +29,36 @@ float compliance_of(const Link& link) {
   return std::isfinite(link.energy) ? link.length * link.length / link.energy : 0;
 }
 
-bool is_attachment(const Projector& projector) {
-  return dynamic_cast<const SetProjector<Attachment>*>(&projector) != nullptr;
+/// Null if the projector's constraints are no contacts with colliders.
+ContactFacet* collider_contacts(Projector& projector) {
+  ContactFacet* const contact = projector.facets().contact;
+  return contact != nullptr && contact->is_collider_contact() ? contact : nullptr;
 }
 
 bool removes_overlaps(std::span<Projector* const> projectors) {
-  return std::any_of(projectors.begin(), projectors.end(), [](const Projector* projector) {
-    return projector->is_collider_contact() && projector->removes_overlaps();
+  return std::any_of(projectors.begin(), projectors.end(), [](Projector* projector) {
+    const ContactFacet* const contact = collider_contacts(*projector);
+    return contact != nullptr && contact->removes_overlaps();
   });
 }
 
 /// Lets colliders take the contacts of chosen particles. Returns whether there are any.
 bool take_contacts(std::span<Projector* const> projectors, std::span<const std::uint32_t> chosen) {
   bool any = false;
-  for (Projector* projector : projectors) any |= projector->take_some(chosen) > 0;
+  for (Projector* projector : projectors)
+    if (ContactFacet* const contact = projector->facets().contact) any |= contact->take_some(chosen) > 0;
   return any;
 }
 
 void project_contacts(std::span<Projector* const> projectors, const ParticleView& particles,
                       const Substep& substep, bool again) {
   for (Projector* projector : projectors) {
-    if (!projector->is_collider_contact()) continue;
+    ContactFacet* const contact = collider_contacts(*projector);
+    if (contact == nullptr) continue;
     ExternalMoves* const external =
         substep.external != nullptr && substep.external->concerns(*projector) ? substep.external : nullptr;
     if (external != nullptr) external->before(particles);
-    projector->project_some(particles, again);
+    contact->project_some(particles, again);
     if (external != nullptr) external->after(particles);
   }
 }
@@ -150,7 +154,7 @@ void StretchedLinks::build(std::span<const Link> of_level, const TiedParticles& 
     neighbors_[next[i]++] = {j, e}, neighbors_[next[j]++] = {i, e};
   }
   barred_.assign(count, 0);
-  number_.assign(count, Projector::unchosen);
+  number_.assign(count, ContactFacet::unchosen);
   chosen_.reserve(count);
   position_.assign(count + 1, {}), moving_.assign(count + 1, {});
   marked_.assign(links_.size() / word + 1, 0);
@@ -182,20 +186,22 @@ bool StretchedLinks::is_torn(const Link& link, const ParticleView& particles) co
 void StretchedLinks::bar(std::span<Projector* const> projectors, const ParticleView& particles) {
   barred_.assign(barred_.size(), 0);
   for (const Projector* projector : projectors)
-    if (projector->is_contact() ? !projector->is_collider_contact() : is_attachment(*projector))
+    if (const Facets facets = projector->facets(); facets.contact != nullptr
+                                                       ? !facets.contact->is_collider_contact()
+                                                       : facets.attachments != nullptr)
       projector->visit(particles, [this](const ConstraintState& contact) {
         for (const std::uint32_t i : contact.particles) barred_[i] = 1;
       });
 }
 
 void StretchedLinks::choose(std::uint32_t particle) {
-  if (number_[particle] != Projector::unchosen || barred_[particle] != 0) return;
+  if (number_[particle] != ContactFacet::unchosen || barred_[particle] != 0) return;
   number_[particle] = static_cast<std::uint32_t>(chosen_.size());
   chosen_.push_back(particle);
 }
 
 bool StretchedLinks::choose_particles(std::span<const Link> of_level, float h2, int radius) {
-  for (const std::uint32_t i : chosen_) number_[i] = Projector::unchosen;
+  for (const std::uint32_t i : chosen_) number_[i] = ContactFacet::unchosen;
   chosen_.clear();
   for (const std::uint32_t e : found_)
     if (compliance_of(of_level[e]) < softest * h2 * counted_[e]) choose(of_level[e].a), choose(of_level[e].b);
@@ -215,7 +221,7 @@ void StretchedLinks::mark_links() {
   for (const std::uint32_t i : chosen_) {
     for (std::uint32_t k = neighbors_begin_[i]; k < neighbors_begin_[i + 1]; ++k) {
       const auto [j, e] = neighbors_[k];
-      if (j > i && number_[j] != Projector::unchosen) marked_[e / word] |= std::uint64_t{1} << (e % word);
+      if (j > i && number_[j] != ContactFacet::unchosen) marked_[e / word] |= std::uint64_t{1} << (e % word);
     }
   }
 }
@@ -291,7 +297,8 @@ void StretchedLinks::sweep(std::span<const Link> of_level, const TiedParticles& 
     sweep_colors(region_.arrays(), region_.color_begin, rounds.sweeps, over_relaxation, moving_, threads);
     if (touches) project_contacts(projectors, view, substep, round > 0);
   }
-  for (Projector* projector : projectors) projector->put_back_some();
+  for (Projector* projector : projectors)
+    if (ContactFacet* const contact = projector->facets().contact) contact->put_back_some();
   store(particles);
 }
 

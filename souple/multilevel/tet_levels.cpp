@@ -291,8 +291,9 @@ void TetLevels::meet_contacts(std::span<Projector* const> projectors, const Part
   };
   const auto meet = [&](bool colliders, std::vector<Vec3f>& moved) {
     for_each_particle([&](std::uint32_t i) { moved[i] = {}; });
-    const auto concerned = [&](const Projector* p) {
-      return p->is_contact() && p->size() > 0 && p->kind().starts_with("collider") == colliders;
+    const auto concerned = [&](Projector* p) {
+      const ContactFacet* const contact = p->facets().contact;
+      return contact != nullptr && p->size() > 0 && contact->is_collider_contact() == colliders;
     };
     if (std::none_of(projectors.begin(), projectors.end(), concerned)) return;
     for_each_particle([&](std::uint32_t i) { moved[i] -= particles.moved(i); });
@@ -337,8 +338,9 @@ void TetLevels::find_forces(const ParticleView& particles, const Substep& subste
   ParticleView view = particles;
   view.corrected = force_;
   const float share = sweep_share / static_cast<float>(sweeps);
+  const std::size_t least = tets_->facets().grain;
   for (int color = 0; color < tets_->color_count(); ++color)
-    threads.for_each(tets_->color_size(color), tets_->grain(), [&](std::size_t begin, std::size_t end) {
+    threads.for_each(tets_->color_size(color), least, [&](std::size_t begin, std::size_t end) {
       tets_->add_forces(color, begin, end, view, substep, share);
     });
   for (const Body& body : bodies_) {

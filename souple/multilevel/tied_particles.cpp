@@ -1,10 +1,8 @@
 #include "souple/multilevel/tied_particles.h"
 
 #include "souple/assert.h"
-#include "souple/constraints/attachment.h"
-#include "souple/constraints/distance.h"
 #include "souple/geometry/adjacency.h"
-#include "souple/solver/set_projector.h"
+#include "souple/solver/facets.h"
 
 #include <algorithm>
 
@@ -12,14 +10,16 @@ namespace souple {
 
 TiedParticles::TiedParticles(std::span<Projector* const> projectors, const ParticleView& particles) {
   std::vector<Edge> ties;
-  for (const Projector* projector : projectors) {
-    if (const auto* attachments = dynamic_cast<const SetProjector<Attachment>*>(projector))
-      for (std::size_t i = 0; i < attachments->size(); ++i)
-        if (attachments->set().compliance(i)[0] == 0) attached_.push_back(attachments->set().indices(i)[0]);
-    if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector))
-      for (std::size_t i = 0; i < distances->size(); ++i)
-        if (distances->set().params(i).rest_length == 0 && distances->set().compliance(i)[0] == 0)
-          ties.push_back(distances->set().indices(i));
+  for (Projector* projector : projectors) {
+    const Facets facets = projector->facets();
+    if (facets.attachments == nullptr && facets.distances == nullptr) continue;
+    const StructureFacet& set = facets.attachments != nullptr ? *facets.attachments : *facets.distances;
+    for (std::size_t i = 0; i < projector->size(); ++i) {
+      const StructureFacet::Pull pull = set.pull(i);
+      if (pull.compliance != 0) continue;
+      if (facets.attachments != nullptr) attached_.push_back(pull.particle[0]);
+      if (facets.distances != nullptr && pull.rest_length == 0) ties.push_back(pull.particle);
+    }
   }
   std::sort(attached_.begin(), attached_.end());
   if (ties.empty()) return;

@@ -2,7 +2,6 @@
 
 #include "souple/assert.h"
 #include "souple/solver/external_moves.h"
-#include "souple/solver/set_projector.h"
 
 #include <algorithm>
 #include <tuple>
@@ -51,22 +50,22 @@ Mat3d scaled_identity(double s) {
 void TreeElimination::find(std::span<Projector* const> projectors, std::size_t particle_count) {
   std::vector<std::pair<const Projector*, std::uint64_t>> revisions;
   distances_.clear(), attachments_.clear();
-  for (const Projector* projector : projectors) {
-    if (const auto* distances = dynamic_cast<const SetProjector<Distance>*>(projector)) {
-      distances_.push_back(distances);
-      revisions.emplace_back(distances, distances->revision());
+  for (Projector* projector : projectors) {
+    const Facets facets = projector->facets();
+    if (facets.distances != nullptr) {
+      distances_.push_back({projector, facets.distances});
+      revisions.emplace_back(projector, facets.distances->revision());
     }
-    if (const auto* attachments = dynamic_cast<const SetProjector<Attachment>*>(projector))
-      attachments_.push_back(attachments);
+    if (facets.attachments != nullptr) attachments_.push_back({projector, facets.attachments});
   }
   if (revisions != revisions_ || particle_count != particle_count_) {
     revisions_ = std::move(revisions);
     particle_count_ = particle_count;
     std::vector<TreeLink> links;
     for (std::uint32_t s = 0; s < distances_.size(); ++s)
-      for (std::uint32_t i = 0; i < distances_[s]->size(); ++i) {
-        const auto [a, b] = distances_[s]->set().indices(i);
-        links.push_back({a, b, s, i, distances_[s]->set().params(i).rest_length > 0});
+      for (std::uint32_t i = 0; i < distances_[s].projector->size(); ++i) {
+        const StructureFacet::Pull link = distances_[s].structure->pull(i);
+        links.push_back({link.particle[0], link.particle[1], s, i, link.rest_length > 0});
       }
     trees_ = find_trees(links, particle_count);
     nodes_.assign(trees_.nodes.size(), {});
@@ -84,9 +83,9 @@ void TreeElimination::leave_out(LeftOut& left_out) const {
   }
   for (const Anchor& anchor : anchors_) anchors[anchor.set].push_back(anchor.constraint);
   for (std::size_t s = 0; s < links.size(); ++s)
-    left_out.add(*distances_[s], std::move(links[s]), distances_[s]->size());
+    left_out.add(*distances_[s].projector, std::move(links[s]), distances_[s].projector->size());
   for (std::size_t s = 0; s < anchors.size(); ++s)
-    left_out.add(*attachments_[s], std::move(anchors[s]), attachments_[s]->size());
+    left_out.add(*attachments_[s].projector, std::move(anchors[s]), attachments_[s].projector->size());
 }
 
 void TreeElimination::find_attachments(std::size_t particle_count) {
@@ -95,8 +94,8 @@ void TreeElimination::find_attachments(std::size_t particle_count) {
     node_of[trees_.nodes[k].particle] = k;
   anchors_.clear();
   for (std::uint32_t s = 0; !node_of.empty() && s < attachments_.size(); ++s) {
-    for (std::uint32_t i = 0; i < attachments_[s]->size(); ++i) {
-      const std::uint32_t node = node_of[attachments_[s]->set().indices(i)[0]];
+    for (std::uint32_t i = 0; i < attachments_[s].projector->size(); ++i) {
+      const std::uint32_t node = node_of[attachments_[s].structure->pull(i).particle[0]];
       if (node == none) continue;
       anchors_.push_back({node, s, i});
     }
@@ -170,11 +169,11 @@ void TreeElimination::load(const Work& work, const ParticleView& particles, bool
 
 // Rest length and compliance, and direction and multiplier of the substep's start.
 void TreeElimination::load_link(Node& node, const Node& parent, const TreeNode& link, double h2) const {
-  const auto& set = distances_[link.set]->set();
+  const StructureFacet::Pull pull = distances_[link.set].structure->pull(link.constraint);
   const Vec3d d = node.x - parent.x;
   const double l = length(d);
-  node.length = max(0.0, static_cast<double>(set.params(link.constraint).rest_length));
-  node.alpha = static_cast<double>(set.compliance(link.constraint)[0]) / h2;
+  node.length = max(0.0, static_cast<double>(pull.rest_length));
+  node.alpha = static_cast<double>(pull.compliance) / h2;
   node.lambda = node.alpha > 0 ? (node.length - l) / node.alpha : 0;
   node.g0 = d * (1 / max(l, 1e-18));
   if (node.fixed() && !parent.fixed()) node.alpha = max(node.alpha, floor / parent.mass);
@@ -214,8 +213,7 @@ void TreeElimination::solve(std::size_t tree, const Work& work) {
 }
 
 double TreeElimination::anchor_alpha(const Anchor& anchor, double mass, double h2) const {
-  return max(static_cast<double>(attachments_[anchor.set]->set().compliance(anchor.constraint)[0]) / h2,
-             floor / mass);
+  return max(static_cast<double>(pull_of(anchor).compliance) / h2, floor / mass);
 }
 
 // Fills D and r, and eliminates all nodes but the root.
@@ -229,7 +227,7 @@ void TreeElimination::assemble(std::size_t tree, const Work& work) {
     Node& node = work.nodes[anchor.node - work.begin];
     if (node.fixed()) continue;
     const double stiffness = 1 / anchor_alpha(anchor, node.mass, work.h2);
-    const Vec3d target(attachments_[anchor.set]->set().params(anchor.constraint).target);
+    const Vec3d target(pull_of(anchor).target);
     node.D = node.D + scaled_identity(stiffness);
     node.r += (target - node.x) * stiffness;
   }
@@ -339,15 +337,15 @@ void TreeElimination::add_external(ExternalMoves& external, const ParticleView& 
     if (begun_[tree] == 0) continue;
     for (std::size_t k = trees_.begin[tree]; k + 1 < trees_.begin[tree + 1]; ++k) {
       const TreeNode& node = trees_.nodes[k];
-      if (!external.concerns(*distances_[node.set])) continue;
+      if (!external.concerns(*distances_[node.set].projector)) continue;
       add(node.particle, kept_[k].force), add(trees_.nodes[node.parent].particle, -kept_[k].force);
     }
   }
   for (const Anchor& anchor : anchors_) {
     const std::uint32_t i = trees_.nodes[anchor.node].particle;
     const auto w = static_cast<double>(particles.inverse_mass(i));
-    if (w == 0 || !external.concerns(*attachments_[anchor.set])) continue;
-    const Vec3d target(attachments_[anchor.set]->set().params(anchor.constraint).target);
+    if (w == 0 || !external.concerns(*attachments_[anchor.set].projector)) continue;
+    const Vec3d target(pull_of(anchor).target);
     add(i, (target - particles.exact_position(i)) * (1 / anchor_alpha(anchor, 1 / w, square(substep.h))));
   }
 }

@@ -1,11 +1,9 @@
 #pragma once
 
-#include "souple/constraints/attachment.h"
-#include "souple/constraints/distance.h"
 #include "souple/math/mat3.h"
 #include "souple/multilevel/distance_trees.h"
 #include "souple/solver/left_out.h"
-#include "souple/solver/projector.h"
+#include "souple/solver/facets.h"
 
 #include <cstdint>
 #include <span>
@@ -13,9 +11,6 @@
 #include <vector>
 
 namespace souple {
-
-template <class Kind>
-class SetProjector;
 
 /// Solves trees of distances (ropes, chains, and what is tied to them by distance joints and attachments) exactly, in
 /// time linear in their length: elimination from the leaves to the root, without fill (Deul et al. 2018, "Direct
@@ -64,15 +59,14 @@ class TreeElimination final : public Projector {
   /// None of its own.
   std::size_t size() const override { return 0; }
   void prepare(std::size_t) override {}
-  /// Takes part in every round of sweeps, as contacts do.
-  bool is_contact() const override { return true; }
+  Facets facets() override { return {.every_round = true}; }
   int color_count() const override { return 1; }
   std::size_t color_size(int) const override { return trees_.size(); }
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
-  Residual residual(const ParticleView&) const override { return {}; }
+  Residual residual(const ParticleView&, Threads*) const override { return {}; }
   void erase_particles(std::uint32_t, std::uint32_t) override {}
 
  private:
@@ -129,6 +123,9 @@ class TreeElimination final : public Projector {
   void store(const Work& work, const ParticleView& particles, bool with_forces);
   void solve(std::size_t tree, const Work& work);
   void assemble(std::size_t tree, const Work& work);
+  StructureFacet::Pull pull_of(const Anchor& anchor) const {
+    return attachments_[anchor.set].structure->pull(anchor.constraint);
+  }
   double anchor_alpha(const Anchor& anchor, double mass, double h2) const;
   static void eliminate(Node& node, Node& parent);
   static void eliminate_point(Node& node, Node& parent);
@@ -140,8 +137,12 @@ class TreeElimination final : public Projector {
   std::vector<Kept> kept_;        ///< as trees_.nodes
   std::vector<Vec3d> predicted_;  ///< as trees_.nodes: position before any projection of the substep [m]
   std::vector<char> begun_;       ///< per tree: whether it was projected in this substep
-  std::vector<const SetProjector<Distance>*> distances_;
-  std::vector<const SetProjector<Attachment>*> attachments_;
+  /// A projector of distances or attachments.
+  struct Set {
+    const Projector* projector;
+    const StructureFacet* structure;
+  };
+  std::vector<Set> distances_, attachments_;
   std::vector<std::pair<const Projector*, std::uint64_t>> revisions_;  ///< of distances_
   std::size_t particle_count_ = 0;
   std::vector<Anchor> anchors_;               ///< ascending by node

@@ -141,7 +141,7 @@ void CustomProjector::damp(const ParticleView& particles, std::span<Vec4f> veloc
   groups_.for_each(threads, grain(), [&](std::uint32_t i) { damp_one(i, particles, velocity, substep); });
 }
 
-Residual CustomProjector::residual(const ParticleView& particles) const {
+Residual CustomProjector::residual(const ParticleView& particles, Threads*) const {
   Residual result;
   for (std::size_t i = 0; i < items_.size(); ++i) {
     float C = 0;

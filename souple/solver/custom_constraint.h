@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/constraints/constraint.h"
+#include "souple/solver/facets.h"
 #include "souple/solver/particle_groups.h"
 #include "souple/solver/scalar_projection.h"
 
@@ -56,7 +57,7 @@ class CallbackConstraint final : public CustomConstraint {
 /// Custom constraints behind the Projector interface, by the formulas of projection.h. Errors of user code but
 /// out of memory never leave a step: if an evaluation throws, or if C, its gradient or the correction is not finite,
 /// nothing moves and a message is recorded. The next evaluation tries again.
-class CustomProjector final : public Projector {
+class CustomProjector final : public Projector, public ElasticFacet, public ErrorFacet {
  public:
   /// Throws Error when the constraint is null, has no particles or one twice, or a number is out of range.
   /// `prepare` must follow before the next substep. Settings of the constraint may change between steps; its
@@ -64,7 +65,7 @@ class CustomProjector final : public Projector {
   void add(std::shared_ptr<CustomConstraint> constraint);
 
   /// The first error since the last call, empty if there was none: "custom constraint 'name': ...".
-  std::string take_error();
+  std::string take_error() override;
 
   std::string_view kind() const override { return "custom"; }
   std::size_t size() const override { return items_.size(); }
@@ -72,14 +73,13 @@ class CustomProjector final : public Projector {
   int color_count() const override { return groups_.color_count(); }
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
   std::size_t color_size(int color) const override { return groups_.color(color).size(); }
-  /// All constraints of a color on one thread, unless all constraints are concurrent.
-  std::size_t grain() const override { return concurrent_ ? 1 : std::numeric_limits<std::size_t>::max(); }
+  Facets facets() override { return {.grain = grain(), .elastic = this, .errors = this}; }
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
   void damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
             Threads& threads) override;
-  Residual residual(const ParticleView& particles) const override;
+  Residual residual(const ParticleView& particles, Threads* = nullptr) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
@@ -91,6 +91,8 @@ class CustomProjector final : public Projector {
     std::string error;                      // per constraint, so that threads do not share it
   };
 
+  /// All constraints of a color on one thread, unless all constraints are concurrent.
+  std::size_t grain() const { return concurrent_ ? 1 : std::numeric_limits<std::size_t>::max(); }
   static bool evaluate(Item& item, std::span<const std::uint32_t> group, const ParticleView& particles,
                        float& C);
   void project_one(std::size_t i, const ParticleView& particles, const Substep& substep);

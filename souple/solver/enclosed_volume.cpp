@@ -179,10 +179,10 @@ void EnclosedVolume::damp_one(std::size_t i, const ParticleView& particles, std:
 
 void EnclosedVolume::damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
                           Threads& threads) {
-  groups_.for_each(threads, grain(), [&](std::uint32_t i) { damp_one(i, particles, velocity, substep); });
+  groups_.for_each(threads, 1, [&](std::uint32_t i) { damp_one(i, particles, velocity, substep); });
 }
 
-Residual EnclosedVolume::residual(const ParticleView& particles) const {
+Residual EnclosedVolume::residual(const ParticleView& particles, Threads*) const {
   Residual result;
   for (std::size_t i = 0; i < surfaces_.size(); ++i)
     if (surfaces_[i].keep_volume)

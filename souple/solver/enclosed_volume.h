@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/math/vec3.h"
+#include "souple/solver/facets.h"
 #include "souple/solver/particle_groups.h"
 #include "souple/solver/scalar_projection.h"
 
@@ -31,7 +32,7 @@ struct EnclosedVolumeOptions {
 /// This is the force P times a third of the area on each corner of each triangle. `begin_substep` applies it
 /// once per substep to the predicted positions. So the number of iterations, mode, compliance and stiffness
 /// do not affect it.
-class EnclosedVolume final : public Projector {
+class EnclosedVolume final : public Projector, public ElasticFacet, public MemoryFacet {
  public:
   using Triangle = std::array<std::uint32_t, 3>;
 
@@ -43,6 +44,7 @@ class EnclosedVolume final : public Projector {
 
   std::string_view kind() const override { return "enclosed_volume"; }
   std::size_t size() const override { return surfaces_.size(); }
+  Facets facets() override { return {.elastic = this, .memory = this}; }
   void prepare(std::size_t particle_count) override { groups_.prepare(particle_count, kind()); }
   int color_count() const override { return groups_.color_count(); }
   /// Applies the pressure. Must run after positions have been predicted.
@@ -54,7 +56,7 @@ class EnclosedVolume final : public Projector {
   void damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
             Threads& threads) override;
   /// Residual of the surfaces with an active volume constraint [m^3].
-  Residual residual(const ParticleView& particles) const override;
+  Residual residual(const ParticleView& particles, Threads* = nullptr) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;

@@ -2,20 +2,13 @@
 
 #include "souple/assert.h"
 #include "souple/solver/external_moves.h"
-#include "souple/solver/linear_system.h"
+#include "souple/solver/facets.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace souple {
 namespace {
-
-void project_color(Projector& projector, int color, const ParticleView& particles, const Substep& substep,
-                   Threads& threads) {
-  threads.for_each(projector.color_size(color), projector.grain(), [&](std::size_t begin, std::size_t end) {
-    projector.project(color, begin, end, particles, substep);
-  });
-}
 
 // n sweeps act as the mean of C over them. If a body at rest first falls by g h^2 and the sweeps then lift it, that
 // mean is g h^2 / 2 below the result, and a bar hangs that much too high. Where g h^2 matters, the motion of the
@@ -48,22 +41,30 @@ void add_motion(std::span<const Vec4f> motion, float part, const ParticleView& p
 
 }  // namespace
 
+void sweep_color(Projector& projector, int color, const ParticleView& particles, const Substep& substep,
+                 Threads& threads) {
+  threads.for_each(projector.color_size(color), projector.facets().grain,
+                   [&](std::size_t begin, std::size_t end) {
+                     projector.project(color, begin, end, particles, substep);
+                   });
+}
+
 void sweep(Projector& projector, const ParticleView& particles, const Substep& substep, Threads& threads) {
   ExternalMoves* const external =
       substep.external != nullptr && substep.external->concerns(projector) ? substep.external : nullptr;
   if (external != nullptr) external->before(particles);
   for (int color = 0; color < projector.color_count(); ++color)
-    project_color(projector, color, particles, substep, threads);
+    sweep_color(projector, color, particles, substep, threads);
   if (external != nullptr) external->after(particles);
 }
 
 void sweep_as_needed(std::span<Projector* const> projectors, const ParticleView& particles,
                      const Substep& substep, Threads& threads, std::vector<Vec4f>& motion) {
-  const auto needed = [&](const Projector& p) {
-    return substep.stores_multipliers() ? 1 : p.sweeps_needed(substep);
+  const auto needed = [&](Projector& p) {
+    return substep.stores_multipliers() ? 1 : sweeps_needed(p, substep);
   };
   int rounds = 1;
-  for (const Projector* projector : projectors) rounds = std::max(rounds, needed(*projector));
+  for (Projector* projector : projectors) rounds = std::max(rounds, needed(*projector));
   const bool in_parts = rounds > max_rounds_of_whole_motion;
   if (in_parts) take_back_motion(particles, threads, motion);
   for (int round = 0; round < rounds; ++round) {
@@ -71,7 +72,8 @@ void sweep_as_needed(std::span<Projector* const> projectors, const ParticleView&
     for (Projector* projector : projectors) {
       const int sweeps = needed(*projector);
       const int first = in_parts ? rounds - sweeps : 0;
-      if ((round < first || round >= first + sweeps) && !projector->is_contact()) continue;
+      if ((round < first || round >= first + sweeps) && !projector->facets().every_round)
+        continue;
       Substep part = substep;
       part.h /= std::sqrt(static_cast<float>(sweeps));
       sweep(*projector, particles, part, threads);
@@ -79,36 +81,10 @@ void sweep_as_needed(std::span<Projector* const> projectors, const ParticleView&
   }
 }
 
-void GaussSeidel::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
-  linear_.clear();
-  others_.clear();
-  if (settings_.sweep == Sweep::forward && settings_.chebyshev == 0) return;
-  for (Projector* projector : projectors)
-    (has_linear_form(*projector, particles) ? linear_ : others_).push_back(projector);
-}
-
 void GaussSeidel::solve(std::span<Projector* const> projectors, const ParticleView& particles,
                         const Substep& substep, Threads& threads) {
-  const bool accelerated =
-      chebyshev_.helps(substep.iterations) &&
-      std::all_of(others_.begin(), others_.end(), [](const Projector* p) { return p->size() == 0; });
-  if (accelerated) chebyshev_.begin(linear_, particles);
-  for (int iteration = 0; iteration < substep.iterations; ++iteration) {
-    if (settings_.sweep == Sweep::symmetric) {
-      sweep_symmetric(particles, substep, threads);
-    } else {
-      for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);
-    }
-    if (accelerated) chebyshev_.accelerate(linear_, particles);
-  }
-}
-
-void GaussSeidel::sweep_symmetric(const ParticleView& particles, const Substep& substep, Threads& threads) {
-  for (Projector* projector : linear_) sweep(*projector, particles, substep, threads);
-  for (auto projector = linear_.rbegin(); projector != linear_.rend(); ++projector)
-    for (int color = (*projector)->color_count(); color-- > 0;)
-      project_color(**projector, color, particles, substep, threads);
-  for (Projector* projector : others_) sweep(*projector, particles, substep, threads);
+  for (int iteration = 0; iteration < substep.iterations; ++iteration)
+    for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);
 }
 
 }  // namespace souple

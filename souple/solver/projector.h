@@ -105,18 +105,34 @@ struct ConstraintState {
 };
 using ConstraintVisitor = std::function<void(const ConstraintState&)>;
 
-/// One constraint linearized at the current positions, for solvers of the global system:
-///   C(x + dx) = C + sum_k gradient_k . dx_k.
-struct LinearConstraint {
-  std::span<const std::uint32_t> particles;  ///< [arity]; spans are valid during the call
-  std::span<const float> C;                  ///< [rows]
-  std::span<const Vec3f> gradient;           ///< [row * arity + k]
-  std::span<const float> alpha;              ///< alpha / h^2, packed lower triangle of rows x rows; 0 in PBD
-  float scale = 1;                           ///< PBD: k' = 1 - (1 - k)^(1/n); otherwise 1
-  bool inequality = false;                   ///< satisfied while C >= 0
+class ContactFacet;
+class ElasticFacet;
+class ErrorFacet;
+class LinearFacet;
+class MemoryFacet;
+class StructureFacet;
+class StudyFacet;
+struct NeoHookean;
+template <class Kind>
+class SetProjector;
+
+/// What a projector can do beyond what every solver needs (solver/facets.h). Null: it cannot.
+struct Facets {
+  std::size_t grain = 1;     ///< minimum number of constraints per thread
+  bool every_round = false;  ///< projected in every round of sweeps, as contacts are
+  ContactFacet* contact = nullptr;
+  ElasticFacet* elastic = nullptr;
+  ErrorFacet* errors = nullptr;
+  const LinearFacet* linear = nullptr;
+  const MemoryFacet* memory = nullptr;
+  // Constraints that are links, distances, attachments or bendings; see StructureFacet.
+  const StructureFacet* links = nullptr;
+  const StructureFacet* distances = nullptr;
+  const StructureFacet* attachments = nullptr;
+  const StructureFacet* bendings = nullptr;
+  SetProjector<NeoHookean>* tets = nullptr;  ///< the one kind that TetLevels know
+  StudyFacet* study = nullptr;
 };
-using LinearVisitor = std::function<void(const LinearConstraint&)>;
-using MultiplierVisitor = std::function<void(std::span<float>)>;
 
 /// The interface between solvers and constraints: moves particles towards satisfying its constraints. Solvers
 /// call it per set and color, never per constraint. Constraints of one color share no particle, so their
@@ -129,77 +145,27 @@ class Projector {
   virtual std::size_t size() const = 0;
   /// Sorts, colors and allocates. Call after constraints were added or erased and before the next substep.
   virtual void prepare(std::size_t particle_count) = 0;
-  /// Reduces the constraints to at most `colors` colors by splitting particles into phantoms (see
-  /// partition.h). `project` then acts on phantoms, numbered from `first_phantom`, instead of split
-  /// particles; all other functions still name the particles. Returns the particle of each phantom,
-  /// ascending, valid until the next split or prepare; empty if no particle was split or the kind cannot be
-  /// split. 0 colors: restores the state after `prepare`, with no particle split.
-  virtual std::span<const std::uint32_t> split([[maybe_unused]] int colors,
-                                               [[maybe_unused]] std::uint32_t first_phantom) {
-    return {};
-  }
   virtual int color_count() const = 0;
   /// Number of constraints of a color.
   virtual std::size_t color_size(int color) const = 0;
-  /// Minimum number of constraints per thread.
-  virtual std::size_t grain() const { return 1; }
-  /// Finds what sweeps without stored multipliers need to be as compliant as the material (see
-  /// kernels/projection.h). Call after `prepare` and when inverse masses changed. Without it sweeps are softer.
-  virtual void prepare_sweeps(const ParticleView&, [[maybe_unused]] bool masses_changed) {}
-  /// Number of sweeps, each of that many times the compliance, that reach the stiffness of the material from
-  /// lambda = 0; at least 1 and at most max_sweeps.
-  virtual int sweeps_needed(const Substep&) const { return 1; }
-  /// With fewer than 10 substeps a step, their sweeps make up for them: up to 360 a step.
-  static int max_sweeps(const Substep& substep) { return substep.count < 10 ? 360 / substep.count : 10; }
-  /// Whether the constraints keep objects apart.
-  virtual bool is_contact() const { return false; }
-  /// Whether they keep objects out of colliders: each moves particles of one object only.
-  virtual bool is_collider_contact() const { return false; }
-  /// Takes the constraints whose particle is chosen, chosen[i] != unchosen, for project_some until put_back_some.
-  /// Returns their number. The default takes none.
-  virtual std::size_t take_some([[maybe_unused]] std::span<const std::uint32_t> chosen) { return 0; }
-  static constexpr std::uint32_t unchosen = ~std::uint32_t{0};
-  /// Projects them. `again`: particles have hardly moved since the last projection, so that it may use the gradients
-  /// found there.
-  virtual void project_some(const ParticleView&, [[maybe_unused]] bool again) {}
-  virtual void put_back_some() {}
-  /// Whether an overlap that existed before is being removed slowly.
-  virtual bool removes_overlaps() const { return false; }
   virtual void begin_substep(const ParticleView&, const Substep&) {}
   /// Projects constraints [begin, end) of a color. Other parts of the color may be projected at the same
   /// time.
   virtual void project(int color, std::size_t begin, std::size_t end, const ParticleView&,
                        const Substep&) = 0;
+  /// With `threads`, for the report of a step: it may omit the energy, and may use all of them.
+  virtual Residual residual(const ParticleView&, Threads* threads = nullptr) const = 0;
+  /// Calls the visitor for each constraint, color after color. The default visits none.
+  virtual void visit(const ParticleView&, const ConstraintVisitor&) const {}
+  /// Removes the constraints of particles [begin, end), which cease to exist, and renumbers the others.
+  virtual void erase_particles(std::uint32_t begin, std::uint32_t end) = 0;
+  /// The default has none.
+  virtual Facets facets() { return {}; }
+
   /// Projects a whole color.
   void project(int color, const ParticleView& particles, const Substep& substep) {
     project(color, 0, color_size(color), particles, substep);
   }
-  /// Damps the constraints that have a damping time: changes velocities, after the substep (see
-  /// kernels/projection.h).
-  virtual void damp(const ParticleView&, [[maybe_unused]] std::span<Vec4f> velocity, const Substep&,
-                    Threads&) {}
-  /// Calls the visitor for each constraint, in an order that changes only in `prepare`. Returns false if the
-  /// kind has no linear form (contacts, shape matching, enclosed volumes, custom constraints); solvers of a
-  /// global system project it instead.
-  virtual bool linearize(const ParticleView&, const Substep&, const LinearVisitor&) const { return false; }
-  /// Ranges of constraints, as `linearize` counts them, that concern only the given ranges of particles; both ascending
-  /// and disjoint. Each constraint is of one object, each range of particles consists of whole objects. May omit some:
-  /// the default knows of none.
-  virtual std::vector<IndexRange> constraints_of(std::span<const IndexRange>) const { return {}; }
-  /// Calls the visitor for the constraints of the given numbers, in their order: numbers as `linearize` counts them.
-  virtual void linearize_some(std::span<const std::uint32_t>, const ParticleView&, const Substep&,
-                              const LinearVisitor&) const {}
-  /// Visits the multipliers stored in this substep, for solvers that extrapolate them with the positions.
-  virtual void multipliers(const MultiplierVisitor&) {}
-  virtual Residual residual(const ParticleView&) const = 0;
-  /// Residual for the report of a step: may omit the energy, and may use all threads.
-  virtual Residual measure(const ParticleView& particles, Threads&) { return residual(particles); }
-  /// Calls the visitor for each constraint, color after color. The default visits none.
-  virtual void visit(const ParticleView&, const ConstraintVisitor&) const {}
-  /// Heap memory of the constraints. [bytes]
-  virtual std::size_t bytes() const { return 0; }
-  /// Removes the constraints of particles [begin, end), which cease to exist, and renumbers the others.
-  virtual void erase_particles(std::uint32_t begin, std::uint32_t end) = 0;
 };
 
 }  // namespace souple

@@ -14,10 +14,10 @@
 #include "souple/math/reductions.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/solver/coloring.h"
+#include "souple/solver/facets.h"
 #include "souple/solver/kernels/find_kernels.h"
 #include "souple/solver/kernels/projection.h"
 #include "souple/solver/left_out.h"
-#include "souple/solver/partition.h"
 #include "souple/solver/projector.h"
 
 #include <algorithm>
@@ -48,7 +48,12 @@ struct ObjectPart {
 /// Many constraints of one kind behind the Projector interface. Solvers, colors and reports work for a user's
 /// struct through this template.
 template <class Kind>
-class SetProjector final : public Projector {
+class SetProjector final : public Projector,
+                           public ElasticFacet,
+                           public LinearFacet,
+                           public MemoryFacet,
+                           public StructureFacet,
+                           public StudyFacet {
  public:
   using Set = ConstraintSet<Kind>;
   using Indices = typename Set::Indices;
@@ -70,12 +75,18 @@ class SetProjector final : public Projector {
     return set_;
   }
   const Set& set() const { return set_; }
-  /// Changes whenever constraints may have; no two projectors ever have the same, not even one that is built at the
-  /// address of another.
-  std::uint64_t revision() const { return revision_; }
-
   std::string_view kind() const override { return Kind::name; }
   std::size_t size() const override { return set_.size(); }
+  Facets facets() override {
+    Facets facets{
+        .grain = grain, .elastic = this, .linear = this, .memory = this, .study = this};
+    if constexpr (has_rest_length || requires { Kind::links; }) facets.links = this;
+    if constexpr (has_rest_length) facets.distances = this;
+    if constexpr (has_target) facets.attachments = this;
+    if constexpr (has_flat_gradient) facets.bendings = this;
+    if constexpr (std::is_same_v<Kind, NeoHookean>) facets.tets = this;
+    return facets;
+  }
   std::size_t bytes() const override {
     return set_.bytes() + scales_.bytes() + half_shared_.bytes() + 3 * in_level_.capacity() * sizeof(float) +
            partial_.capacity() * sizeof(Residual);
@@ -90,7 +101,7 @@ class SetProjector final : public Projector {
       for (const std::uint32_t index : set_.indices(i))
         if (index >= particle_count) detail::throw_missing_particle(kind(), i, index, particle_count);
     dirty_ = false;
-    split_ = {};
+    replaced_ = {};
     clear_levels();
     forget_shared();
     arrange(color_constraints(flat_indices(), Kind::arity, particle_count));
@@ -102,7 +113,7 @@ class SetProjector final : public Projector {
   /// its constraints do not depend on the others. Those that link the same particles as before keep their colors.
   /// Returns whether only values changed: parameters, compliances, damping times, stiffnesses.
   bool merge(std::span<const ObjectPart> parts, std::span<SetProjector* const> fresh) {
-    split(0, 0);
+    restore();
     const std::vector<Run> runs = runs_of(parts);
     const auto colors = static_cast<std::size_t>(color_count());
     bool values_only = !set_.color_begin.empty();
@@ -123,24 +134,6 @@ class SetProjector final : public Projector {
     dirty_softness_ = true;
     dirty_ = false;
     return values_only;
-  }
-
-  std::span<const std::uint32_t> split(int colors, std::uint32_t first_phantom) override {
-    clear_levels();
-    if (!split_.unsplit.order.empty()) arrange(std::move(split_.unsplit));
-    split_ = {};
-    if (colors == 0 || color_count() <= colors) return {};
-    const std::vector<std::uint32_t> flat = flat_indices();
-    Partition partition =
-        partition_constraints(flat, Kind::arity, *std::max_element(flat.begin(), flat.end()) + std::size_t{1},
-                              set_.color_begin, colors, first_phantom);
-    split_.phantom_of = std::move(partition.phantom_of);
-    split_.unsplit = {inverse_order(partition.coloring.order), set_.color_begin};
-    for (std::size_t k = 0; k < Set::arity; ++k)
-      for (std::size_t i = k; i < partition.indices.size(); i += Set::arity)
-        split_.records[k].push_back(4 * partition.indices[i]);
-    arrange(std::move(partition.coloring));
-    return split_.phantom_of;
   }
 
   void prepare_sweeps(const ParticleView& particles, bool masses_changed) override {
@@ -206,7 +199,6 @@ class SetProjector final : public Projector {
     const auto c = static_cast<std::size_t>(color);
     return set_.color_begin[c + 1] - set_.color_begin[c];
   }
-  std::size_t grain() const override { return 256; }
   using Projector::project;
   void project(int color, std::size_t first, std::size_t last, const ParticleView& particles,
                const Substep& substep) override {
@@ -229,7 +221,7 @@ class SetProjector final : public Projector {
     const Column& times = set_.damping_times;
     if (std::none_of(times.data(), times.data() + times.distinct(), [](float tau) { return tau > 0; }))
       return;
-    if (!kernels_ || !split_.phantom_of.empty()) {  // constraints of one color may share a split particle
+    if (!kernels_ || is_replaced()) {  // constraints of one color may share a particle
       for (std::size_t i = 0; i < set_.size(); ++i) damp_one(i, particles, velocity, substep);
       return;
     }
@@ -242,25 +234,24 @@ class SetProjector final : public Projector {
     const kernels::Project kernel = kernels_->damp;
     for (int color = 0; color < color_count(); ++color) {
       const std::size_t first = set_.color_begin[static_cast<std::size_t>(color)];
-      threads.for_each(color_size(color), grain(), [&](std::size_t begin, std::size_t end) {
+      threads.for_each(color_size(color), grain, [&](std::size_t begin, std::size_t end) {
         kernel(p, arrays.set, first + begin, first + end);
       });
     }
   }
 
-  Residual residual(const ParticleView& particles) const override {
+  Residual residual(const ParticleView& particles, Threads* threads = nullptr) const override {
     Residual result;
-    for (std::size_t chunk = 0; chunk < chunk_count(); ++chunk)
-      result.add(residual_of(chunk, particles, true));
-    return result;
-  }
-  Residual measure(const ParticleView& particles, Threads& threads) override {
+    if (threads == nullptr) {
+      for (std::size_t chunk = 0; chunk < chunk_count(); ++chunk)
+        result.add(residual_of(chunk, particles, true));
+      return result;
+    }
     partial_.resize(chunk_count());
-    threads.for_each(chunk_count(), 8, [&](std::size_t begin, std::size_t end) {
+    threads->for_each(chunk_count(), 8, [&](std::size_t begin, std::size_t end) {
       for (std::size_t chunk = begin; chunk < end; ++chunk)
         partial_[chunk] = residual_of(chunk, particles, false);
     });
-    Residual result;
     for (const Residual& partial : partial_) result.add(partial);
     return result;
   }
@@ -279,14 +270,13 @@ class SetProjector final : public Projector {
     }
   }
 
-  bool linearize(const ParticleView& particles, const Substep& substep,
+  void linearize(const ParticleView& particles, const Substep& substep,
                  const LinearVisitor& visitor) const override {
     for (std::size_t i = 0; i < set_.size(); ++i) linearize_one(i, particles, substep, visitor);
-    return true;
   }
   std::vector<IndexRange> constraints_of(std::span<const IndexRange> particles) const override {
     std::vector<IndexRange> result;
-    if (!split_.phantom_of.empty()) return result;  // not in order of particles
+    if (is_replaced()) return result;  // not in order of particles
     const std::vector<std::uint32_t>& first = set_.records[0];
     for (std::size_t c = 0; c + 1 < set_.color_begin.size(); ++c) {
       const auto at = [&](std::size_t i) { return first.begin() + static_cast<std::ptrdiff_t>(i); };
@@ -310,8 +300,58 @@ class SetProjector final : public Projector {
     for (const std::uint32_t i : constraints) linearize_one(i, particles, substep, visitor);
   }
 
-  void multipliers(const MultiplierVisitor& visitor) override {
+  std::uint64_t revision() const override { return revision_; }
+  void append_links(std::size_t begin, std::size_t end, std::vector<Link>& out) const override {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Indices indices = set_.indices(i);
+      for (const KindLink& link : links_of(i)) {
+        const std::uint32_t a = indices[static_cast<std::size_t>(link.a)],
+                            b = indices[static_cast<std::size_t>(link.b)];
+        if (a != b && link.length > 0 && std::isfinite(link.length))
+          out.push_back({std::min(a, b), std::max(a, b), link.length, link.energy, set_.stiffness(i)});
+      }
+    }
+  }
+  Pull pull(std::size_t i) const override {
+    const Indices indices = set_.indices(i);
+    Pull pull{.particle = {indices.front(), indices.back()}, .compliance = set_.compliance(i)[0]};
+    if constexpr (has_rest_length) pull.rest_length = Kind::rest_length(set_.params(i));
+    if constexpr (has_target) pull.target = Kind::target(set_.params(i));
+    return pull;
+  }
+  Bending bending(std::size_t i) const override {
+    Bending result;
+    if constexpr (has_flat_gradient) {
+      const Indices indices = set_.indices(i);
+      const Params params = set_.params(i);
+      const auto K = Kind::flat_gradient(params);
+      result.particle.fill(indices[0]);
+      std::copy(indices.begin(), indices.end(), result.particle.begin());
+      std::copy(K.begin(), K.end(), result.K.begin());
+      result.compliance = set_.compliance(i)[0];
+      if constexpr (requires { Kind::is_flat; })
+        if (!Kind::is_flat(params)) result.compliance = 0;
+    }
+    return result;
+  }
+
+  void multipliers(const std::function<void(std::span<float>)>& visitor) override {
     for (std::vector<float>& lambda : set_.multipliers) visitor(lambda);
+  }
+  int arity() const override { return Kind::arity; }
+  std::vector<std::uint32_t> indices() const override { return flat_indices(); }
+  std::span<const std::uint32_t> color_begin() const override { return set_.color_begin; }
+  void replace(Coloring coloring, std::span<const std::uint32_t> particles) override {
+    restore();
+    replaced_.former = {inverse_order(coloring.order), set_.color_begin};
+    for (std::size_t k = 0; k < particles.size(); ++k)
+      replaced_.records[k % Set::arity].push_back(4 * particles[k]);
+    arrange(std::move(coloring));
+  }
+  void restore() override {
+    clear_levels();
+    if (is_replaced()) arrange(std::move(replaced_.former));
+    replaced_ = {};
   }
 
   void erase_particles(std::uint32_t begin, std::uint32_t end) override {
@@ -330,6 +370,24 @@ class SetProjector final : public Projector {
   }
 
  private:
+  static constexpr std::size_t grain = 256;
+  static constexpr bool has_rest_length = requires(const Params& params) { Kind::rest_length(params); };
+  static constexpr bool has_target = requires(const Params& params) { Kind::target(params); };
+  static constexpr bool has_flat_gradient = requires(const Params& params) { Kind::flat_gradient(params); };
+
+  auto links_of(std::size_t i) const {
+    const Params params = set_.params(i);
+    const auto alpha = set_.compliance(i);
+    if constexpr (has_rest_length) {
+      const float length = Kind::rest_length(params);
+      return std::array{KindLink{0, 1, length, length * length / alpha[0]}};
+    } else if constexpr (requires { Kind::links(params, alpha); }) {
+      return Kind::links(params, alpha);
+    } else {
+      return std::array<KindLink, 0>{};
+    }
+  }
+
   /// Constraints [begin, end) of a set: of one object and color.
   struct Run {
     std::size_t begin = 0, end = 0;
@@ -504,9 +562,10 @@ class SetProjector final : public Projector {
       softness_ = set_.size() > 0 ? static_cast<float>(sum / static_cast<double>(set_.size())) : 0;
     }
   }
-  // Particles that `project` acts on: phantoms instead of split particles.
+  bool is_replaced() const { return !replaced_.former.order.empty(); }
+  // Particles that `project` acts on.
   const std::array<std::vector<std::uint32_t>, Set::arity>& projected_records() const {
-    return split_.phantom_of.empty() ? set_.records : split_.records;
+    return is_replaced() ? replaced_.records : set_.records;
   }
 
   // Positions relative to the constraint's origin, or to its first particle, so that no digit is lost far
@@ -779,7 +838,7 @@ class SetProjector final : public Projector {
   }
 
   Set set_;
-  std::vector<Residual> partial_;                              // per chunk
+  mutable std::vector<Residual> partial_;                      // per chunk
   Column half_shared_;                                         // phi / 2 of each constraint
   float softness_ = 0;                                         // see find_softness
   std::vector<float> in_level_, level_scales_, level_shared_;  // see set_levels; empty: no levels
@@ -790,11 +849,10 @@ class SetProjector final : public Projector {
   Column scales_;        // k' of each constraint, for scales_for_
   int scales_for_ = -1;  // number of iterations in PBD mode, else 0
   const kernels::KindKernels* kernels_ = nullptr;
-  struct Split {
-    std::vector<std::uint32_t> phantom_of;                       // empty: no particle is split
-    std::array<std::vector<std::uint32_t>, Set::arity> records;  // as set_.records, with phantoms
-    Coloring unsplit;  // restores the order and colors without phantoms
-  } split_;
+  struct Replaced {
+    std::array<std::vector<std::uint32_t>, Set::arity> records;  // as set_.records
+    Coloring former;  // restores order and colors; empty: nothing is replaced
+  } replaced_;
   bool dirty_ = true;
 };
 

@@ -297,7 +297,7 @@ void ShapeMatching::damp_one(std::size_t i, const ParticleView& particles, std::
 
 void ShapeMatching::damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
                          Threads& threads) {
-  groups_.for_each(threads, grain(), [&](std::uint32_t i) { damp_one(i, particles, velocity, substep); });
+  groups_.for_each(threads, 1, [&](std::uint32_t i) { damp_one(i, particles, velocity, substep); });
 }
 
 double ShapeMatching::distance(std::size_t i, const ParticleView& particles) const {
@@ -308,7 +308,7 @@ double ShapeMatching::distance(std::size_t i, const ParticleView& particles) con
   return std::sqrt(distance_squared(region, groups_[i], particles, pose));
 }
 
-Residual ShapeMatching::residual(const ParticleView& particles) const {
+Residual ShapeMatching::residual(const ParticleView& particles, Threads*) const {
   Residual result;
   for (std::size_t i = 0; i < regions_.size(); ++i) {
     const double C = distance(i, particles);

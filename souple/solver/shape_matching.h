@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/math/mat3.h"
+#include "souple/solver/facets.h"
 #include "souple/solver/particle_groups.h"
 #include "souple/solver/scalar_projection.h"
 #include "souple/solver/stacks.h"
@@ -36,7 +37,7 @@ struct ShapeMatchingOptions {
 /// the region follows its pins. C and M include the free particles only.
 ///
 /// Sums are in double and relative to the region's first particle. Regions may overlap.
-class ShapeMatching final : public Projector {
+class ShapeMatching final : public Projector, public ElasticFacet, public MemoryFacet {
  public:
   /// `rest` holds the rest positions of `particles`, in the same order, anywhere in space [m]. Throws Error
   /// when the counts differ, a particle appears twice, or a number is out of range. `prepare` must follow
@@ -46,6 +47,7 @@ class ShapeMatching final : public Projector {
 
   std::string_view kind() const override { return "shape_matching"; }
   std::size_t size() const override { return regions_.size(); }
+  Facets facets() override { return {.elastic = this, .memory = this}; }
   void prepare(std::size_t particle_count) override { groups_.prepare(particle_count, kind()); }
   int color_count() const override { return groups_.color_count(); }
   void prepare_sweeps(const ParticleView& particles, bool masses_changed) override;
@@ -58,7 +60,7 @@ class ShapeMatching final : public Projector {
                const Substep& substep) override;
   void damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
             Threads& threads) override;
-  Residual residual(const ParticleView& particles) const override;
+  Residual residual(const ParticleView& particles, Threads* = nullptr) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;

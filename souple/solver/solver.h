@@ -31,7 +31,7 @@ class Solver {
   virtual void solve(std::span<Projector* const> projectors, const ParticleView& particles,
                      const Substep& substep, Threads& threads) = 0;
   /// Number of sweeps of a substep that supply the stiffness of a projector's constraints; 0: they are solved exactly.
-  virtual int sweep_count(const Projector&, const Substep& substep) const { return substep.iterations; }
+  virtual int sweep_count(Projector&, const Substep& substep) const { return substep.iterations; }
   /// Constraints that are solved exactly although sweeps supply others of their projector.
   virtual LeftOut solved_exactly(const Substep&) const { return {}; }
   /// Information for users about the solution (a floor on alpha, iterations of conjugate gradients), or
@@ -39,10 +39,14 @@ class Solver {
   virtual std::string diagnostic() const { return {}; }
 };
 
-/// Projects all constraints of a projector once, color after color, each color on all threads.
+/// Projects all constraints of a color once, on all threads.
+void sweep_color(Projector& projector, int color, const ParticleView& particles, const Substep& substep,
+                 Threads& threads);
+
+/// Projects all constraints of a projector once, color after color.
 void sweep(Projector& projector, const ParticleView& particles, const Substep& substep, Threads& threads);
 
-/// Sweeps each projector as often as it needs to be as stiff as its material (Projector::sweeps_needed), in
+/// Sweeps each projector as often as it needs to be as stiff as its material (ElasticFacet::sweeps_needed), in
 /// rounds. Contacts take part in every round: a stiff body that is swept alone pushes itself back into them and
 /// trembles. With stored multipliers there is one round. Where there are more than 10 rounds, each advances the
 /// particles by a part of their motion in the substep; projectors with fewer sweeps take part in the last rounds.

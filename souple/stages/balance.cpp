@@ -2,6 +2,7 @@
 
 #include "souple/objects/kind_functions.h"
 #include "souple/objects/object.h"
+#include "souple/solver/facets.h"
 #include "souple/solver/kernels/projection.h"
 
 #include <algorithm>
@@ -91,18 +92,19 @@ void Balance::choose(const ObjectsView& objects, std::span<Projector* const> con
     part.samples.push_back({number, begin, end, static_cast<double>(count) / (end - begin)});
     objects_.emplace_back().index = o;
   }
-  for (const Projector* projector : constraints) choose_constraints(objects, *projector);
+  for (Projector* projector : constraints) choose_constraints(objects, *projector);
 }
 
-void Balance::choose_constraints(const ObjectsView& objects, const Projector& projector) {
+void Balance::choose_constraints(const ObjectsView& objects, Projector& projector) {
+  const LinearFacet* const linear = projector.facets().linear;
+  if (linear == nullptr) return;
   std::vector<std::vector<std::uint32_t>> of_object(objects.objects.size());
   std::uint32_t number = 0;
-  const bool linear = projector.linearize(objects.view(), {.h = 1}, [&](const LinearConstraint& constraint) {
+  linear->linearize(objects.view(), {.h = 1}, [&](const LinearConstraint& constraint) {
     of_object[objects.object_of[constraint.particles[0]]].push_back(number++);
   });
-  if (!linear) return;
   elastic_.push_back(&projector);
-  for (Part& part : parts_) part.sets.emplace_back().projector = &projector;
+  for (Part& part : parts_) part.sets.emplace_back().linear = linear;
   for (std::uint32_t o = 0; o < objects_.size(); ++o) {
     const std::vector<std::uint32_t>& all = of_object[objects_[o].index];
     if (all.empty()) continue;
@@ -179,7 +181,7 @@ void Balance::add_elastic(const ParticleView& view, const Substep& substep, cons
         sums.stiffness += samples.weight * z[r] * rate[r];
       }
     };
-    set.projector->linearize_some({&set.constraints[samples.begin], samples.end - samples.begin}, view,
+    set.linear->linearize_some({&set.constraints[samples.begin], samples.end - samples.begin}, view,
                                   substep, std::ref(add));  // a copy would allocate
   }
 }

@@ -65,7 +65,7 @@ class Balance {
   };
   /// Constraints of a projector.
   struct Set {
-    const Projector* projector = nullptr;
+    const LinearFacet* linear = nullptr;
     std::vector<std::uint32_t> constraints;
     std::vector<Samples> samples;
   };
@@ -82,7 +82,7 @@ class Balance {
     Vec3d center;                    ///< c [m]
   };
 
-  void choose_constraints(const ObjectsView& objects, const Projector& projector);
+  void choose_constraints(const ObjectsView& objects, Projector& projector);
   Vec3d center_of(const ObjectsView& objects, const Samples& samples) const;
   void add_carried(const ObjectsView& objects, double gravity, double h);
   void add_elastic(const ParticleView& view, const Substep& substep, const Set& set);

@@ -1,5 +1,6 @@
 #include "souple/stages/energy.h"
 
+#include "souple/solver/facets.h"
 #include "souple/solver/kernels/projection.h"
 
 #include <algorithm>
@@ -12,10 +13,10 @@ namespace {
 constexpr double sweep_part = 0.55;
 
 /// Particles that several constraints of a projector share: a sweep is exact for constraints that share none.
-std::vector<bool> shared_particles(const Projector& projector, const ParticleView& particles,
+std::vector<bool> shared_particles(const LinearFacet& constraints, const ParticleView& particles,
                                    const Substep& substep) {
   std::vector<bool> seen(particles.position.size()), shared(seen.size());
-  projector.linearize(particles, substep, [&](const LinearConstraint& constraint) {
+  constraints.linearize(particles, substep, [&](const LinearConstraint& constraint) {
     for (const std::uint32_t i : constraint.particles) {
       if (seen[i]) shared[i] = true;
       seen[i] = true;
@@ -107,17 +108,18 @@ double unconverged_energy(std::span<Projector* const> constraints, const Particl
   if (substep.mode == Mode::pbd) return 0;
   const LeftOut exact = solver.solved_exactly(substep);
   double sum = 0;
-  for (const Projector* projector : constraints) {
+  for (Projector* projector : constraints) {
+    const LinearFacet* const linear = projector->facets().linear;
     const int n = solver.sweep_count(*projector, substep);
-    if (n == 0) continue;
-    const std::vector<bool> shared = shared_particles(*projector, particles, substep);
+    if (linear == nullptr || n == 0) continue;
+    const std::vector<bool> shared = shared_particles(*linear, particles, substep);
     const Sweeps sweeps(particles, substep, n, shared);
     std::vector<bool> swept(projector->size());
     exact.for_each_kept(*projector, 0, projector->size(), [&](std::size_t begin, std::size_t end) {
       for (; begin < end; ++begin) swept[begin] = true;
     });
     std::size_t i = 0;
-    projector->linearize(particles, substep, [&](const LinearConstraint& constraint) {
+    linear->linearize(particles, substep, [&](const LinearConstraint& constraint) {
       if (swept[i++]) sum += sweeps.lost(constraint);
     });
   }

@@ -383,8 +383,8 @@ void RigidStage::count_touched(const StageView& stage, std::span<Projector* cons
     touched_at_[particle] = counts_;
     ++find(object.id.value)->touched;
   };
-  for (const Projector* const projector : contacts)
-    if (projector->is_contact())
+  for (Projector* const projector : contacts)
+    if (projector->facets().contact != nullptr)
       projector->visit(stage.objects.view(), [&](const ConstraintState& state) {
         for (const std::uint32_t i : state.particles) touch(i);
       });

@@ -349,8 +349,11 @@ void leave_out_asleep(const ObjectsView& objects, std::span<Projector* const> pr
       particles.push_back({object->begin, object->reserved_end()});
   }
   if (particles.empty()) return;
-  for (const Projector* projector : projectors)
-    sleep.constraints.add_ranges(*projector, projector->constraints_of(particles), projector->size());
+  for (Projector* projector : projectors) {
+    const LinearFacet* const linear = projector->facets().linear;
+    const std::vector<IndexRange> asleep = linear ? linear->constraints_of(particles) : std::vector<IndexRange>{};
+    sleep.constraints.add_ranges(*projector, asleep, projector->size());
+  }
 }
 
 void wake_island(const ObjectsView& objects, const Object& touched, SleepScratch& sleep) {

@@ -458,7 +458,7 @@ void Ties::end_substep(const ParticleView& particles, const RigidBodies& bodies)
   }
 }
 
-Residual Ties::residual(const ParticleView&) const {
+Residual Ties::residual(const ParticleView&, Threads*) const {
   Residual result;
   for (const Record& record : records_) {
     if (record.state.broken != 0) continue;

@@ -2,7 +2,7 @@
 
 #include "souple/objects/tie_options.h"
 #include "souple/rigid/impulse.h"
-#include "souple/solver/projector.h"
+#include "souple/solver/facets.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -81,7 +81,7 @@ struct TieNumber {
 /// except for Coulomb's friction and at the ends of the chain.
 ///
 /// As a Projector, in the solver's sweeps, it projects ties between particles alone.
-class Ties final : public Projector {
+class Ties final : public Projector, public MemoryFacet {
  public:
   bool empty() const { return records_.empty(); }
   std::size_t count() const { return records_.size(); }
@@ -131,6 +131,7 @@ class Ties final : public Projector {
 
   std::string_view kind() const override { return "tie"; }
   std::size_t size() const override;
+  Facets facets() override { return {.memory = this}; }
   void prepare(std::size_t) override {}
   int color_count() const override { return 1; }
   /// All are solved on one thread, in order.
@@ -139,7 +140,7 @@ class Ties final : public Projector {
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
   /// The residual of the last substep.
-  Residual residual(const ParticleView& particles) const override;
+  Residual residual(const ParticleView& particles, Threads* = nullptr) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
   /// The world removes ties together with their objects, and lists them again.

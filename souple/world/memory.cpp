@@ -5,6 +5,7 @@
 #include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
 #include "souple/queries/caches.h"
+#include "souple/solver/facets.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
@@ -52,13 +53,15 @@ std::size_t bytes_of_maps(const Object& object) {
 }
 
 void add_constraints(const WorldState& world, MemoryReport& report) {
-  const auto add = [&](const Projector& projector) {
+  const auto add = [&](Projector& projector) {
+    const MemoryFacet* const memory = projector.facets().memory;
+    const std::size_t bytes = memory != nullptr ? memory->bytes() : 0;
     for (MemoryReport::Part& part : report.simulation)
       if (part.name == projector.kind()) {
-        part.bytes += projector.bytes();
+        part.bytes += bytes;
         return;
       }
-    report.simulation.push_back({std::string(projector.kind()), projector.bytes()});
+    report.simulation.push_back({std::string(projector.kind()), bytes});
   };
   for (const auto& projector : world.constraints.object_projectors) add(*projector);
   for (const UserConstraint& user_constraint : world.constraints.users) add(*user_constraint.projector);

@@ -2,8 +2,9 @@
 
 #include "souple/assert.h"
 #include "souple/error.h"
-#include "souple/multilevel/make_solver.h"
+#include "souple/studies/make_solver.h"
 #include "souple/objects/object.h"
+#include "souple/solver/facets.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
@@ -117,11 +118,13 @@ void build_constraints_and_solver(WorldState& world) {
   order_projectors(world);
   world.scratch->sleep->changed = true;
   for (Projector* projector : world.constraints.order)
-    projector->split(0, 0);  // undo splits of the last solver
+    if (StudyFacet* const study = projector->facets().study) study->restore();  // what the last solver replaced
   const std::vector<Vec4f> awake = awake_positions(world);
   ParticleView view = world.view();
   view.position = awake;
-  for (Projector* projector : world.constraints.order) projector->prepare_sweeps(view, world.dirty.masses);
+  for (Projector* projector : world.constraints.order)
+    if (ElasticFacet* const elastic = projector->facets().elastic)
+      elastic->prepare_sweeps(view, world.dirty.masses);
   if (!world.solving.solver || !(world.solving.settings == world.settings.solver)) {
     world.solving.solver = make_solver(world.settings.solver);
     world.solving.settings = world.settings.solver;

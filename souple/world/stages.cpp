@@ -2,6 +2,7 @@
 
 #include "souple/assert.h"
 #include "souple/objects/object.h"
+#include "souple/solver/facets.h"
 #include "souple/solver/solver.h"
 #include "souple/stages/damping.h"
 #include "souple/stages/motion.h"
@@ -40,7 +41,8 @@ void damp_constraints(WorldState& world, const Substep& substep) {
   const ParticleView view = world.view();
   const std::span<Vec4f> velocity = world.particles.velocity;
   for (Projector* const projector : world.constraints.order)
-    projector->damp(view, velocity, substep, *world.threads);
+    if (ElasticFacet* const elastic = projector->facets().elastic)
+      elastic->damp(view, velocity, substep, *world.threads);
 }
 
 // Stiffnesses of PBD are no forces, and phantoms no particles.

@@ -5,7 +5,7 @@
 #include "souple/fluid/stage/fluids.h"
 #include "souple/math/limits.h"
 #include "souple/objects/object.h"
-#include "souple/solver/custom_constraint.h"
+#include "souple/solver/facets.h"
 #include "souple/stages/motion.h"
 #include "souple/stages/rigid_stage.h"
 #include "souple/stages/ties.h"
@@ -37,7 +37,7 @@ void measure(WorldState& world) {
     report.constraints += projector->size();
     KindReport kind{.kind = projector->kind(), .count = projector->size()};
     if (world.settings.measure_residuals) {
-      const Residual residual = projector->measure(view, *world.threads);
+      const Residual residual = projector->residual(view, world.threads.get());
       kind.largest = residual.largest;
       kind.mean = residual.count > 0 ? residual.sum / static_cast<double>(residual.count) : 0;
       kind.largest_strain = residual.largest_strain;
@@ -50,8 +50,8 @@ void measure(WorldState& world) {
 // Reports exceptions and non-finite results of users' run-time constraints.
 void report_custom_errors(WorldState& world) {
   for (const UserConstraint& user_constraint : world.constraints.users)
-    if (auto* custom = dynamic_cast<CustomProjector*>(user_constraint.projector.get())) {
-      const std::string error = custom->take_error();
+    if (ErrorFacet* const errors = user_constraint.projector->facets().errors) {
+      const std::string error = errors->take_error();
       if (!error.empty()) world.warnings.warn(Flag::callback_failed, error);
     }
 }

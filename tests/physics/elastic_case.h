@@ -50,7 +50,7 @@ class NodalLoad final : public Projector {
   }
   std::size_t color_size(int) const override { return 0; }
   void project(int, std::size_t, std::size_t, const ParticleView&, const Substep&) override {}
-  Residual residual(const ParticleView&) const override { return {}; }
+  Residual residual(const ParticleView&, Threads*) const override { return {}; }
   void erase_particles(std::uint32_t, std::uint32_t) override {}
 
  private:

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/constraints/distance.h"
-#include "souple/multilevel/make_solver.h"
+#include "souple/studies/make_solver.h"
 #include "souple/solver/set_projector.h"
 #include "tests/solver/body.h"
 

@@ -1,4 +1,4 @@
-#include "souple/multilevel/make_solver.h"
+#include "souple/studies/make_solver.h"
 #include "souple/solver/custom_constraint.h"
 #include "tests/solver/solver_scene.h"
 

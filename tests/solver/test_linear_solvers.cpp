@@ -1,7 +1,7 @@
 #include "souple/constraints/tether.h"
 #include "souple/constraints/triangle_membrane.h"
 #include "souple/error.h"
-#include "souple/multilevel/make_solver.h"
+#include "souple/studies/make_solver.h"
 #include "tests/expect_error.h"
 #include "tests/solver/solver_scene.h"
 

@@ -1,8 +1,8 @@
 #include "souple/constraints/distance.h"
 #include "souple/constraints/neo_hookean.h"
-#include "souple/multilevel/make_solver.h"
-#include "souple/solver/partition.h"
 #include "souple/solver/set_projector.h"
+#include "souple/studies/make_solver.h"
+#include "souple/studies/partition.h"
 #include "souple/world/world.h"
 #include "tests/solver/body.h"
 #include "tests/solver/meshes_to_color.h"
@@ -280,13 +280,13 @@ TEST(PartitionedGaussSeidel, SetsAreSplitAndMadeWhole) {
   const std::vector<std::uint32_t> first = wobbly.links.set().records[0];
   const double before = wobbly.links.residual(wobbly.body.view()).sum;
   const auto count = static_cast<std::uint32_t>(wobbly.body.position.size());
-  EXPECT_FALSE(wobbly.links.split(3, count).empty());
+  EXPECT_FALSE(split(wobbly.links, 3, count).empty());
   EXPECT_EQ(wobbly.links.color_count(), 3);
   EXPECT_NEAR(wobbly.links.residual(wobbly.body.view()).sum, before, 1e-6 * before);
   wobbly.links.visit(wobbly.body.view(), [&](const ConstraintState& state) {
     for (const std::uint32_t particle : state.particles) EXPECT_LT(particle, count);
   });
-  EXPECT_TRUE(wobbly.links.split(0, 0).empty());
+  wobbly.links.restore();
   EXPECT_EQ(wobbly.links.color_count(), colors);
   EXPECT_EQ(wobbly.links.set().records[0], first);
 }

@@ -350,7 +350,7 @@ class MeddlingProjector final : public Projector {
   std::size_t color_size(int) const override { return meddle(), 1; }
   void begin_substep(const ParticleView&, const Substep&) override { meddle(); }
   void project(int, std::size_t, std::size_t, const ParticleView&, const Substep&) override { meddle(); }
-  Residual residual(const ParticleView&) const override { return meddle(), Residual{}; }
+  Residual residual(const ParticleView&, Threads*) const override { return meddle(), Residual{}; }
   void visit(const ParticleView&, const ConstraintVisitor& visitor) const override {
     meddle();
     visitor({{&particle_, 1}});

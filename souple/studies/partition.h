@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/solver/coloring.h"
+#include "souple/solver/facets.h"
 
 #include <cstdint>
 #include <span>
@@ -29,5 +29,9 @@ struct Partition {
 Partition partition_constraints(std::span<const std::uint32_t> indices, int arity, std::size_t particle_count,
                                 std::span<const std::uint32_t> color_begin, int colors,
                                 std::uint32_t first_phantom);
+
+/// Partitions the constraints of a projector, whose `project` then acts on phantoms from `first_phantom` on. Returns the
+/// particle of each phantom; empty if no particle was split or the kind cannot be split. Facets::study restores it.
+std::vector<std::uint32_t> split(Projector& projector, int colors, std::uint32_t first_phantom);
 
 }  // namespace souple

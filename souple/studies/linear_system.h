@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/solver/projector.h"
+#include "souple/solver/facets.h"
 
 #include <cstdint>
 #include <limits>
@@ -8,9 +8,6 @@
 #include <vector>
 
 namespace souple {
-
-/// Whether a projector can linearize its constraints (see Projector::linearize).
-bool has_linear_form(const Projector& projector, const ParticleView& particles);
 
 /// The constraints of all kinds that have a linear form, linearized at the current positions: the common base
 /// of the solvers of the global system. All in double; J stays in the float in which it is computed.
@@ -106,7 +103,7 @@ class LinearSystem {
   void raise_to_floor(const Block& block, double inverse_h2);
   void deactivate(Block& block);
 
-  std::vector<Projector*> projectors_;
+  std::vector<const LinearFacet*> linear_;
   std::vector<Block> blocks_;
   std::vector<std::uint32_t> unknown_of_;  // per particle
   double smallest_size_ = 0;               // smallest size of a block [m]

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/solver/gauss_seidel.h"
+#include "souple/studies/accelerated_gauss_seidel.h"
 
 #include <cstdint>
 #include <memory>
@@ -43,7 +43,7 @@ class PartitionedGaussSeidel final : public Solver {
   void copy_in(const ParticleView& particles, Threads& threads);
 
   int colors_;
-  GaussSeidel gauss_seidel_;
+  AcceleratedGaussSeidel gauss_seidel_;
   std::size_t particle_count_ = 0;
   ParticlesAndPhantoms all_;
   std::vector<std::unique_ptr<Split>> split_;

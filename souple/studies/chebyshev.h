@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/solver/projector.h"
+#include "souple/solver/solver.h"
 
 #include <span>
 #include <vector>
@@ -53,6 +53,27 @@ class Chebyshev {
   int iteration_ = 0;
   History<Vec4f> moving_;
   std::vector<History<float>> multipliers_;  // per array of multipliers, in the order of the projectors
+};
+
+/// A solver whose iterations Chebyshev may accelerate, from the third of a substep on: not in substeps in which a kind
+/// without a linear form has constraints, as an extrapolated contact bounces.
+class AcceleratedSolver : public Solver {
+ public:
+  using Solver::prepare;
+  void prepare(std::span<Projector* const> projectors, const ParticleView& particles) override;
+  void solve(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
+             Threads& threads) final;
+
+ protected:
+  /// `rho`: as for Chebyshev.
+  explicit AcceleratedSolver(float rho) : chebyshev_(rho) {}
+  virtual void iterate(std::span<Projector* const> projectors, const ParticleView& particles,
+                       const Substep& substep, Threads& threads) = 0;
+
+  std::vector<Projector*> linear_, others_;  ///< with and without a linear form
+
+ private:
+  Chebyshev chebyshev_;
 };
 
 }  // namespace souple

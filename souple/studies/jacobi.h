@@ -1,7 +1,6 @@
 #pragma once
 
-#include "souple/solver/chebyshev.h"
-#include "souple/solver/solver.h"
+#include "souple/studies/chebyshev.h"
 
 #include <vector>
 
@@ -20,23 +19,20 @@ namespace souple {
 /// This is the average if all n_i are equal. It keeps momentum everywhere and converges for every omega in
 /// (0, 2) (`SolverSettings::relaxation`; 1.5 to 1.9 pays). Gauss-Seidel projects kinds without a linear form
 /// after each iteration. `SolverSettings::chebyshev` accelerates it as in GaussSeidel.
-class Jacobi final : public Solver {
+class Jacobi final : public AcceleratedSolver {
  public:
-  explicit Jacobi(const SolverSettings& settings) : chebyshev_(settings.chebyshev) {}
+  explicit Jacobi(const SolverSettings& settings) : AcceleratedSolver(settings.chebyshev) {}
 
   std::string_view name() const override { return "jacobi"; }
   void prepare(std::span<Projector* const> projectors, const ParticleView& particles) override;
-  void solve(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
-             Threads& threads) override;
 
  private:
-  void iterate(const ParticleView& particles, const Substep& substep, Threads& threads);
+  void iterate(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
+               Threads& threads) override;
 
-  Chebyshev chebyshev_;
-  std::vector<Projector*> linear_, others_;  // with and without a linear form
-  std::vector<float> count_;                 // n_i, per particle
-  std::vector<Vec4f> split_;                 // positions, with inverse mass n_i w_i
-  std::vector<Vec4f> correction_;            // sum of corrections, per particle
+  std::vector<float> count_;       // n_i, per particle
+  std::vector<Vec4f> split_;       // positions, with inverse mass n_i w_i
+  std::vector<Vec4f> correction_;  // sum of corrections, per particle
 };
 
 }  // namespace souple

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/linear_solvers/linearized_solver.h"
+#include "souple/studies/linearized_solver.h"
 
 #include <vector>
 

@@ -1,4 +1,4 @@
-#include "souple/linear_solvers/conjugate_gradient.h"
+#include "souple/studies/conjugate_gradient.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "souple/linear_solvers/direct.h"
+#include "souple/studies/direct.h"
 
 #include "souple/error.h"
 

@@ -1,4 +1,4 @@
-#include "souple/linear_solvers/linearized_solver.h"
+#include "souple/studies/linearized_solver.h"
 
 #include "souple/error.h"
 
@@ -19,7 +19,7 @@ void LinearizedSolver::prepare(std::span<Projector* const> projectors, const Par
   linear_.clear();
   others_.clear();
   for (Projector* projector : projectors)
-    (has_linear_form(*projector, particles) ? linear_ : others_).push_back(projector);
+    (projector->facets().linear != nullptr ? linear_ : others_).push_back(projector);
   system_.prepare(linear_, particles);
   saved_.resize(particles.moving.size());
   failures_ = 0;

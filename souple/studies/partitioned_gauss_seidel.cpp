@@ -1,6 +1,7 @@
-#include "souple/solver/partitioned_gauss_seidel.h"
+#include "souple/studies/partitioned_gauss_seidel.h"
 
 #include "souple/assert.h"
+#include "souple/studies/partition.h"
 
 #include <fmt/core.h>
 
@@ -33,7 +34,7 @@ class PartitionedGaussSeidel::Split final : public Projector {
   std::size_t color_size(int color) const override {
     return joins(color) ? particles_.size() : set_.color_size(color - 1);
   }
-  std::size_t grain() const override { return set_.grain(); }
+  Facets facets() override { return set_.facets(); }
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView&,
                const Substep& substep) override {
@@ -43,12 +44,7 @@ class PartitionedGaussSeidel::Split final : public Projector {
     }
     for (std::size_t i = begin; i < end; ++i) join(particles_[i]);
   }
-  bool linearize(const ParticleView& particles, const Substep& substep,
-                 const LinearVisitor& visitor) const override {
-    return set_.linearize(particles, substep, visitor);
-  }
-  void multipliers(const MultiplierVisitor& visitor) override { set_.multipliers(visitor); }
-  Residual residual(const ParticleView& particles) const override { return set_.residual(particles); }
+  Residual residual(const ParticleView& particles, Threads*) const override { return set_.residual(particles); }
   void erase_particles(std::uint32_t, std::uint32_t) override {}
 
  private:
@@ -105,7 +101,7 @@ void PartitionedGaussSeidel::prepare(std::span<Projector* const> projectors, con
   std::size_t count = particle_count_;
   for (Projector* projector : projectors) {
     const auto first = static_cast<std::uint32_t>(count);
-    const std::span<const std::uint32_t> phantom_of = projector->split(colors_, first);
+    const std::vector<std::uint32_t> phantom_of = split(*projector, colors_, first);
     count += phantom_of.size();
     if (!phantom_of.empty()) {
       split_.push_back(std::make_unique<Split>(*projector, phantom_of, first, all_));

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/solver/linear_system.h"
+#include "souple/studies/linear_system.h"
 #include "souple/solver/solver.h"
 
 #include <vector>
@@ -25,7 +25,7 @@ class LinearizedSolver : public Solver {
   void prepare(std::span<Projector* const> projectors, const ParticleView& particles) final;
   void solve(std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
              Threads& threads) final;
-  int sweep_count(const Projector&, const Substep&) const final { return 0; }
+  int sweep_count(Projector&, const Substep&) const final { return 0; }
 
  protected:
   /// Called when the structure is new. Sets `floors_` and may linearize with h = 1. Throws Error when the

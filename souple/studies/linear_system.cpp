@@ -1,4 +1,4 @@
-#include "souple/solver/linear_system.h"
+#include "souple/studies/linear_system.h"
 
 #include "souple/assert.h"
 #include "souple/error.h"
@@ -69,20 +69,18 @@ double shortest_distance(std::span<const std::uint32_t> members, const ParticleV
 
 }  // namespace
 
-bool has_linear_form(const Projector& projector, const ParticleView& particles) {
-  return projector.linearize(particles, Substep{.h = 1}, [](const LinearConstraint&) {});
-}
-
 void LinearSystem::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
   *this = {};
   unknown_of_.assign(particles.position.size(), pinned);
   double weight = 0;
   smallest_size_ = std::numeric_limits<double>::infinity();
   for (Projector* projector : projectors)
-    if (projector->linearize(particles, Substep{.h = 1}, [&](const LinearConstraint& constraint) {
-          add_structure(constraint, particles);
-        }))
-      projectors_.push_back(projector);
+    if (const LinearFacet* const linear = projector->facets().linear) {
+      linear->linearize(particles, Substep{.h = 1}, [&](const LinearConstraint& constraint) {
+        add_structure(constraint, particles);
+      });
+      linear_.push_back(linear);
+    }
   // No distance as a reference (attachments alone): use a meter.
   if (!std::isfinite(smallest_size_)) smallest_size_ = 1;
   for (Block& block : blocks_)
@@ -133,8 +131,8 @@ void LinearSystem::linearize(const ParticleView& particles, const Substep& subst
     std::size_t next = 0;
   } context{*this, 1 / (static_cast<double>(substep.h) * static_cast<double>(substep.h)), floor};
   floored_ = 0;
-  for (const Projector* projector : projectors_)
-    projector->linearize(particles, substep, [&context](const LinearConstraint& constraint) {
+  for (const LinearFacet* linear : linear_)
+    linear->linearize(particles, substep, [&context](const LinearConstraint& constraint) {
       Block& block = context.system.blocks_[context.next++];
       context.system.fill(block, constraint);
       if (context.floor && !block.inactive) context.system.raise_to_floor(block, context.inverse_h2);

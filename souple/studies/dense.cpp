@@ -1,4 +1,4 @@
-#include "souple/linear_solvers/dense.h"
+#include "souple/studies/dense.h"
 
 #include "souple/error.h"
 

@@ -1,4 +1,4 @@
-#include "souple/solver/partition.h"
+#include "souple/studies/partition.h"
 
 #include "souple/assert.h"
 
@@ -94,6 +94,17 @@ Partition partition_constraints(std::span<const std::uint32_t> indices, int arit
   SOUPLE_ASSERT(are_independent(result.indices, arity, result.coloring.color_begin),
                 "constraints of one color share no phantom and no unsplit particle");
   return result;
+}
+
+std::vector<std::uint32_t> split(Projector& projector, int colors, std::uint32_t first_phantom) {
+  StudyFacet* const set = projector.facets().study;
+  if (set == nullptr || projector.color_count() <= colors) return {};
+  const std::vector<std::uint32_t> indices = set->indices();
+  const std::size_t particles = *std::max_element(indices.begin(), indices.end()) + std::size_t{1};
+  Partition partition = partition_constraints(indices, set->arity(), particles, set->color_begin(), colors,
+                                              first_phantom);
+  set->replace(std::move(partition.coloring), partition.indices);
+  return std::move(partition.phantom_of);
 }
 
 }  // namespace souple
