@@ -185,7 +185,7 @@ bool StretchedLinks::is_torn(const Link& link, const ParticleView& particles) co
 
 void StretchedLinks::bar(std::span<Projector* const> projectors, const ParticleView& particles) {
   barred_.assign(barred_.size(), 0);
-  for (const Projector* projector : projectors)
+  for (Projector* projector : projectors)
     if (const Facets facets = projector->facets(); facets.contact != nullptr
                                                        ? !facets.contact->is_collider_contact()
                                                        : facets.attachments != nullptr)
