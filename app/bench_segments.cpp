@@ -39,21 +39,20 @@ struct Crossings {
   }
 };
 
-double seconds_of(SegmentTest test, const SegmentStack& stack, Crossings& found, InstructionSet set,
-                  int repeats) {
+double seconds_of(SegmentTest test, const SegmentStack& stack, Crossings& found, bool packed, int repeats) {
   const auto start = std::chrono::steady_clock::now();
   for (int i = 0; i < repeats; ++i)
     for (const Segment<float>& segment : stack.segments)
-      find_crossings(test, segment, stack.columns(), found.columns(), set);
+      find_crossings(test, segment, stack.columns(), found.columns(), packed);
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-double rate_of(SegmentTest test, const SegmentStack& stack, InstructionSet set, int runs) {
+double rate_of(SegmentTest test, const SegmentStack& stack, bool packed, int runs) {
   Crossings found(stack.columns().count);
   int repeats = 1;
-  while (seconds_of(test, stack, found, set, repeats) < shortest_try) repeats *= 2;
-  double least = seconds_of(test, stack, found, set, repeats);
-  for (int i = 1; i < runs; ++i) least = std::min(least, seconds_of(test, stack, found, set, repeats));
+  while (seconds_of(test, stack, found, packed, repeats) < shortest_try) repeats *= 2;
+  double least = seconds_of(test, stack, found, packed, repeats);
+  for (int i = 1; i < runs; ++i) least = std::min(least, seconds_of(test, stack, found, packed, repeats));
   return static_cast<double>(stack.columns().count * stack.segments.size()) * repeats / least;
 }
 
@@ -126,8 +125,7 @@ TriangleColumns SegmentStack::columns() const {
 std::vector<SegmentRate> measure_segments(const SegmentStack& stack, int runs) {
   std::vector<SegmentRate> rates;
   for (const auto& [name, test] : segment_test_names) {
-    rates.push_back({name, rate_of(test, stack, InstructionSet::scalar, runs),
-                     rate_of(test, stack, instruction_set(), runs)});
+    rates.push_back({name, rate_of(test, stack, false, runs), rate_of(test, stack, true, runs)});
     count_leaks(test, rates.back());
   }
   return rates;

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "souple/collision/segment_triangle/choice.h"
 #include "souple/scene/json.h"
+#include "souple/studies/segment_triangle/choice.h"
 
 #include <string>
 #include <vector>

@@ -13,9 +13,9 @@
 #include "souple/error.h"
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/builders.h"
-#include "souple/studies/make_solver.h"
 #include "souple/solver/set_projector.h"
 #include "souple/state/particles.h"
+#include "souple/studies/make_solver.h"
 
 #include <algorithm>
 #include <array>

@@ -6,8 +6,8 @@
 // large angle, then nearly parallel. Prints JSON: for each case and each relaxation, the points at which
 // GaussSeidel evaluates the constraints.
 
-#include "souple/studies/make_solver.h"
 #include "souple/solver/custom_constraint.h"
+#include "souple/studies/make_solver.h"
 
 #include <array>
 #include <cmath>

@@ -9,6 +9,8 @@
 // of one iteration, and the time that each further iteration adds. Error: the root mean square of C as a
 // percentage of its initial value, after 64 iterations, and in the time that 64 take without phantoms.
 
+#include "souple/studies/partition.h"
+
 #include "souple/constraints/distance.h"
 #include "souple/constraints/neo_hookean.h"
 #include "souple/error.h"
@@ -17,7 +19,6 @@
 #include "souple/geometry/reorder.h"
 #include "souple/solver/set_projector.h"
 #include "souple/studies/make_solver.h"
-#include "souple/studies/partition.h"
 
 #include <algorithm>
 #include <cmath>

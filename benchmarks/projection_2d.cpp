@@ -7,9 +7,9 @@
 // and two particles of different mass before and after one projection of their distance.
 
 #include "souple/constraints/distance.h"
-#include "souple/studies/make_solver.h"
 #include "souple/solver/custom_constraint.h"
 #include "souple/solver/set_projector.h"
+#include "souple/studies/make_solver.h"
 
 #include <array>
 #include <cstdio>

@@ -41,7 +41,7 @@ SINGLE_FILES = {
 # else. The headers named one by one are templates on the scalar, or small plain functions, of their folders.
 KERNELS = "/kernels/"
 KERNELS_MAY_INCLUDE = ("souple/math/", "souple/simd/instruction_sets.h", "souple/simd/pack.h", "souple/simd/registers.h",
-                       "souple/constraints/", "souple/collision/nearest.h", "souple/collision/segment_triangle/",
+                       "souple/constraints/", "souple/collision/nearest.h",
                        "souple/contacts/contact_law.h", "souple/fluid/smoothing_shape.h")
 CONTAINERS = {"vector", "string", "map", "set", "unordered_map", "unordered_set", "deque", "list", "functional"}
 

@@ -8,14 +8,16 @@
 
 namespace souple {
 
+struct CrossingTest;
+
 /// Data of a whole step, set before its first substep.
 struct ContactStep {
   double time = 0;        ///< at the start of the step [s]
   float dt = 0;           ///< length of the step [s]
   float gravity = 9.81f;  ///< |g| [m/s^2]: contacts that approach slower than 2 |g| h do not bounce
   float h = 0;            ///< length of a substep; 0: the step has only one [s]
-  Detection detection = Detection::continuous;      ///< between surfaces
-  SegmentTest segment_test = default_segment_test;  ///< of discrete detection
+  Detection detection = Detection::continuous;  ///< between surfaces
+  const CrossingTest* crossing_test = nullptr;  ///< of discrete detection
   bool placed = false;  ///< objects were added, placed or restored since the last step
   /// Rotation of the particles of objects that roll (Particles::turn); empty: none rolls.
   std::span<Vec4f> turn{};

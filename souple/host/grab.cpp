@@ -77,7 +77,9 @@ class GrabProjector final : public Projector {
   std::size_t color_size(int) const override { return 1; }
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
-  Residual residual(const ParticleView&, Threads*) const override { return {}; }  // the spring's elongation is no error
+  Residual residual(const ParticleView&, Threads*) const override {
+    return {};
+  }  // the spring's elongation is no error
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 

@@ -30,8 +30,9 @@ void Automatic::prepare(std::span<Projector* const> projectors, const ParticleVi
   stiff_bending_.prepare(projectors, particles);
   trees_.find(projectors, particles.position.size());
   with_trees_.assign(projectors.begin(), projectors.end());
-  const auto first_contact = std::find_if(with_trees_.begin(), with_trees_.end(),
-                                          [](Projector* projector) { return projector->facets().contact != nullptr; });
+  const auto first_contact = std::find_if(with_trees_.begin(), with_trees_.end(), [](Projector* projector) {
+    return projector->facets().contact != nullptr;
+  });
   with_trees_.insert(first_contact, &trees_);
   LeftOut trees;
   trees_.leave_out(trees);

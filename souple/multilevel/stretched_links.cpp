@@ -186,9 +186,8 @@ bool StretchedLinks::is_torn(const Link& link, const ParticleView& particles) co
 void StretchedLinks::bar(std::span<Projector* const> projectors, const ParticleView& particles) {
   barred_.assign(barred_.size(), 0);
   for (Projector* projector : projectors)
-    if (const Facets facets = projector->facets(); facets.contact != nullptr
-                                                       ? !facets.contact->is_collider_contact()
-                                                       : facets.attachments != nullptr)
+    if (const Facets facets = projector->facets();
+        facets.contact != nullptr ? !facets.contact->is_collider_contact() : facets.attachments != nullptr)
       projector->visit(particles, [this](const ConstraintState& contact) {
         for (const std::uint32_t i : contact.particles) barred_[i] = 1;
       });

@@ -2,8 +2,8 @@
 
 #include "souple/math/mat3.h"
 #include "souple/multilevel/distance_trees.h"
-#include "souple/solver/left_out.h"
 #include "souple/solver/facets.h"
+#include "souple/solver/left_out.h"
 
 #include <cstdint>
 #include <span>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/collision/segment_triangle/choice.h"
+#include "souple/collision/segment_triangle/segment_triangle.h"
 #include "souple/state/particles.h"
 
 #include <cstdint>
@@ -21,7 +21,7 @@ struct QueryView {
   std::span<const ColliderRecord> colliders;         ///< ascending by id
   double time;                                       ///< of the colliders [s]
   std::uint64_t version;                             ///< increases whenever positions may have changed
-  SegmentTest segment_test;                          ///< of rays against triangles
+  const CrossingTest& crossing_test;                 ///< of rays against triangles
   Threads* threads;                                  ///< null: the caller's alone
   Caches& caches;
 };

@@ -160,13 +160,13 @@ void set_element(const QueryIndex::Entry& entry, std::uint32_t element, const Ve
 
 struct RayQuery {
   Ray ray;
-  SegmentTest test;
+  const CrossingTest& test;
   Vec3d o = ray.o;
 
   double bound(const Bounds& box, double more) const { return ray.enter(box, more); }
   double candidate(const QueryIndex::Entry& entry, std::uint32_t element) const {
     if (entry.triangles.empty()) return ray_ball(ray.o, ray.d, Vec3d(entry.x[element]), entry.radius);
-    return find_crossing(test, Segment<double>{ray.o, ray.d, infinity}, corners_of(entry, element)).t;
+    return test.in_double({ray.o, ray.d, infinity}, corners_of(entry, element)).t;
   }
   void complete(const QueryIndex::Entry& entry, std::uint32_t element, double at, Hit& hit) const {
     const Vec3d point = ray.o + ray.d * at;
@@ -266,14 +266,14 @@ Ray make_ray(const Vec3f& origin, const Vec3f& direction, const char* what) {
 Hit ray_cast(const QueryView& view, const Vec3f& origin, const Vec3f& direction, double max_distance,
              const QueryFilter& filter) {
   Nearest nearest{{}, max_distance};
-  search(view, filter, RayQuery{make_ray(origin, direction, "ray_cast"), view.segment_test}, nearest);
+  search(view, filter, RayQuery{make_ray(origin, direction, "ray_cast"), view.crossing_test}, nearest);
   return nearest.hit;
 }
 
 std::vector<Hit> ray_cast_all(const QueryView& view, const Vec3f& origin, const Vec3f& direction,
                               double max_distance, const QueryFilter& filter) {
   All all{{}, max_distance};
-  search(view, filter, RayQuery{make_ray(origin, direction, "ray_cast_all"), view.segment_test}, all);
+  search(view, filter, RayQuery{make_ray(origin, direction, "ray_cast_all"), view.crossing_test}, all);
   return all.sorted();
 }
 

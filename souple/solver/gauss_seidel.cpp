@@ -43,10 +43,9 @@ void add_motion(std::span<const Vec4f> motion, float part, const ParticleView& p
 
 void sweep_color(Projector& projector, int color, const ParticleView& particles, const Substep& substep,
                  Threads& threads) {
-  threads.for_each(projector.color_size(color), projector.facets().grain,
-                   [&](std::size_t begin, std::size_t end) {
-                     projector.project(color, begin, end, particles, substep);
-                   });
+  threads.for_each(
+      projector.color_size(color), projector.facets().grain,
+      [&](std::size_t begin, std::size_t end) { projector.project(color, begin, end, particles, substep); });
 }
 
 void sweep(Projector& projector, const ParticleView& particles, const Substep& substep, Threads& threads) {
@@ -72,8 +71,7 @@ void sweep_as_needed(std::span<Projector* const> projectors, const ParticleView&
     for (Projector* projector : projectors) {
       const int sweeps = needed(*projector);
       const int first = in_parts ? rounds - sweeps : 0;
-      if ((round < first || round >= first + sweeps) && !projector->facets().every_round)
-        continue;
+      if ((round < first || round >= first + sweeps) && !projector->facets().every_round) continue;
       Substep part = substep;
       part.h /= std::sqrt(static_cast<float>(sweeps));
       sweep(*projector, particles, part, threads);

@@ -78,8 +78,7 @@ class SetProjector final : public Projector,
   std::string_view kind() const override { return Kind::name; }
   std::size_t size() const override { return set_.size(); }
   Facets facets() override {
-    Facets facets{
-        .grain = grain, .elastic = this, .linear = this, .memory = this, .study = this};
+    Facets facets{.grain = grain, .elastic = this, .linear = this, .memory = this, .study = this};
     if constexpr (has_rest_length || requires { Kind::links; }) facets.links = this;
     if constexpr (has_rest_length) facets.distances = this;
     if constexpr (has_target) facets.attachments = this;

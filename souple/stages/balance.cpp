@@ -181,8 +181,8 @@ void Balance::add_elastic(const ParticleView& view, const Substep& substep, cons
         sums.stiffness += samples.weight * z[r] * rate[r];
       }
     };
-    set.linear->linearize_some({&set.constraints[samples.begin], samples.end - samples.begin}, view,
-                                  substep, std::ref(add));  // a copy would allocate
+    set.linear->linearize_some({&set.constraints[samples.begin], samples.end - samples.begin}, view, substep,
+                               std::ref(add));  // a copy would allocate
   }
 }
 

@@ -138,27 +138,4 @@ Vec3f acceleration(const ExternalForces& forces, std::size_t i, const Vec3f& x, 
   return a;
 }
 
-Vec3f implicit_velocity(const ExternalForces& forces, std::size_t i, const Vec3f& x, const Vec3f& v0, float h,
-                        double t) {
-  const auto residual = [&](const Vec3f& v) { return v - v0 - acceleration(forces, i, x + v * h, v, t) * h; };
-  // The step of the difference quotient is small compared to v and h a, but far above float's rounding.
-  Vec3f v = v0;
-  for (int iteration = 0; iteration < 8; ++iteration) {
-    const Vec3f r = residual(v);
-    const float scale = length(v) + length(r) + 1e-3f;
-    if (!(length(r) > 1e-6f * scale)) break;
-    const float e = 1e-2f * scale;
-    Mat3f jacobian;
-    for (int k = 0; k < 3; ++k) {
-      Vec3f ahead = v, behind = v;
-      ahead[k] += e, behind[k] -= e;
-      jacobian.column[k] = (residual(ahead) - residual(behind)) / (2 * e);
-    }
-    const Vec3f dv = inverse(jacobian) * r;
-    if (!is_finite(dv)) break;
-    v -= dv;
-  }
-  return v;
-}
-
 }  // namespace souple

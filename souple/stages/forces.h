@@ -35,9 +35,4 @@ struct ExternalForces {
 /// fields. [m/s^2]
 Vec3f acceleration(const ExternalForces& forces, std::size_t i, const Vec3f& x, const Vec3f& v, double t);
 
-/// Solves v = v0 + h a(x + h v, v, t) by Newton's method with a 3 x 3 Jacobian from central differences. The
-/// wind on triangles is that of the substep's start.
-Vec3f implicit_velocity(const ExternalForces& forces, std::size_t i, const Vec3f& x, const Vec3f& v0, float h,
-                        double t);
-
 }  // namespace souple

@@ -60,45 +60,37 @@ void for_each_awake(const StageView& stage, const Function& f) {
                          [&](std::size_t begin, std::size_t end) { for_each_awake(stage, begin, end, f); });
 }
 
-void predict_one(const ExternalForces& forces, std::size_t i, float h, std::vector<Vec4f>& p,
-                 LowestParticle& first_non_finite) {
+void predict_one(const ExternalForces& forces, std::size_t i, float h, Integrate integrate,
+                 std::vector<Vec4f>& p, LowestParticle& first_non_finite) {
   Particles& particles = forces.stage.objects.particles;
   particles.start[i] = p[i];
   if (particles.position[i].w == 0) return;
   const double time = forces.stage.time;
   const Vec3f v = particles.velocity[i].xyz();
   const Vec3f x = particles.position[i].xyz();
-  Vec3f v_star, move;
-  switch (forces.stage.settings.integrator) {
-    case Integrator::semi_implicit:
-      v_star = v + acceleration(forces, i, x, v, time) * h;
-      move = v_star * h;
-      break;
-    case Integrator::explicit_euler:
-      v_star = v + acceleration(forces, i, x, v, time) * h;
-      move = v * h;
-      break;
-    case Integrator::implicit_euler:
-      v_star = implicit_velocity(forces, i, x, v, h, time + static_cast<double>(h));
-      move = v_star * h;
-      break;
+  Predicted predicted;
+  if (integrate == nullptr) {
+    predicted.velocity = v + acceleration(forces, i, x, v, time) * h;
+    predicted.move = predicted.velocity * h;
+  } else {
+    predicted = integrate(forces, i, x, v, h, time);
   }
-  if (is_non_finite(v_star)) first_non_finite.note(i);
-  particles.velocity[i].set_xyz(v_star);
-  p[i].set_xyz(p[i].xyz() + move);
+  if (is_non_finite(predicted.velocity)) first_non_finite.note(i);
+  particles.velocity[i].set_xyz(predicted.velocity);
+  p[i].set_xyz(p[i].xyz() + predicted.move);
 }
 
 void finish_one(const StageView& stage, std::size_t i, float h, const std::vector<Vec4f>& p,
-                const std::vector<Vec4f>& predicted, LowestParticle& first_non_finite) {
+                const MotionScratch& scratch, LowestParticle& first_non_finite) {
   Particles& particles = stage.objects.particles;
   // v = v* + (p - p*) / h: a particle without corrections keeps its velocity bitwise. The semi-implicit p* is
   // recomputed from v* with the rounding of the prediction. A pinned particle has no v*: v = (p - x) / h.
-  const bool semi_implicit = stage.settings.integrator == Integrator::semi_implicit;
+  const bool semi_implicit = scratch.integrate == nullptr;
   const Vec3f start = particles.start[i].xyz();
   const Vec3f v_star = particles.velocity[i].xyz();
   const bool pinned = particles.position[i].w == 0;
   const Vec3f base = pinned ? Vec3f{} : v_star;
-  const Vec3f since = pinned ? start : semi_implicit ? start + v_star * h : predicted[i].xyz();
+  const Vec3f since = pinned ? start : semi_implicit ? start + v_star * h : scratch.predicted[i].xyz();
   const Vec3f v = base + (p[i].xyz() - since) / h;
   particles.velocity[i].set_xyz(v);
   if (is_non_finite(v)) first_non_finite.note(i);
@@ -112,8 +104,8 @@ void finish_one(const StageView& stage, std::size_t i, float h, const std::vecto
 }
 
 // SIMD kernels of predict_one and finish_one, or null if none applies.
-const kernels::MotionKernels* packed(const Settings& settings) {
-  return settings.integrator == Integrator::semi_implicit ? find_motion_kernels(instruction_set()) : nullptr;
+const kernels::MotionKernels* packed(const MotionScratch& scratch) {
+  return scratch.integrate == nullptr ? find_motion_kernels(instruction_set()) : nullptr;
 }
 
 /// `wind`: force on each particle; empty: none.
@@ -147,9 +139,10 @@ std::optional<std::size_t> predict_motion(const StageView& stage,
   std::vector<Vec4f>& p = objects.particles.offset;
   LowestParticle first_non_finite;
   const auto one_by_one = [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) predict_one(forces, i, substep.h, p, first_non_finite);
+    for (std::size_t i = begin; i < end; ++i)
+      predict_one(forces, i, substep.h, scratch.integrate, p, first_non_finite);
   };
-  const kernels::MotionKernels* kernels = packed(stage.settings);
+  const kernels::MotionKernels* kernels = packed(scratch);
   if (!fields.empty()) {
     one_by_one(0, objects.particles.size());  // users' functions run on the user's thread
   } else if (!kernels || stage.settings.drag > 0) {
@@ -167,8 +160,7 @@ std::optional<std::size_t> predict_motion(const StageView& stage,
 }
 
 void keep_prediction(const StageView& stage, MotionScratch& scratch) {
-  if (stage.settings.integrator != Integrator::semi_implicit)
-    scratch.predicted = stage.objects.particles.offset;
+  if (scratch.integrate != nullptr) scratch.predicted = stage.objects.particles.offset;
 }
 
 std::optional<std::size_t> finish_motion(const StageView& stage, const Substep& substep,
@@ -177,7 +169,7 @@ std::optional<std::size_t> finish_motion(const StageView& stage, const Substep& 
   SOUPLE_ASSERT(has_no_mass(objects.particles.offset), "displacements have no mass in their last lane");
   const std::vector<Vec4f>& p = objects.particles.offset;
   LowestParticle first_non_finite;
-  if (const kernels::MotionKernels* kernels = packed(stage.settings)) {
+  if (const kernels::MotionKernels* kernels = packed(scratch)) {
     const kernels::MotionArrays arrays = arrays_of(objects, {});
     for_each_awake(stage, [&](std::size_t begin, std::size_t end) {
       if (!kernels->finish(arrays, begin, end, substep.h))
@@ -185,8 +177,7 @@ std::optional<std::size_t> finish_motion(const StageView& stage, const Substep& 
     });
   } else {
     for_each_awake(stage, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        finish_one(stage, i, substep.h, p, scratch.predicted, first_non_finite);
+      for (std::size_t i = begin; i < end; ++i) finish_one(stage, i, substep.h, p, scratch, first_non_finite);
     });
   }
   return first_non_finite.found();

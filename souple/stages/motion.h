@@ -11,13 +11,22 @@
 
 namespace souple {
 
+/// v* and p* - x of a particle.
+struct Predicted {
+  Vec3f velocity, move;
+};
+/// Predicts particle i at position x and velocity v in a substep of h seconds that begins at time t.
+using Integrate = Predicted (*)(const ExternalForces& forces, std::size_t i, const Vec3f& x, const Vec3f& v,
+                                float h, double t);
+
 /// Data of a substep, kept so that a step allocates nothing.
 struct MotionScratch {
   WindForces wind;
-  std::vector<Vec4f> predicted;  ///< p* of the explicit and implicit integrators
+  Integrate integrate = nullptr;  ///< null: semi-implicit Euler
+  std::vector<Vec4f> predicted;   ///< p* of other integrators
 };
 
-/// v* and p* from external forces, by the integrator of the settings.
+/// v* and p* from external forces, by the integrator of `scratch`.
 std::optional<std::size_t> predict_motion(const StageView& stage,
                                           const CallbackList<VertexForceField>& fields,
                                           const Substep& substep, MotionScratch& scratch);

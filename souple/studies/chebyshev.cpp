@@ -25,7 +25,8 @@ void Chebyshev::accelerate(std::span<Projector* const> projectors, const Particl
   accelerate(particles.moving, moving_);
   std::size_t arrays = 0;
   for (Projector* projector : projectors)
-    projector->facets().study->multipliers([&](std::span<float> lambda) { accelerate(lambda, multipliers_[arrays++]); });
+    projector->facets().study->multipliers(
+        [&](std::span<float> lambda) { accelerate(lambda, multipliers_[arrays++]); });
 }
 
 void Chebyshev::extrapolate(Vec4f& x, const Vec4f& last, const Vec4f& before) const {

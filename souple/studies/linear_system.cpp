@@ -76,9 +76,8 @@ void LinearSystem::prepare(std::span<Projector* const> projectors, const Particl
   smallest_size_ = std::numeric_limits<double>::infinity();
   for (Projector* projector : projectors)
     if (const LinearFacet* const linear = projector->facets().linear) {
-      linear->linearize(particles, Substep{.h = 1}, [&](const LinearConstraint& constraint) {
-        add_structure(constraint, particles);
-      });
+      linear->linearize(particles, Substep{.h = 1},
+                        [&](const LinearConstraint& constraint) { add_structure(constraint, particles); });
       linear_.push_back(linear);
     }
   // No distance as a reference (attachments alone): use a meter.

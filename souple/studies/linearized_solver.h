@@ -1,7 +1,7 @@
 #pragma once
 
-#include "souple/studies/linear_system.h"
 #include "souple/solver/solver.h"
+#include "souple/studies/linear_system.h"
 
 #include <vector>
 

@@ -101,8 +101,8 @@ std::vector<std::uint32_t> split(Projector& projector, int colors, std::uint32_t
   if (set == nullptr || projector.color_count() <= colors) return {};
   const std::vector<std::uint32_t> indices = set->indices();
   const std::size_t particles = *std::max_element(indices.begin(), indices.end()) + std::size_t{1};
-  Partition partition = partition_constraints(indices, set->arity(), particles, set->color_begin(), colors,
-                                              first_phantom);
+  Partition partition =
+      partition_constraints(indices, set->arity(), particles, set->color_begin(), colors, first_phantom);
   set->replace(std::move(partition.coloring), partition.indices);
   return std::move(partition.phantom_of);
 }

@@ -44,7 +44,9 @@ class PartitionedGaussSeidel::Split final : public Projector {
     }
     for (std::size_t i = begin; i < end; ++i) join(particles_[i]);
   }
-  Residual residual(const ParticleView& particles, Threads*) const override { return set_.residual(particles); }
+  Residual residual(const ParticleView& particles, Threads*) const override {
+    return set_.residual(particles);
+  }
   void erase_particles(std::uint32_t, std::uint32_t) override {}
 
  private:

@@ -14,6 +14,7 @@
 #include "souple/stages/sleeping.h"
 #include "souple/stages/stage_view.h"
 #include "souple/stages/user_constraint.h"
+#include "souple/studies/segment_triangle/choice.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/fluid_stage.h"
@@ -173,7 +174,7 @@ void find_candidates(WorldState& world, double dt) {
                          .gravity = length(world.settings.gravity),
                          .h = static_cast<float>(dt / world.settings.substeps),
                          .detection = world.settings.detection,
-                         .segment_test = world.settings.segment_test,
+                         .crossing_test = &crossing_test_of(world.settings.segment_test),
                          .placed = world.contact->check_intersections,
                          .turn = world.particles.turn};
   ContactTables& tables = world.contact->tables;

@@ -2,12 +2,12 @@
 
 #include "souple/assert.h"
 #include "souple/error.h"
-#include "souple/studies/make_solver.h"
 #include "souple/objects/object.h"
 #include "souple/solver/facets.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
+#include "souple/studies/make_solver.h"
 #include "souple/world/build.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
@@ -118,7 +118,8 @@ void build_constraints_and_solver(WorldState& world) {
   order_projectors(world);
   world.scratch->sleep->changed = true;
   for (Projector* projector : world.constraints.order)
-    if (StudyFacet* const study = projector->facets().study) study->restore();  // what the last solver replaced
+    if (StudyFacet* const study = projector->facets().study)
+      study->restore();  // what the last solver replaced
   const std::vector<Vec4f> awake = awake_positions(world);
   ParticleView view = world.view();
   view.position = awake;

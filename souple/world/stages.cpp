@@ -13,6 +13,7 @@
 #include "souple/stages/spin.h"
 #include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
+#include "souple/studies/integrators.h"
 #include "souple/world/callbacks.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
@@ -57,6 +58,7 @@ bool measures_balance(const WorldState& world) {
 void integrate(WorldState& world, const Substep& substep) {
   if (world.scratch->sleep->woken) find_candidates(world, static_cast<double>(substep.h) * substep.count);
   const StageView stage = world.stage_view();
+  world.scratch->motion.integrate = integrate_by(world.settings.integrator);
   note(world, predict_motion(stage, world.callbacks->force_fields, substep, world.scratch->motion));
   predict_spin(stage.objects, substep, stage.threads);
   drive_pins(stage, substep, part_of_step(world, substep));

@@ -13,6 +13,7 @@
 #include "souple/stages/stage_view.h"
 #include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
+#include "souple/studies/segment_triangle/choice.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/callbacks.h"
 #include "souple/world/contact_state.h"
@@ -97,7 +98,8 @@ StageView WorldState::stage_view() {
 QueryView WorldState::query_view() const {
   // A function that a thread of the step calls must not wait for these threads.
   Threads* const free_threads = calls->threads_are_busy() ? nullptr : threads.get();
-  return {particles, objects, colliders, time, version, settings.segment_test, free_threads, *caches};
+  return {particles,    objects, colliders, time, version, crossing_test_of(settings.segment_test),
+          free_threads, *caches};
 }
 
 ParticleView WorldState::view() {

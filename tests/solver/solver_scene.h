@@ -1,8 +1,8 @@
 #pragma once
 
 #include "souple/constraints/distance.h"
-#include "souple/studies/make_solver.h"
 #include "souple/solver/set_projector.h"
+#include "souple/studies/make_solver.h"
 #include "tests/solver/body.h"
 
 #include <memory>

@@ -1,5 +1,5 @@
-#include "souple/studies/make_solver.h"
 #include "souple/solver/custom_constraint.h"
+#include "souple/studies/make_solver.h"
 #include "tests/solver/solver_scene.h"
 
 #include <cstring>

@@ -2,9 +2,9 @@
 #include "souple/constraints/triangle_membrane.h"
 #include "souple/multilevel/hierarchical.h"
 #include "souple/multilevel/level_cache.h"
-#include "souple/studies/make_solver.h"
 #include "souple/solver/gauss_seidel.h"
 #include "souple/solver/set_projector.h"
+#include "souple/studies/make_solver.h"
 #include "tests/solver/body.h"
 
 #include <algorithm>

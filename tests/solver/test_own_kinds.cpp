@@ -59,7 +59,8 @@ SolverScene hung_cloth(SolverKind solver) {
   constexpr std::uint32_t n = 40;
   const double l = 1.0 / (n - 1);
   SolverScene scene;
-  for (std::uint32_t i = 0; i < n * n; ++i) scene.add({l * (i % n), -l * (i / n), 0}, i < n ? 0 : 0.2 / (n * n));
+  for (std::uint32_t i = 0; i < n * n; ++i)
+    scene.add({l * (i % n), -l * (i / n), 0}, i < n ? 0 : 0.2 / (n * n));
   auto& links = scene.add<Kind>();
   const auto link = [&](std::uint32_t a, std::uint32_t b) {
     links.add({a, b}, {static_cast<float>(length(scene.body.at(a) - scene.body.at(b)))});

@@ -1,6 +1,6 @@
-#include "souple/collision/segment_triangle/choice.h"
 #include "souple/geometry/closest_point.h"
 #include "souple/souple.h"
+#include "souple/studies/segment_triangle/choice.h"
 #include "tests/expect_error.h"
 
 #include <algorithm>
@@ -64,7 +64,7 @@ Found ray_cast_all_elements(const World& world, const Vec3f& origin, const Vec3f
   for_each_element(
       world,
       [&](ObjectId id, std::uint32_t t, const Corners<double>& f) {
-        found.offer(id, t, find_crossing(world.settings().segment_test, Segment<double>{o, d, never}, f).t);
+        found.offer(id, t, crossing_test_of(world.settings().segment_test).in_double({o, d, never}, f).t);
       },
       [&](ObjectId id, std::uint32_t v, const Vec3d& x, double r) {
         found.offer(id, v, ray_ball_by_formula(o, d, x, r));

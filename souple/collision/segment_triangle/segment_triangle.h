@@ -5,8 +5,8 @@
 #include <limits>
 #include <utility>
 
-// Crossing of a segment and a triangle: the types that all tests share. Each test has its own file; choice.h
-// lists them.
+// Crossing of a segment and a triangle: the types that all tests share. The default, watertight.h, lies beside it, the
+// others in studies/segment_triangle/.
 //
 // A test is a struct `Test` with
 //
@@ -83,6 +83,14 @@ template <class Test, class T>
 Crossing<T> find_crossing(const Segment<ScalarOf<T>>& segment, const Corners<T>& corners) {
   return Test::template prepare<T>(segment, [&](const auto& crosses) { return crosses(corners); });
 }
+
+/// A test that was chosen by name.
+struct CrossingTest {
+  Crossing<float> (*in_float)(const Segment<float>&, const Corners<float>&);
+  Crossing<double> (*in_double)(const Segment<double>&, const Corners<double>&);
+};
+template <class Test>
+inline constexpr CrossingTest crossing_test{find_crossing<Test, float>, find_crossing<Test, double>};
 
 namespace detail {
 

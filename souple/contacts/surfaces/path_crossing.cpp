@@ -2,7 +2,7 @@
 
 namespace souple {
 
-PathCrossing find_path_crossing(SegmentTest test, const NearPair& pair, float thickness,
+PathCrossing find_path_crossing(const CrossingTest& test, const NearPair& pair, float thickness,
                                 const ParticleView& particles) {
   const std::uint32_t v = pair.particle[0], a = pair.particle[1], b = pair.particle[2], c = pair.particle[3];
   float inverse_mass = 0;
@@ -18,11 +18,11 @@ PathCrossing find_path_crossing(SegmentTest test, const NearPair& pair, float th
   const Vec3f twice_area = cross(corners.b - corners.a, corners.c - corners.a);
   const float size = length(twice_area);
   if (!(size > 0)) return {};
-  Crossing<float> crossing = find_crossing(test, Segment<float>{{}, path}, corners);
+  Crossing<float> crossing = test.in_float({{}, path}, corners);
   const float before = -dot(twice_area, corners.a), after = dot(twice_area, path - corners.a);
   if (crossing.side == 0 && before * after > 0) {
     const Vec3f down = twice_area * ((before > 0 ? -thickness : thickness) / size);
-    crossing = find_crossing(test, Segment<float>{{}, path + down}, corners);
+    crossing = test.in_float({{}, path + down}, corners);
   }
   if (crossing.side == 0) return {};
   return {true, crossing.weight, twice_area * (crossing.side / size)};

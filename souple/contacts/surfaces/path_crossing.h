@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/broad_phase/near_pairs.h"
-#include "souple/collision/segment_triangle/choice.h"
+#include "souple/collision/segment_triangle/segment_triangle.h"
 #include "souple/solver/projector.h"
 
 namespace souple {
@@ -22,7 +22,7 @@ struct PathCrossing {
 /// rest. And where it ends on the side of the triangle's plane where it begins, a segment that is longer by the
 /// thickness along the normal counts as well, so that a vertex that rests on a triangle keeps its contact.
 /// Pairs whose particles cannot move do not cross.
-PathCrossing find_path_crossing(SegmentTest test, const NearPair& pair, float thickness,
+PathCrossing find_path_crossing(const CrossingTest& test, const NearPair& pair, float thickness,
                                 const ParticleView& particles);
 
 }  // namespace souple

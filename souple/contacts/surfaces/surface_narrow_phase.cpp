@@ -154,7 +154,7 @@ void SurfaceNarrowPhase::find_chunk_contacts(ElementPairs& candidates, std::size
 PathCrossing SurfaceNarrowPhase::path_crossing_of(ElementPairs& candidates, std::uint32_t pair,
                                                   const ParticleView& particles) const {
   const NearPair& particle = candidates.pair(pair);
-  return find_path_crossing(step_.segment_test, particle, candidates.columns().thickness[pair], particles);
+  return find_path_crossing(*step_.crossing_test, particle, candidates.columns().thickness[pair], particles);
 }
 
 void SurfaceNarrowPhase::find_chunk_crossings(ElementPairs& candidates, std::size_t chunk,

@@ -1,3 +1,0 @@
-#include "souple/collision/kernels/compile_segments.h"
-
-template const souple::kernels::SegmentKernels& souple::kernels::segment_kernels<souple::simd::Avx2>();

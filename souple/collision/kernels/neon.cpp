@@ -1,7 +1,0 @@
-#if defined(__aarch64__)
-
-#include "souple/collision/kernels/compile_segments.h"
-
-template const souple::kernels::SegmentKernels& souple::kernels::segment_kernels<souple::simd::Neon>();
-
-#endif
