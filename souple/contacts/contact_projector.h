@@ -4,7 +4,7 @@
 #include "souple/contacts/collider.h"
 #include "souple/contacts/contact.h"
 #include "souple/contacts/contact_material.h"
-#include "souple/solver/facets.h"
+#include "souple/solver/projector.h"
 #include "souple/threads/threads.h"
 
 #include <array>

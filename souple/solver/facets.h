@@ -1,6 +1,5 @@
 #pragma once
 
-#include "souple/solver/coloring.h"
 #include "souple/solver/projector.h"
 
 #include <array>
@@ -14,25 +13,7 @@
 
 namespace souple {
 
-/// The constraints keep objects apart.
-class ContactFacet {
- public:
-  /// Whether they keep objects out of colliders: each moves particles of one object only.
-  virtual bool is_collider_contact() const { return false; }
-  /// Whether an overlap that existed before is being removed slowly.
-  virtual bool removes_overlaps() const { return false; }
-  /// Takes the constraints whose particle is chosen, chosen[i] != unchosen, for project_some until put_back_some.
-  /// Returns their number. The default takes none.
-  virtual std::size_t take_some([[maybe_unused]] std::span<const std::uint32_t> chosen) { return 0; }
-  static constexpr std::uint32_t unchosen = ~std::uint32_t{0};
-  /// Projects them. `again`: particles have hardly moved since the last projection, so that it may use the gradients
-  /// found there.
-  virtual void project_some(const ParticleView&, [[maybe_unused]] bool again) {}
-  virtual void put_back_some() {}
-
- protected:
-  ~ContactFacet() = default;
-};
+struct Coloring;
 
 /// The constraints have the stiffness and the damping of a material.
 class ElasticFacet {
@@ -155,7 +136,7 @@ class StudyFacet {
   virtual int arity() const = 0;
   virtual std::vector<std::uint32_t> indices() const = 0;
   virtual std::span<const std::uint32_t> color_begin() const = 0;
-  /// Sorts and colors the constraints anew. `project` then acts on `particles` (phantoms, studies/partition.h), in that
+  /// Sorts and colors the constraints again. `project` then acts on `particles` (phantoms, studies/partition.h), in that
   /// order, in the place of those of the constraints; all other functions still name the latter.
   virtual void replace(Coloring coloring, std::span<const std::uint32_t> particles) = 0;
   /// Takes `replace` back.

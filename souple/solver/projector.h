@@ -105,7 +105,6 @@ struct ConstraintState {
 };
 using ConstraintVisitor = std::function<void(const ConstraintState&)>;
 
-class ContactFacet;
 class ElasticFacet;
 class ErrorFacet;
 class LinearFacet;
@@ -115,6 +114,26 @@ class StudyFacet;
 struct NeoHookean;
 template <class Kind>
 class SetProjector;
+
+/// The constraints keep objects apart.
+class ContactFacet {
+ public:
+  /// Whether they keep objects out of colliders: each moves particles of one object only.
+  virtual bool is_collider_contact() const { return false; }
+  /// Whether an overlap that existed before is being removed slowly.
+  virtual bool removes_overlaps() const { return false; }
+  /// Takes the constraints whose particle is chosen, chosen[i] != unchosen, for project_some until put_back_some.
+  /// Returns their number. The default takes none.
+  virtual std::size_t take_some([[maybe_unused]] std::span<const std::uint32_t> chosen) { return 0; }
+  static constexpr std::uint32_t unchosen = ~std::uint32_t{0};
+  /// Projects them. `again`: particles have hardly moved since the last projection, so that it may use the gradients
+  /// found there.
+  virtual void project_some(const ParticleView&, [[maybe_unused]] bool again) {}
+  virtual void put_back_some() {}
+
+ protected:
+  ~ContactFacet() = default;
+};
 
 /// What a projector can do beyond what every solver needs (solver/facets.h). Null: it cannot.
 struct Facets {

@@ -1,6 +1,7 @@
 #include "souple/studies/partition.h"
 
 #include "souple/assert.h"
+#include "souple/solver/facets.h"
 
 #include <algorithm>
 #include <numeric>

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "souple/solver/facets.h"
+#include "souple/solver/coloring.h"
+#include "souple/solver/projector.h"
 
 #include <cstdint>
 #include <span>
