@@ -333,7 +333,7 @@ TEST(Hierarchical, StretchedClothConvergesFiveTimesFaster) {
       fast.substep(*solver, rest, 0, *threads);
     }
     ASSERT_LT(cycles, 20) << target;
-    GaussSeidel gauss_seidel({});
+    GaussSeidel gauss_seidel;
     const int sweeps = static_cast<int>(5 * cycles * cost(*solver, fast));
     for (int i = 0; i < sweeps; ++i) {
       std::fill(slow.velocity.begin(), slow.velocity.end(), Vec4f{});
@@ -348,7 +348,7 @@ TEST(Hierarchical, HangingClothIsStiffAtFourSubsteps) {
   Sheet fast(100, true), slow(100, true);
   fast.pin_first_row(), slow.pin_first_row();
   const auto solver = prepared(fast);
-  GaussSeidel gauss_seidel({});
+  GaussSeidel gauss_seidel;
   for (int i = 0; i < 60; ++i) {
     fast.frame(*solver, 4, 9.81f, *threads);
     slow.frame(gauss_seidel, static_cast<int>(std::ceil(4 * cost(*solver, fast))), 9.81f, *threads);
@@ -406,7 +406,7 @@ TEST(Hierarchical, ASoftClothKeepsItsCompliance) {
   for (const float alpha : {0.01f, 0.05f}) {
     Sheet reference(30, true, alpha);
     reference.pin_first_row();
-    GaussSeidel gauss_seidel({});
+    GaussSeidel gauss_seidel;
     const double expected = mean_drop(gauss_seidel, reference, 200);
     for (const int substeps : {4, 10, 30}) {
       Sheet sheet(30, true, alpha);

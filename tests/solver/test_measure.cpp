@@ -39,7 +39,7 @@ TEST(Measure, IsTheSumOverConstraintsOnAnyNumberOfThreads) {
   EXPECT_NEAR(alone.largest_strain, expected.largest_strain, 1e-4 * expected.largest_strain);
   for (const int count : {1, 2, 3, 8}) {
     const auto threads = make_threads(Threading::automatic, count);
-    const Residual together = chain.measure(view, *threads);
+    const Residual together = chain.residual(view, threads.get());
     EXPECT_EQ(together.count, alone.count);
     EXPECT_EQ(together.largest, alone.largest);
     EXPECT_EQ(together.sum, alone.sum);
