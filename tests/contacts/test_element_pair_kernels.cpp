@@ -5,7 +5,6 @@
 #include "tests/instruction_sets.h"
 
 #include <array>
-#include <cstring>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -21,7 +20,7 @@ Vec4f record(const Vec3d& x, float w) {
 
 /// Particles in a small box, with small motions, and pairs of them. Every fifth particle cannot move.
 struct Crowd {
-  std::vector<Vec4f> position, moving, start, moved, velocity;
+  std::vector<Vec4f> position, moving, start, moved;
   std::vector<std::array<std::uint32_t, 4>> pairs;
   std::vector<float> thickness, distance_bound, contact_margin;
 
@@ -36,7 +35,6 @@ struct Crowd {
       position.push_back(record(x, w));
       moved.push_back({});
       moved[i].set_xyz(moving[i].xyz() - start[i].xyz());
-      velocity.push_back(record(random.point(-1, 1), 0));
       contact_margin.push_back(i % 3 == 0 ? float(random.uniform(0, 0.01)) : 0.0f);
     }
     for (std::uint32_t k = 0; k < count; ++k) {
@@ -48,7 +46,6 @@ struct Crowd {
   const std::uint32_t (*quads() const)[4] {
     return reinterpret_cast<const std::uint32_t(*)[4]>(pairs.data());
   }
-  kernels::PredictionMargins margins() const { return {&start[0].x, &moved[0].y, 4, 0.001f, 0.1f}; }
   kernels::ParticleRecords records() {
     kernels::ParticleRecords result;
     result.moving = &moving[0].x;
@@ -60,66 +57,6 @@ struct Crowd {
     return result;
   }
 };
-
-/// All results of the kernels for a crowd, one after another.
-std::vector<float> everything(const ElementPairKernels& kernels, std::size_t count, int kind) {
-  Crowd crowd(count);
-  for (std::size_t k = 0; kind == 1 && k < count; k += 3) crowd.pairs[k][1] = crowd.pairs[k][0];
-  std::vector<float> result(3 * count);
-  const auto add = [&](const float* from, std::size_t n) { result.insert(result.end(), from, from + n); };
-  kernels.distances[kind](crowd.records(), crowd.quads(), 0, count, result.data());
-  kernels.ranges[kind](crowd.records(), crowd.margins(), 0.1f, crowd.quads(), 0, count, result.data() + count,
-                       result.data() + 2 * count);
-
-  const kernels::ElementPairColumns columns{crowd.quads(), crowd.thickness.data(),
-                                            crowd.distance_bound.data()};
-  std::vector<std::uint32_t> found(count);
-  const kernels::NearPairStatistics statistics = kernels.find_near[kind](
-      crowd.records(), columns, {1, 1.1f, 0.002f}, 0.001f, 0.1f, 0, count, found.data());
-  found.resize(statistics.found);
-  add(&statistics.min_distance_bound, 1), add(&statistics.min_gap_bound, 1);
-  add(crowd.distance_bound.data(), count);
-  for (const std::uint32_t k : found) result.push_back(static_cast<float>(k));
-  std::vector<float> classification(found.size());
-  kernels.classify[kind](crowd.records(), columns, 0.1f, found.data(), 0, found.size(),
-                         classification.data());
-  add(classification.data(), classification.size());
-
-  std::vector<float> part(found.size(), 1);
-  for (std::size_t k = 0; k < part.size(); k += 3) part[k] = 0.4f;
-  ContactArrays arrays;
-  arrays.resize(found.size());
-  const kernels::ContactColumns contacts = arrays.columns();
-  const kernels::ContactLimits limits{600, 0.03f};
-  for (std::size_t k = 0; k < found.size(); ++k) contacts.slop[k] = 0.005f;
-  kernels.describe[kind](crowd.records(), columns, found.data(), part.data(), 0, found.size(), contacts);
-  for (std::size_t k = 0; k < found.size(); ++k)
-    contacts.static_friction[k] = 0.5f, contacts.kinetic_friction[k] = 0.3f, contacts.restitution[k] = 0.2f;
-  for (int sweep = 0; sweep < 3; ++sweep) kernels.project(crowd.records(), contacts, 0, found.size());
-  kernels.apply_restitution(crowd.records(), contacts, limits, &crowd.velocity[0].x, 0, found.size());
-  for (const float* column : {contacts.c[0], contacts.c[1], contacts.c[2], contacts.c[3], contacts.normal[1],
-                              contacts.slop, contacts.inverse_mass, contacts.approach, contacts.normal_sum,
-                              contacts.tangent_sum[0], contacts.restitution_velocity, contacts.depth})
-    add(column, found.size());
-  add(&crowd.moving[0].x, 4 * crowd.moving.size());
-  add(&crowd.velocity[0].x, 4 * crowd.velocity.size());
-  return result;
-}
-
-// Numbers of pairs that fill registers or not. Some edges repeat a vertex.
-TEST(ElementPairKernels, EveryInstructionSetGivesTheSameBits) {
-  for (const int kind : {0, 1})
-    for (const std::size_t count : {1u, 2u, 7u, 16u, 33u, 250u}) {
-      const std::vector<float> scalar =
-          everything(kernels::find_element_pair_kernels(InstructionSet::scalar), count, kind);
-      for (const InstructionSet set : all_sets()) {
-        const std::vector<float> packed = everything(kernels::find_element_pair_kernels(set), count, kind);
-        ASSERT_EQ(packed.size(), scalar.size()) << simd_name(set);
-        EXPECT_EQ(std::memcmp(packed.data(), scalar.data(), scalar.size() * sizeof(float)), 0)
-            << simd_name(set) << " " << kind << " " << count;
-      }
-    }
-}
 
 // A vertex and a triangle that approach each other: the range has the radii of the vertex and of the thickest
 // corner, the fastest corner's relative velocity, and the margins of both.
