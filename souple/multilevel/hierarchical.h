@@ -15,17 +15,17 @@
 namespace souple {
 
 /// Hierarchical position-based dynamics after Müller 2008 ("Hierarchical Position Based Dynamics", VRIPHYS).
-/// Before each iteration of Gauss-Seidel, levels of ever fewer particles correct errors of long wavelength,
-/// such as the stretch of a large cloth as a whole, which Gauss-Seidel corrects slowly. Coarsest level first:
+/// Before each iteration of Gauss-Seidel, levels of ever fewer particles correct errors of long wavelength.
+/// Gauss-Seidel corrects such errors slowly, for example the stretch of a large cloth as a whole. Coarsest level first:
 ///
 ///   restrict     X_J = sum_i w_iJ m_i x_i / m_J,   m_J = sum_i w_iJ m_i       (positions and displacements)
 ///   project      l_JK <= |X_J - X_K| <= L_JK for the links of each level, a few sweeps
 ///   prolong      d_i += sum_J w_iJ (correction of J)
 ///
 /// A coarse particle is the weighted mean of the finer particles that follow it; in the paper it is a finer
-/// particle. With the mean, corrections of a level add no kinetic energy (as far as C is linear), whatever
-/// links the level has, and momentum is kept. With injection a swinging 100 x 100 cloth exploded within ten
-/// frames (docs/notes/solvers.md).
+/// particle. With the mean, corrections of a level add no kinetic energy (as far as C is linear), whatever links the
+/// level has. Momentum is conserved. With injection a swinging 100 x 100 cloth exploded within ten frames
+/// (docs/notes/solvers.md).
 ///
 /// The limits l_JK and L_JK: LinkLimits (kernels/links.h). A link whose finer links are all satisfied does not
 /// shrink, however inexact its rest length is. Lower limits let cloth fold freely (the paper's unilateral
@@ -40,7 +40,7 @@ namespace souple {
 /// With compliance, a coarse link is a spring in parallel with the finer links. Its stiffness and the
 /// stiffness that the sweeps of the finer levels reach add up to that of the material.
 ///
-/// Where stress changes from link to link, as where cloth touches a collider, stretched links of the finest level are
+/// Stress may change from link to link, as where cloth touches a collider. Stretched links of the finest level are then
 /// swept more often, together with their contacts (StretchedLinks).
 ///
 /// Needs kinds that state their links (constraints/constraint.h); others get Gauss-Seidel alone. Linear
@@ -105,7 +105,7 @@ class Hierarchical final : public Solver {
   /// `links`: ends are linked particles.
   void build(std::span<const Link> links, const ParticleView& particles, Threads& threads);
   void update_masses(const ParticleView& particles);
-  /// Of the first level or a coarser one.
+  /// Finds the prolongation of the first level or a coarser one.
   void find_prolongation(Level& level, bool first, const ParticleView& particles) const;
   void find_restriction(Level& level, bool first, const ParticleView& particles) const;
   /// Calls f(finer particle, part of the mass) for what the particle i below a level stands for.
@@ -128,7 +128,7 @@ class Hierarchical final : public Solver {
   void take_stiffness();
   bool constraints_changed(std::span<Projector* const> projectors);
   bool masses_changed(const ParticleView& particles) const;
-  /// Of any particle since the last call.
+  /// Whether the mass of any particle changed since the last call.
   bool any_mass_changed(const ParticleView& particles);
   std::vector<Link> links_of(std::span<Projector* const> projectors, const LeftOut& left_out,
                              const ParticleView& particles) const;

@@ -30,13 +30,14 @@ struct CoarseLevel {
   std::vector<std::uint32_t> energy_to;
 };
 
-/// What levels distinguish: they choose fixed and heavy particles first, so that no mean of others is drawn to a heavy one.
+/// Classes of particles: levels choose fixed and heavy particles first, so that no mean of others is drawn to a heavy
+/// one.
 inline constexpr char free_particle = 0, fixed_particle = 1, heavy_particle = 2;
 /// Mass 0: fixed. Heavy: far heavier than the lightest neighbor, as what carries a load.
 std::vector<char> classes_of(std::span<const Link> links, std::span<const float> masses);
 
-/// A level above particles [0, classes.size()), without masses and energies: it depends on the shape of the links and on
-/// the classes, and takes O(n log n) time. It has as many particles as the finer one if none can be removed.
+/// A level above particles [0, classes.size()), without masses and energies. It depends on the shape of the links and
+/// on the classes, and takes O(n log n) time. It has as many particles as the finer one if none can be removed.
 CoarseLevel build_level(std::span<const Link> links, std::span<const char> classes, Threads& threads);
 /// Gives the particles of a level the masses of its finer particles.
 void take_masses(std::span<const float> finer, CoarseLevel& level);

@@ -23,8 +23,8 @@ constexpr double floor = 1e-8;
 /// Weights of a link's directions at the substep's end and start in that of its force; the rest is that of a substep
 /// before. The loss of a swing is proportional to 2 end + start - 1 = 0.09. A smaller one calms a jerked rope too slowly.
 constexpr double end_weight = 0.32, start_weight = 0.45;
-/// A link that turns by more than the first of these angles per substep gets the weights 1/2, 1/2 and 0 gradually, up to
-/// the second [rad]. At 600 substeps a second the first is 9 rad/s: twice the speed of a pendulum of 1 m that falls from
+/// A link that turns fast gets the weights 1/2, 1/2 and 0: gradually, from the first of these angles per substep to the
+/// second [rad]. At 600 substeps a second the first is 9 rad/s: twice the speed of a pendulum of 1 m that falls from
 /// the horizontal.
 constexpr double slow_turn = 0.015, fast_turn = 0.03;
 /// Cosine of the angle per substep up to which a link's force acts along a mean of its directions.
@@ -296,8 +296,8 @@ void TreeElimination::eliminate_point(Node& node, Node& parent) {
   parent.r += S * (node.g + node.D * node.r);
 }
 
-// What the tension that was assumed for t moved a link's end wrongly, as a part of its length: the lighter end moves
-// by force / (mass + t). A stiff link's assumed tension may be a thousand times too large.
+// Error of a link end's motion by the assumed tension t, as a part of its length: the lighter end moves by force /
+// (mass + t). A stiff link's assumed tension may be a thousand times too large.
 double TreeElimination::by_tension(const Node& node, const Node& parent) {
   const double t = max(0.0, -node.lambda) / max(node.C + node.length, shortest * node.length);
   const double mass = node.fixed() || parent.fixed() ? node.mass + parent.mass : min(node.mass, parent.mass);

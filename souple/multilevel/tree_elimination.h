@@ -12,17 +12,17 @@
 
 namespace souple {
 
-/// Solves trees of distances (ropes, chains, and what is tied to them by distance joints and attachments) exactly, in
-/// time linear in their length: elimination from the leaves to the root, without fill (Deul et al. 2018, "Direct
-/// position-based solver for stiff rods").
+/// Solves trees of distances exactly: ropes, chains, and loads tied to them by distance joints and attachments.
+/// Elimination from the leaves to the root has no fill, so the time is linear in their length. See Deul et al. 2018,
+/// "Direct position-based solver for stiff rods".
 ///
 /// From y, the positions without the constraints of the tree, a substep ends at x and lambda with
 ///
 ///   M (x - y) = sum_j f_j lambda_j,   C_j + alpha~_j lambda_j = 0,   f_j = a g_j + b g0_j + c g-_j,   a + b + c = 1
 ///
-/// g_j is the direction of link j at x, g0_j at the start of the substep, and g-_j one substep before, as the velocities
-/// of the substep's start place it: that of 2 d0 - d*, with d0 the difference of the link's ends then and d* the
-/// predicted one. A link that swings at omega turns according to
+/// g_j is the direction of link j at x, g0_j at the start of the substep, and g-_j one substep before. The velocities
+/// of the substep's start give g-_j as the direction of 2 d0 - d*. Here d0 is the difference of the link's ends then,
+/// and d* the predicted one. A link that swings at omega turns according to
 ///
 ///   theta_n+1 - 2 theta_n + theta_n-1 = -(omega h)^2 (a theta_n+1 + b theta_n + c theta_n-1)
 ///
@@ -35,14 +35,14 @@ namespace souple {
 ///   (M + T) dx - f lambda = M (y - x),   g . dx + alpha~ lambda = -C,
 ///   T = sum_j a t_j (I - g_j g_j^T) on the difference of the ends,   t_j = max(0, -lambda_j) / |d_j|
 ///
-/// T is what follows from the turning of the links, under tension only: without it a swinging load of many times the
-/// rope's mass explodes, with compression the matrix would be indefinite (Tournier et al. 2015, "Stable constrained
+/// T follows from the turning of the links, under tension only. Without it a swinging load of many times the rope's
+/// mass explodes. With compression the matrix would be indefinite (Tournier et al. 2015, "Stable constrained
 /// dynamics"). The first lambda is -C / alpha~ of the substep's start. Links without compliance, and links without
 /// length, need nothing special.
 ///
-/// It is a projector with one color, whose elements are the trees. Several projections of a substep, with those of
-/// other constraints in between, converge to a common solution: y is the position without what the projections before
-/// have moved.
+/// It is a projector with one color, whose elements are the trees. Several projections of a substep, with other
+/// constraints in between, converge to a common solution. Then y is the position without the motion by the earlier
+/// projections.
 class TreeElimination final : public Projector {
  public:
   /// Finds the trees among the distances of all projectors, and the attachments of their particles. Topology is found
@@ -89,7 +89,7 @@ class TreeElimination final : public Projector {
     double s = 0, rest = 0;  ///< see `eliminate`
     bool fixed() const { return mass == 0; }
   };
-  /// Of a step of Newton's method, the largest of all links, as parts of their lengths.
+  /// Change in a step of Newton's method: the largest values of all links, as parts of their lengths.
   struct Change {
     double longest = 0;     ///< motion of a particle relative to its parent
     double by_tension = 0;  ///< the part of it that follows from a wrong tension
@@ -99,7 +99,7 @@ class TreeElimination final : public Projector {
     std::uint32_t node = 0, set = 0, constraint = 0;
   };
 
-  /// What later projections of the substep need of a node.
+  /// Data of a node that later projections of the substep need.
   struct Kept {
     Vec3d moved;        ///< by the projections so far [m]
     double lambda = 0;  ///< of the link

@@ -54,9 +54,9 @@ class CallbackConstraint final : public CustomConstraint {
   Function function_;
 };
 
-/// Custom constraints behind the Projector interface, by the formulas of projection.h. Errors of user code but
-/// out of memory never leave a step: if an evaluation throws, or if C, its gradient or the correction is not finite,
-/// nothing moves and a message is recorded. The next evaluation tries again.
+/// Custom constraints behind the Projector interface, by the formulas of projection.h. Errors of user code, except out
+/// of memory, never leave a step. If an evaluation throws, or if C, its gradient or the correction is not finite, no
+/// particle moves and a message is recorded. The next evaluation tries again.
 class CustomProjector final : public Projector, public ElasticFacet, public ErrorFacet {
  public:
   /// Throws Error when the constraint is null, has no particles or one twice, or a number is out of range.

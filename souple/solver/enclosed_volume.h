@@ -24,8 +24,8 @@ struct EnclosedVolumeOptions {
 /// The volume, Müller et al. 2007, section 4.4, with the 1/6 that makes V a volume:
 ///   C = V - p V0  [m^3],   V = 1/6 sum x0 . (x1 x x2) over the triangles,
 ///   grad_i V = 1/6 sum (x1 - x0) x (x2 - x0) over the triangles at i.
-/// Energy C^2 / (2 alpha). One projection moves no particle farther than a quarter of the radius of a ball of
-/// volume p V0: a collapsed surface has almost no gradient, and unlimited corrections would make it explode.
+/// Energy C^2 / (2 alpha). One projection moves no particle farther than a quarter of the radius of a ball of volume p
+/// V0. A collapsed surface has almost no gradient, and unlimited corrections would make it explode.
 ///
 /// The pressure is the linear energy -P V, that is C = V with a known multiplier, lambda = P h^2:
 ///   dx_i = w_i h^2 P grad_i V

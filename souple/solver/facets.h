@@ -21,8 +21,8 @@ class ElasticFacet {
   /// Finds what sweeps without stored multipliers need to be as compliant as the material (see
   /// kernels/projection.h). Call after `prepare` and when inverse masses changed. Without it sweeps are softer.
   virtual void prepare_sweeps(const ParticleView&, [[maybe_unused]] bool masses_changed) {}
-  /// Number of sweeps, each of that many times the compliance, that reach the stiffness of the material from
-  /// lambda = 0; at least 1 and at most max_sweeps.
+  /// Number of sweeps that reach the stiffness of the material from lambda = 0, each with that many times the
+  /// compliance. It is at least 1 and at most max_sweeps.
   virtual int sweeps_needed(const Substep&) const { return 1; }
   /// With fewer than 10 substeps a step, their sweeps make up for them: up to 360 a step.
   static int max_sweeps(const Substep& substep) { return substep.count < 10 ? 360 / substep.count : 10; }

@@ -4,10 +4,9 @@
 
 namespace souple {
 
-/// Nonlinear Gauss-Seidel, the seed's chapter 6 and Müller et al. 2007, section 3.4: projects one constraint
-/// after another, each from the positions that the previous ones left. Constraints of one color share no
-/// particle and are projected at the same time. Substep::relaxation multiplies each correction and its multiplier (not
-/// contacts).
+/// Nonlinear Gauss-Seidel, the seed's chapter 6 and Müller et al. 2007, section 3.4. It projects one constraint after
+/// another, each from the positions that the previous ones left. Constraints of one color share no particle and are
+/// projected at the same time. Substep::relaxation multiplies each correction and its multiplier (not contacts).
 class GaussSeidel final : public Solver {
  public:
   std::string_view name() const override { return "gauss_seidel"; }

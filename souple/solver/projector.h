@@ -154,8 +154,8 @@ struct Facets {
 };
 
 /// The interface between solvers and constraints: moves particles towards satisfying its constraints. Solvers
-/// call it per set and color, never per constraint. Constraints of one color share no particle, so their
-/// order within a color is free, and parts of a color may be projected at the same time.
+/// call it per set and color, never per constraint. Constraints of one color share no particle. So their order within a
+/// color is free, and parts of a color may be projected at the same time.
 class Projector {
  public:
   virtual ~Projector() = default;

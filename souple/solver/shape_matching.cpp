@@ -158,8 +158,8 @@ void ShapeMatching::find_stacks(const ParticleView& particles) {
   stack_sweeps_ = size.bodies < 2 ? 1 : std::fmin(std::fmax(stack, size.mass_ratio), affordable_sweeps_);
 }
 
-// A region alone needs one sweep. With contacts, which take part in each, it needs as many as its particles would
-// (SetProjector::sweeps_needed), and in a stack as many as carry a weight through it.
+// A region alone needs one sweep. Contacts take part in each sweep. With contacts it needs as many sweeps as its
+// particles would (SetProjector::sweeps_needed), and in a stack as many as carry a weight through it.
 int ShapeMatching::sweeps_needed(const Substep& substep) const {
   if (substep.mode == Mode::pbd) return 1;
   const double own = std::round(1 + 2.5 * softness_ * static_cast<double>(substep.h * substep.h));
@@ -239,8 +239,8 @@ void ShapeMatching::project(int color, std::size_t begin, std::size_t end, const
 // The rigid motion of the free particles, as for objects (world/damping.cpp).
 namespace {
 
-// x_i - x_j in the middle of the substep. There the velocities of a turning body, chords of circles, are a rotation; at
-// its end they have a part towards the center, and damping that would brake the rotation.
+// x_i - x_j in the middle of the substep. There the velocities of a turning body, chords of circles, are a rotation. At
+// its end they have a part towards the center, and damping of that part would brake the rotation.
 Vec3d halfway(std::uint32_t i, std::uint32_t j, const ParticleView& particles,
               std::span<const Vec4f> velocity, double h) {
   return Vec3d(particles.difference(i, j)) - Vec3d(velocity[i].xyz() - velocity[j].xyz()) * (h / 2);
@@ -274,9 +274,9 @@ ShapeMatching::RigidMotion ShapeMatching::rigid_motion(const Region& region,
   return motion;
 }
 
-// The forces of all changes of shape have one stiffness: the energy is that of springs from every particle to its
-// goal, sum m |x - g|^2 / (2 alpha M). Kelvin-Voigt damping is that of dampers beside these springs, as the goals
-// move with the body. In an implicit Euler step of size h, gamma = tau / h,
+// The forces of all changes of shape have one stiffness. The energy is that of springs from every particle to its goal,
+// sum m |x - g|^2 / (2 alpha M). Kelvin-Voigt damping is that of dampers beside these springs, as the goals move with
+// the body. In an implicit Euler step of size h, gamma = tau / h,
 //   u <- alpha~ / (alpha~ + gamma / M) u,   u_i: velocity of particle i relative to the rigid motion
 void ShapeMatching::damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
                              const Substep& substep) {

@@ -23,8 +23,8 @@ struct ShapeMatchingOptions {
 ///   R = polar(A_pq),  A = A_pq A_qq^-1,  T = beta A / det(A)^(1/3) + (1 - beta) R,  g = c + T q
 ///   C = sqrt(sum m |x - g|^2 / M)  [m]
 ///
-/// C is the mass-weighted root mean square distance from the goals g, so the energy C^2 / (2 alpha) gives
-/// alpha the unit m/N: 1/alpha is the stiffness of the region as a whole. As T is optimal,
+/// C is the mass-weighted root mean square distance from the goals g. So the energy C^2 / (2 alpha) gives alpha the
+/// unit m/N, and 1/alpha is the stiffness of the region as a whole. As T is optimal,
 ///   grad_i C = m_i (x_i - g_i) / (M C) and sum w |grad C|^2 = 1/M:
 /// with alpha = 0 a projection moves the particles onto their goals. Linear and angular momentum are kept,
 /// for any beta and compliance.

@@ -22,7 +22,7 @@ class Solver {
   /// already. Throws Error when the solver cannot handle the scene (too large, too many coupled rows); the
   /// message names an alternative.
   virtual void prepare(std::span<Projector* const> projectors, const ParticleView& particles) = 0;
-  /// The same on several threads, for solvers that take long to prepare. The default uses the caller's alone.
+  /// Prepares on several threads, for solvers that take long. The default uses the caller's alone.
   virtual void prepare(std::span<Projector* const> projectors, const ParticleView& particles, Threads&) {
     prepare(projectors, particles);
   }
@@ -48,9 +48,9 @@ void sweep(Projector& projector, const ParticleView& particles, const Substep& s
 
 /// Sweeps each projector as often as it needs to be as stiff as its material (ElasticFacet::sweeps_needed), in
 /// rounds. Contacts take part in every round: a stiff body that is swept alone pushes itself back into them and
-/// trembles. With stored multipliers there is one round. Where there are more than 10 rounds, each advances the
-/// particles by a part of their motion in the substep; projectors with fewer sweeps take part in the last rounds.
-/// `motion` is work space.
+/// trembles. With stored multipliers there is one round. With more than 10 rounds, each advances the particles by a
+/// part of their motion in the substep. Projectors with fewer sweeps take part in the last rounds. `motion` is work
+/// space.
 void sweep_as_needed(std::span<Projector* const> projectors, const ParticleView& particles,
                      const Substep& substep, Threads& threads, std::vector<Vec4f>& motion);
 
