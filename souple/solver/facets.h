@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-// What projectors can do beyond what every solver needs. A projector returns its own facets (Projector::facets).
+// Abilities of projectors beyond those that every solver needs. A projector returns its own facets (Projector::facets).
 
 namespace souple {
 
@@ -34,7 +34,7 @@ class ElasticFacet {
   ~ElasticFacet() = default;
 };
 
-/// Of any projector; 1 without the facet.
+/// Sweeps that a projector needs; 1 without the facet.
 inline int sweeps_needed(Projector& projector, const Substep& substep) {
   const ElasticFacet* const elastic = projector.facets().elastic;
   return elastic != nullptr ? elastic->sweeps_needed(substep) : 1;
@@ -98,7 +98,8 @@ struct Link {
   bool operator==(const Link&) const = default;
 };
 
-/// What levels and exact solvers (multilevel/) read of constraints. constraints/constraint.h says how a kind states it.
+/// Structure of constraints for levels and exact solvers (multilevel/). constraints/constraint.h says how a kind states
+/// it.
 class StructureFacet {
  public:
   /// A distance: C = |x_0 - x_1| - rest_length; an attachment: C = |x_0 - target|.
@@ -127,7 +128,7 @@ class StructureFacet {
   ~StructureFacet() = default;
 };
 
-/// What studies (studies/) read and change.
+/// Data that studies (studies/) read and change.
 class StudyFacet {
  public:
   /// Visits the multipliers stored in this substep, for solvers that extrapolate them with the positions.

@@ -135,7 +135,7 @@ class ContactFacet {
   ~ContactFacet() = default;
 };
 
-/// What a projector can do beyond what every solver needs (solver/facets.h). Null: it cannot.
+/// Abilities of a projector beyond those that every solver needs (solver/facets.h). Null: it lacks the ability.
 struct Facets {
   std::size_t grain = 1;     ///< minimum number of constraints per thread
   bool every_round = false;  ///< projected in every round of sweeps, as contacts are

@@ -55,8 +55,8 @@ class Chebyshev {
   std::vector<History<float>> multipliers_;  // per array of multipliers, in the order of the projectors
 };
 
-/// A solver whose iterations Chebyshev may accelerate, from the third of a substep on: not in substeps in which a kind
-/// without a linear form has constraints, as an extrapolated contact bounces.
+/// A solver whose iterations Chebyshev may accelerate, from the third of a substep on. It excludes substeps in which a
+/// kind without a linear form has constraints, because an extrapolated contact bounces.
 class AcceleratedSolver : public Solver {
  public:
   using Solver::prepare;

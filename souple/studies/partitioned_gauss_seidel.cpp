@@ -58,8 +58,8 @@ class PartitionedGaussSeidel::Split final : public Projector {
 
   bool joins(int color) const { return color == 0 || color == set_.color_count() + 1; }
 
-  // Moves the particle by the displacement of its phantoms' center of mass, then the phantoms to the
-  // particle: another set may have moved the particle alone.
+  // Moves the particle by the displacement of its phantoms' center of mass, then the phantoms to the particle. Another
+  // set may have moved the particle alone.
   void join(SplitParticle& split) const {
     SOUPLE_ASSERT(split.end - split.begin >= 2, "a split particle has at least two phantoms");
     const std::span<Vec4f> moving = all_.view.moving;

@@ -65,7 +65,7 @@ TEST(SpatialHash, EachPairHasOneWhoFindsIt) {
   EXPECT_EQ(found, expected);
 }
 
-// Of both searches, in boxes of all sizes: also the first box, the last one, all of them and none.
+// Covers both searches, in boxes of all sizes: also the first box, the last one, all of them and none.
 TEST(SpatialHash, LeavesOutARangeOfBoxes) {
   const auto threads = make_threads(Threading::pool, 2);
   const std::vector<Bounds> boxes = random_boxes(2000, 1, 0.6, 4);

@@ -142,7 +142,7 @@ TEST(ColliderContacts, AMovingColliderCarriesParticles) {
   EXPECT_LT(length(world.at(0) - Vec3d{-0.5, 0.05, 0}), 2e-2);
 }
 
-// A ball that starts in the middle of a step, and a bar that spins by a third of a turn in it, reach particles that were far
+// A ball starts in the middle of a step, and a bar spins by a third of a turn in it. Both reach particles that were far
 // away when candidates were searched.
 TEST(ColliderContacts, AColliderThatSpeedsUpWithinAStepStillHits) {
   MiniWorld world;

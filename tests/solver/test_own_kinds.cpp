@@ -79,7 +79,8 @@ SolverScene hung_cloth(SolverKind solver) {
   return scene;
 }
 
-/// A rope of 50 links and 2 m, level at first, held by one end; the other carries a hundred times the mass of the rest.
+/// A rope of 50 links and 2 m, level at first, held by one end. The other end carries a hundred times the mass of the
+/// rest.
 template <class Kind>
 SolverScene swung_rope() {
   SolverScene scene;

@@ -24,8 +24,8 @@ struct CrossingColumns {
   float* side = nullptr;
 };
 
-/// The crossings of the segment with every triangle, one by one, or as many at a time as a register of the plainest
-/// instruction set of the architecture has lanes: the same bits.
+/// The crossings of the segment with every triangle, one by one, or as many at a time as a register has lanes, with
+/// equal bits. The register is that of the architecture's plainest instruction set.
 void find_crossings(SegmentTest test, const Segment<float>& segment, const TriangleColumns& triangles,
                     const CrossingColumns& crossings, bool packed = true);
 
