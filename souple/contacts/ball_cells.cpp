@@ -75,7 +75,7 @@ void BallCells::gather(const SearchedBalls& balls, std::size_t begin, std::size_
   }
 }
 
-// Of the 26 cells around one, 13 follow it: the next one in its row, whose bucket follows its own, and four whole rows.
+// 13 of the 26 cells around one follow it: the next one in its row, whose bucket follows its own, and four whole rows.
 void BallCells::find_runs(std::size_t slot, Search& search) const {
   constexpr std::int32_t rows[4][2] = {{0, 1}, {1, -1}, {1, 0}, {1, 1}};
   const Cell cell = cells_[ball_[slot]];

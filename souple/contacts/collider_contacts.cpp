@@ -251,7 +251,7 @@ void ColliderContacts::refresh(const ParticleView& particles, const Substep& sub
   for (Body& body : bodies_) find_contacts(body, particles, threads);
 }
 
-// Of a particle and the body in the substep, in the body's frame [m].
+// Relative motion of a particle and the body in the substep, in the body's frame [m].
 Vec3f ColliderContacts::relative_motion(const Body& body, std::uint32_t particle,
                                         const ParticleView& particles) {
   return Vec3f(body.after.to_local(particles.exact_position(particle)) -

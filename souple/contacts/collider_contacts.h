@@ -15,12 +15,11 @@ namespace souple {
 ///
 ///   C = n . (p - s) - r >= 0,   s the surface point, n the outward normal, r the particle's radius.
 ///
-/// While the particle's center is outside the shape, each projection reads n and s from the shape again
-/// (outside a convex shape the normal is continuous, so it cannot flip). Two cases use one plane for the
-/// whole substep. A center that starts inside takes the nearest surface at the substep's start. A particle
-/// fast enough to pass the shape within the substep takes the surface where its motion relative to the
-/// collider first touches it (sphere tracing). So no particle passes a thin box, and no edge moves a particle
-/// to the box's far side.
+/// While the particle's center is outside the shape, each projection reads n and s from the shape again. Outside a
+/// convex shape the normal is continuous, so it cannot flip. Two cases use one plane for the whole substep. A center
+/// that starts inside takes the nearest surface at the substep's start. A particle fast enough to pass the shape within
+/// the substep takes the surface at first touch. Its motion relative to the collider finds that point (sphere tracing).
+/// So no particle passes a thin box, and no edge moves a particle to the box's far side.
 ///
 /// Friction is solved with the positions (Macklin et al. 2014, section 6.1). Corrections cancel the
 /// tangential displacement since the substep began, relative to that of the collider's surface. Their sum

@@ -16,14 +16,14 @@ namespace {
 constexpr std::size_t particle_grain = 1024;  // least number of particles that pays for a thread
 constexpr std::size_t element_grain = 256;    // least number of elements that pays for a thread
 // Smallest elements that get contacts, as a part of a round shape's radius, or of the radius of another
-// shape's bounding ball. With it, a cloth sinks into a ball by 0.2 % of the ball's radius at most. Without it, cotton of
-// 1 m and 60 x 60 vertices on the edges of a box is stretched by 40 % instead of 10 % (contacts of elements are not part of
-// StretchedLinks), and a frame takes twice as long on a cylinder or field.
+// shape's bounding ball. With it, a cloth sinks into a ball by 0.2 % of the ball's radius at most. Without it, cotton
+// of 1 m and 60 x 60 vertices is stretched on a box's edges by 40 % instead of 10 %. Contacts of elements are not part
+// of StretchedLinks. A frame also takes twice as long on a cylinder or field.
 constexpr double coarse_part = 0.05;
 // An element that is deeper inside than this part of its radius has not been pulled in: the collider has jumped.
 constexpr float deep_part = 0.5f;
-// A side of an element in a signed distance field is divided into this many parts at most, or it is sampled more
-// coarsely than the field.
+// In a signed distance field, a side of an element is divided into at most this many parts. A longer side is sampled
+// more coarsely than the field.
 constexpr int most_parts = 12;
 
 bool is_edge(const ContactElement& element) {
@@ -348,9 +348,9 @@ void ColliderElementContacts::refresh(const ParticleView& particles, const Subst
 }
 
 // Where a collider has jumped into an object, contacts of the corners (ColliderContacts) move them out
-// slowly. Contacts of elements at the same time would tear the object, so they wait until no corner is
-// inside by more than its radius, and no element deeply. (A small overlap of elements is no reason to wait: stretched
-// cloth is pulled over edges by some millimeters where it hits them, and would then stay inside.)
+// slowly. Contacts of elements at the same time would tear the object. They wait until no corner is inside by more than
+// its radius, and no element deeply. (A small overlap of elements is no reason to wait. Edges pull stretched cloth over
+// them by some millimeters at impact, and it would then stay inside.)
 void ColliderElementContacts::find_depenetrating(Body& body, std::span<const Corner> corners,
                                                  std::span<const std::uint32_t> particle,
                                                  const ParticleView& particles, Threads& threads) {

@@ -15,8 +15,8 @@
 
 namespace souple {
 
-/// Contacts of triangles and edges with colliders, where contacts of their corners do not suffice: a cloth on a
-/// table's edge, a coarse cloth on a small ball, a rope over a thin bar.
+/// Contacts of triangles and edges with colliders, where contacts of their corners do not suffice. Examples are a cloth
+/// on a table's edge, a coarse cloth on a small ball, a rope over a thin bar.
 ///
 ///   C = n . (sum_k w_k p_k - s) - r / 4 >= 0,
 ///
@@ -25,11 +25,11 @@ namespace souple {
 /// points between them may come nearer. So elements that are fine relative to the curvature below them need
 /// no contact, and are skipped before they cost anything. Planes need no such contacts.
 ///
-/// The point nearest to a convex shape is on an edge, or inside of a triangle above the shape's farthest point
-/// along the triangle's normal: each edge is searched once, whatever the number of its triangles
-/// (kernels/collider_elements.h). In a signed distance field, an element is sampled and its lowest sample descends
-/// (Macklin et al. 2020, "Local optimization for robust signed distance field collision", section 4, descend from
-/// the middle; on bumps this ends in the wrong dip).
+/// The point nearest to a convex shape is on an edge, or inside a triangle above the shape's farthest point along the
+/// triangle's normal. So each edge is searched once, whatever the number of its triangles
+/// (kernels/collider_elements.h). In a signed distance field, an element is sampled and its lowest sample descends. See
+/// Macklin et al. 2020, "Local optimization for robust signed distance field collision", section 4. They descend from
+/// the middle, which on bumps ends in the wrong dip.
 ///
 /// The point, its weights and its plane are fixed for a substep. For a fast element they are those
 /// of its first touch. Friction and restitution are those of ColliderContacts, distributed to the corners by
@@ -148,7 +148,7 @@ class ColliderElementContacts final : public ContactProjector {
   void find_rows(Body& body);
   void find_near_corners(Body& body, const ParticleView& particles, Threads& threads);
   bool needs_search(const ParticleView& particles, Threads& threads);
-  /// Of the objects of these corners, whose particles are given too.
+  /// Finds the objects of these corners that the collider has jumped into; the corners' particles are given too.
   void find_depenetrating(Body& body, std::span<const Corner> corners,
                           std::span<const std::uint32_t> particle, const ParticleView& particles,
                           Threads& threads);

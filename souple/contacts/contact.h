@@ -69,7 +69,7 @@ ContactReport summarize(std::size_t count, const NormalSum& normal_sum, const De
   return report;
 }
 
-/// As above, of contacts that have `sums` and a `depth`.
+/// Report of contacts that have `sums` and a `depth`.
 template <class Contacts>
 ContactReport report_of(const Contacts& contacts) {
   return summarize(
@@ -77,7 +77,7 @@ ContactReport report_of(const Contacts& contacts) {
       [&](std::size_t c) { return contacts[c].depth; });
 }
 
-/// As above, of columns.
+/// Report of columns.
 inline ContactReport report_of(std::size_t count, const float* normal_sum, const float* depth) {
   return summarize(
       count, [=](std::size_t c) { return normal_sum[c]; }, [=](std::size_t c) { return depth[c]; });

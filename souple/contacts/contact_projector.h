@@ -42,7 +42,7 @@ struct ContactGeometry {
       joined;  ///< pairs of particles that never collide: distance joints
 };
 
-/// What contacts read when a step begins.
+/// Input of contacts when a step begins.
 struct ContactInput {
   ParticleView particles;                 ///< as the last substep left them
   std::span<const Vec4f> velocity;        ///< [m/s]
@@ -66,7 +66,7 @@ struct ContactInput {
 ///     apply_restitution(view, velocities)  after v = (p - x) / h
 ///   report(), events()
 ///
-/// What `begin_step` gets must live until the step ends, except for the views of particles.
+/// The input of `begin_step` must live until the step ends, except for the views of particles.
 class ContactProjector : public Projector, public ContactFacet {
  public:
   Facets facets() final { return {.grain = grain(), .every_round = true, .contact = this}; }
@@ -88,10 +88,10 @@ class ContactProjector : public Projector, public ContactFacet {
   virtual std::size_t after_solve(const ParticleView&, const Substep&, Threads&) { return 0; }
   /// Appends the impacts of the substep that are faster than the threshold of restitution.
   virtual void append_impacts(const Substep&, [[maybe_unused]] std::vector<Impact>& out) const {}
-  /// For contacts with a normal impulse: sets v_n, the normal velocity relative to the other side, to e times the
-  /// approach speed where that was above 2 |g| h, else to 0. The approach speed is that of the predicted motion.
-  /// Velocity that came from removing an overlap is taken out, but never more than the contact itself added.
-  /// Friction follows the change of the normal impulse. `velocity`: per particle [m/s].
+  /// For contacts with a normal impulse: sets v_n, the normal velocity relative to the other side. It becomes e times
+  /// the approach speed if that was above 2 |g| h, else 0. The approach speed is that of the predicted motion. Velocity
+  /// that came from removing an overlap is removed, but never more than the contact itself added. Friction follows the
+  /// change of the normal impulse. `velocity`: per particle [m/s].
   virtual void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
                                  const Substep& substep, Threads& threads) = 0;
 

@@ -265,11 +265,10 @@ bool ParticleContacts::may_touch(std::uint32_t pair, const ParticleView& particl
 }
 
 // In order of (i, j), a contact takes the color after the highest that its two particles have so far. So two
-// contacts of one particle keep their order. Solving color after color then equals, to the bit, solving one
-// contact after another in order of (i, j); colors in reverse order equal the reverse order. This order
-// carries a push from the floor up through a heap in one sweep, and down again in the next. Greedy coloring
-// needs fewer colors but loses the order: a heap of 288 grains lay 0.069 m high instead of 0.08, and still
-// crept after six seconds.
+// contacts of one particle keep their order. Solving color after color then equals, to the bit, solving one contact
+// after another in order of (i, j). Colors in reverse order equal the reverse order. This order carries a push from the
+// floor up through a heap in one sweep, and down again in the next. Greedy coloring needs fewer colors but loses the
+// order. A heap of 288 grains then lay 0.069 m high instead of 0.08, and still crept after six seconds.
 //
 // A particle that cannot move takes no color, so a pinned cloth does not serialize a thousand grains on it.
 void ParticleContacts::color_contacts(const ParticleView& particles) {
@@ -406,8 +405,8 @@ void ParticleContacts::turn(const Contact& contact, const BallRotation& balls, c
 
 namespace {
 
-/// Rotation of a pair of balls in the substep: the displacement by it at the point of contact, x_i - x_j as a vector,
-/// and i relative to j, times the moment arm [m].
+/// Rotation of a pair of balls in the substep [m]. `slip`: displacement by it at the point of contact, for x_i - x_j as
+/// a vector. `roll`: rotation of i relative to j, times the moment arm.
 struct Rotation {
   Vec3f slip, roll;
 };
@@ -544,8 +543,8 @@ ContactReport ParticleContacts::report() const {
   return report_of(contacts_);
 }
 
-// A displacement starts again at 0 in two cases: the pair slides or rolls, at the limit of its kinetic or rolling
-// friction, or its gap is at least 2 % of the sum of its radii.
+// A displacement starts again at 0 if the gap is at least 2 % of the sum of radii. It also does if the pair slides or
+// rolls, at the limit of its kinetic or rolling friction.
 void ParticleContacts::update_friction_displacement(const Contact& contact, float C,
                                                     const FrictionDisplacement& change) {
   const bool near = C < 0.02f * contact.radius_sum;

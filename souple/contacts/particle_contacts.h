@@ -31,8 +31,8 @@ struct CachedFriction {
 ///
 ///   C = |x_i - x_j| - (r_i + r_j) >= 0
 ///
-/// The broad phase is a uniform grid, filled by counting sort. It runs once per step with a margin for motion
-/// relative to the mean, and again in the middle of a step when a particle has left its margin.
+/// The broad phase is a uniform grid, filled by counting sort. It runs once per step with a margin for motion relative
+/// to the mean. It runs again in the middle of a step when a particle has left its margin.
 ///
 /// The result is that of solving contacts one after another (Gauss-Seidel) in order of (i, j), every second
 /// sweep in reverse order. Each substep colors the contacts so that this holds; contacts of one color share

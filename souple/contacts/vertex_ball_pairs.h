@@ -54,7 +54,7 @@ class VertexBallPairs {
   void clear();
 
   const Vec3f& corner() const { return corner_; }
-  /// Of the last search [m].
+  /// Place of a ball in the last search [m].
   const Vec3f& place(std::size_t ball) const { return place_[ball]; }
   /// How far the ball may go from there without a new pair, if others go no farther than theirs [m].
   float margin(std::size_t ball) const { return margin_[ball]; }

@@ -15,8 +15,8 @@ constexpr float speculative_part = 0.1f;
 constexpr std::size_t chunk_size = 1024;  // balls
 constexpr std::size_t batch_size = 1024;  // pairs
 
-// A contact may begin late by this part of the radius, and this part of the balls later still: a search costs more than all
-// else in a step, and loose corners that flutter would repeat it.
+// A contact may begin late by this part of the radius, and this part of the balls later still. A search costs more than
+// all else in a step, and loose corners that flutter would repeat it.
 constexpr float lateness = 0.3f;
 constexpr std::size_t part_of_leavers = 64;
 
@@ -114,7 +114,7 @@ void VertexBalls::add_up(const Value& value, const Function& f) {
   }
 }
 
-// Of the sheets that are due, whose balls are set.
+// Searches the sheets that are due, whose balls are set.
 void VertexBalls::search(Threads& threads) {
   blocks_.clear();
   for (const std::uint32_t s : due_)
@@ -233,7 +233,7 @@ void VertexBalls::search_again(const ParticleView& particles, Threads& threads) 
   search(threads);
 }
 
-// What the bound took, in equal velocities.
+// Returns the momentum that the bound on motions removed, as equal velocities of all particles.
 void VertexBalls::give_back_momentum(const ParticleView& particles, Threads& threads) {
   add_up([](const Chunk& chunk) { return chunk.taken; },
          [](Sheet& sheet, const Vec3d& taken) {

@@ -21,11 +21,12 @@ namespace souple {
 /// crossings instead of none.
 /// Corrections are equal and opposite: momentum is conserved.
 ///
-/// Pairs are searched once a step, with a margin for each ball's motion relative to the surface's mean, and again within the
-/// step when too many balls have left theirs. Each substep, those that will be near become contacts, in the order of the pairs.
+/// Pairs are searched once a step, with a margin for each ball's motion relative to the surface's mean. They are
+/// searched again within the step when too many balls have left their margins. Each substep, those that will be near
+/// become contacts, in the order of the pairs.
 ///
 /// A ball that has a pair moves by at most max_motion of its radius in a substep, relative to the mean motion of its
-/// surface. What that takes from the momentum is given back to all particles.
+/// surface. Momentum that this removes is given back to all particles.
 class VertexBalls final : public ContactProjector {
  public:
   void build(const ContactGeometry& geometry) override;

@@ -156,7 +156,7 @@ float supplied(float alpha, float h2_w) {
   return (sweeps - 1) / (each / omega + (1 / omega - 0.5f) * h2_w) + 1 / (each + 0.5f * h2_w);
 }
 
-/// The same of `iterations` sweeps of the finest constraints. One alone subtracts its share (projection.h).
+/// Stiffness of `iterations` sweeps of the finest constraints. One alone subtracts its share (projection.h).
 float supplied_finest(float alpha, float h2_w, int iterations) {
   if (iterations == 1) return 1 / std::fmax(alpha, finest_share * h2_w);
   return 1 / (alpha + finest_share * h2_w / static_cast<float>(iterations));
@@ -210,7 +210,8 @@ std::vector<Link> Hierarchical::links_of(std::span<Projector* const> projectors,
   return links;
 }
 
-// What the levels take from the stiffness of the finest links alone. The rest depends on their shape and the masses.
+// Updates the data of levels that depends on the stiffness of the finest links alone. The rest depends on their shape
+// and the masses.
 void Hierarchical::take_stiffness() {
   std::span<const Link> finer = links_;
   for (Level& level : levels_) {
@@ -274,7 +275,7 @@ void Hierarchical::build(std::span<const Link> links, const ParticleView& partic
   mean_length_ = static_cast<float>(length / static_cast<double>(std::max<std::size_t>(links_.size(), 1)));
 }
 
-// What the levels take from the masses and the stiffness of the finest particles and links.
+// Updates the data of levels that depends on the masses and the stiffness of the finest particles and links.
 void Hierarchical::update_masses(const ParticleView& particles) {
   std::span<const float> finer = masses_;
   std::span<const Link> links = links_;
@@ -402,9 +403,9 @@ std::size_t Hierarchical::coarse_projections() const {
   return sum;
 }
 
-// Stretch of the paths and limits of the coarse links, at the start of the substep. Links of the first coarse
-// level need no path: their lengths are those of paths across triangles of finer links, so no state that
-// satisfies the finer links is longer.
+// Stretch of the paths and limits of the coarse links, at the start of the substep. Links of the first coarse level
+// need no path. Their lengths are those of paths across triangles of finer links, so no state that satisfies the finer
+// links is longer.
 void Hierarchical::measure(const ParticleView& particles, Threads& threads) {
   for (std::size_t l = 0; l < levels_.size(); ++l) {
     Level& level = levels_[l];
@@ -435,8 +436,7 @@ void Hierarchical::measure_paths(std::size_t l, Threads& threads) {
   });
 }
 
-// Of the stiffness 1/alpha that a level has to supply, the next coarser level supplies what the sweeps of this
-// one do not:
+// The sweeps of a level do not supply all of its stiffness 1/alpha; the next coarser level supplies the rest:
 //
 //   1/alpha' = 1/alpha - k
 //

@@ -24,10 +24,10 @@ constexpr std::size_t max_parents = 4;
 // cloth's particles. At 1.3 the kinks that a level leaves cancel its gain; at 2 Gauss-Seidel has too far to
 // smooth.
 constexpr float coarsening = 1.6f;
-// Radius around a coarse particle within which lengths are marched, in its spacing: at least the first and, until
-// eight coarse particles are reached (with itself), up to the second, as along edges. Each particle then has enough
-// coarse ones around it. With 2.7 everywhere a level takes twice as long and is no better; with 1.6 everywhere
-// particles along edges follow too few.
+// Radius around a coarse particle within which lengths are marched, in its spacing. It is at least the first value.
+// Until eight coarse particles are reached (with itself), as along edges, it grows up to the second. Each particle then
+// has enough coarse ones around it. With 2.7 everywhere a level takes twice as long and is no better; with 1.6
+// everywhere particles along edges follow too few.
 constexpr float march_radius = 1.6f, border_radius = 2.7f;
 constexpr std::size_t enough_coarse = 8;
 // eps of find_weights.
@@ -338,7 +338,7 @@ class LevelBuilder {
   LinkEnds ends_;
   LinkTriangles triangles_;
   CoarseLevel level_;
-  /// Of a particle in a search for a path.
+  /// State of a particle in a search for a path.
   struct Visit {
     std::uint32_t search = 0;  // number of the last search that came here
     float length = 0;
@@ -516,8 +516,8 @@ CoarseLevel LevelBuilder::build() {
 
 }  // namespace
 
-// The energy of the finer links goes to the coarse links: that of a link between the clusters of two coarse particles
-// to the link of these two, that of a link within a cluster to all links of its coarse particle.
+// The energy of the finer links goes to the coarse links. A link between the clusters of two coarse particles gives its
+// energy to the link of these two. A link within a cluster gives it to all links of its coarse particle.
 void take_energies(std::span<const Link> finer, CoarseLevel& level) {
   const std::size_t count = level.links.size();
   std::vector<double> energy(count + level.finer.size());  // per coarse link, then inside each cluster

@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint32_t none = ~std::uint32_t{0};
 /// Minimum number of particles per thread.
 constexpr std::size_t grain = 1024;
-/// Relative difference of lengths that is not worth another entry of the queue: the paths across two triangles to one
+/// Relative difference of lengths that is not worth another entry of the queue. The paths across two triangles to one
 /// particle often differ by rounding alone.
 constexpr float indifferent = 1e-5f;
 constexpr float infinity = std::numeric_limits<float>::infinity();
@@ -127,7 +127,7 @@ void Marcher::begin(std::uint32_t source, float radius) {
   offer(source, 0);
 }
 
-// Of the nearest particle that is not reached; infinite if there is none.
+// Length to the nearest particle that is not reached; infinite if there is none.
 float Marcher::next_length() {
   while (!heap_.empty() && squared_[static_cast<std::uint32_t>(heap_.front())] < infinity) pop();
   return heap_.empty() ? infinity : bit_cast<float>(static_cast<std::uint32_t>(heap_.front() >> 32));

@@ -37,7 +37,7 @@ class LinkEnds {
   std::vector<End> ends_;
 };
 
-/// What lengths along the material are measured on: the shortest links of each particle, and the triangles of these.
+/// Graph for lengths along the material: the shortest links of each particle, and the triangles of these.
 class LinkTriangles {
  public:
   /// A neighbor v of a particle u, and the triangles u v w: triangles[k], k in [triangle_begin, triangle_end).
@@ -73,9 +73,9 @@ class LinkTriangles {
   std::vector<std::vector<Triangle>> triangles_;  // per chunk of particles
 };
 
-/// Lengths of the shortest paths along the material, from rest lengths alone. Paths cross triangles of links
-/// and do not only follow links, so lengths do not depend on the triangulation (fast marching, Kimmel and
-/// Sethian 1998, with the unfolding of a triangle's known edge).
+/// Lengths of the shortest paths along the material, from rest lengths alone. Paths cross triangles of links and do not
+/// only follow links, so lengths do not depend on the triangulation. This is fast marching (Kimmel and Sethian 1998),
+/// with the unfolding of a triangle's known edge.
 class Marcher {
  public:
   struct Reached {
@@ -87,7 +87,7 @@ class Marcher {
 
   /// Particles no farther than `radius` from `source`, nearest first; valid until the next march.
   std::span<const Reached> march(std::uint32_t source, float radius);
-  /// The same, but as far as `max_radius` until enough(particle) is true of a particle reached.
+  /// Marches at least to `min_radius`, then up to `max_radius` until enough(particle) is true of a particle reached.
   template <class Enough>
   std::span<const Reached> march(std::uint32_t source, float min_radius, float max_radius,
                                  const Enough& enough) {
@@ -123,8 +123,8 @@ class Marcher {
   std::vector<Reached> reached_, beyond_;
 };
 
-/// Length straight across the edge u w to v, from a point at the distances d_u and d_w from u and w on the other
-/// side; infinite if the line does not cross the edge. |u w| = c, |u v| = a, |w v| = b.
+/// Length straight across the edge u w to v. The line starts on the other side, at the distances d_u and d_w from u and
+/// w. The length is infinite if the line does not cross the edge. |u w| = c, |u v| = a, |w v| = b.
 float unfolded_length(float d_u, float d_w, float c, float a, float b);
 
 }  // namespace souple

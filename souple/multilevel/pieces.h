@@ -22,8 +22,8 @@ class Components {
   std::vector<std::uint32_t> root_, size_;
 };
 
-/// Per particle: whether it is at most `radius` links away from an isolated pinned particle, one of a few that do not
-/// form an edge of their piece. Mass 0: pinned.
+/// Per particle: whether it is at most `radius` links away from an isolated pinned particle. Isolated ones are few and
+/// do not form an edge of their piece. Mass 0: pinned.
 std::vector<bool> near_isolated_pins(std::span<const Link> links, std::span<const float> masses, int radius);
 
 }  // namespace souple

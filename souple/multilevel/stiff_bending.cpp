@@ -14,10 +14,10 @@ namespace {
 using Matrix = Eigen::SparseMatrix<double>;
 
 constexpr std::uint32_t none = ~std::uint32_t{0};
-/// Pieces are solved here where, in the mean, h^2 sum_k w_k K_k^2 is more than this times the compliance: there one sweep
-/// does not reach the stiffness any more (SetProjector::find_shared).
+/// Pieces are solved here if the mean of h^2 sum_k w_k K_k^2 is more than this times the compliance. One sweep then no
+/// longer reaches the stiffness (SetProjector::find_shared).
 constexpr double limit = 1.8;
-/// Pieces of more unknowns are swept only, unless they are far softer so: the factors of 2,500 unknowns cost as much as
+/// Pieces of more unknowns are swept only, unless they are far softer so. The factors of 2,500 unknowns cost as much as
 /// two substeps of such a cloth, those of 10,000 as much as four.
 constexpr double usual_unknowns = 3000, max_unknowns = 12000;
 /// Pieces per thread, at least.

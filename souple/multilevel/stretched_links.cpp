@@ -86,10 +86,10 @@ void for_each_bit(std::span<const std::uint16_t> blocks, std::size_t count, cons
 }  // namespace
 
 // Where contacts act, rounds count more than sweeps: 8 rounds leave a box's corners stretched by 19 % at impact, 12 by 15 %.
-// Where none acts, a link may become as short as at rest. Kept at the length that stretched links are shortened to, sweeps
-// hold it there: a cloth of which no link is stretched by more than 1.5 % without them is then stretched by 3.5 % in lines
-// along its pins. The same limit on colliders lets coarse cloth enter a cylinder by 10 mm instead of 8 at impact.
-// 12 sweeps leave cotton stretched by 8.5 % in gusts of 30 m/s (converged 12), 8 by 10 %.
+// Where none acts, a link may become as short as at rest. Kept at the length that stretched links are shortened to,
+// sweeps hold it there. A cloth with no link stretched by more than 1.5 % without them is then stretched by 3.5 % in
+// lines along its pins. On colliders this limit lets coarse cloth enter a cylinder by 10 mm instead of 8 at impact. 12
+// sweeps leave cotton stretched by 8.5 % in gusts of 30 m/s (converged 12), 8 by 10 %.
 const StretchedLinks::Rounds StretchedLinks::with_contacts{12, 2, 2, 1},
     StretchedLinks::without_contacts{1, 12, 1, 1 / (1 + threshold)};
 

@@ -289,10 +289,10 @@ std::uint32_t Builder::cell_of(const Corners& tet, const Vec3d& center) {
   return piece_cell_[piece];
 }
 
-// With the gradients g_a of the shape functions at the center of a tet of volume V and T_ab = sum V g_a g_b^T,
-// small strain gives   K_ab = mu (trace(T_ab) 1 + T_ab^T) + lambda T_ab.
-// The products of gradients are quadratic along each axis, so the sum over 27 points, among which each tet divides
-// its volume by Lagrange's polynomials, is equal and five times as fast.
+// Let g_a be the gradients of the shape functions at the center of a tet of volume V, and T_ab = sum V g_a g_b^T. Then
+// small strain gives K_ab = mu (trace(T_ab) 1 + T_ab^T) + lambda T_ab. The products of gradients are quadratic along
+// each axis. So a sum over 27 points, among which Lagrange's polynomials divide each tet's volume, is equal and five
+// times as fast.
 void Builder::add_stiffness() {
   piece_cell_.assign(piece_place_.size(), none);
   tet_cell_.resize(corners_.size());

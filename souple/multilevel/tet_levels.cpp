@@ -22,8 +22,8 @@ constexpr std::size_t lanes = kernels::cell_block;
 /// lattices would have too few cells to bend.
 constexpr float fewest_sweeps = 3;
 constexpr std::size_t smallest_body = 1000;
-/// Sweeps act on a smooth stress as springs of compliance alpha~/omega + b D: b = 1/omega - 1/2, times 1.3 because
-/// gradients turn while they are projected (measured: hanging and bent bars of 1e6 and 1e7 Pa).
+/// Sweeps act on a smooth stress as springs of compliance alpha~/omega + b D. Here b is 1/omega - 1/2, times 1.3
+/// because gradients turn while they are projected (measured: hanging and bent bars of 1e6 and 1e7 Pa).
 constexpr float sweep_share = 1.9f;
 /// K is this much stiffer than the tets of the rest shape, for what the lattice does not resolve.
 constexpr float margin = 1.1f;
@@ -100,8 +100,9 @@ Mat3f rotation_of(const Mat3f& F) {
   return nearest_rotation(F);
 }
 
-/// How much stiffer than at rest a neo-Hookean material of deformation gradient F is, at most, in any direction: its
-/// volume term has the second derivative (lambda + mu) (cof F) (cof F)^T + (lambda + mu) (J - 1) d cof F/dF.
+/// Upper limit of the stiffness of a neo-Hookean material of deformation gradient F, relative to that at rest, in any
+/// direction. Its volume term has the second derivative (lambda + mu) (cof F) (cof F)^T + (lambda + mu) (J - 1) d cof
+/// F/dF.
 float stiffening(const Mat3f& F) {
   const Mat3f cof = cofactor(F);
   const float J = dot(F.column[0], cof.column[0]);

@@ -11,7 +11,7 @@ namespace souple {
 namespace {
 
 // n sweeps act as the mean of C over them. If a body at rest first falls by g h^2 and the sweeps then lift it, that
-// mean is g h^2 / 2 below the result, and a bar hangs that much too high. Where g h^2 matters, the motion of the
+// mean is g h^2 / 2 below the result. A bar then hangs that much too high. Where g h^2 matters, the motion of the
 // substep is divided among the rounds: half a part, n - 1 parts, half a part. The mean is then the result.
 constexpr int max_rounds_of_whole_motion = 10;
 constexpr std::size_t motion_grain = 4096;

@@ -143,8 +143,8 @@ class SetProjector final : public Projector,
       dirty_sweeps_ = dirty_softness_ = false;
     }
   }
-  /// n sweeps supply the stiffness if n >= softness h^2. The gradient of a tet's shear turns while it is
-  /// projected, which costs as much again and more: measured on hanging bars of 1e6 to 1e7 Pa.
+  /// n sweeps supply the stiffness if n >= softness h^2. The gradient of a tet's shear turns while it is projected,
+  /// which costs as much again and more. This was measured on hanging bars of 1e6 to 1e7 Pa.
   int sweeps_needed(const Substep& substep) const override {
     if (substep.mode == Mode::pbd) return 1;
     const float softness = !in_level_.empty() ? softness_of_rest_ : softness_;
@@ -424,8 +424,8 @@ class SetProjector final : public Projector,
     return result;
   }
 
-  // The order in which these constraints, of one object, are those of `other` in `runs` on particles from `begin`; empty
-  // if they are not the same. Two on the same particles count as not the same: their order would be a guess. The order
+  // The order in which these constraints of one object are those of `other` in `runs`, on particles from `begin`. It is
+  // empty if they differ. Two on the same particles count as different, because their order would be a guess. The order
   // of addition needs no comparison: it follows from the object's mesh.
   std::vector<std::uint32_t> order_as(const SetProjector& other, std::span<const Run> runs,
                                       std::uint32_t begin, std::size_t particle_count) const {
@@ -477,7 +477,7 @@ class SetProjector final : public Projector,
     return same;
   }
 
-  // Of each color the constraints of each part: fresh ones, or those in its run.
+  // Joins, for each color, the constraints of each part: fresh ones, or those in its run.
   void join(std::span<const ObjectPart> parts, std::span<SetProjector* const> fresh,
             std::span<const Run> runs, std::size_t colors) {
     Set joined;
@@ -529,8 +529,8 @@ class SetProjector final : public Projector,
     revision_ = detail::next_revision();
   }
   // phi / 2 of every constraint: half the share of inverse mass of particles that have other constraints too.
-  // 0.55 for 1/2: the links that carry a load were added first, get early colors and are softer than the mean
-  // (measured on hanging cloths and bars, 10 substeps: within 1 % of converged; with 1/2, 3 %).
+  // It is 0.55 instead of 1/2. The links that carry a load were added first, get early colors and are softer than the
+  // mean. On hanging cloths and bars with 10 substeps, the result is within 1 % of converged; with 1/2, 3 %.
   void find_shared(const ParticleView& particles) {
     std::vector<bool> seen(particles.position.size()), shared(seen);
     for (std::size_t i = 0; i < set_.size(); ++i)
@@ -567,8 +567,8 @@ class SetProjector final : public Projector,
     return is_replaced() ? replaced_.records : set_.records;
   }
 
-  // Positions relative to the constraint's origin, or to its first particle, so that no digit is lost far
-  // from the world's origin and in small steps.
+  // Positions relative to the constraint's origin, or to its first particle. So no digit is lost far from the world's
+  // origin and in small steps.
   void load(const Indices& indices, std::size_t i, const ParticleView& particles,
             ProjectionInput<Kind, float>& in) const {
     for (int k = 0; k < Kind::arity; ++k) {

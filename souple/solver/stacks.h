@@ -11,7 +11,7 @@ namespace souple {
 /// Groups of bodies whose bounding boxes touch, directly or through others.
 class Stacks {
  public:
-  /// Of all groups, the largest values.
+  /// The largest values of all groups.
   struct Size {
     std::size_t bodies = 1;
     double mass_ratio = 1;  ///< heaviest to lightest body of a group

@@ -58,8 +58,8 @@ struct Crowd {
   }
 };
 
-// A vertex and a triangle that approach each other: the range has the radii of the vertex and of the thickest
-// corner, the fastest corner's relative velocity, and the margins of both.
+// A vertex and a triangle that approach each other. The range has the radii of the vertex and of the thickest corner,
+// the fastest corner's relative velocity, and the margins of both.
 TEST(ElementPairKernels, ARangeIsThicknessAndMotionAndMargins) {
   const std::vector<Vec4f> velocity{{1, 0, 0, 0}, {1, 0, 0, 0}, {-2, 0, 0, 0}, {1, 4, 0, 0}};
   const std::vector<float> radius{0.1f, 0.2f, 0.3f, 0.1f}, margin{0.01f, 0.02f, 0.02f, 0.05f},

@@ -15,8 +15,8 @@ constexpr SmoothingShape shapes[] = {SmoothingShape::wendland, SmoothingShape::p
 
 constexpr float d = 0.02f;  // m
 
-/// V sum_j W, and V d sum_j grad W, of a particle of the lattice at rest, over the neighbors with has(i), i
-/// their lattice coordinate along x.
+/// V sum_j W, and V d sum_j grad W, of a particle of the lattice at rest. The sums are over the neighbors with has(i),
+/// i their lattice coordinate along x.
 template <class Has>
 std::pair<float, Vec3f> sums_on_lattice(const Smoothing& smoothing, SmoothingShape shape, const Has& has) {
   std::vector<Vec4f> records;

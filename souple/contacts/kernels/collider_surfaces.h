@@ -201,8 +201,8 @@ struct CellPack {
   }
 };
 
-/// Beyond the grid: a lower bound of the distance, from the distance d at the nearest point c of the grid's box, which
-/// contains the surface:  max(|w - c|, d - |w - c|).
+/// Beyond the grid: a lower bound of the distance, max(|w - c|, d - |w - c|). Here d is the distance at the nearest
+/// point c of the grid's box, which contains the surface.
 template <class Isa>
 SOUPLE_INLINE inline Surface<Isa> beyond_grid(const ColliderGrid& grid, const Vectors<Isa>& w,
                                               const Surface<Isa>& at_box) {

@@ -158,9 +158,9 @@ SOUPLE_INLINE inline Vectors<Isa> relative_rotation(const RollingBalls<Isa>& bal
   return balls.turned - vector_of<Isa>(body.rotation) * load<Isa>(columns.radius + i, count);
 }
 
-// dn = max(slop - C, -N)                        N, the normal sum: never negative, later iterations may reduce it
-// t  = (I - n n^T) (p - x - surface motion)     tangential displacement relative to the surface
-// T' = T - t                                    T, the tangent sum, cancels t; beyond mu_s N it is cut to mu_k N
+//   dn = max(slop - C, -N)                        N, the normal sum: never negative, later iterations may reduce it
+//   t  = (I - n n^T) (p - x - surface motion)     tangential displacement relative to the surface
+//   T' = T - t                                    T, the tangent sum, cancels t; beyond mu_s N it is cut to mu_k N
 template <class Isa>
 [[gnu::flatten]] void project(const ColliderParticles& particles, const ColliderBody& body,
                               const ColliderContactColumns& columns, std::size_t begin, std::size_t end) {

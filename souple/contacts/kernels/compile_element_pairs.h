@@ -331,8 +331,8 @@ struct Movable {
   }
 
   /// Adds change times w_k c_k to each corner, in the lanes of `which`. Writes to no particle that cannot
-  /// move: contacts of one color may share it. The last corner is written first, for a vertex stored as an
-  /// edge from it to itself: its first corner has all the weight, and the last write counts.
+  /// move: contacts of one color may share it. A vertex is stored as an edge from it to itself, whose first corner has
+  /// all the weight. The last corner is written first, so that the first corner's write counts.
   SOUPLE_INLINE void add(const Vectors<Isa>& change, const T (&c)[4], const typename T::Mask& which,
                          float* base, const std::uint32_t (&first_float)[4][Isa::lanes]) {
     for (int k = 3; k >= 0; --k) {

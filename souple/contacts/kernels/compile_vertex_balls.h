@@ -35,7 +35,7 @@ class BallPack {
   }
   BallPack(const BallPack&) = delete;
   BallPack& operator=(const BallPack&) = delete;
-  /// Of a record array: that of i minus that of j.
+  /// Difference in a record array: that of i minus that of j.
   SOUPLE_INLINE Vectors<Isa> difference(const float* base) const {
     Records<Isa> i(base, first_float[0]);
     i.subtract(Records<Isa>(base, first_float[1]));

@@ -29,7 +29,7 @@ std::size_t batches_of(std::size_t n) {
   return (n + batch_size - 1) / batch_size;
 }
 
-// Of elements of surfaces with self-collision.
+// Compares elements of surfaces with self-collision.
 constexpr auto itself = [](std::uint32_t a, std::uint32_t b) { return a == b; };
 
 kernels::ParticleRecords records_of(const ParticleView& particles, std::span<const Vec4f> moved) {
@@ -84,9 +84,8 @@ void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec
   find(particles, velocity, threads);
 }
 
-// Time that the next search covers [s]: the rest of the step. If particles move faster relative to their
-// object, the time in which their mean motion is motion_in_thicknesses times their thickness; then it is a
-// multiple of h.
+// Time that the next search covers [s]: the rest of the step. If particles move faster relative to their object, it is
+// the time in which their mean motion is motion_in_thicknesses times their thickness. It is then a multiple of h.
 float ElementPairs::horizon(const ParticleView& particles, std::span<const Vec4f> velocity) const {
   constexpr double motion_in_thicknesses = 1;
   if (!(step_.h > 0) || !(step_.h < remaining_)) return remaining_;
@@ -120,7 +119,7 @@ void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> ve
   bool found = find_within(dt, budget(), particles, v, threads);
   if (!found && dt > h) found = find_within(dt = h, budget(), particles, v, threads);
   while (!found) {
-    // What is near although it hardly moves has to be found.
+    // Pairs that are near although they hardly move have to be found.
     const bool helps = limit_.shorten(surfaces_, overlaps_other_, particles, velocity, h);
     v = limit_.limited(surfaces_, particles, velocity, h);
     paths_.find_means(surfaces_, particles, v);

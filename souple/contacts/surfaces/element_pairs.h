@@ -50,7 +50,7 @@ class ElementPairs {
   /// motions while there is a limit.
   /// Returns the index of the first new pair: size() if there is none, 0 if all pairs are new.
   std::size_t update(const ParticleView& particles, float h, Threads& threads);
-  /// As above, if only `particles_moved` have moved since the last update.
+  /// Updates after `particles_moved` alone have moved since the last update.
   std::size_t update(const ParticleView& particles, float h, std::span<const std::uint32_t> particles_moved,
                      Threads& threads);
   void clear() { pairs_.clear(); }
@@ -75,7 +75,7 @@ class ElementPairs {
   void measure(const ParticleView& particles, Threads& threads) {
     bounds_.measure(surfaces_, particles, paths_.contact_margin(), threads);
   }
-  /// As above, for `particles_moved` alone: the particles that were moved since the last call.
+  /// Measures `particles_moved` alone: the particles that were moved since the last call.
   void measure(const ParticleView& particles, std::span<const std::uint32_t> particles_moved) {
     bounds_.measure(surfaces_, particles, particles_moved);
   }

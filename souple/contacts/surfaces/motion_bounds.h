@@ -25,7 +25,7 @@ class MotionBounds {
   /// contacts of particle i begin [m].
   void measure(const ElementSurfaces& surfaces, const ParticleView& particles,
                std::span<const float> contact_margin, Threads& threads);
-  /// As above, for `particles_moved` alone: the particles that were moved since the last call.
+  /// Measures `particles_moved` alone: the particles that were moved since the last call.
   void measure(const ElementSurfaces& surfaces, const ParticleView& particles,
                std::span<const std::uint32_t> particles_moved);
   /// Per particle: motion of the last measurement [m].

@@ -9,8 +9,9 @@
 namespace souple {
 
 /// Prevents intersections after the solver: tests all motions again. Pairs that would still pass through each other
-/// receive correction contacts, which conserve momentum. If these do not suffice (an object is squeezed between
-/// walls), motions are clamped, and at last stopped: also those of driven particles, which lag behind. So objects without intersections never start to intersect.
+/// receive correction contacts, which conserve momentum. If these do not suffice (an object is squeezed between walls),
+/// motions are clamped, and at last stopped. Driven particles are stopped as well and lag behind. So objects without
+/// intersections never start to intersect.
 class MotionFilter {
  public:
   void set_count();

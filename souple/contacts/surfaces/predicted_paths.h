@@ -37,19 +37,19 @@ class PredictedPaths {
   Vec3f relative_velocity(const Vec3f& velocity, std::size_t surface) const {
     return velocity - mean_velocity_[surface];
   }
-  /// Of a particle in contacts [m].
+  /// Thickness of a particle in contacts [m].
   float thickness(std::uint32_t particle) const { return 2 * max(radius_[particle], min_thickness); }
   /// Predicts all paths for a time of `dt` [s].
   void predict_all(const ElementSurfaces& surfaces, const ParticleView& particles,
                    std::span<const Vec4f> velocity, float dt, Threads& threads);
   /// Starts the next substep.
   void advance(float h) { elapsed_ += h; }
-  /// Finds the particles that have left their paths. Positions of surfaces far from all others (overlaps_other is 0)
-  /// are compared relative to their mean only, because the margin of their bounds covers their motion.
+  /// Finds the particles that have left their paths. If overlaps_other is 0, a surface is far from all others. Its
+  /// positions are compared relative to their mean only, because the margin of their bounds covers their motion.
   void find_off_path(const ElementSurfaces& surfaces, std::span<const std::uint8_t> overlaps_other,
                      const ParticleView& particles, Threads& threads);
-  /// As above, if only `moved` have moved since. Compares all particles of a surface with one shift, that of the last
-  /// search of all particles.
+  /// Compares `moved` alone, the particles that have moved since. The particles of a surface share one shift, that of
+  /// the last search of all particles.
   void find_off_path(const ElementSurfaces& surfaces, std::span<const std::uint8_t> overlaps_other,
                      const ParticleView& particles, std::span<const std::uint32_t> moved);
   std::span<const std::uint32_t> off_path() const { return off_path_; }
@@ -69,9 +69,9 @@ class PredictedPaths {
   std::size_t bytes() const;
 
  private:
-  /// Predicted positions of a particle at the time t since pairs were found [m]: within `margin` of
-  /// origin + v t in world space, and within `relative_margin` of relative_origin + (v - mean_velocity) t
-  /// relative to its surface's shift.
+  /// Predicted positions of a particle at the time t since pairs were found [m]. In world space they are within
+  /// `margin` of origin + v t. Relative to the surface's shift they are within `relative_margin` of relative_origin +
+  /// (v - mean_velocity) t.
   struct Path {
     Vec3f origin, relative_origin;
     float margin, relative_margin;

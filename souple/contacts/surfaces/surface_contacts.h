@@ -20,30 +20,29 @@ class SurfaceNarrowPhase;
 ///
 ///   C = n . sum_k c_k p_k - d >= 0,   sum_k c_k = 0
 ///
-/// c_k are the weights of the two nearest points (1 and minus barycentric for a vertex and a triangle), n the
-/// unit vector between them, and d the distance that the thickness requires. Both are computed once a
-/// substep, at the end of the motion x -> p. If the motion would bring the two elements through each other,
-/// they are computed just before the impact (continuous.h). So n always points to the side where the elements
-/// started. Corrections w_k c_k n conserve momentum. Friction, restitution and the slow release of an old
-/// overlap are as in ParticleContacts.
+/// The weights of the two nearest points are c_k (1 and minus barycentric for a vertex and a triangle). The unit vector
+/// between them is n, and the thickness requires the distance d. Weights and n are computed once a substep, at the end
+/// of the motion x -> p. If the elements would pass through each other, they are computed just before the impact
+/// (continuous.h). So n always points to the side where the elements started. Corrections w_k c_k n conserve momentum.
+/// Friction, restitution and the slow release of an old overlap are as in ParticleContacts.
 ///
 /// A vertex that is nearest to an edge or a corner makes a contact with one of the triangles there
-/// (feature_owners.h). Pairs of edges whose nearest point is an end make no contact, unless one is a rope's: the vertex
-/// at that end makes it with the triangles.
+/// (feature_owners.h). Pairs of edges whose nearest point is an end make no contact, unless one is a rope's. The vertex
+/// at that end makes a contact with the triangles.
 ///
 /// A contact must exist before the solver brings two elements too near. Otherwise it is present in one
-/// substep and absent in the next, and resting objects would tremble. Where bodies are stiff or heavy, the
-/// solver first moves them into each other by much more than their motion in a substep, and contacts push
-/// them back. So contacts of a particle that was pushed back start earlier by that correction, in this
-/// substep and some following ones.
+/// substep and absent in the next, and resting objects would tremble. If bodies are stiff or heavy, the solver first
+/// moves them into each other by much more than their motion in a substep. Then contacts push them back. So contacts of
+/// a particle that was pushed back start earlier by that correction, in this substep and some following ones.
 ///
 /// With discrete detection only a vertex whose path crosses a triangle gets a contact, at the crossing and
 /// along the triangle's normal (path_crossing.h).
 ///
 /// After the solver, `after_solve` tests all motions again (motion_filter.h).
 ///
-/// A substep goes through four classes: ElementPairs keeps the candidates, SurfaceNarrowPhase finds which of them touch
-/// and describes the contacts, ContactColors orders them for the solver, and MotionFilter corrects what the solver left.
+/// A substep goes through four classes. ElementPairs keeps the candidates. SurfaceNarrowPhase finds which of them
+/// touch, and describes the contacts. ContactColors orders them for the solver, and MotionFilter corrects violations
+/// that the solver left.
 class SurfaceContacts final : public ContactProjector {
  public:
   /// Contacts ignore the pairs that the resolver exempts; null: none. It must outlive this object.

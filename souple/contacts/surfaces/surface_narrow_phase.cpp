@@ -185,7 +185,7 @@ void SurfaceNarrowPhase::describe_crossing(ElementPairs& candidates, std::uint32
   out.approach[contact] = -dot(crossing.normal, anchor_of(out, contact).moved(particles));
 }
 
-// A pair of two objects that find_near returned. What is squeezed until it coincides is no such pair.
+// A pair of two objects that find_near returned. Pairs that were squeezed until they coincide do not count.
 bool SurfaceNarrowPhase::is_placed_at_one_place(const ElementPairs& candidates, std::uint32_t pair) const {
   const auto& i = candidates.pair(pair).particle;
   return step_.placed && candidates.distance_bound(pair) < coincident_distance &&
