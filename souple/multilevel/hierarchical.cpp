@@ -15,9 +15,9 @@ namespace {
 constexpr std::uint32_t none = ~std::uint32_t{0};
 /// Particles of the coarsest level, at most: few sweeps solve it.
 constexpr std::size_t coarsest_size = 24;
-/// Sweeps per level. The last is plain, those before it are over-relaxed: one sweep from lambda = 0 leaves a
-/// smooth stretch (1/omega - 1/2) h^2 (w_a + w_b) lambda per link (docs/notes/solvers.md), and omega = 1.6 leaves a
-/// quarter of what omega = 1 does. A third sweep gains little and makes a flag's worst link worse.
+/// Sweeps per level. The last is plain, those before it are over-relaxed. One sweep from lambda = 0 leaves a smooth
+/// stretch (1/omega - 1/2) h^2 (w_a + w_b) lambda per link (docs/notes/solvers.md). With omega = 1.6 a quarter of the
+/// stretch with omega = 1 remains. A third sweep gains little and makes a flag's worst link worse.
 constexpr int sweeps = 2, coarsest_sweeps = 4;
 constexpr float over_relaxation = 1.6f;
 /// Additional sweeps of the links around isolated pinned particles, and how many links away they reach.
@@ -148,9 +148,9 @@ float compliance_of(const Link& link) {
   return link.length * link.length / link.energy;
 }
 
-/// Stiffness that the n sweeps of a level supply to a smooth stretch. Each starts from lambda = 0, with a
-/// compliance n alpha, and acts like springs of compliance n alpha / omega + (1/omega - 1/2) h^2 w side by side
-/// with those of the other sweeps (docs/notes/solvers.md). w: sum of the inverse masses of a link.
+/// Stiffness that the n sweeps of a level supply to a smooth stretch. Each starts from lambda = 0, with a compliance n
+/// alpha. It acts like springs of compliance n alpha / omega + (1/omega - 1/2) h^2 w beside those of the other sweeps
+/// (docs/notes/solvers.md). w: sum of the inverse masses of a link.
 float supplied(float alpha, float h2_w) {
   const float each = alpha * float{sweeps}, omega = over_relaxation;
   return (sweeps - 1) / (each / omega + (1 / omega - 0.5f) * h2_w) + 1 / (each + 0.5f * h2_w);
