@@ -1,9 +1,7 @@
 #include "app/bench_measure.h"
 #include "app/bench_report.h"
 #include "app/bench_scenes.h"
-#include "app/bench_segments.h"
 #include "app/bench_stages.h"
-#include "app/bench_strain.h"
 #include "app/commands.h"
 #include "app/exit_codes.h"
 #include "app/option_names.h"
@@ -11,10 +9,8 @@
 #include "souple/scene/nearest.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <cstring>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -37,17 +33,14 @@ int list_benchmarks() {
   std::for_each(stage_benches().begin(), stage_benches().end(), name_length);
   std::for_each(bench_scenes().begin(), bench_scenes().end(), print);
   std::for_each(stage_benches().begin(), stage_benches().end(), print);
-  std::printf("%-*s  a segment against triangles, with each of the tests; --size: triangles [%d]\n",
-              static_cast<int>(widest), segments_name, default_segments_size);
   return success;
 }
 
-/// Throws Error unless `name` is a benchmark: a scene, a stage or `segments`.
+/// Throws Error unless `name` is a benchmark: a scene or a stage.
 void require_known(const std::string& name) {
   std::vector<std::string> names;
   for (const BenchScene& scene : bench_scenes()) names.emplace_back(scene.name);
   for (const StageBench& stage : stage_benches()) names.emplace_back(stage.name);
-  names.emplace_back(segments_name);
   if (std::find(names.begin(), names.end(), name) != names.end()) return;
   throw Error("unknown benchmark \"" + name + "\"" + scene_format::suggestion(name, names) +
               "; `souple bench` lists them");
@@ -72,20 +65,6 @@ SolverSettings solver_settings(const BenchRequest& request) {
   return solver;
 }
 
-constexpr int strain_runs = 600;  // ten seconds: a strain that grows slowly shows
-
-void set_strain(const BenchRequest& request, BenchOptions& options) {
-  options.strain = request.strain;
-  if (!options.strain) return;
-  if (!(*options.strain > 0 && *options.strain <= 1))
-    throw Error("--strain: expected a strain above 0 and at most 1, such as 0.02 for 2 %");
-  if (request.substeps)
-    throw Error("--substeps: --strain tries numbers of substeps; leave one of the two out");
-  if (request.residual)
-    throw Error("--residual: measures one solve, --strain steps; leave one of the two out");
-  if (!request.runs) options.runs = strain_runs;
-}
-
 BenchOptions options_of(const BenchRequest& request) {
   BenchOptions options;
   options.name = request.name;
@@ -104,43 +83,7 @@ BenchOptions options_of(const BenchRequest& request) {
   options.residual = request.residual;
   if (options.residual && !(*options.residual > 0 && *options.residual < 0.1))
     throw Error("--residual: expected a strain above 0 and below 0.1, the strain at the start");
-  set_strain(request, options);
   return options;
-}
-
-/// `souple bench segments`: not a scene; takes only the options --size, --runs and --json.
-int bench_segments(const BenchRequest& request) {
-  if (request.strain) throw Error("--strain: segments uses no solver");
-  if (!request.compare.empty()) throw Error("--compare: segments has no steps to compare");
-  int size = default_segments_size, runs = 10;
-  set_option(request.size, "--size", 1, 10000000, size);
-  set_option(request.runs, "--runs", 1, 1000, runs);
-  const auto result = segments_json(size, measure_segments(SegmentStack(size), runs));
-  if (request.json) {
-    std::fputs(dump_json(result).c_str(), stdout);
-  } else {
-    print_segments(result);
-  }
-  return success;
-}
-
-/// `souple bench NAME --strain`; prints each trial as it ends.
-Json search(const BenchRequest& request) {
-  static constexpr std::array by_default{SolverKind::automatic, SolverKind::gauss_seidel};
-  const BenchOptions options = options_of(request);
-  std::span<const SolverKind> solvers = by_default;
-  if (!request.solver.empty()) solvers = {&options.settings.solver.kind, 1};
-  const bool prints = !request.json;
-  const StrainSearch found = search_strain(options, solvers, [prints](const StrainTrial& trial) {
-    if (prints) print_trial(trial);
-  });
-  if (prints) print_cheapest(found);
-  return strain_json(found, options);
-}
-
-Json measure(const BenchRequest& request, const StageBench* stage) {
-  if (stage != nullptr) return measure_stage(*stage, options_of(request));
-  return request.strain ? search(request) : bench_json(measure(options_of(request)));
 }
 
 }  // namespace
@@ -148,21 +91,18 @@ Json measure(const BenchRequest& request, const StageBench* stage) {
 int bench(const BenchRequest& request) {
   if (request.name.empty()) return list_benchmarks();
   require_known(request.name);
-  if (request.name == segments_name) return bench_segments(request);
   Json before;
   if (!request.compare.empty()) before = read_bench_json(request.compare);
+  const bool compares = before.is(Json::Kind::object);
   try {
     const StageBench* stage = find_stage_bench(request.name);
-    Json now = measure(request, stage);
-    const bool measured = now.find("ms_per_step") != nullptr;  // --strain may find no settings
-    const bool compares = before.is(Json::Kind::object) && measured;
+    const BenchOptions options = options_of(request);
+    Json now = stage != nullptr ? measure_stage(*stage, options) : bench_json(measure(options));
     if (request.json) {
       if (compares) now.set("faster", speed_up(now, before));
       std::fputs(dump_json(now).c_str(), stdout);
-    } else if (stage != nullptr) {
-      print_stage(now, compares ? &before : nullptr);
-    } else if (measured) {
-      print_bench(now, compares ? &before : nullptr);
+    } else {
+      (stage != nullptr ? print_stage : print_bench)(now, compares ? &before : nullptr);
     }
     return success;
   } catch (const NonFiniteError& error) {

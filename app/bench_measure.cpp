@@ -26,7 +26,6 @@ constexpr double residual_budget = 8;       // s, for one solve to the target re
 constexpr double repeated_below = 0.1;      // s: shorter times are the best of three
 constexpr int max_iterations = 1 << 16;
 constexpr double stretched = 0.1;  // strain of the static case
-constexpr int min_timed = 5;       // steps whose time is meaningful
 
 /// Lengths of all edges of tets, in a fixed order.
 std::vector<double> tet_edge_lengths(const World& world) {
@@ -68,9 +67,6 @@ void time_steps(World& world, const BenchOptions& options, BenchResult& result) 
     const std::chrono::duration<double, std::milli> spent = Clock::now() - start;
     whole.push_back(spent.count());
     for (std::size_t s = 0; s < stage_count; ++s) stages[s].push_back(report.milliseconds[s]);
-    if (!options.strain) continue;
-    result.peak_strain = std::max(result.peak_strain, largest_strain(world, rest));
-    if (i + 1 >= min_timed && result.peak_strain > *options.strain) break;
   }
   result.runs = static_cast<int>(whole.size());
   result.max_strain = largest_strain(world, rest);
@@ -205,7 +201,6 @@ BenchResult measure(const BenchOptions& options) {
     result.crossings = 0;
     for (const ObjectId object : world.objects()) *result.crossings += world.count_crossings(object);
   }
-  if (options.strain && result.peak_strain > *options.strain) return result;
   time_projections(world, result);
   result.diagnostic = world.time_solve(frame, result.iterations).diagnostic;
   if (options.residual) result.residual = time_to_residual(scene, options, result.size);

@@ -19,8 +19,6 @@ struct BenchOptions {
   int warm_up = 5;                 ///< steps before measurement starts
   int runs = 30;                   ///< steps measured
   std::optional<double> residual;  ///< mean strain to reach in the static case; its time is measured
-  /// Bound of the largest strain: measurement ends soon after a step exceeds it.
-  std::optional<double> strain;
 };
 
 /// Values by name, in order of first occurrence.
@@ -59,7 +57,6 @@ struct BenchResult {
   double constraints_per_second = 0;   ///< of the whole step: constraints * substeps * iterations / time
   NamedValues projections_per_second;  ///< per kind, projection alone
   double max_strain = 0;   ///< at the end: largest extension of a distance, a membrane or an edge of a tet
-  double peak_strain = 0;  ///< with BenchOptions::strain: the largest after any of the runs
   std::uint64_t hash = 0;  ///< hash of the world at the end
   std::optional<std::size_t> crossings;  ///< at the end: edges through triangles of the same cloth
   std::string diagnostic;                ///< diagnostic message of the solver

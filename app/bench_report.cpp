@@ -15,6 +15,15 @@ using scene_format::Member;
 
 namespace {
 
+/// Rounds to six digits, the precision of the measurements; null: not finite.
+Json rounded(double value) {
+  if (value == 0 || !std::isfinite(value)) return std::isfinite(value) ? Json::of(0.0) : Json();
+  const double unit = std::pow(10.0, std::floor(std::log10(std::fabs(value))) - 5);
+  const double shown =
+      unit < 1 ? std::round(value / unit) / std::round(1 / unit) : std::round(value / unit) * unit;
+  return Json::of(shown);
+}
+
 Json named_values_json(const NamedValues& values) {
   Json object = Json::object();
   for (const auto& [name, value] : values) object.set(name, rounded(value));
@@ -130,14 +139,6 @@ void print_differences(const Json& now, const Json& before) {
 }
 
 }  // namespace
-
-Json rounded(double value) {
-  if (value == 0 || !std::isfinite(value)) return std::isfinite(value) ? Json::of(0.0) : Json();
-  const double unit = std::pow(10.0, std::floor(std::log10(std::fabs(value))) - 5);
-  const double shown =
-      unit < 1 ? std::round(value / unit) / std::round(1 / unit) : std::round(value / unit) * unit;
-  return Json::of(shown);
-}
 
 Json bench_json(const BenchResult& r) {
   char hash[20];

@@ -7,9 +7,6 @@
 
 namespace souple::app {
 
-/// Rounds to six digits, the precision of the measurements; null: not finite.
-scene_format::Json rounded(double value);
-
 scene_format::Json bench_json(const BenchResult& result);
 
 /// Reads a result that --json printed. Throws Error when the file is not such a result.

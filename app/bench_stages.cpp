@@ -20,14 +20,8 @@ using scene_format::Member;
 namespace {
 
 constexpr std::array benches{
-    StageBench{"triangles", "near pairs of crumpled sheets in motion, by spatial hash",
-               "approximate number of triangles", 500000, 2, 20000000, measure_triangles},
     StageBench{"dam-break", "a block of water collapses in a tank: steps of 2 ms, 5 iterations", "particles",
                97336, 1000, 4000000, measure_dam_break},
-    StageBench{"drape", "cotton of 1 m falls on colliders of each shape, default thickness; --runs: frames",
-               "vertices along a side", 60, 4, 1000, measure_drape},
-    StageBench{"neighbors", "neighbor lists of random points in motion, 29 each", "points", 100000, 100,
-               20000000, measure_neighbors},
     StageBench{"surface", "the surface of a broken dam as a mesh, cells of a particle's radius",
                "approximate number of particles", 98000, 100, 5000000, measure_surface},
 };
@@ -63,7 +57,6 @@ Json measure_stage(const StageBench& bench, BenchOptions options) {
     throw Error(fmt::format("--size {}: {} takes {} to {} {}", options.size, bench.name, bench.min_size,
                             bench.max_size, bench.size_means));
   if (options.residual) throw Error(std::string("--residual: ") + bench.name + " uses no solver");
-  if (options.strain) throw Error(std::string("--strain: ") + bench.name + " uses no solver");
   Json result = Json::object();
   result.set("name", Json::of(bench.name));
   result.set("size", Json::whole(options.size));

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-// Benchmarks that are no scene of `souple bench`, such as of a single stage: rows of a table like the scenes of bench_scenes.h.
+// Benchmarks of `souple bench` with measurements of their own: rows of a table like the scenes of bench_scenes.h.
 
 namespace souple::app {
 
@@ -36,17 +36,8 @@ scene_format::Json measure_stage(const StageBench& bench, BenchOptions options);
 /// Prints a table for people; with `before`, if not null, beside it.
 void print_stage(const scene_format::Json& now, const scene_format::Json* before);
 
-/// Crumpled sheets in motion: boxes, hash and near pairs.
-scene_format::Json measure_triangles(const BenchOptions& options);
-
-/// Random points in motion, in the order of their former cells: cells and neighbor lists.
-scene_format::Json measure_neighbors(const BenchOptions& options);
-
 /// The surface of a broken dam: a mesh of its particles, with both kinds of kernels.
 scene_format::Json measure_surface(const BenchOptions& options);
-
-/// A cloth that falls on each shape of collider, and without any: mean and slowest frame.
-scene_format::Json measure_drape(const BenchOptions& options);
 
 /// A block of water that collapses in a tank: steps of 2 ms with 5 iterations.
 scene_format::Json measure_dam_break(const BenchOptions& options);

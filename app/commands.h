@@ -98,7 +98,7 @@ struct BenchRequest {
   std::optional<std::uint32_t> size, threads, substeps, iterations, warm_up, runs, colors;
   std::string solver, sweep, mode, threading;
   std::optional<float> relaxation, chebyshev;
-  std::optional<double> residual, strain;
+  std::optional<double> residual;
   std::filesystem::path compare;  ///< JSON of an earlier result
   bool json = false;
 };

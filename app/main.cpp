@@ -138,15 +138,11 @@ constexpr const char* bench_footer = R"(Examples:
   souple bench cloth --compare before.json
   souple bench cloth --solver hierarchical --iterations 2
   souple bench cloth --residual 0.01 --json    also measure the time of a solve to a strain of 1 %
-  souple bench cloth --strain 0.02             find the cheapest settings that keep the strain within 2 %
 
 Steps of 1/60 s are timed by the wall clock: medians of --runs steps after --warm-up others. Projections per second
 count each kind of constraint alone. Reports measure no residuals meanwhile; the largest strain is that after the last
 step. --residual removes gravity, stretches the cloth by 10 % and solves once, without steps. For reliable numbers,
 run nothing else on the machine.
-
---strain tries 1, 2, 3, 4, 6, 8, ... substeps of --solver, without that of automatic and of gauss_seidel. It reports the
-cheapest settings for which the largest strain after any of 600 steps (--runs) is within the bound.
 
 solvers: automatic, gauss_seidel, jacobi, direct, conjugate_gradient, dense, hierarchical)";
 
@@ -436,16 +432,11 @@ void add_bench(CLI::App& app, std::function<int()>& action) {
   command.add_option("--mode", request->mode, "small_steps, xpbd, pbd [small_steps]")->type_name("MODE");
   command.add_option("--warm-up", request->warm_up, "number of steps before the measurement [5]")
       ->type_name("N");
-  command.add_option("--runs", request->runs, "number of measured steps [30; with --strain 600]")
+  command.add_option("--runs", request->runs, "number of measured steps [30]")
       ->type_name("N");
   command
       .add_option("--residual", request->residual,
                   "also measure the time to this mean strain, such as 0.01; cloths only")
-      ->type_name("STRAIN");
-  command
-      .add_option("--strain", request->strain,
-                  "find the cheapest solver and substeps that keep the largest strain within this bound, "
-                  "such as 0.02")
       ->type_name("STRAIN");
   command.add_option("--compare", request->compare, "show ratios to the result in this file")
       ->type_name("FILE.json");

@@ -5,21 +5,14 @@
 #include "tests/collision/random.h"
 
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include <benchmark/benchmark.h>
 
-// Nanoseconds per call of continuous detection: safe times by outcome, the cubic alone, and nearest points in
-// float, in double and in packs of this file's instruction set.
+// Nanoseconds per call of continuous detection: safe times by outcome, the cubic alone, and nearest points in float and in
+// double.
 
 namespace souple {
-
-// nearest_avx2.cpp and nearest_avx512.cpp
-void triangles_of_avx2(const float* x, int count, float* sum);
-void edges_of_avx2(const float* x, int count, float* sum);
-void triangles_of_avx512(const float* x, int count, float* sum);
-void edges_of_avx512(const float* x, int count, float* sum);
 
 namespace {
 
@@ -121,30 +114,6 @@ void edge_parameters(benchmark::State& state) {
 }
 BENCHMARK_TEMPLATE(edge_parameters, float);
 BENCHMARK_TEMPLATE(edge_parameters, double);
-
-#if defined(__x86_64__)
-constexpr int packs = 64;
-
-/// Items are triangles or pairs of edges: the inverse rate is the time per item.
-void nearest_of_packs(benchmark::State& state, int lanes, void (*run)(const float*, int, float*),
-                      bool supported) {
-  if (!supported) return state.SkipWithError("this processor has no such instructions");
-  Random random(5);
-  std::vector<float> x(std::size_t(packs * 12 * lanes)), sum(16);
-  for (float& v : x) v = float(random.uniform(-1, 1));
-  for (auto _ : state) {
-    run(x.data(), packs, sum.data());
-    benchmark::DoNotOptimize(sum.data());
-    benchmark::ClobberMemory();
-  }
-  state.SetItemsProcessed(std::int64_t(state.iterations()) * packs * lanes);
-}
-const bool avx2 = __builtin_cpu_supports("avx2"), avx512 = __builtin_cpu_supports("avx512dq");
-BENCHMARK_CAPTURE(nearest_of_packs, triangle_avx2, 8, triangles_of_avx2, avx2);
-BENCHMARK_CAPTURE(nearest_of_packs, triangle_avx512, 16, triangles_of_avx512, avx512);
-BENCHMARK_CAPTURE(nearest_of_packs, edges_avx2, 8, edges_of_avx2, avx2);
-BENCHMARK_CAPTURE(nearest_of_packs, edges_avx512, 16, edges_of_avx512, avx512);
-#endif
 
 }  // namespace
 }  // namespace souple

@@ -1,11 +1,11 @@
 // The three integrators on the same cloth and the same soft body: their elasticity as forces, and as
 // constraints of a world with Settings::integrator.
 //
-//   elastic_integrators
-//
-// Prints JSON: for each scene the largest stable step of each integrator, what a second changes of the energy,
+// As JSON: for each scene the largest stable step of each integrator, what a second changes of the energy,
 // the energy over time and the positions when explicit Euler has exploded, though its step is far smaller than
 // those of the others; and the energy of a world.
+
+#include "benchmarks/elastic_integrators.h"
 
 #include "benchmarks/elastic_scenes.h"
 
@@ -202,10 +202,8 @@ void print_triangles(const Triangles& triangles) {
 }
 
 }  // namespace
-}  // namespace souple::benchmarks
 
-int main() {
-  using namespace souple::benchmarks;
+void print_elastic_integrators() {
   std::printf("{\"scenes\": [");
   const ClothScene cloth{.n = 20, .spin = 2};
   print("cloth", cloth, {4e-6, 2e-4, 1.0 / 60}, 1500);
@@ -213,10 +211,9 @@ int main() {
   std::printf(",\n");
   const BarScene bar{.n = 4};
   print("soft body", bar, {5e-6, 3e-4, 1.0 / 60}, 2e3);
-  {
-    souple::World world;
-    const souple::ObjectId object = bar.add(world);
-    print_triangles(world.triangles(object));
-  }
+  World world;
+  print_triangles(world.triangles(bar.add(world)));
   std::printf("]}\n");
 }
+
+}  // namespace souple::benchmarks

@@ -1,11 +1,10 @@
 // What discrete detection lets through: grains shot at the shared corners and edges of a ball's triangles, in
 // a world with Detection::discrete, with each segment-triangle test; and cloth that falls on a box.
 //
-//   path_leaks [SHOTS]    1,000,000 shots at corners and as many at edges by default
-//
 // A shot starts within the ball, near the corner or the middle of the edge that it aims at, and would end
-// outside. Balls of 1280 triangles and 1 m, turned and moved at random, about 5 m from the origin. Prints JSON.
+// outside. Balls of 1280 triangles and 1 m, turned and moved at random, about 5 m from the origin.
 
+#include "benchmarks/segments.h"
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/builders.h"
 #include "souple/world/world.h"
@@ -15,13 +14,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <span>
 #include <vector>
 
+namespace souple::benchmarks {
 namespace {
-
-using namespace souple;
 
 struct Ball {
   TriangleMesh mesh;
@@ -109,8 +106,7 @@ void print_cloth(Detection detection) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  const long long shots = argc > 1 ? std::atoll(argv[1]) : 1000000;
+void print_path_leaks(long long shots) {
   std::printf("{\"tests\": [");
   for (const auto& [name, segment_test] : segment_test_names) {
     const Count corners = leaks(segment_test, false, shots), edges = leaks(segment_test, true, shots);
@@ -127,3 +123,5 @@ int main(int argc, char** argv) {
   print_cloth(Detection::discrete);
   std::printf("]}\n");
 }
+
+}  // namespace souple::benchmarks

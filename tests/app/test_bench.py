@@ -15,7 +15,7 @@ SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
 NAMES = {"cloth": 12, "cloth-dihedral": 12, "cloth-isometric": 12, "cloth-membrane": 12, "tets": 100, "cloths": 2,
          "cubes": 2, "heap": 12, "heap-particles": 12, "heap-off": 12, "dancers": 2, "dancers-surfaces": 2,
          "dancers-off": 2}
-STAGES = ["triangles", "dam-break", "drape", "neighbors", "surface"]  # benchmarks of one stage, without a world
+STAGES = ["dam-break", "surface"]  # with measurements of their own
 
 
 def souple(*arguments, code=0, **environment):
@@ -33,7 +33,7 @@ def bench(*arguments, **environment):
 class Bench(unittest.TestCase):
     def test_lists_what_there_is(self):
         listed = souple("bench").stdout.splitlines()
-        self.assertEqual([line.split()[0] for line in listed], [*NAMES, *STAGES, "segments"])
+        self.assertEqual([line.split()[0] for line in listed], [*NAMES, *STAGES])
 
     def test_every_benchmark_says_everything(self):
         for name, size in NAMES.items():
@@ -50,18 +50,6 @@ class Bench(unittest.TestCase):
             parts = sum(result["ms_per_stage"].values())
             self.assertGreater(parts, 0.5 * result["ms_per_step"], name)
 
-    def test_triangles(self):
-        result = bench("triangles", "--size", 10000)
-        self.assertAlmostEqual(result["triangles"] / 10000, 1, places=0)
-        self.assertEqual(list(result["ms_per_stage"]), ["boxes", "build", "pairs"])
-        self.assertLessEqual(sum(result["ms_per_stage"].values()), 1.5 * result["ms_per_step"] + 1)
-        self.assertGreater(result["pairs"]["vertex_triangle"], result["vertices"])
-        self.assertGreater(result["pairs"]["edge_edge"], result["edges"])
-        self.assertGreater(result["queries_per_second"], 0)
-        for threads in 2, 3:
-            self.assertEqual(bench("triangles", "--size", 10000, "--threads", threads)["hash"], result["hash"])
-        self.assertEqual(bench("triangles", "--size", 10000, SOUPLE_SIMD="scalar")["hash"], result["hash"])
-
     def test_dam_break(self):
         result = bench("dam-break", "--size", 2000)
         self.assertLess(abs(result["particles"] - 2000), 200)
@@ -69,30 +57,6 @@ class Bench(unittest.TestCase):
         self.assertLess(result["density_error"], 0.01)
         for threads in (1, 8):
             self.assertEqual(bench("dam-break", "--size", 2000, "--threads", threads)["hash"], result["hash"])
-
-    def test_drape(self):
-        result = bench("drape", "--size", 12, "--warm-up", 5)
-        shapes = result["shapes"]
-        self.assertEqual(list(shapes), ["free", "plane", "sphere", "box", "capsule", "cylinder", "field"])
-        self.assertEqual(shapes["free"]["over_free"], 1)
-        self.assertEqual(len({shape["hash"] for shape in shapes.values()}), 7)  # each collider is hit
-        for name, shape in shapes.items():
-            self.assertGreater(shape["ms_mean"], 0, name)
-            self.assertGreaterEqual(shape["ms_worst"], shape["ms_mean"], name)
-        others = [bench("drape", "--size", 12, "--warm-up", 5, "--threads", 3),
-                  bench("drape", "--size", 12, "--warm-up", 5, SOUPLE_SIMD="scalar")]
-        for other in others:
-            for name, shape in other["shapes"].items():
-                self.assertEqual(shape["hash"], shapes[name]["hash"], name)
-
-    def test_neighbors(self):
-        result = bench("neighbors", "--size", 20000)
-        self.assertEqual(list(result["ms_per_stage"]), ["sort", "lists"])
-        self.assertLess(abs(result["neighbors"] - 28), 1.5)  # points at the walls have fewer
-        self.assertGreater(result["pairs_per_second"], 0)
-        for threads in 2, 3:
-            self.assertEqual(bench("neighbors", "--size", 20000, "--threads", threads)["hash"], result["hash"])
-        self.assertEqual(bench("neighbors", "--size", 20000, SOUPLE_SIMD="scalar")["hash"], result["hash"])
 
     def test_surface(self):
         result = bench("surface", "--size", 8000)
@@ -159,39 +123,6 @@ class Bench(unittest.TestCase):
         self.assertGreater(gauss_seidel[1], gauss_seidel[0])
         self.assertLess(gauss_seidel[-1], 0.1 * gauss_seidel[0])
 
-    def test_cheapest_within_a_strain(self):
-        result = bench("cloth", "--size", 20, "--strain", 0.05, "--solver", "gauss_seidel")
-        *failed, last = result["strain"]["trials"]
-        self.assertTrue(result["strain"]["reached"])
-        self.assertTrue(last["within_bound"])
-        self.assertTrue(failed)
-        for trial in failed:
-            self.assertGreater(trial["largest_strain"], 0.05)
-            self.assertLess(trial["substeps"], last["substeps"])
-        self.assertEqual((last["substeps"], last["steps"]), (result["substeps"], 4))
-        self.assertLessEqual(result["strain"]["largest"], 0.05)
-        self.assertGreaterEqual(result["strain"]["largest"], result["max_strain"])
-        # A stricter bound takes more substeps, and the result is that of a run with these substeps.
-        strict = bench("cloth", "--size", 20, "--strain", 0.02, "--solver", "gauss_seidel")
-        self.assertGreater(strict["substeps"], result["substeps"])
-        self.assertEqual(bench("cloth", "--size", 20, "--substeps", result["substeps"],
-                               "--solver", "gauss_seidel")["hash"], result["hash"])
-
-    def test_cheapest_of_both_solvers(self):
-        result = bench("cloth", "--size", 20, "--strain", 0.05)
-        within = [trial for trial in result["strain"]["trials"] if trial["within_bound"]]
-        self.assertIn("automatic", [trial["solver"] for trial in within])
-        self.assertEqual(result["ms_per_step"], min(trial["ms_per_step"] for trial in within))
-        self.assertIn("cheapest with a strain of at most 5 %",
-                      souple("bench", "cloth", "--size", 20, "--strain", 0.05, "--runs", 4).stdout)
-
-    def test_a_strain_that_the_material_exceeds(self):
-        result = bench("tets", "--size", 100, "--strain", 1e-6)
-        self.assertFalse(result["strain"]["reached"])
-        self.assertNotIn("ms_per_step", result)
-        self.assertIn("no number of substeps up to 320",
-                      souple("bench", "tets", "--size", 100, "--strain", 1e-6, "--runs", 4).stdout)
-
     def test_compare(self):
         with tempfile.TemporaryDirectory() as folder:
             before = Path(folder) / "before.json"
@@ -205,38 +136,20 @@ class Bench(unittest.TestCase):
             self.assertIn("size: 11, was 10", text)
             self.assertRegex(text, r"a step .* ms +[0-9.]+x")
 
-    def test_segments(self):
-        result = json.loads(souple("bench", "segments", "--size", 100, "--runs", 1, "--json").stdout)
-        self.assertEqual((result["name"], result["size"], result["threads"]), ("segments", 100, 1))
-        tests = result["tests"]
-        self.assertEqual(list(tests), ["plane_projection", "signed_volumes", "inclusion", "moeller_trumbore", "watertight"])
-        for test in tests.values():
-            self.assertGreater(test["scalar_per_second"], 1e5)
-            self.assertGreater(test["packed_per_second"], 1e5)
-        default = tests[result["default"]]
-        self.assertEqual((default["corner_leaks"], default["edge_leaks"]), (0, 0))
-        self.assertIn("watertight", souple("bench", "segments", "--size", 8, "--runs", 1).stdout)
-
     def test_bad_input_is_one_line(self):
         wrong = Path(tempfile.mkdtemp()) / "wrong.json"
         wrong.write_text("[1]")
-        for arguments, words in ((["clth"], 'did you mean "cloth"'), (["triangels"], 'did you mean "triangles"'),
-                                 (["segment"], 'did you mean "segments"'), (["hepa"], 'did you mean "heap"'),
-                                 (["xyzzyxyzzy"], "dancers-off, triangles, dam-break, drape, neighbors, surface, segments"), (["cloth", "--size", "1"], "--size 1"),
+        for arguments, words in ((["clth"], 'did you mean "cloth"'), (["surfcae"], 'did you mean "surface"'),
+                                 (["hepa"], 'did you mean "heap"'),
+                                 (["xyzzyxyzzy"], "dancers-off, dam-break, surface"), (["cloth", "--size", "1"], "--size 1"),
                                  (["cloth", "--solver", "gauss"], "gauss_seidel"),
                                  (["cloth", "--residual", "2"], "--residual"), (["cloth", "--runs", "0"], "--runs 0"),
                                  (["cloth", "--relaxation", "3"], "relaxation"), (["cloth", "--threads", "x"], "x"),
                                  (["tets", "--size", "100", "--residual", "0.01"], "not a cloth"),
                                  (["cloth", "--size", "9", "--compare", wrong], "wrong.json"),
                                  (["cloth", "--compare", "missing.json"], "missing.json"),
-                                 (["segments", "--size", "0"], "--size 0"),
-                                 *((["cloth", "--strain", bound], "--strain: expected")
-                                   for bound in ("0", "-0.1", "nan", "inf", "1.01")),
-                                 (["cloth", "--strain", "0.02", "--substeps", "3"], "--substeps"),
-                                 (["cloth", "--strain", "0.02", "--residual", "0.01"], "--residual"),
-                                 (["triangles", "--strain", "0.02"], "no solver"),
-                                 (["segments", "--strain", "0.02"], "no solver"),
-                                 (["segments", "--compare", wrong], "segments")):
+                                 (["surface", "--size", "0"], "--size 0"),
+                                 (["surface", "--residual", "0.01"], "no solver")):
             done = souple("bench", *arguments, code=2)
             self.assertEqual(done.stdout, "")
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "souple/collision/segment_triangle/choice.h"
+
+namespace souple::benchmarks {
+
+/// Prints as JSON what discrete detection lets through, with each segment-triangle test.
+void print_path_leaks(long long shots);
+
+}  // namespace souple::benchmarks
