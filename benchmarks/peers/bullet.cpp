@@ -16,8 +16,7 @@ btVector3 bullet(const Vec3d& v) {
 /// No collisions and no damping: only integration and the links remain.
 class Bullet final : public PeerEngine {
  public:
-  Bullet(const PeerScene& input, int substeps, int iterations)
-      : links_(input.links.size()), substeps_(substeps), iterations_(iterations) {
+  Bullet(const PeerScene& input, int substeps, int iterations) : substeps_(substeps) {
     const btVector3 gravity(0, btScalar(-9.81), 0);
     world_.setGravity(gravity);
     world_.getWorldInfo().m_gravity = gravity;
@@ -48,10 +47,6 @@ class Bullet final : public PeerEngine {
     delete body_;
   }
 
-  std::string name() const override {
-    return "Bullet " + std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100) +
-           ", " + std::to_string(substeps_) + " x " + std::to_string(iterations_);
-  }
   void step(double dt) override {
     for (int i = 0; i < substeps_; ++i) world_.stepSimulation(static_cast<btScalar>(dt / substeps_), 0);
   }
@@ -63,7 +58,6 @@ class Bullet final : public PeerEngine {
     }
     return result;
   }
-  double projections() const override { return double(links_) * substeps_ * iterations_; }
 
  private:
   btSoftBodyRigidBodyCollisionConfiguration configuration_;
@@ -72,8 +66,7 @@ class Bullet final : public PeerEngine {
   btSequentialImpulseConstraintSolver solver_;
   btSoftRigidDynamicsWorld world_{&dispatcher_, &broadphase_, &solver_, &configuration_};
   btSoftBody* body_ = nullptr;
-  std::size_t links_;
-  int substeps_, iterations_;
+  int substeps_;
 };
 
 }  // namespace
