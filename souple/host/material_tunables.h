@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/objects/materials.h"
+#include "souple/objects/material_fields.h"
 
 #include <vector>
 
@@ -10,7 +10,7 @@
 namespace souple::host {
 
 /// Condition under which a tunable has an effect.
-enum class TunableUse { always, membrane, pbd };
+using TunableUse = FieldUse;
 
 struct TunableRange {
   float least = 0, most = 1;

@@ -19,29 +19,6 @@
 namespace souple {
 namespace {
 
-void check_ranges(const ClothMaterial& m, std::string_view owner) {
-  check_all(owner, {{"stretch", double(m.stretch), 0, double(StretchModel::membrane)},
-                    {"bending", double(m.bending), 0, double(BendingModel::none)},
-                    {"areal_density", double(m.areal_density), range::positive, range::finite},
-                    {"membrane_stiffness", double(m.membrane_stiffness), 0,
-                     m.stretch == StretchModel::springs ? range::infinite : range::finite},
-                    {"weft_stiffness", double(m.weft_stiffness), 0, range::finite},
-                    {"shear_stiffness", double(m.shear_stiffness), 0, range::finite},
-                    {"poisson_ratio", double(m.poisson_ratio), 0, 1, true},
-                    {"bending_stiffness", double(m.bending_stiffness), 0,
-                     m.bending == BendingModel::distance ? range::infinite : range::finite},
-                    {"thickness", double(m.thickness), 0, range::finite},
-                    {"friction", double(m.friction), 0, range::finite},
-                    {"kinetic_friction", kinds::kinetic_friction(m), 0, double(m.friction)},
-                    {"restitution", double(m.restitution), 0, 1},
-                    {"damping_time", double(m.damping_time), 0, range::finite},
-                    {"damping", double(m.damping), 0, range::finite},
-                    {"air_drag", double(m.air_drag), 0, range::finite},
-                    {"air_lift", double(m.air_lift), 0, range::finite},
-                    {"pbd_stretch", double(m.pbd_stretch), 0, 1},
-                    {"pbd_bending", double(m.pbd_bending), 0, 1}});
-}
-
 float areal_density(const ClothMaterial& m) {
   return m.areal_density;
 }
@@ -214,7 +191,7 @@ constinit const KindFunctions kinds::cloth{
     .traits = {.name = "cloth", .shape = ObjectShape::surface},
     .default_material = default_material<ClothMaterial>,
     .find_preset = preset<material::find_cloth>,
-    .validate = of_material<check_ranges>,
+    .validate = of_material<check_fields<ClothMaterial>>,
     .density = of_material<areal_density>,
     .add_elements = of_material<add_elements>,
     .add_groups = of_material<add_gas>,

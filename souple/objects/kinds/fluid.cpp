@@ -15,20 +15,6 @@
 namespace souple {
 namespace {
 
-void check_ranges(const FluidMaterial& m, std::string_view owner) {
-  check_all(owner, {{"spacing", double(m.spacing), range::positive, range::finite},
-                    {"density", double(m.density), range::positive, range::finite},
-                    {"viscosity", double(m.viscosity), 0, range::finite},
-                    {"xsph", double(m.xsph), 0, range::finite},
-                    {"surface_tension", double(m.surface_tension), 0, range::finite},
-                    {"contact_angle", double(m.contact_angle), 0, 180},
-                    {"vorticity", double(m.vorticity), 0, range::finite},
-                    {"air_drag", double(m.air_drag), 0, range::finite},
-                    {"foam", double(m.foam), 0, 1000},
-                    {"friction", double(m.friction), 0, 1},
-                    {"restitution", double(m.restitution), 0, 1}});
-}
-
 void require_same_spacing(const FluidMaterial& from, const FluidMaterial& to, std::string_view owner) {
   if (to.spacing != from.spacing)
     throw Error(fmt::format("{}: spacing is {} m, was {} m: remove and add the fluid to change it", owner,
@@ -76,7 +62,7 @@ NewObject import_fluid(std::string name, std::span<const Vec3d> centers, const F
 
 NewObject import_fluid(std::string name, const TriangleMesh& surface, const FluidMaterial& material,
                        const ObjectOptions& options) {
-  check_ranges(material, name);
+  check_fields(material, name);
   TriangleMesh placed = surface;
   transform_points(placed.positions, options.transform, name);
   ObjectOptions transformed = options;
@@ -89,7 +75,7 @@ constinit const KindFunctions kinds::fluid{
     .traits = {.name = "fluid", .shape = ObjectShape::balls, .flows = true},
     .default_material = default_material<FluidMaterial>,
     .find_preset = preset<material::find_fluid>,
-    .validate = of_material<check_ranges>,
+    .validate = of_material<check_fields<FluidMaterial>>,
     .validate_change = of_two_materials<require_same_spacing>,
     .density = of_material<volumetric_density<FluidMaterial>>,
     .contact_radius = of_material<contact_radius_of>,

@@ -13,16 +13,6 @@
 namespace souple {
 namespace {
 
-void check_ranges(const GrainsMaterial& m, std::string_view owner) {
-  check_all(owner, {{"radius", double(m.radius), range::positive, range::finite},
-                    {"density", double(m.density), range::positive, range::finite},
-                    {"friction", double(m.friction), 0, range::finite},
-                    {"kinetic_friction", kinds::kinetic_friction(m), 0, double(m.friction)},
-                    {"rolling_friction", double(m.rolling_friction), 0, range::finite},
-                    {"restitution", double(m.restitution), 0, 1},
-                    {"damping", double(m.damping), 0, range::finite}});
-}
-
 ContactMaterial rolling_contact_material(const GrainsMaterial& m) {
   ContactMaterial result = kinds::contact_material(m);
   result.rolling_friction = m.rolling_friction;
@@ -81,7 +71,7 @@ constinit const KindFunctions kinds::grains{
     .traits = {.name = "grains", .shape = ObjectShape::balls, .rolls = true},
     .default_material = default_material<GrainsMaterial>,
     .find_preset = preset<material::find_grains>,
-    .validate = of_material<check_ranges>,
+    .validate = of_material<check_fields<GrainsMaterial>>,
     .density = of_material<volumetric_density<GrainsMaterial>>,
     .contact_radius = of_material<radius<GrainsMaterial>>,
     .contact_material = of_material<rolling_contact_material>,

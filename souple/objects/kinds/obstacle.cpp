@@ -13,13 +13,6 @@
 namespace souple {
 namespace {
 
-void check_ranges(const ObstacleMaterial& m, std::string_view owner) {
-  check_all(owner, {{"thickness", double(m.thickness), 0, range::finite},
-                    {"friction", double(m.friction), 0, range::finite},
-                    {"kinetic_friction", kinds::kinetic_friction(m), 0, double(m.friction)},
-                    {"restitution", double(m.restitution), 0, 1}});
-}
-
 void require_obstacle_options(const ObjectOptions& options, const std::string& name) {
   const auto refuse = [&](const char* option) {
     throw Error(name + ": the option " + option +
@@ -51,7 +44,7 @@ NewObject import_obstacle(std::string name, const TriangleMesh& mesh, const Obst
 constinit const KindFunctions kinds::obstacle{
     .traits = {.name = "obstacle", .shape = ObjectShape::surface, .driven = true},
     .default_material = default_material<ObstacleMaterial>,
-    .validate = of_material<check_ranges>,
+    .validate = of_material<check_fields<ObstacleMaterial>>,
     .contact_radius = of_material<half_thickness<ObstacleMaterial>>,
     .contact_material = of_material<contact_material<ObstacleMaterial>>,
 };

@@ -1,6 +1,8 @@
 #pragma once
 
+#include "souple/objects/checks.h"
 #include "souple/objects/kind_functions.h"
+#include "souple/objects/material_fields.h"
 
 #include <optional>
 #include <string_view>
@@ -50,10 +52,33 @@ ContactMaterial contact_material(const M& m) {
   return {.friction = m.friction, .kinetic_friction = m.kinetic_friction, .restitution = m.restitution};
 }
 
-/// The coefficient while sliding, for a check of its range.
+/// Checks the range of each field. Throws Error.
 template <class M>
-double kinetic_friction(const M& m) {
-  return double(m.kinetic_friction.value_or(m.friction));
+struct FieldChecks {
+  const M& m;
+  std::string_view owner;
+
+  template <auto member>
+  void operator()(Field<member>, const char* name, const FieldRange& range, const char*,
+                  const Slider&) const {
+    if constexpr (std::is_same_v<decltype(member), float M::*const>) {
+      double highest = range.exact ? range.highest : range::finite;
+      if constexpr (std::is_same_v<M, ClothMaterial>)
+        if (range.rigid && may_be_rigid(m, member)) highest = range::infinite;
+      const double lowest = range.open_low && !range.zero ? range::positive : range.lowest;
+      check_all(owner, {{name, double(m.*member), lowest, highest, range.open_high}});
+    } else {
+      check_all(owner, {{name, double((m.*member).value_or(m.friction)), 0, double(m.friction)}});
+    }
+  }
+  template <auto member, class E>
+  void operator()(Field<member>, const char* name, FieldWords<E> words, const char*) const {
+    check_all(owner, {{name, double(m.*member), 0, double(words.size() - 1)}});
+  }
+};
+template <class M>
+void check_fields(const M& m, std::string_view owner) {
+  visit_fields<M>(FieldChecks<M>{m, owner});
 }
 
 template <class M>

@@ -24,14 +24,6 @@ namespace {
 // Hulls of more vertices cost more than their detail is worth.
 constexpr std::size_t most_hull_vertices = 64;
 
-void check_ranges(const RigidBodyMaterial& m, std::string_view owner) {
-  check_all(owner, {{"density", double(m.density), range::positive, range::finite},
-                    {"thickness", double(m.thickness), 0, range::finite},
-                    {"friction", double(m.friction), 0, range::finite},
-                    {"kinetic_friction", kinds::kinetic_friction(m), 0, double(m.friction)},
-                    {"restitution", double(m.restitution), 0, 1}});
-}
-
 void check_change(const RigidBodyMaterial& from, const RigidBodyMaterial& to, std::string_view owner) {
   if (from.density != to.density)
     throw Error(fmt::format(
@@ -261,7 +253,7 @@ NewObject import_rigid_body(std::string name, std::span<const RigidPart> parts,
 constinit const KindFunctions kinds::rigid_body{
     .traits = {.name = "rigid_body", .shape = ObjectShape::surface, .rigid = true},
     .default_material = default_material<RigidBodyMaterial>,
-    .validate = of_material<check_ranges>,
+    .validate = of_material<check_fields<RigidBodyMaterial>>,
     .validate_change = of_two_materials<check_change>,
     .density = of_material<volumetric_density<RigidBodyMaterial>>,
     .contact_radius = of_material<half_thickness<RigidBodyMaterial>>,

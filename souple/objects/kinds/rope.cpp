@@ -21,20 +21,6 @@
 namespace souple {
 namespace {
 
-void check_ranges(const RopeMaterial& m, std::string_view owner) {
-  check_all(owner, {{"radius", double(m.radius), range::positive, range::finite},
-                    {"young_modulus", double(m.young_modulus), range::positive, range::finite},
-                    {"density", double(m.density), range::positive, range::finite},
-                    {"bending_stiffness", double(m.bending_stiffness), 0, range::finite},
-                    {"friction", double(m.friction), 0, range::finite},
-                    {"kinetic_friction", kinds::kinetic_friction(m), 0, double(m.friction)},
-                    {"restitution", double(m.restitution), 0, 1},
-                    {"damping_time", double(m.damping_time), 0, range::finite},
-                    {"damping", double(m.damping), 0, range::finite},
-                    {"pbd_stretch", double(m.pbd_stretch), 0, 1},
-                    {"pbd_bending", double(m.pbd_bending), 0, 1}});
-}
-
 // Each segment of a rope that collides with itself is near 4 r / l others. Without a limit, memory and time would grow
 // with the square of the number of segments. Segments shorter than the limit add no detail to so thick a rope.
 void require_long_segments(const RopeMaterial& m, const Object& object) {
@@ -139,7 +125,7 @@ constinit const KindFunctions kinds::rope{
     .traits = {.name = "rope", .shape = ObjectShape::line},
     .default_material = default_material<RopeMaterial>,
     .find_preset = preset<material::find_rope>,
-    .validate = of_material<check_ranges>,
+    .validate = of_material<check_fields<RopeMaterial>>,
     .density = of_material<volumetric_density<RopeMaterial>>,
     .add_elements = of_material<add_elements>,
     .changed_kinds = of_two_materials<changed_kinds>,

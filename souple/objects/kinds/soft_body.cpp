@@ -26,20 +26,6 @@
 namespace souple {
 namespace {
 
-void check_ranges(const SoftBodyMaterial& m, std::string_view owner) {
-  check_all(owner, {{"model", double(m.model), 0, double(SoftBodyModel::shape_matching)},
-                    {"young_modulus", double(m.young_modulus), range::positive, range::finite},
-                    {"poisson_ratio", double(m.poisson_ratio), 0, 0.5, true},
-                    {"density", double(m.density), range::positive, range::finite},
-                    {"thickness", double(m.thickness), 0, range::finite},
-                    {"friction", double(m.friction), 0, range::finite},
-                    {"kinetic_friction", kinds::kinetic_friction(m), 0, double(m.friction)},
-                    {"restitution", double(m.restitution), 0, 1},
-                    {"damping_time", double(m.damping_time), 0, range::finite},
-                    {"damping", double(m.damping), 0, range::finite},
-                    {"pbd_stiffness", double(m.pbd_stiffness), 0, 1}});
-}
-
 struct RestTet {
   Vec3d x[4];
   double volume;
@@ -246,7 +232,7 @@ constinit const KindFunctions kinds::soft_body{
     .traits = {.name = "soft_body", .shape = ObjectShape::solid},
     .default_material = default_material<SoftBodyMaterial>,
     .find_preset = preset<material::find_soft_body>,
-    .validate = of_material<check_ranges>,
+    .validate = of_material<check_fields<SoftBodyMaterial>>,
     .density = of_material<volumetric_density<SoftBodyMaterial>>,
     .add_elements = of_material<add_elements>,
     .add_groups = of_material<add_groups>,
