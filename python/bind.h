@@ -37,6 +37,5 @@ void bind_scene(py::module_& m);
 void bind_recorder(py::module_& m);
 void bind_surface(py::module_& m);
 void bind_render(py::module_& m);
-void bind_host(py::module_& m);
 
 }  // namespace souple::python

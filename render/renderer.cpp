@@ -11,7 +11,6 @@
 #include "render/passes/lines.h"
 #include "render/passes/liquid.h"
 #include "render/passes/occlusion.h"
-#include "render/passes/pass_clock.h"
 #include "render/passes/pass_context.h"
 #include "render/passes/pick.h"
 #include "render/passes/shadow.h"
@@ -223,7 +222,6 @@ struct Renderer::Impl {
   FinishPass finish;
   LabelsPass labels;
   PickPass picking;
-  PassClock clock;
   std::optional<Targets> targets;
   std::optional<Canvas> canvas;
 
@@ -367,12 +365,11 @@ void Renderer::Impl::draw_clear(const DrawList& list, const PassContext& context
     if (!surfaces.has_glass() || (options.coarse && part == GlassPart::behind_liquids)) return;
     if (part != GlassPart::all) liquids.bind_surface();
     glass.draw(part, scene, walls, liquids.window(), surfaces, context, options.coarse, empty_array);
-    clock.done("glass");
   };
   if (liquid_splats.empty()) return draw_glass(GlassPart::all);
-  liquids.find_surface(liquid_splats, bounds_of_liquids(list), scene, context, options, empty_array, clock);
+  liquids.find_surface(liquid_splats, bounds_of_liquids(list), scene, context, options, empty_array);
   draw_glass(GlassPart::behind_liquids);
-  liquids.draw(liquid_splats, scene, shadow, empty_array, clock);
+  liquids.draw(liquid_splats, scene, shadow, empty_array);
   draw_glass(GlassPart::before_liquids);
 }
 
@@ -390,22 +387,17 @@ void Renderer::Impl::draw_lines(const DrawList& list, const PassContext& context
 void Renderer::Impl::draw_sample(const DrawList& list, const PassContext& context, const Frame& frame,
                                  const RenderOptions& options) {
   draw_material(list, context);
-  clock.done("material");
   if (frame.sample_info.w != 0) occlusion.draw(targets->normal, targets->depth, empty_array);
-  clock.done("occlusion");
   if (list.light.environment) sky_map.bind(list.light.environment);
   draw_lighting(list);
-  clock.done("lighting");
   draw_clear(list, context, options);
   draw_lines(list, context);
-  clock.done("lines");
 }
 
 void Renderer::Impl::upload(const DrawList& list) {
   surfaces.update(list.surfaces);
   spheres.update(list.spheres);
   liquid_splats.update(list.liquids, list.foams);
-  clock.done("upload");
 }
 
 /// Draws one sample and adds it to the others.
@@ -421,11 +413,8 @@ void Renderer::Impl::draw_one(const DrawList& list, const Camera& camera, const 
   const std::array<float, 2> sun = sample_on_disk(sample, samples);
   shadow.aim(at, list.light, options.shadows ? casters : Bounds{}, sun[0], sun[1]);
   shadow.draw(at, surfaces, spheres);
-  clock.done("shadow");
   if (at.shadow_size.w != 0 && filters_sunlight()) shadow.draw_light(liquid_splats, surfaces, options.coarse);
-  clock.done("liquid shadow");
   if (has_caustics(list)) draw_caustics(list, at);
-  clock.done("caustics");
   bind(at);
   draw_sample(list, {width, height, Target::material, at.view, at.projection, lens.camera.from}, at, options);
   if (samples > 1) finish.add(targets->color, sample == 0, empty_array);
@@ -448,7 +437,6 @@ void Renderer::Impl::draw(const ListAt& list_at, int steps, const Camera& camera
   }
   finish.draw(targets->color, samples, framebuffer, empty_array);
   if (options.labels) labels.draw(list->labels, targets->width, targets->height);
-  clock.done("finish");
   default_state();
   glBindVertexArray(0);
   glUseProgram(0);
@@ -499,15 +487,6 @@ Image Renderer::picture(const DrawList& list, const Camera& camera, const Render
 Image Renderer::moving_picture(const ListAt& list_at, const Camera& camera, const RenderOptions& options,
                                int width, int height) {
   return impl_->picture(list_at, max_shutter_steps, camera, options, width, height);
-}
-
-std::vector<PassTime> Renderer::measure(const DrawList& list, const Camera& camera,
-                                        const RenderOptions& options, int width, int height) {
-  std::vector<PassTime> times;
-  impl_->clock.start(&times);
-  picture(list, camera, options, width, height);
-  impl_->clock.start(nullptr);
-  return times;
 }
 
 PassContext Renderer::Impl::begin_picking(const DrawList& list, const Camera& camera, int width, int height) {

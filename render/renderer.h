@@ -53,11 +53,6 @@ struct RenderOptions {
 using ListAt = std::function<const DrawList&(float time)>;
 inline constexpr int max_shutter_steps = 32;  ///< times at which a moving picture asks for a list
 
-struct PassTime {
-  std::string pass;
-  double seconds = 0;
-};
-
 /// The object at a pixel.
 struct Picked {
   std::uint32_t pick = 0;  ///< pick of the Surface, Spheres or Liquid; 0: none
@@ -104,11 +99,6 @@ class Renderer {
   /// Picture of a moving list: samples are at equal steps of time. Labels are those of the last list.
   Image moving_picture(const ListAt& list_at, const Camera& camera, const RenderOptions& options, int width,
                        int height);
-
-  /// Draws off-screen and returns the time of each pass, summed over all samples. Calls glFinish after each
-  /// pass, so the sum is a little more than the time of a picture.
-  std::vector<PassTime> measure(const DrawList& list, const Camera& camera, const RenderOptions& options,
-                                int width, int height);
 
   /// The object under the pixel (x, y), counted from the top left.
   Picked pick(const DrawList& list, const Camera& camera, int x, int y, int width, int height);

@@ -208,28 +208,24 @@ void LiquidPass::find_depth(const LiquidSplats& splats, int side, const RenderOp
 
 void LiquidPass::find_surface(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
                               const PassContext& context, const RenderOptions& options,
-                              const gl::VertexArray& empty_array, PassClock& clock) {
+                              const gl::VertexArray& empty_array) {
   resize(context.width, context.height, options.coarse ? coarse_scale : fine_scale);
   window_ = window_around(bounds, context);
   clear();
   keep_within(window_, 1);
   draw_balls(splats);
-  clock.done("liquid depth");
   smooth(options, 1, empty_array);
-  clock.done("liquid filter");
   keep_within(window_, targets_->scale);
   sum_thickness(splats, scene.depth);
   glDisable(GL_SCISSOR_TEST);
-  clock.done("liquid thickness");
 }
 
 void LiquidPass::draw(const LiquidSplats& splats, const LitScene& scene, const ShadowPass& shadow,
-                      const gl::VertexArray& empty_array, PassClock& clock) {
+                      const gl::VertexArray& empty_array) {
   copy(scene.color);
   keep_within(window_, 1);
   shade(splats, scene, shadow, empty_array);
   glDisable(GL_SCISSOR_TEST);
-  clock.done("liquid shading");
 }
 
 }  // namespace souple::render

@@ -3,7 +3,6 @@
 #include "render/gl/framebuffer.h"
 #include "render/gl/vertex_array.h"
 #include "render/passes/liquid_splats.h"
-#include "render/passes/pass_clock.h"
 #include "render/passes/pass_context.h"
 #include "render/passes/shadow.h"
 #include "render/passes/sky_program.h"
@@ -31,10 +30,10 @@ class LiquidPass {
   /// block to be bound.
   void find_surface(const LiquidSplats& splats, const Bounds& bounds, const LitScene& scene,
                     const PassContext& context, const RenderOptions& options,
-                    const gl::VertexArray& empty_array, PassClock& clock);
+                    const gl::VertexArray& empty_array);
   /// Draws the surface of the last `find_surface` over `scene.color`. Requires the shadow map to be drawn.
   void draw(const LiquidSplats& splats, const LitScene& scene, const ShadowPass& shadow,
-            const gl::VertexArray& empty_array, PassClock& clock);
+            const gl::VertexArray& empty_array);
 
   /// Only the depth, in a square of `side` pixels for an eye whose uniform block is bound, `smoother` times as smooth.
   void find_depth(const LiquidSplats& splats, int side, const RenderOptions& options, float smoother,
