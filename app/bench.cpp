@@ -1,17 +1,20 @@
-#include "app/bench_measure.h"
-#include "app/bench_report.h"
+#include "app/bench.h"
+
 #include "app/bench_scenes.h"
-#include "app/bench_stages.h"
 #include "app/commands.h"
 #include "app/exit_codes.h"
 #include "app/option_names.h"
 #include "souple/error.h"
 #include "souple/scene/nearest.h"
+#include "souple/simd/instruction_set.h"
+#include "souple/threads/threads.h"
+#include "souple/version.h"
 
 #include <algorithm>
 #include <cstdio>
 #include <cstring>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <fmt/core.h>
@@ -22,25 +25,34 @@ using scene_format::Json;
 
 namespace {
 
+constexpr Benchmark own_benchmarks[] = {
+    {"dam-break", "a block of water collapses in a tank: steps of 2 ms, 5 iterations", "particles", 97336,
+     1000, 4000000, measure_dam_break},
+    {"surface", "the surface of a broken dam as a mesh, cells of a particle's radius",
+     "approximate number of particles", 98000, 100, 5000000, measure_surface},
+};
+
+/// Calls `use` with each benchmark, in listing order: rows of two kinds with the same names of members.
+template <class Use>
+void for_each_benchmark(const Use& use) {
+  for (const BenchScene& scene : bench_scenes()) use(scene);
+  for (const Benchmark& benchmark : own_benchmarks) use(benchmark);
+}
+
 int list_benchmarks() {
   std::size_t widest = 0;
-  const auto name_length = [&](const auto& bench) { widest = std::max(widest, std::strlen(bench.name)); };
-  const auto print = [&](const auto& bench) {
+  for_each_benchmark([&](const auto& bench) { widest = std::max(widest, std::strlen(bench.name)); });
+  for_each_benchmark([&](const auto& bench) {
     std::printf("%-*s  %s; --size: %s [%d]\n", static_cast<int>(widest), bench.name, bench.description,
                 bench.size_means, bench.default_size);
-  };
-  std::for_each(bench_scenes().begin(), bench_scenes().end(), name_length);
-  std::for_each(stage_benches().begin(), stage_benches().end(), name_length);
-  std::for_each(bench_scenes().begin(), bench_scenes().end(), print);
-  std::for_each(stage_benches().begin(), stage_benches().end(), print);
+  });
   return success;
 }
 
-/// Throws Error unless `name` is a benchmark: a scene or a stage.
+/// Throws Error unless `name` is a benchmark.
 void require_known(const std::string& name) {
   std::vector<std::string> names;
-  for (const BenchScene& scene : bench_scenes()) names.emplace_back(scene.name);
-  for (const StageBench& stage : stage_benches()) names.emplace_back(stage.name);
+  for_each_benchmark([&](const auto& bench) { names.emplace_back(bench.name); });
   if (std::find(names.begin(), names.end(), name) != names.end()) return;
   throw Error("unknown benchmark \"" + name + "\"" + scene_format::suggestion(name, names) +
               "; `souple bench` lists them");
@@ -67,7 +79,6 @@ SolverSettings solver_settings(const BenchRequest& request) {
 
 BenchOptions options_of(const BenchRequest& request) {
   BenchOptions options;
-  options.name = request.name;
   Settings& settings = options.settings;
   settings.threads = 1;
   settings.solver = solver_settings(request);
@@ -86,6 +97,40 @@ BenchOptions options_of(const BenchRequest& request) {
   return options;
 }
 
+/// The entries that all results have.
+template <class Bench>
+Json begin_result(const Bench& bench, BenchOptions& options) {
+  if (options.size == 0) options.size = bench.default_size;
+  if (options.size < bench.min_size || options.size > bench.max_size)
+    throw Error(fmt::format("--size {}: {} takes {} to {} {}", options.size, bench.name, bench.min_size,
+                            bench.max_size, bench.size_means));
+  Json result = Json::object();
+  result.set("name", Json::of(bench.name));
+  result.set("size", Json::whole(options.size));
+  result.set("threads",
+             Json::whole(make_threads(options.settings.threading, options.settings.threads)->count()));
+  result.set("simd", Json::of(std::string(simd_name())));
+  result.set("version", Json::of(version));
+  result.set("warm_up", Json::whole(options.warm_up));
+  result.set("runs", Json::whole(options.runs));
+  return result;
+}
+
+Json measure(const std::string& name, BenchOptions options) {
+  Json result;
+  for_each_benchmark([&](const auto& bench) {
+    if (name != bench.name) return;
+    result = begin_result(bench, options);
+    if constexpr (std::is_same_v<decltype(bench), const BenchScene&>) {
+      measure_scene(bench, options, result);
+    } else {
+      if (options.residual) throw Error(fmt::format("--residual: {} uses no solver", name));
+      bench.measure(options, result);
+    }
+  });
+  return result;
+}
+
 }  // namespace
 
 int bench(const BenchRequest& request) {
@@ -95,14 +140,12 @@ int bench(const BenchRequest& request) {
   if (!request.compare.empty()) before = read_bench_json(request.compare);
   const bool compares = before.is(Json::Kind::object);
   try {
-    const StageBench* stage = find_stage_bench(request.name);
-    const BenchOptions options = options_of(request);
-    Json now = stage != nullptr ? measure_stage(*stage, options) : bench_json(measure(options));
+    Json now = measure(request.name, options_of(request));
     if (request.json) {
       if (compares) now.set("faster", speed_up(now, before));
       std::fputs(dump_json(now).c_str(), stdout);
     } else {
-      (stage != nullptr ? print_stage : print_bench)(now, compares ? &before : nullptr);
+      print_bench(now, compares ? &before : nullptr);
     }
     return success;
   } catch (const NonFiniteError& error) {

@@ -1,4 +1,4 @@
-#include "app/bench_stages.h"
+#include "app/bench.h"
 #include "souple/geometry/fill.h"
 #include "souple/world/world.h"
 
@@ -42,7 +42,7 @@ World dam(double particles, const Settings& settings) {
 
 }  // namespace
 
-Json measure_dam_break(const BenchOptions& options) {
+void measure_dam_break(const BenchOptions& options, Json& result) {
   World world = dam(options.size, options.settings);
   // Measurement starts when the front is already moving.
   for (int i = 0; i < options.warm_up + collapsing / dt; ++i) world.step(dt);
@@ -57,18 +57,17 @@ Json measure_dam_break(const BenchOptions& options) {
     for (std::size_t s = 0; s < stage_count; ++s) stages[s].push_back(report.milliseconds[s]);
     error = std::max(error, report.fluid.mean_density_error);
   }
-  Json of_stages = Json::object(), result = Json::object();
+  Json of_stages = Json::object();
   for (std::size_t s = 0; s < stage_count; ++s)
-    of_stages.set(std::string(stage_name(static_cast<Stage>(s))), milliseconds(stages[s]));
-  result.set("particles", Json::whole(static_cast<std::int64_t>(world.report().particles)));
+    of_stages.set(std::string(stage_name(static_cast<Stage>(s))), rounded(median(stages[s])));
+  result.set("particles", count_json(world.report().particles));
   result.set("kernel", Json::of("wendland"));
   result.set("iterations", Json::whole(iterations));
-  result.set("ms_per_step", milliseconds(whole));
-  result.set("ms_fastest", milliseconds({*std::min_element(whole.begin(), whole.end())}));
+  result.set("ms_per_step", rounded(median(whole)));
+  result.set("ms_fastest", rounded(*std::min_element(whole.begin(), whole.end())));
   result.set("ms_per_stage", std::move(of_stages));
   result.set("density_error", Json::of(std::round(1e6 * error) / 1e6));
   result.set("hash", hash_json(world.hash()));
-  return result;
 }
 
 }  // namespace souple::app

@@ -1,8 +1,6 @@
-#include "app/bench_measure.h"
-
+#include "app/bench.h"
 #include "app/bench_scenes.h"
 #include "app/option_names.h"
-#include "souple/simd/instruction_set.h"
 #include "souple/world/debug_draw.h"
 #include "souple/world/profile.h"
 #include "souple/world/world.h"
@@ -12,9 +10,9 @@
 #include <chrono>
 #include <cmath>
 
-#include <fmt/core.h>
-
 namespace souple::app {
+
+using scene_format::Json;
 
 namespace {
 
@@ -56,8 +54,8 @@ const StepReport& step(World& world) {
   return report;
 }
 
-void time_steps(World& world, const BenchOptions& options, BenchResult& result) {
-  const std::vector<double> rest = tet_edge_lengths(world);
+/// Medians of the steps; returns that of a whole step. [ms]
+double time_steps(World& world, const BenchOptions& options, Json& result) {
   for (int i = 0; i < options.warm_up; ++i) step(world);
   std::vector<double> whole;
   std::array<std::vector<double>, stage_count> stages;
@@ -68,19 +66,22 @@ void time_steps(World& world, const BenchOptions& options, BenchResult& result) 
     whole.push_back(spent.count());
     for (std::size_t s = 0; s < stage_count; ++s) stages[s].push_back(report.milliseconds[s]);
   }
-  result.runs = static_cast<int>(whole.size());
-  result.max_strain = largest_strain(world, rest);
-  result.ms_per_step = median(whole);
-  result.ms_fastest = *std::min_element(whole.begin(), whole.end());
+  const double all = median(whole);
   double sum = 0;
+  Json of_stages = Json::object();
   for (std::size_t s = 0; s < stage_count; ++s) {
-    result.ms_per_stage.emplace_back(stage_name(static_cast<Stage>(s)), median(stages[s]));
-    sum += result.ms_per_stage.back().second;
+    const double one = median(stages[s]);
+    of_stages.set(std::string(stage_name(static_cast<Stage>(s))), rounded(one));
+    sum += one;
   }
-  result.ms_per_stage.emplace_back("other", std::max(0.0, result.ms_per_step - sum));
+  of_stages.set("other", rounded(std::max(0.0, all - sum)));
+  result.set("ms_per_step", rounded(all));
+  result.set("ms_fastest", rounded(*std::min_element(whole.begin(), whole.end())));
+  result.set("ms_per_stage", std::move(of_stages));
+  return all;
 }
 
-void time_projections(World& world, BenchResult& result) {
+Json time_projections(World& world) {
   double once = 0;
   for (const KindTime& kind : world.time_projections(frame, 3)) once += kind.seconds;
   const int sweeps = static_cast<int>(std::clamp(projection_budget / std::max(once, 1e-9), 5.0, 2000.0));
@@ -93,9 +94,30 @@ void time_projections(World& world, BenchResult& result) {
     kind->second.first += static_cast<double>(time.count);
     kind->second.second += time.seconds;
   }
+  Json result = Json::object();
   for (const auto& [name, total] : kinds)
-    result.projections_per_second.emplace_back(name, total.first / std::max(total.second, 1e-12));
+    result.set(name, rounded(total.first / std::max(total.second, 1e-12)));
+  return result;
 }
+
+/// Convergence of a solver: strains and energy after some iterations, and the time these took.
+struct CurvePoint {
+  int iterations = 0;
+  double milliseconds = 0;
+  double mean_strain = 0, rms_strain = 0, largest_strain = 0;
+  double energy = 0;  // 1/2 sum C^2 of the distances [J at 1 N/m]
+
+  Json json() const {
+    Json entry = Json::object();
+    entry.set("iterations", Json::whole(iterations));
+    entry.set("ms", rounded(milliseconds));
+    entry.set("mean_strain", rounded(mean_strain));
+    entry.set("rms_strain", rounded(rms_strain));
+    entry.set("largest_strain", rounded(largest_strain));
+    entry.set("energy", rounded(energy));
+    return entry;
+  }
+};
 
 CurvePoint solve(World& world, int iterations) {
   SolveTime best = world.time_solve(frame, iterations);
@@ -124,87 +146,78 @@ CurvePoint min_iterations(World& world, double target, CurvePoint too_few, Curve
   return enough;
 }
 
-/// Each iteration count is solved from scratch, so acceleration over iterations has the effect that it has in
-/// use.
-ResidualResult time_to_residual(const BenchScene& scene, const BenchOptions& options, int size) {
+/// Solve of the stretched cloth to a mean strain, without forces or velocities. Each iteration count is solved from scratch, so
+/// acceleration over iterations has the effect that it has in use.
+Json time_to_residual(const BenchScene& scene, const BenchOptions& options) {
+  const double target = *options.residual;
   Settings settings = options.settings;
   settings.gravity = {};
   World world(settings);
-  scene.build(world, size);
+  scene.build(world, options.size);
   stretch_cloths(world, stretched);
-  ResidualResult result;
-  result.target = *options.residual;
   world.time_solve(frame, 1);  // excludes what the first solve prepares
-  CurvePoint before = solve(world, 0), point = before;
-  result.start = before.mean_strain;
-  result.start_energy = before.energy;
+  const CurvePoint start = solve(world, 0);
+  CurvePoint before = start, point = start;
+  Json curve = Json::array();
   double growth = std::sqrt(2.0);
   for (int n = 1; n <= max_iterations; n = std::max(n + 1, static_cast<int>(n * growth))) {
     before = point;
     point = solve(world, n);
-    result.curve.push_back(point);
-    if (point.mean_strain <= result.target || !std::isfinite(point.mean_strain)) break;
+    curve.items.push_back(point.json());
+    if (point.mean_strain <= target || !std::isfinite(point.mean_strain)) break;
     if (point.milliseconds > 1e3 * residual_budget / growth) break;
     if (point.milliseconds > 1e3 * repeated_below) growth = 2;
   }
-  if (point.mean_strain <= result.target) {
-    point = min_iterations(world, result.target, before, point);
-    result.milliseconds = point.milliseconds;
-  }
-  result.iterations = point.iterations;
+  const bool reached = point.mean_strain <= target;
+  if (reached) point = min_iterations(world, target, before, point);
+  Json result = Json::object();
+  result.set("target", rounded(target));
+  result.set("start", rounded(start.mean_strain));
+  result.set("start_energy", rounded(start.energy));
+  result.set("reached", Json::of(reached));
+  result.set("ms", reached ? rounded(point.milliseconds) : Json());
+  result.set("iterations", Json::whole(point.iterations));
+  result.set("curve", std::move(curve));
   return result;
 }
 
-void describe(const BenchOptions& options, BenchResult& result) {
-  const Settings& s = options.settings;
-  result.threads = s.threads > 0 ? s.threads : make_threads(s.threading, 0)->count();
-  result.simd = simd_name();
-  result.solver = name_of(solver_names, s.solver.kind);
-  result.sweep = name_of(sweep_names, s.solver.sweep);
-  result.mode = name_of(mode_names, s.mode);
-  result.relaxation = static_cast<double>(s.solver.relaxation);
-  result.chebyshev = static_cast<double>(s.solver.chebyshev);
-  result.colors = s.solver.colors;
-  result.substeps = s.substeps;
-  result.iterations = s.iterations;
-  result.warm_up = options.warm_up;
+void describe(const Settings& settings, Json& result) {
+  result.set("solver", Json::of(name_of(solver_names, settings.solver.kind)));
+  result.set("sweep", Json::of(name_of(sweep_names, settings.solver.sweep)));
+  result.set("relaxation", Json::of(settings.solver.relaxation));
+  result.set("chebyshev", Json::of(settings.solver.chebyshev));
+  result.set("colors", Json::whole(settings.solver.colors));
+  result.set("mode", Json::of(name_of(mode_names, settings.mode)));
+  result.set("substeps", Json::whole(settings.substeps));
+  result.set("iterations", Json::whole(settings.iterations));
 }
 
 }  // namespace
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
-}
-
-BenchResult measure(const BenchOptions& options) {
-  const BenchScene& scene = find_bench_scene(options.name);
-  BenchResult result;
-  result.name = scene.name;
-  result.size = options.size > 0 ? options.size : scene.default_size;
-  if (result.size < scene.min_size || result.size > scene.max_size)
-    throw Error(fmt::format("--size {}: {} takes {} to {} {}", result.size, scene.name, scene.min_size,
-                            scene.max_size, scene.size_means));
-  describe(options, result);
+void measure_scene(const BenchScene& scene, const BenchOptions& options, Json& result) {
   Settings settings = options.settings;
+  describe(settings, result);
   settings.measure_residuals = false;  // costs about one iteration a step, and is measured separately
   World world(settings);
-  scene.build(world, result.size);
-  time_steps(world, options, result);
-  result.particles = world.report().particles;
-  result.constraints = world.report().constraints;
-  result.constraints_per_second = static_cast<double>(result.constraints) * result.substeps *
-                                  result.iterations / (result.ms_per_step * 1e-3);
-  result.hash = world.hash();
+  scene.build(world, options.size);
+  const std::vector<double> rest = tet_edge_lengths(world);
+  const double milliseconds = time_steps(world, options, result);
+  const std::size_t constraints = world.report().constraints;
+  result.set("particles", count_json(world.report().particles));
+  result.set("constraints", count_json(constraints));
+  result.set("constraints_per_second", rounded(static_cast<double>(constraints) * settings.substeps *
+                                               settings.iterations / (milliseconds * 1e-3)));
+  result.set("max_strain", rounded(largest_strain(world, rest)));
+  result.set("hash", hash_json(world.hash()));
   if (scene.counts_crossings) {
-    result.crossings = 0;
-    for (const ObjectId object : world.objects()) *result.crossings += world.count_crossings(object);
+    std::size_t crossings = 0;  // edges through triangles of the same cloth
+    for (const ObjectId object : world.objects()) crossings += world.count_crossings(object);
+    result.set("crossings", count_json(crossings));
   }
-  time_projections(world, result);
-  result.diagnostic = world.time_solve(frame, result.iterations).diagnostic;
-  if (options.residual) result.residual = time_to_residual(scene, options, result.size);
-  return result;
+  result.set("projections_per_second", time_projections(world));
+  const std::string remark = world.time_solve(frame, settings.iterations).diagnostic;
+  if (!remark.empty()) result.set("remark", Json::of(remark));
+  if (options.residual) result.set("residual", time_to_residual(scene, options));
 }
 
 }  // namespace souple::app

@@ -1,10 +1,8 @@
-#include "app/bench_report.h"
-
-#include "app/percent.h"
+#include "app/bench.h"
 #include "souple/error.h"
 #include "souple/files/file.h"
-#include "souple/version.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -15,56 +13,13 @@ using scene_format::Member;
 
 namespace {
 
-/// Rounds to six digits, the precision of the measurements; null: not finite.
-Json rounded(double value) {
-  if (value == 0 || !std::isfinite(value)) return std::isfinite(value) ? Json::of(0.0) : Json();
-  const double unit = std::pow(10.0, std::floor(std::log10(std::fabs(value))) - 5);
-  const double shown =
-      unit < 1 ? std::round(value / unit) / std::round(1 / unit) : std::round(value / unit) * unit;
-  return Json::of(shown);
-}
-
-Json named_values_json(const NamedValues& values) {
-  Json object = Json::object();
-  for (const auto& [name, value] : values) object.set(name, rounded(value));
-  return object;
-}
-
-Json curve_json(const std::vector<CurvePoint>& curve) {
-  Json list = Json::array();
-  for (const CurvePoint& point : curve) {
-    Json entry = Json::object();
-    entry.set("iterations", Json::whole(point.iterations));
-    entry.set("ms", rounded(point.milliseconds));
-    entry.set("mean_strain", rounded(point.mean_strain));
-    entry.set("rms_strain", rounded(point.rms_strain));
-    entry.set("largest_strain", rounded(point.largest_strain));
-    entry.set("energy", rounded(point.energy));
-    list.items.push_back(std::move(entry));
-  }
-  return list;
-}
-
-Json residual_json(const ResidualResult& residual) {
-  Json object = Json::object();
-  object.set("target", rounded(residual.target));
-  object.set("start", rounded(residual.start));
-  object.set("start_energy", rounded(residual.start_energy));
-  object.set("reached", Json::of(residual.milliseconds.has_value()));
-  object.set("ms", residual.milliseconds ? rounded(*residual.milliseconds) : Json());
-  object.set("iterations", Json::whole(residual.iterations));
-  object.set("curve", curve_json(residual.curve));
-  return object;
-}
-
 /// A number of an object; 0 if the key is missing.
 double number_at(const Json& object, const char* key) {
   const Json* value = object.find(key);
   return value != nullptr && value->is(Json::Kind::number) ? value->number : 0;
 }
 
-std::string text_at(const Json& object, const char* key) {
-  const Json* value = object.find(key);
+std::string text_of(const Json* value) {
   if (value == nullptr) return "?";
   return value->is(Json::Kind::text) ? value->text : dump_line(*value);
 }
@@ -80,98 +35,60 @@ Json ratios(const Json* now, const Json* before, bool inverse) {
   return result;
 }
 
-/// " 1.23x"; empty if the number has no counterpart.
-std::string ratio_text(const Json* ratios, const std::string& key) {
-  const Json* ratio = ratios == nullptr ? nullptr : ratios->find(key);
-  if (ratio == nullptr) return "";
-  char text[32];
-  std::snprintf(text, sizeof text, "  %6.2fx", ratio->number);
-  return text;
-}
-
-void print_head(const Json& now) {
-  std::printf("%s, size %s: %s particles, %s constraints\n", text_at(now, "name").c_str(),
-              text_at(now, "size").c_str(), text_at(now, "particles").c_str(),
-              text_at(now, "constraints").c_str());
-  std::printf("  threads %s, %s, %s, %s substeps of %s; %s steps\n", text_at(now, "threads").c_str(),
-              text_at(now, "simd").c_str(), text_at(now, "solver").c_str(), text_at(now, "substeps").c_str(),
-              text_at(now, "iterations").c_str(), text_at(now, "runs").c_str());
-  const std::string diagnostic = now.find("remark") != nullptr ? text_at(now, "remark") : "";
-  if (!diagnostic.empty()) std::printf("  %s\n", diagnostic.c_str());
-}
-
-void print_members(const Json& now, const char* key, const Json* ratio, double unit, const char* unit_name) {
-  const Json* values = now.find(key);
-  if (values == nullptr) return;
-  for (const Member& member : values->members)
-    std::printf("    %-20s %10.3f %s%s\n", member.key.c_str(), member.value.number / unit, unit_name,
-                ratio_text(ratio, member.key).c_str());
-}
-
-void print_residual(const Json& residual) {
-  const double target = 100 * number_at(residual, "target");
-  const Json* reached = residual.find("reached");
-  if (reached != nullptr && reached->boolean) {
-    std::printf("  %-22s %10.3f ms, %s iterations\n",
-                ("to a strain of " + scene_format::number_text(target) + " %").c_str(),
-                number_at(residual, "ms"), text_at(residual, "iterations").c_str());
-    return;
+/// Lists are left out. `faster` has ratios of some of the values, or is null.
+void print_members(const Json& object, const Json* faster, int indent) {
+  const int width = 30 - indent;
+  for (const Member& member : object.members) {
+    const Json& value = member.value;
+    const Json* ratio = faster == nullptr ? nullptr : faster->find(member.key);
+    if (value.is(Json::Kind::array)) continue;
+    if (value.is(Json::Kind::object)) {
+      std::printf("%*s%s\n", indent, "", member.key.c_str());
+      print_members(value, ratio, indent + 2);
+      continue;
+    }
+    std::printf("%*s%-*s %16s", indent, "", width, member.key.c_str(), text_of(&value).c_str());
+    if (ratio != nullptr) std::printf("  %6.2fx", ratio->number);
+    std::printf("\n");
   }
-  const Json* curve = residual.find("curve");
-  const double last =
-      curve == nullptr || curve->items.empty() ? 0 : number_at(curve->items.back(), "mean_strain");
-  std::printf("  a strain of %g %% was not reached in %s iterations: %.3g %%\n", target,
-              text_at(residual, "iterations").c_str(), 100 * last);
 }
 
 /// Lists settings that differ between two results: then their ratio is not a speed-up of the code alone.
 void print_differences(const Json& now, const Json& before) {
+  const auto differ = [&](const char* key) { return text_of(now.find(key)) != text_of(before.find(key)); };
   for (const char* key : {"name", "size", "threads", "simd", "substeps", "iterations", "solver", "sweep",
-                          "relaxation", "chebyshev", "colors", "mode"}) {
-    const std::string is = text_at(now, key), was = text_at(before, key);
-    if (is != was) std::printf("  %s: %s, was %s\n", key, is.c_str(), was.c_str());
-  }
-  const bool same_steps = text_at(now, "runs") == text_at(before, "runs") &&
-                          text_at(now, "warm_up") == text_at(before, "warm_up");
-  if (same_steps && text_at(now, "hash") != text_at(before, "hash"))
-    std::printf("  the results differ: hash %s, was %s\n", text_at(now, "hash").c_str(),
-                text_at(before, "hash").c_str());
+                          "relaxation", "chebyshev", "colors", "mode"})
+    if (differ(key))
+      std::printf("%s: %s, was %s\n", key, text_of(now.find(key)).c_str(), text_of(before.find(key)).c_str());
+  if (!differ("runs") && !differ("warm_up") && differ("hash"))
+    std::printf("the results differ: hash %s, was %s\n", text_of(now.find("hash")).c_str(),
+                text_of(before.find("hash")).c_str());
 }
 
 }  // namespace
 
-Json bench_json(const BenchResult& r) {
-  char hash[20];
-  std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(r.hash));
-  Json object = Json::object();
-  object.set("name", Json::of(r.name));
-  object.set("size", Json::whole(r.size));
-  object.set("threads", Json::whole(r.threads));
-  object.set("simd", Json::of(r.simd));
-  object.set("version", Json::of(version));
-  object.set("solver", Json::of(r.solver));
-  object.set("sweep", Json::of(r.sweep));
-  object.set("relaxation", rounded(r.relaxation));
-  object.set("chebyshev", rounded(r.chebyshev));
-  object.set("colors", Json::whole(r.colors));
-  object.set("mode", Json::of(r.mode));
-  object.set("substeps", Json::whole(r.substeps));
-  object.set("iterations", Json::whole(r.iterations));
-  object.set("warm_up", Json::whole(r.warm_up));
-  object.set("runs", Json::whole(r.runs));
-  object.set("particles", Json::whole(static_cast<std::int64_t>(r.particles)));
-  object.set("constraints", Json::whole(static_cast<std::int64_t>(r.constraints)));
-  object.set("ms_per_step", rounded(r.ms_per_step));
-  object.set("ms_fastest", rounded(r.ms_fastest));
-  object.set("ms_per_stage", named_values_json(r.ms_per_stage));
-  object.set("constraints_per_second", rounded(r.constraints_per_second));
-  object.set("projections_per_second", named_values_json(r.projections_per_second));
-  object.set("max_strain", rounded(r.max_strain));
-  object.set("hash", Json::of(hash));
-  if (r.crossings) object.set("crossings", Json::whole(static_cast<std::int64_t>(*r.crossings)));
-  if (!r.diagnostic.empty()) object.set("remark", Json::of(r.diagnostic));
-  if (r.residual) object.set("residual", residual_json(*r.residual));
-  return object;
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t middle = values.size() / 2;
+  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
+}
+
+Json rounded(double value) {
+  if (value == 0 || !std::isfinite(value)) return std::isfinite(value) ? Json::of(0.0) : Json();
+  const double unit = std::pow(10.0, std::floor(std::log10(std::fabs(value))) - 5);
+  const double shown =
+      unit < 1 ? std::round(value / unit) / std::round(1 / unit) : std::round(value / unit) * unit;
+  return Json::of(shown);
+}
+
+Json count_json(std::size_t count) {
+  return Json::whole(static_cast<std::int64_t>(count));
+}
+
+Json hash_json(std::uint64_t hash) {
+  char text[20];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return Json::of(text);
 }
 
 Json read_bench_json(const std::filesystem::path& file) {
@@ -193,20 +110,8 @@ Json speed_up(const Json& now, const Json& before) {
 }
 
 void print_bench(const Json& now, const Json* before) {
-  Json faster;
-  if (before != nullptr) faster = speed_up(now, *before);
-  print_head(now);
-  std::printf("  %-22s %10.3f ms%s\n", "a step", number_at(now, "ms_per_step"),
-              ratio_text(&faster, "ms_per_step").c_str());
-  print_members(now, "ms_per_stage", faster.find("ms_per_stage"), 1, "ms");
-  std::printf("  %-22s %10.3f million/s\n", "constraints", number_at(now, "constraints_per_second") / 1e6);
-  std::printf("  projection alone\n");
-  print_members(now, "projections_per_second", faster.find("projections_per_second"), 1e6, "million/s");
-  if (const Json* residual = now.find("residual")) print_residual(*residual);
-  std::printf("  largest strain %s, hash %s\n", percent(number_at(now, "max_strain")).c_str(),
-              text_at(now, "hash").c_str());
-  if (now.find("crossings") != nullptr)
-    std::printf("  %.0f edges pass through triangles of the same cloth\n", number_at(now, "crossings"));
+  const Json faster = before == nullptr ? Json() : speed_up(now, *before);
+  print_members(now, before == nullptr ? nullptr : &faster, 0);
   if (before != nullptr) print_differences(now, *before);
 }
 

@@ -1,4 +1,4 @@
-#include "app/bench_stages.h"
+#include "app/bench.h"
 #include "souple/math/fnv1a.h"
 #include "souple/surface/fluid_surface.h"
 
@@ -66,7 +66,7 @@ struct Measured {
   Json stage(double SurfaceTimes::*time) const {
     std::vector<double> values;
     for (const SurfaceTimes& times : stages) values.push_back(times.*time);
-    return milliseconds(values);
+    return rounded(median(values));
   }
 };
 
@@ -86,7 +86,7 @@ Measured measure_surface(FluidSurface& surface, std::span<const Vec3f> points, c
 
 }  // namespace
 
-Json measure_surface(const BenchOptions& options) {
+void measure_surface(const BenchOptions& options, Json& result) {
   const std::vector<Vec3f> points = broken_dam(options.size);
   SurfaceOptions shape;
   shape.spacing = spacing;
@@ -96,21 +96,20 @@ Json measure_surface(const BenchOptions& options) {
   FluidSurface other(shape);
   const Measured isotropic = measure_surface(other, points, options);
 
-  Json stages = Json::object(), result = Json::object();
+  Json stages = Json::object();
   stages.set("sort", measured.stage(&SurfaceTimes::sort));
   stages.set("neighbors", measured.stage(&SurfaceTimes::neighbors));
   stages.set("kernels", measured.stage(&SurfaceTimes::kernels));
   stages.set("field", measured.stage(&SurfaceTimes::field));
   stages.set("mesh", measured.stage(&SurfaceTimes::mesh));
-  result.set("ms_per_step", milliseconds(measured.all));
-  result.set("ms_fastest", milliseconds({*std::min_element(measured.all.begin(), measured.all.end())}));
+  result.set("ms_per_step", rounded(median(measured.all)));
+  result.set("ms_fastest", rounded(*std::min_element(measured.all.begin(), measured.all.end())));
   result.set("ms_per_stage", std::move(stages));
-  result.set("ms_isotropic", milliseconds(isotropic.all));
-  result.set("particles", Json::whole(static_cast<std::int64_t>(points.size())));
-  result.set("vertices", Json::whole(static_cast<std::int64_t>(surface.mesh().positions.size())));
-  result.set("triangles", Json::whole(static_cast<std::int64_t>(surface.mesh().triangles.size())));
+  result.set("ms_isotropic", rounded(median(isotropic.all)));
+  result.set("particles", count_json(points.size()));
+  result.set("vertices", count_json(surface.mesh().positions.size()));
+  result.set("triangles", count_json(surface.mesh().triangles.size()));
   result.set("hash", hash_json(hash_of(surface.mesh())));
-  return result;
 }
 
 }  // namespace souple::app

@@ -11,7 +11,7 @@ struct Collected {
   template <auto member>
   void operator()(Field<member>, const char* name, const FieldRange&, const char*,
                   const Slider& slider) const {
-    if constexpr (std::is_same_v<decltype(member), float M::*const>)
+    if constexpr (std::is_same_v<decltype(member), float M::*>)
       if (slider.label != nullptr)
         list.push_back({slider.label,
                         name,

@@ -134,7 +134,7 @@ class Bench(unittest.TestCase):
             self.assertIn("distance", faster["projections_per_second"])
             text = souple("bench", "cloth", "--size", 11, "--runs", 3, "--compare", before).stdout
             self.assertIn("size: 11, was 10", text)
-            self.assertRegex(text, r"a step .* ms +[0-9.]+x")
+            self.assertRegex(text, r"ms_per_step +[0-9.]+ +[0-9.]+x")
 
     def test_bad_input_is_one_line(self):
         wrong = Path(tempfile.mkdtemp()) / "wrong.json"

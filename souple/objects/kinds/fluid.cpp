@@ -62,7 +62,7 @@ NewObject import_fluid(std::string name, std::span<const Vec3d> centers, const F
 
 NewObject import_fluid(std::string name, const TriangleMesh& surface, const FluidMaterial& material,
                        const ObjectOptions& options) {
-  check_fields(material, name);
+  kinds::check_fields(material, name);
   TriangleMesh placed = surface;
   transform_points(placed.positions, options.transform, name);
   ObjectOptions transformed = options;

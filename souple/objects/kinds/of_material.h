@@ -61,7 +61,7 @@ struct FieldChecks {
   template <auto member>
   void operator()(Field<member>, const char* name, const FieldRange& range, const char*,
                   const Slider&) const {
-    if constexpr (std::is_same_v<decltype(member), float M::*const>) {
+    if constexpr (std::is_same_v<decltype(member), float M::*>) {
       double highest = range.exact ? range.highest : range::finite;
       if constexpr (std::is_same_v<M, ClothMaterial>)
         if (range.rigid && may_be_rigid(m, member)) highest = range::infinite;

@@ -78,7 +78,7 @@ struct FieldKeys {
   }
   template <auto member, class E>
   void operator()(Field<member>, const char* name, FieldWords<E> words, const char* doc) const {
-    keys.template key<member>(name, enumeration<E>(words), doc);
+    keys.template key<member>(name, enumeration<E>({words.begin(), words.end()}), doc);
   }
 };
 
