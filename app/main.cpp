@@ -432,8 +432,7 @@ void add_bench(CLI::App& app, std::function<int()>& action) {
   command.add_option("--mode", request->mode, "small_steps, xpbd, pbd [small_steps]")->type_name("MODE");
   command.add_option("--warm-up", request->warm_up, "number of steps before the measurement [5]")
       ->type_name("N");
-  command.add_option("--runs", request->runs, "number of measured steps [30]")
-      ->type_name("N");
+  command.add_option("--runs", request->runs, "number of measured steps [30]")->type_name("N");
   command
       .add_option("--residual", request->residual,
                   "also measure the time to this mean strain, such as 0.01; cloths only")

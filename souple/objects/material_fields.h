@@ -205,7 +205,8 @@ void visit_fields(V&& visit) {
     density<M>(visit, logarithmic("Density", "kg/m\xc2\xb3", 10, 2e4f), "density of one grain [kg/m^3]");
     friction<M>(visit);
     visit(field<&M::rolling_friction>, "rolling_friction", coefficient,
-          "largest moment of a contact against rolling, as a part of radius times normal force; 0: perfect spheres. "
+          "largest moment of a contact against rolling, as a part of radius times normal force; 0: perfect "
+          "spheres. "
           "From about 1 on grains slide but do not roll",
           linear("Rolling friction", 1));
     restitution<M>(visit);
