@@ -1,9 +1,9 @@
 // The three integrators on the same cloth and the same soft body: their elasticity as forces, and as
 // constraints of a world with Settings::integrator.
 //
-// As JSON: for each scene the largest stable step of each integrator, what a second changes of the energy,
-// the energy over time and the positions when explicit Euler has exploded, though its step is far smaller than
-// those of the others; and the energy of a world.
+// As JSON, for each scene: the largest stable step of each integrator, the change of the energy in a second, and the energy over
+// time. Positions are those when explicit Euler has exploded, though its step is far smaller than those of the others. Last, the
+// energy of a world.
 
 #include "benchmarks/elastic_integrators.h"
 

@@ -1,5 +1,4 @@
-// What script/figures draws, as JSON: from the real solver, the path of Gauss-Seidel in the plane of two unknowns, and the
-// step of a projection.
+// Prints the curves that script/figures draws, as JSON. Gauss-Seidel and the projection are those of the real solver.
 //
 //   figures gauss_seidel_2d      one particle, free in the xy plane, and two constraints a . x = b, two lines: first at a
 //                                large angle, then nearly parallel

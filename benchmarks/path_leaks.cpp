@@ -1,8 +1,8 @@
-// What discrete detection lets through: grains shot at the shared corners and edges of a ball's triangles, in
-// a world with Detection::discrete, with each segment-triangle test; and cloth that falls on a box.
+// Leaks of discrete detection: grains shot at the shared corners and edges of a ball's triangles, with each segment-triangle
+// test. A cloth that falls on a box follows.
 //
-// A shot starts within the ball, near the corner or the middle of the edge that it aims at, and would end
-// outside. Balls of 1280 triangles and 1 m, turned and moved at random, about 5 m from the origin.
+// A shot starts within the ball, near the corner or the middle of the edge that it aims at, and would end outside. Balls have
+// 1280 triangles and 1 m. They are turned and moved at random, about 5 m from the origin.
 
 #include "benchmarks/segments.h"
 #include "souple/geometry/adjacency.h"

@@ -2,9 +2,9 @@
 //
 //   peers [--size N] [--frames N] [--longest MS]
 //
-// For each engine, the cheapest setting with which the benchmark `cloth` keeps its largest strain within a bound: hanging at
-// rest within 2 % during the last second, pushed and swinging within 5 % in each frame but the first two. The engines with
-// these settings are then timed in turn, Souple with one thread and with two. An engine that does not stay within the bound
+// For each engine, the cheapest setting with which the benchmark `cloth` keeps its largest strain within a bound. A cloth that
+// hangs at rest has 2 % during the last second. A pushed cloth has 5 % in each frame but the first two. The engines with these
+// settings are then timed in turn, Souple with one thread and with two. An engine that does not stay within the bound
 // appears with the setting that comes nearest. Prints JSON, and the trials as they end to the standard error.
 
 #include "app/bench_scenes.h"
@@ -85,7 +85,7 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Simulates frames of 1/60 s on all engines in turn, another one first in each frame, so that a slow phase of the machine
+/// Simulates frames of 1/60 s on all engines in turn, another one first in each frame. A slow phase of the machine then
 /// affects all of them. Returns the median time of each. [ms]
 std::vector<double> simulate(std::span<const std::unique_ptr<PeerEngine>> engines, int frames) {
   std::vector<std::vector<double>> milliseconds(engines.size());

@@ -119,19 +119,8 @@ void pbd_stretch_and_bending(V& visit) {
   visit(field<&M::pbd_bending>, "pbd_bending", part, in_pbd, of_pbd("PBD bending"));
 }
 
-}  // namespace fields
-
-/// Whether the stiffness may be infinite with the models that the material has chosen.
-inline bool may_be_rigid(const ClothMaterial& m, float ClothMaterial::*stiffness) {
-  return stiffness == &ClothMaterial::membrane_stiffness ? m.stretch == StretchModel::springs
-                                                         : m.bending == BendingModel::distance;
-}
-
-/// visit_fields<M>(visit): visit(field<&M::member>, name, range, doc, slider) for each number, and
-/// visit(field<&M::member>, name, words, doc) for each enumeration. The range of a kinetic friction ends at `friction` too.
 template <class M, class V>
-void visit_fields(V&& visit) {
-  using namespace fields;
+void visit_all(V& visit) {
   if constexpr (std::is_same_v<M, ClothMaterial>) {
     constexpr FieldUse membrane = FieldUse::membrane;
     visit(field<&M::areal_density>, "areal_density", positive(1e4), "mass per area [kg/m^2]",
@@ -251,6 +240,21 @@ void visit_fields(V&& visit) {
     friction<M>(visit);
     restitution<M>(visit);
   }
+}
+
+}  // namespace fields
+
+/// Whether the stiffness may be infinite with the models that the material has chosen.
+inline bool may_be_rigid(const ClothMaterial& m, float ClothMaterial::*stiffness) {
+  return stiffness == &ClothMaterial::membrane_stiffness ? m.stretch == StretchModel::springs
+                                                         : m.bending == BendingModel::distance;
+}
+
+/// visit_fields<M>(visit): visit(field<&M::member>, name, range, doc, slider) for each number, and
+/// visit(field<&M::member>, name, words, doc) for each enumeration. The range of a kinetic friction ends at `friction` too.
+template <class M, class V>
+void visit_fields(V&& visit) {
+  fields::visit_all<M>(visit);
 }
 
 }  // namespace souple
