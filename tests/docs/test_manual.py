@@ -80,7 +80,6 @@ SESSION = "#include <souple/host/session.h>\nvoid snippet(souple::host::Session&
 # Beginnings of commands of the program that are not run: why. Scripts are only looked for.
 NOT_RUN = {
     "view": "needs a screen; tests/app/test_view_window.py opens it",
-    "bench cloth --strain": "searches for minutes; tests/app/test_bench.py runs it small",
 }
 # Options that make long commands short.
 SMALL = {"run": {"--frames": "2"}, "render": {"--frames": "2", "--size": "64x36", "--samples": "1"},
