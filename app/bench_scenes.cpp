@@ -67,12 +67,11 @@ void build_cloth(World& world, int size) {
 }
 
 // The sheet falls on its edge and folds over itself; measurement starts when it lies in a heap.
-template <SelfCollision self_collision>
 void build_heap(World& world, int size) {
   ClothMaterial material;
   material.thickness = 0.35f * static_cast<float>(side) / static_cast<float>(size);
   ObjectOptions options;
-  options.self_collision = self_collision;
+  options.self_collision = SelfCollision::surfaces;
   options.transform.rotation = Quatd::from_axis_angle({0, 0, 1}, 1.48);
   options.transform.translation = {0, 0.5 * side + 0.02, 0};
   world.add_cloth(grid(size, size, static_cast<float>(side)), material, options);
@@ -84,32 +83,6 @@ void build_heap(World& world, int size) {
 Vec3d row_position(int i, int count, double spacing) {
   const int columns = static_cast<int>(std::ceil(std::sqrt(count))), row = i / columns;
   return {spacing * (i % columns), 0, spacing * row};
-}
-
-// A sheet over each dancer, a thick capsule that sways, turns and rocks. Measurement starts in the dance.
-template <SelfCollision self_collision>
-void build_dancers(World& world, int count) {
-  constexpr double width = 1, beat = 0.8;  // m, s
-  constexpr std::uint32_t dancers = 2;     // a group: the sheets do not collide with each other
-  ClothMaterial material;
-  material.thickness = 0.005f;
-  for (int i = 0; i < count; ++i) {
-    const Vec3d at = row_position(i, count, 1.5 * width);
-    ObjectOptions options;
-    options.self_collision = self_collision;
-    options.collision_mask = dancers;
-    options.transform.translation = at + Vec3d{0, 0.2, 0};
-    world.add_cloth(grid(small_side, small_side, width), material, options);
-    const auto dance = [at, i](double t) {
-      const double phase = 2 * pi * t / beat + i;
-      const Quatd lies = Quatd::from_axis_angle({0, 0, 1}, 0.5 * pi + 0.3 * std::sin(2 * phase));
-      return Transform{.translation = at + Vec3d{0.1 * std::sin(phase), 0.05 * std::sin(2 * phase), 0},
-                       .rotation = Quatd::from_axis_angle({0, 1, 0}, 0.8 * std::sin(phase)) * lies};
-    };
-    world.add_collider(Capsule{.radius = 0.14f, .half_height = 0.15f},
-                       {.motion = ColliderMotion::callback(dance), .collision_groups = dancers});
-  }
-  for (int frame = 0; frame < 90; ++frame) world.step(1.0 / 60);
 }
 
 void build_dihedral(World& world, int size) {
@@ -175,17 +148,7 @@ constexpr std::array scenes{
     BenchScene{"cloths", "many rigid cloths of 32 x 32 vertices", "cloths", 1000, 1, 10000, build_cloths},
     BenchScene{"cubes", "many neo-Hookean cubes of 5 x 5 x 5 cells", "cubes", 400, 1, 20000, build_cubes},
     BenchScene{"heap", "a cloth of 2 m that fell on its edge and lies in folds", "vertices along a side", 60,
-               4, 1000, build_heap<SelfCollision::surfaces>, true},
-    BenchScene{"heap-particles", "heap, with self-collision of particles", "vertices along a side", 60, 4,
-               1000, build_heap<SelfCollision::particles>, true},
-    BenchScene{"heap-off", "heap, without self-collision", "vertices along a side", 60, 4, 1000,
-               build_heap<SelfCollision::off>, true},
-    BenchScene{"dancers", "cloths of 32 x 32 vertices on moving capsules, with self-collision of particles",
-               "cloths", 50, 1, 1000, build_dancers<SelfCollision::particles>, true},
-    BenchScene{"dancers-surfaces", "dancers, with self-collision of surfaces", "cloths", 50, 1, 1000,
-               build_dancers<SelfCollision::surfaces>, true},
-    BenchScene{"dancers-off", "dancers, without self-collision", "cloths", 50, 1, 1000,
-               build_dancers<SelfCollision::off>, true},
+               4, 1000, build_heap, true},
 };
 
 /// Stretches one cloth of `size` rows and columns.

@@ -13,8 +13,7 @@ PROGRAM = str(Path(sys.argv[1]).resolve()) if len(sys.argv) > 2 else ""
 SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
 
 NAMES = {"cloth": 12, "cloth-dihedral": 12, "cloth-isometric": 12, "cloth-membrane": 12, "tets": 100, "cloths": 2,
-         "cubes": 2, "heap": 12, "heap-particles": 12, "heap-off": 12, "dancers": 2, "dancers-surfaces": 2,
-         "dancers-off": 2}
+         "cubes": 2, "heap": 12}
 STAGES = ["dam-break", "surface"]  # with measurements of their own
 
 
@@ -141,7 +140,7 @@ class Bench(unittest.TestCase):
         wrong.write_text("[1]")
         for arguments, words in ((["clth"], 'did you mean "cloth"'), (["surfcae"], 'did you mean "surface"'),
                                  (["hepa"], 'did you mean "heap"'),
-                                 (["xyzzyxyzzy"], "dancers-off, dam-break, surface"), (["cloth", "--size", "1"], "--size 1"),
+                                 (["xyzzyxyzzy"], "heap, dam-break, surface"), (["cloth", "--size", "1"], "--size 1"),
                                  (["cloth", "--solver", "gauss"], "gauss_seidel"),
                                  (["cloth", "--residual", "2"], "--residual"), (["cloth", "--runs", "0"], "--runs 0"),
                                  (["cloth", "--relaxation", "3"], "relaxation"), (["cloth", "--threads", "x"], "x"),
