@@ -38,8 +38,10 @@ void solve(Projector& projector, std::vector<Vec4f>& position, int iterations, f
   solver->prepare(projectors, view);
   projector.begin_substep(view, substep);
   solver->solve(projectors, view, substep, *threads);
-  for (std::size_t i = 0; i < position.size(); ++i)
-    for (int axis = 0; axis < 3; ++axis) position[i][axis] += moving[i][axis];
+  for (std::size_t i = 0; i < position.size(); ++i) {
+    const Vec3f x = position[i].xyz() + moving[i].xyz();
+    position[i] = {x.x, x.y, x.z, position[i].w};
+  }
 }
 
 using Function = std::function<float(const Vec3f& x, Vec3f& gradient)>;
