@@ -8,9 +8,9 @@
 
 #include "benchmarks/elastic_integrators.h"
 #include "souple/constraints/distance.h"
-#include "souple/multilevel/make_solver.h"
 #include "souple/solver/custom_constraint.h"
 #include "souple/solver/set_projector.h"
+#include "souple/studies/make_solver.h"
 
 #include <array>
 #include <cmath>

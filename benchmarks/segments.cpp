@@ -106,11 +106,11 @@ double rate_of(int tries, const std::function<void()>& test_all) {
   return std::round(double{triangle_count} * segment_count * repeats / least);
 }
 
-double rate_of(SegmentTest test, const Stack& stack, InstructionSet set, int tries) {
+double rate_of(SegmentTest test, const Stack& stack, bool packed, int tries) {
   Crossings found(triangle_count);
   return rate_of(tries, [&] {
     for (const Segment<float>& segment : stack.segments)
-      find_crossings(test, segment, stack.triangles.view(), found.columns(), set);
+      find_crossings(test, segment, stack.triangles.view(), found.columns(), packed);
   });
 }
 
@@ -193,9 +193,8 @@ void print_rates(int tries) {
     std::printf(
         "%s\n  \"%s\": {\"scalar_per_second\": %.0f, \"packed_per_second\": %.0f, \"corner_leaks\": %d, "
         "\"edge_leaks\": %d}",
-        test == segment_test_names[0].second ? "" : ",", name,
-        rate_of(test, stack, InstructionSet::scalar, tries), rate_of(test, stack, instruction_set(), tries),
-        leaks.corners, leaks.edges);
+        test == segment_test_names[0].second ? "" : ",", name, rate_of(test, stack, false, tries),
+        rate_of(test, stack, true, tries), leaks.corners, leaks.edges);
   }
   std::printf("}");
 #if SOUPLE_EMBREE

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/collision/segment_triangle/choice.h"
+#include "souple/studies/segment_triangle/choice.h"
 
 namespace souple::benchmarks {
 
