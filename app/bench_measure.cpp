@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double frame = 1.0 / 60;          // s, of every step
+constexpr double frame_time = 1.0 / 60;     // s, of every step
 constexpr double projection_budget = 0.25;  // s, to time the projections of all kinds
 constexpr double residual_budget = 8;       // s, for one solve to the target residual
 constexpr double repeated_below = 0.1;      // s: shorter times are the best of three
@@ -48,7 +48,7 @@ double largest_strain(const World& world, const std::vector<double>& rest) {
 
 /// Runs one step; throws NonFiniteError, or Error where a callback failed.
 const StepReport& step(World& world) {
-  const StepReport& report = world.step(frame);
+  const StepReport& report = world.step(frame_time);
   if (!report.ok()) throw NonFiniteError{report.message};
   if (report.has(Flag::callback_failed)) throw Error(report.message);
   return report;
@@ -83,11 +83,11 @@ double time_steps(World& world, const BenchOptions& options, Json& result) {
 
 Json time_projections(World& world) {
   double once = 0;
-  for (const KindTime& kind : world.time_projections(frame, 3)) once += kind.seconds;
+  for (const KindTime& kind : world.time_projections(frame_time, 3)) once += kind.seconds;
   const int sweeps = static_cast<int>(std::clamp(projection_budget / std::max(once, 1e-9), 5.0, 2000.0));
   // Per kind: number of constraints, and seconds.
   std::vector<std::pair<std::string, std::pair<double, double>>> kinds;
-  for (const KindTime& time : world.time_projections(frame, sweeps)) {
+  for (const KindTime& time : world.time_projections(frame_time, sweeps)) {
     const std::string name(time.kind);
     auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.first == name; });
     if (kind == kinds.end()) kind = kinds.insert(kinds.end(), {name, {0, 0}});
@@ -120,9 +120,9 @@ struct CurvePoint {
 };
 
 CurvePoint solve(World& world, int iterations) {
-  SolveTime best = world.time_solve(frame, iterations);
+  SolveTime best = world.time_solve(frame_time, iterations);
   for (int again = 0; again < 2 && best.seconds < repeated_below; ++again)
-    best.seconds = std::min(best.seconds, world.time_solve(frame, iterations).seconds);
+    best.seconds = std::min(best.seconds, world.time_solve(frame_time, iterations).seconds);
   return {iterations,      best.seconds * 1e3,  best.mean_strain,
           best.rms_strain, best.largest_strain, best.energy};
 }
@@ -155,7 +155,7 @@ Json time_to_residual(const BenchScene& scene, const BenchOptions& options) {
   World world(settings);
   scene.build(world, options.size);
   stretch_cloths(world, stretched);
-  world.time_solve(frame, 1);  // excludes what the first solve prepares
+  world.time_solve(frame_time, 1);  // excludes what the first solve prepares
   const CurvePoint start = solve(world, 0);
   CurvePoint before = start, point = start;
   Json curve = Json::array();
@@ -215,7 +215,7 @@ void measure_scene(const BenchScene& scene, const BenchOptions& options, Json& r
     result.set("crossings", count_json(crossings));
   }
   result.set("projections_per_second", time_projections(world));
-  const std::string remark = world.time_solve(frame, settings.iterations).diagnostic;
+  const std::string remark = world.time_solve(frame_time, settings.iterations).diagnostic;
   if (!remark.empty()) result.set("remark", Json::of(remark));
   if (options.residual) result.set("residual", time_to_residual(scene, options));
 }

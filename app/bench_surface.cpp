@@ -14,7 +14,7 @@ using scene_format::Json;
 
 namespace {
 
-constexpr float spacing = 0.02f;  // m
+constexpr float particle_spacing = 0.02f;  // m
 
 /// Own generator: the distributions of the standard library differ between implementations.
 class Uniform {
@@ -40,7 +40,7 @@ std::vector<Vec3f> broken_dam(int count) {
   Uniform uniform;
   std::vector<Vec3f> points;
   const auto add = [&](double x, double y, double z) {
-    points.push_back(Vec3f(Vec3d{x, y, z} * static_cast<double>(spacing)));
+    points.push_back(Vec3f(Vec3d{x, y, z} * static_cast<double>(particle_spacing)));
   };
   const auto noise = [&] { return uniform(-0.15, 0.15); };
   for (double x = 0.5 - 1.5 * height; x < 2 * height; ++x)
@@ -89,7 +89,7 @@ Measured measure_surface(FluidSurface& surface, std::span<const Vec3f> points, c
 void measure_surface(const BenchOptions& options, Json& result) {
   const std::vector<Vec3f> points = broken_dam(options.size);
   SurfaceOptions shape;
-  shape.spacing = spacing;
+  shape.spacing = particle_spacing;
   FluidSurface surface(shape);
   const Measured measured = measure_surface(surface, points, options);
   shape.method = SurfaceMethod::isotropic;

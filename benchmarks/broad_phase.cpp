@@ -3,10 +3,11 @@
 //
 //   broad_phase [MOST]    n = 1000, 2000, 5000, ... up to MOST, 500,000 by default
 //
-// Soups of triangles that fly in random directions through a box with walls: all of one size, and sizes from 1
-// to 30, so many of each that every factor of two in size covers the same volume. A triangle meets four others
-// on average, with many sizes two. Neighbors in space are near in memory, as in objects that were renumbered;
-// in a third soup the order is random. Times are milliseconds of processor time a step, the median of five steps, in turn. Prints JSON.
+// Soups of triangles that fly in random directions through a box with walls. One has triangles of one size. Another has
+// sizes from 1 to 30, where every factor of two in size covers the same volume. A triangle meets four others on
+// average, with many sizes two. Neighbors in space are near in memory, as in objects that were renumbered; in a third
+// soup the order is random. Times are milliseconds of processor time a step, the median of five steps, in turn. Prints
+// JSON.
 
 #include "souple/broad_phase/spatial_hash.h"
 #include "souple/simd/instruction_set.h"
@@ -219,7 +220,7 @@ struct Times {
   std::size_t pairs = 0;
 };
 
-// Of processor time.
+// Processor time.
 double milliseconds() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);

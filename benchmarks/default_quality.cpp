@@ -1,4 +1,4 @@
-// What the default solver leaves of what was asked, beside the converged state of the same discrete model.
+// Errors of the default solver, beside the converged state of the same discrete model.
 //
 //   default_quality [CASE...] [--solver NAME] [--substeps N]
 //
@@ -212,7 +212,7 @@ void meshes() {
 
 enum class Seam { none, connected, attached };
 
-/// Cotton 1 m wide and 1 m long by a row, in one piece or in two halves of rows / 2 cells; or a cloth whose row is held
+/// Cotton 1 m wide and 1 m long by a row, in one piece or in two halves of rows / 2 cells. Or a cloth whose row is held
 /// by rigid attachments instead of pins.
 void hang_seam(int n, Seam seam) {
   World world(chosen);

@@ -17,8 +17,8 @@ struct ElasticModel::System {
   Matrix matrix;
   Eigen::VectorXd rhs, solution;
   std::vector<int> unknown;  // per particle: its first unknown, -1 if it is pinned
-  /// Per element and pair of its particles, and last per particle: the value of the block's first entry, -1 if
-  /// there is none; the same entry of the block's next column comes `stride` later.
+  /// Per element and pair of its particles, and last per particle: the value of the block's first entry, -1 if there is
+  /// none. The entry of the block's next column comes `stride` later.
   struct Block {
     int first, stride;
   };

@@ -11,7 +11,7 @@
 #include <vector>
 
 // Elasticity by forces, in double precision: mass-springs and linear finite elements, with the energies of
-// souple/world/build.cpp. What position-based dynamics is compared with; the library does not use it.
+// souple/world/build.cpp. Position-based dynamics is compared with it; the library does not use it.
 
 namespace souple::benchmarks {
 

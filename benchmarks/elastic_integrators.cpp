@@ -114,9 +114,9 @@ double energy_of(const World& world, ObjectId object) {
   return world.kinetic_energy(object) + world.potential_energy(object) + world.elastic_energy();
 }
 
-/// Energy after a second, minus that at the start, in units of `scale`. With `field`: also a force field that
-/// pulls to the plane z = 0, f = -m omega^2 z, without gravity and pins, from z = 0.1 m; then relative to the
-/// energy at the start.
+/// Energy after a second, minus that at the start, in units of `scale`. With `field`: a force field also pulls to the
+/// plane z = 0, f = -m omega^2 z, without gravity and pins, from z = 0.1 m. The result is then relative to the energy
+/// at the start.
 template <class Scene>
 double world_gain(const Scene& scene, Integrator integrator, int substeps, double scale, double omega) {
   World world({.substeps = substeps, .integrator = integrator, .measure_residuals = false, .threads = 1});

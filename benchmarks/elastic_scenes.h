@@ -13,8 +13,8 @@
 
 namespace souple::benchmarks {
 
-/// Cotton of 1 m and n x n vertices without bending stiffness, hung by its upper row, that starts to swing
-/// with `spin` rad/s about that row.
+/// Cotton of 1 m and n x n vertices without bending stiffness, hung by its upper row. It starts to swing with `spin`
+/// rad/s about that row.
 struct ClothScene {
   int n = 30;
   double spin = 0;

@@ -1,16 +1,15 @@
-// What a simulated second costs at equal error: constraints of this engine beside the same energies as forces,
-// integrated explicitly and implicitly. Cloth of springs, and a bar of tets, in motion and at rest.
+// Cost of a simulated second at equal error: constraints of this engine beside the same energies as forces, integrated
+// explicitly and implicitly. Cloth of springs, and a bar of tets, in motion and at rest.
 //
 //   equal_error [--quick] [--engine]
 //
-// For each method the steps of a frame of 1/60 s grow until its error is below 1 % twice in a row and the cost
-// grows, or a second takes longer than 1 s. Errors relative to the same discrete model, converged in double
-// precision:
+// For each method the steps of a frame of 1/60 s grow until its error is below 1 % twice in a row and the cost grows.
+// They also stop growing when a second takes longer than 1 s. Errors relative to the same discrete model, converged in
+// double precision:
 //   motion: sqrt(mean |x - x_converged|^2 / mean |x_converged - x_start|^2), over particles and frames of 1 s;
 //   rest:   |drop of the end - that of static equilibrium|, relative to it, after 3 s with drag.
-// Costs are processor time of one thread, the median of three rounds over all methods in turn (what takes more
-// than 0.3 s a second is run once). --engine: the engine alone, for other instruction sets (SOUPLE_SIMD). Prints
-// JSON.
+// Costs are processor time of one thread, the median of three rounds over all methods in turn. Methods that take more
+// than 0.3 s a second run once. --engine: the engine alone, for other instruction sets (SOUPLE_SIMD). Prints JSON.
 
 #include "benchmarks/elastic_scenes.h"
 #include "souple/simd/instruction_set.h"

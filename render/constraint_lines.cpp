@@ -15,8 +15,8 @@
 namespace souple::render {
 namespace {
 
-constexpr float width = 1.2f;    ///< pixels
-constexpr float shrunk = 0.85f;  ///< elements are drawn smaller, so that they do not cover their neighbors
+constexpr float line_width = 1.2f;  ///< pixels
+constexpr float shrunk = 0.85f;     ///< elements are drawn smaller, so that they do not cover their neighbors
 
 struct KindStyle {
   std::string_view kind;
@@ -78,7 +78,7 @@ class Pen {
   }
 
  private:
-  void segment(const Vec3f& a, const Vec3f& b) { lines_.push_back({a, b, color_, width}); }
+  void segment(const Vec3f& a, const Vec3f& b) { lines_.push_back({a, b, color_, line_width}); }
   void cross(const Vec3f& x) {
     for (const Vec3f& axis : {Vec3f{size_, 0, 0}, Vec3f{0, size_, 0}, Vec3f{0, 0, size_}})
       segment(x - axis, x + axis);

@@ -7,7 +7,7 @@ namespace souple::render {
 
 namespace {
 
-constexpr int rings = 24, sectors = 24;  ///< of the grid of directions
+constexpr int sky_rings = 24, sectors = 24;  ///< of the grid of directions
 
 Vec3f vec3(const Color& c) {
   return {c.r, c.g, c.b};
@@ -48,9 +48,9 @@ Vec3f sky_radiance(const Sky& sky, const Vec3f& direction) {
 
 SkyIrradiance sky_irradiance(const Sky& sky) {
   SkyIrradiance result{};
-  const float area = 4 * float(pi) / float(rings * sectors);  // rings of equal height have equal areas
-  for (int ring = 0; ring < rings; ++ring) {
-    const float y = (float(ring) + 0.5f) * 2 / float(rings) - 1, r = std::sqrt(1 - y * y);
+  const float area = 4 * float(pi) / float(sky_rings * sectors);  // rings of equal height have equal areas
+  for (int ring = 0; ring < sky_rings; ++ring) {
+    const float y = (float(ring) + 0.5f) * 2 / float(sky_rings) - 1, r = std::sqrt(1 - y * y);
     for (int sector = 0; sector < sectors; ++sector) {
       const float angle = (float(sector) + 0.5f) * 2 * float(pi) / float(sectors);
       const Vec3f direction{r * std::cos(angle), y, r * std::sin(angle)};

@@ -2,12 +2,21 @@
 
 #include "souple/math/vec3.h"
 
+#include <limits>
+
 namespace souple {
 
 /// An axis-aligned box: all points between two corners, which belong to it [m].
 struct Bounds {
   Vec3f lo, hi;
 };
+
+/// The box without points: united with another one it gives that one.
+inline constexpr Bounds empty_bounds{
+    {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::infinity(),
+     std::numeric_limits<float>::infinity()},
+    {-std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
+     -std::numeric_limits<float>::infinity()}};
 
 /// Whether the box is valid: all numbers finite, lo <= hi.
 inline bool is_finite(const Bounds& box) {
@@ -25,6 +34,12 @@ inline Bounds united(const Bounds& a, const Bounds& b) {
 inline Bounds around(const Vec3f& a, const Vec3f& b, float margin) {
   return {{min(a.x, b.x) - margin, min(a.y, b.y) - margin, min(a.z, b.z) - margin},
           {max(a.x, b.x) + margin, max(a.y, b.y) + margin, max(a.z, b.z) + margin}};
+}
+
+/// A box grown by a distance to all sides [m].
+inline Bounds widened(const Bounds& box, float by) {
+  const Vec3f all{by, by, by};
+  return {box.lo - all, box.hi + all};
 }
 
 /// Whether the boxes share a point.

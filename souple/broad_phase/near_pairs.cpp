@@ -2,12 +2,12 @@
 
 #include "souple/broad_phase/kernels/find_kernels.h"
 #include "souple/error.h"
+#include "souple/math/sentinels.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
-#include <limits>
 #include <numeric>
 
 #include <fmt/core.h>
@@ -15,14 +15,12 @@
 namespace souple {
 namespace {
 
-constexpr std::size_t chunk_size = 128;  // patches of a chunk
-constexpr std::size_t box_grain = 1024;  // least number of boxes that pays for a thread
+constexpr std::size_t patches_per_chunk = 128;  // patches of a chunk
+constexpr std::size_t box_grain = 1024;         // least number of boxes that pays for a thread
 
 using Clock = std::chrono::steady_clock;
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr Bounds infinite_box{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
-constexpr Bounds empty{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
 
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
@@ -104,7 +102,7 @@ bool NearPairFinder::find(const SurfaceElements& elements, std::span<const Bound
   start = Clock::now();
   const std::size_t patches = patch_boxes_.size();
   const bool complete =
-      find_in_chunks(patches, chunk_size, most, out, threads, [&](std::size_t a, Part& part) {
+      find_in_chunks(patches, patches_per_chunk, most, out, threads, [&](std::size_t a, Part& part) {
         find_near(static_cast<std::uint32_t>(a), compares, position_w, part);
       });
   milliseconds_.pairs = milliseconds_since(start);
@@ -246,12 +244,12 @@ void NearPairFinder::make_boxes(std::span<const Bounds> boxes, std::span<const V
   triangle_boxes_.resize(elements_->triangles().size());
   patch_boxes_.resize(patches);
   moves_.resize(patches);
-  chunks_.resize((patches + chunk_size - 1) / chunk_size);
+  chunks_.resize((patches + patches_per_chunk - 1) / patches_per_chunk);
   left_out_of_.resize(chunks_.size());
   threads.for_each(chunks_.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       std::size_t left_out = 0;
-      for (std::size_t a = k * chunk_size; a < std::min(patches, (k + 1) * chunk_size); ++a)
+      for (std::size_t a = k * patches_per_chunk; a < std::min(patches, (k + 1) * patches_per_chunk); ++a)
         left_out += make_boxes_of(a, position_w);
       left_out_of_[k] = left_out;
     }
@@ -269,10 +267,10 @@ void NearPairFinder::make_boxes(std::span<const Bounds> boxes, std::span<const V
 std::size_t NearPairFinder::make_boxes_of(std::size_t a, std::span<const Vec4f> position_w) {
   const SurfacePatch& patch = elements_->patches()[a];
   std::size_t left_out = 0, moving = 0;
-  Bounds around = empty;
+  Bounds around = empty_bounds;
   const auto add = [&](Boxes& to, std::size_t i, const Bounds& box, bool moves) {
     const bool finite = box.lo.x > -infinity;
-    const Bounds kept = finite ? box : empty;
+    const Bounds kept = finite ? box : empty_bounds;
     to.set(i, kept);
     around = united(around, kept);
     left_out += finite ? 0 : 1;

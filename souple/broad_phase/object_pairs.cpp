@@ -1,15 +1,13 @@
 #include "souple/broad_phase/object_pairs.h"
 
+#include "souple/math/sentinels.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
 namespace souple {
 namespace {
-
-constexpr float infinity = std::numeric_limits<float>::infinity();
 
 // A lower corner that is not a number comes first: sorting needs an order of all boxes.
 float begin_of(const Bounds& box, int axis) {

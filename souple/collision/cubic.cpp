@@ -109,9 +109,8 @@ CubicRoots cubic_roots(const double (&c)[4], double error) {
   // cover.
   const int exponent = std::ilogb(sum);
   const double scale = std::abs(exponent) > 300 ? std::ldexp(1.0, std::clamp(-exponent, -1000, 1000)) : 1;
-  const double eps = std::numeric_limits<double>::epsilon();
   const Cubic f{{c[0] * scale, c[1] * scale, c[2] * scale, c[3] * scale},
-                error * scale + 64 * eps * (sum * scale)};
+                error * scale + 64 * std::numeric_limits<double>::epsilon() * (sum * scale)};
 
   double breakpoints[4] = {0, 1, 1, 1};
   double critical[2];

@@ -17,9 +17,9 @@ struct SearchedBalls {
   std::span<const float> radius, margin;  ///< m
 };
 
-/// Balls of one set in the cells of a uniform grid, by counting sort. As BallGrid, but in columns, so that kernels compare a
-/// ball with a register of others, and each pair is met once: from the ball whose cell comes first. A slot is the position of
-/// a ball in the order of cells.
+/// Balls of one set in the cells of a uniform grid, by counting sort. It is like BallGrid, but in columns, so that
+/// kernels compare a ball with a register of others. Each pair is met once: from the ball whose cell comes first. A
+/// slot is the position of a ball in the order of cells.
 class BallCells {
  public:
   /// Balls near one, as the kernels search them; balls of one cell share most of it.

@@ -13,8 +13,8 @@
 namespace souple {
 namespace {
 
-constexpr std::size_t particle_grain = 1024;  // least number of particles that pays for a thread
-constexpr std::size_t element_grain = 256;    // least number of elements that pays for a thread
+constexpr std::size_t corner_grain = 1024;  // least number of particles that pays for a thread
+constexpr std::size_t element_grain = 256;  // least number of elements that pays for a thread
 // Smallest elements that get contacts, as a part of a round shape's radius, or of the radius of another
 // shape's bounding ball. With it, a cloth sinks into a ball by 0.2 % of the ball's radius at most. Without it, cotton
 // of 1 m and 60 x 60 vertices is stretched on a box's edges by 40 % instead of 10 %. Contacts of elements are not part
@@ -217,7 +217,7 @@ float ColliderElementContacts::radius_of(const Element& element) const {
 void ColliderElementContacts::place(const Body& body, std::span<const std::uint32_t> rows,
                                     const ParticleView& particles, Threads& threads) {
   const kernels::ColliderParticles packed = packed_particles(particles);
-  threads.for_each(rows.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(rows.size(), corner_grain, [&](std::size_t begin, std::size_t end) {
     kernels_->place(packed, body.packed, corners_.particle.data(), rows.data(), begin, end,
                     {&corners_.from.data()->x, &corners_.to.data()->x});
   });
@@ -304,7 +304,7 @@ void ColliderElementContacts::find_rows(Body& body) {
 
 void ColliderElementContacts::find_near_corners(Body& body, const ParticleView& particles, Threads& threads) {
   const kernels::ColliderParticles packed = packed_particles(particles);
-  threads.for_each(corners_.all.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(corners_.all.size(), corner_grain, [&](std::size_t begin, std::size_t end) {
     particle_kernels_->distances(packed, body.packed, corners_.particle.data(), begin, end,
                                  corners_.distance.data());
   });
@@ -360,7 +360,7 @@ void ColliderElementContacts::find_depenetrating(Body& body, std::span<const Cor
   at_start.after = at_start.before;
   kernels::ColliderParticles start = packed_particles(particles);
   start.moving = start.start;
-  threads.for_each(corners.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(corners.size(), corner_grain, [&](std::size_t begin, std::size_t end) {
     particle_kernels_->distances(start, at_start, particle.data(), begin, end, corners_.distance.data());
   });
   for (std::size_t c = 0; c < corners.size(); ++c)

@@ -19,8 +19,7 @@ struct ContactMaterial {
   float friction = 0.5f;                    ///< coefficient of static friction
   std::optional<float> kinetic_friction{};  ///< coefficient; that of static friction when absent
   float restitution = 0;                    ///< coefficient, in [0, 1]
-  /// Of balls that rotate: largest moment of a contact about the ball's center, as a part of radius times normal
-  /// force.
+  /// Largest moment of a contact about the center of a ball that rotates, as a part of radius times normal force.
   std::optional<float> rolling_friction{};
 };
 
@@ -42,8 +41,8 @@ void validate(const ContactMaterialPair& pair, std::string_view where);
 /// restitution. Where only one material has a rolling friction, it counts.
 ContactMaterialPair combine(const ContactMaterial& a, const ContactMaterial& b);
 
-/// Collision groups of an object or a collider, one bit for each of 32: those that it belongs to (`groups`)
-/// and those that it collides with (`mask`).
+/// Collision groups of an object or a collider, one bit for each of 32. `groups` are those that it belongs to, `mask`
+/// those that it collides with.
 struct CollisionFilter {
   std::uint32_t groups = 1;
   std::uint32_t mask = ~0u;
@@ -59,7 +58,7 @@ struct NamedContactMaterial {
   std::string_view name;
   ContactMaterial material;
   CollisionFilter filter{};
-  /// Of the object at rest, which determines how fast overlaps are removed [m]. Colliders: infinite.
+  /// Radius of the object at rest, which determines how fast overlaps are removed [m]. Colliders: infinite.
   float radius = std::numeric_limits<float>::infinity();
 };
 
@@ -73,7 +72,7 @@ class PairOverrides {
   /// An override keeps the rolling friction of the default rule.
   ContactMaterialPair resolve(const NamedContactMaterial& a, const NamedContactMaterial& b) const;
 
-  /// Enables or disables collisions of a pair; the default is enabled. The same name twice: disables the
+  /// Enables or disables collisions of a pair; the default is enabled. A pair of one name with itself disables the
   /// object's self-collision, or leaves it as the object has it.
   void set_collide(std::string_view a, std::string_view b, bool collide);
   /// Combines set_collide and the filters. Filters do not apply to an object's self-collision.

@@ -2,11 +2,11 @@
 
 #include "souple/broad_phase/spatial_hash.h"
 #include "souple/contacts/kernels/find_kernels.h"
+#include "souple/math/sentinels.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 #include <utility>
 
 namespace souple {
@@ -15,7 +15,6 @@ namespace {
 constexpr std::uint32_t colors_at_once = 64;  // bits of a word
 constexpr std::size_t most_pairs =
     64;  // of a ball with later ones: a surface crushed to a point must not stop the world
-constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr double spare = 1;  // part of a size that is reserved beyond it: the number of pairs changes fast
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "souple/fluid/coarse_pressure.h"
 
 #include "souple/assert.h"
+#include "souple/math/sentinels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,6 @@ namespace souple {
 namespace {
 
 constexpr int coordinate_bits = 21;
-constexpr std::uint32_t none = ~0u;
 
 std::uint64_t node_key(std::int64_t x, std::int64_t y, std::int64_t z) {
   constexpr std::uint64_t mask = (std::uint64_t{1} << coordinate_bits) - 1;
@@ -58,7 +58,7 @@ void CoarsePressure::begin_movers(std::size_t count) {
     movers_[m].inverse_mass = 0;
     movers_[m].nodes.clear();
     movers_[m].pushes.clear();
-    movers_[m].slot_of_node.assign(y_.size(), none);
+    movers_[m].slot_of_node.assign(y_.size(), no_index);
   }
 }
 
@@ -74,7 +74,7 @@ void CoarsePressure::add_contact(std::size_t mover, std::uint32_t index, const V
   const std::array<float, 8> n = weights(cell, position);
   for (std::size_t e = 0; e < 8; ++e) {
     std::uint32_t& slot = body.slot_of_node[corners_[cell][e]];
-    if (slot == none) {
+    if (slot == no_index) {
       slot = static_cast<std::uint32_t>(body.nodes.size());
       body.nodes.push_back(corners_[cell][e]);
       body.pushes.push_back({});

@@ -11,8 +11,8 @@
 namespace souple {
 namespace {
 
-constexpr double min_distance_ratio = 0.7;  // in spacings: emission stops where other fluid is nearer
-constexpr std::size_t grain = 512;          // minimum number of particles per thread
+constexpr double min_distance_ratio = 0.7;   // in spacings: emission stops where other fluid is nearer
+constexpr std::size_t emission_grain = 512;  // minimum number of particles per thread
 
 /// Two unit vectors perpendicular to the unit vector n.
 std::array<Vec3d, 2> across(const Vec3d& n) {
@@ -121,7 +121,7 @@ std::vector<std::uint32_t> particles_in(const Drain& drain, const Object& fluid,
                                         Threads& threads) {
   std::vector<std::uint8_t> is_in(fluid.particle_count());
   const Collider collider{"drain", drain.shape, ColliderMotion::fixed(drain.pose), {}, true};
-  threads.for_each(is_in.size(), grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(is_in.size(), emission_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       is_in[i] = surface_distance(collider, 0, objects.particles.exact_position(fluid.begin + i)).distance < 0
                      ? 1

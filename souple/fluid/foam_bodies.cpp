@@ -12,11 +12,6 @@ namespace {
 
 constexpr std::size_t chunk_size = 512;
 
-Bounds grown(const Bounds& box, float by) {
-  const Vec3f margin{by, by, by};
-  return {box.lo - margin, box.hi + margin};
-}
-
 }  // namespace
 
 void FoamBodies::build(Threads& threads) {
@@ -27,7 +22,7 @@ void FoamBodies::build(Threads& threads) {
       Bounds box{triangle.start[0], triangle.start[0]};
       for (std::size_t c = 0; c < 3; ++c)
         box = united(united(box, {triangle.start[c], triangle.start[c]}), {triangle.end[c], triangle.end[c]});
-      boxes_[t] = grown(box, triangle.gap);
+      boxes_[t] = widened(box, triangle.gap);
     }
   });
   hash_.build(boxes_, SpatialHash::choose_cell_size(boxes_), threads);

@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t chunk = 1024;
 
 // Sum of (1 - r / 2) r^2 over the lattice of spacing 1: 6 neighbors at 1, 12 at sqrt 2, 8 at sqrt 3.
-constexpr float lattice_sum = 3 + 24 * (1 - 0.70710678f) + 24 * (1 - 0.86602540f);
+constexpr float viscosity_sum = 3 + 24 * (1 - 0.70710678f) + 24 * (1 - 0.86602540f);
 
 double square(const Vec3f& a) {
   const Vec3d b(a);
@@ -26,7 +26,7 @@ Vec3f ImplicitViscosity::force(const System& system, std::span<const Vec4f> valu
   const float V = smoothing.volume();
   const Vec3f strain = kernels_->strain(system.fluid.x.data(), values.data(), system.fluid.x[k], values[k],
                                         list.data(), list.size(), smoothing.factors());
-  const float b = 3 / (V * lattice_sum * smoothing.spacing() * smoothing.spacing());
+  const float b = 3 / (V * viscosity_sum * smoothing.spacing() * smoothing.spacing());
   return strain * (10 * V * V * b * system.h);
 }
 

@@ -12,7 +12,7 @@ namespace {
 
 /// A shape's functions of q, its support, and its measured constants (from columns of 25 to 75 layers at
 /// rest).
-struct Shape {
+struct ShapeFunctions {
   double support;  // in spacings
   double (*value)(double q);
   double (*slope)(double q);
@@ -22,13 +22,13 @@ struct Shape {
 };
 
 template <class S>
-constexpr Shape shape_of(double support, double density, double gradient, double mirror) {
+constexpr ShapeFunctions shape_of(double support, double density, double gradient, double mirror) {
   return {
       support, [](double q) { return S::value(q); }, [](double q) { return S::slope(q); }, density, gradient,
       mirror};
 }
 
-Shape find_shape(SmoothingShape shape) {
+ShapeFunctions find_shape(SmoothingShape shape) {
   switch (shape) {
     case SmoothingShape::poly6_spiky:
       return shape_of<kernels::Poly6Spiky>(2, 1.01, 1.04, 2.2);
@@ -68,7 +68,7 @@ std::vector<double> integrals_to_one(int n, const Function& f) {
 }  // namespace
 
 Smoothing::Smoothing(float spacing, SmoothingShape which) : spacing_(spacing) {
-  const Shape shape = find_shape(which);
+  const ShapeFunctions shape = find_shape(which);
   const double d = spacing, volume = d * d * d, support = shape.support;
   const auto q = [&](double r2) { return std::sqrt(r2) / support; };
   const double value_sum =

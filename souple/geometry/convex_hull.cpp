@@ -6,6 +6,7 @@
 #include "souple/geometry/measures.h"
 #include "souple/geometry/quickhull.h"
 #include "souple/math/limits.h"
+#include "souple/math/sentinels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +16,6 @@
 
 namespace souple {
 namespace {
-
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
 void check_options(const HullOptions& options, const std::string& name) {
   if (!(options.tolerance >= 0 && options.tolerance <= 0.1))
@@ -31,7 +30,7 @@ void check_points(std::span<const Vec3d> points, const std::string& name) {
   if (points.size() < 4)
     throw Error(fmt::format("{}: there are {} points, expected at least 4 that are not in one plane", name,
                             points.size()));
-  if (points.size() >= none)
+  if (points.size() >= no_index)
     throw Error(fmt::format("{}: {} points are too many, expected fewer than 2^32", name, points.size()));
   for (std::size_t i = 0; i < points.size(); ++i)
     if (!is_within(points[i], range::coordinate))
@@ -104,7 +103,7 @@ LocalHull hull_on_grid(std::span<const Vec3d> points, const HullOptions& options
 // faces and those beside them are compared.
 double measure_excess(const LocalHull& hull) {
   const HullTriangles& t = hull.triangles;
-  std::vector<std::uint32_t> reached(t.triangles.size(), none), queue;
+  std::vector<std::uint32_t> reached(t.triangles.size(), no_index), queue;
   double excess = 0;
   for (const auto& [point, triangle] : t.outside) {
     const Vec3d& p = hull.positions[point];
@@ -127,11 +126,11 @@ double measure_excess(const LocalHull& hull) {
 // The points that are corners become vertices, in their order. Returns the vertex of each point.
 std::vector<std::uint32_t> add_vertices(ConvexHull& out, std::span<const Vec3d> points,
                                         std::span<const HullPolygon> polygons) {
-  std::vector<std::uint32_t> vertex_of(points.size(), none);
+  std::vector<std::uint32_t> vertex_of(points.size(), no_index);
   for (const HullPolygon& p : polygons)
     for (const std::uint32_t v : p.corners) vertex_of[v] = 0;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
-    if (vertex_of[i] == none) continue;
+    if (vertex_of[i] == no_index) continue;
     vertex_of[i] = static_cast<std::uint32_t>(out.positions.size());
     out.positions.push_back(points[i]);
     out.source.push_back(i);
@@ -166,12 +165,12 @@ std::vector<std::uint32_t> partner_corners(const ConvexHull& hull) {
 
 void add_edges(ConvexHull& out, std::span<const HullPolygon> polygons) {
   const std::vector<std::uint32_t> partner = partner_corners(out);
-  out.corner_edges.assign(out.corners.size(), none);
+  out.corner_edges.assign(out.corners.size(), no_index);
   for (std::uint32_t f = 0; f < out.faces.size(); ++f) {
     const auto [normal, offset, begin, count] = out.faces[f];
     for (std::uint32_t i = 0; i < count; ++i) {
       const std::uint32_t corner = begin + i;
-      if (out.corner_edges[corner] != none) continue;
+      if (out.corner_edges[corner] != no_index) continue;
       out.corner_edges[corner] = out.corner_edges[partner[corner]] =
           static_cast<std::uint32_t>(out.edges.size());
       out.edges.push_back(

@@ -2,6 +2,7 @@
 
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/measures.h"
+#include "souple/math/sentinels.h"
 
 #include <algorithm>
 
@@ -33,12 +34,11 @@ bool adjoin(const Triangle& a, const Triangle& b, std::uint32_t vertex) {
 /// appearance.
 std::vector<std::uint32_t> smooth_parts(std::span<const Triangle> triangles, std::span<const Vec3d> normals,
                                         std::span<const std::uint32_t> fan, std::uint32_t vertex) {
-  constexpr std::uint32_t none = ~std::uint32_t(0);
-  std::vector<std::uint32_t> part(fan.size(), none);
+  std::vector<std::uint32_t> part(fan.size(), no_index);
   std::uint32_t count = 0;
   std::vector<std::size_t> pending;  // assigned to a part; their neighbors may not be yet
   for (std::size_t first = 0; first < fan.size(); ++first) {
-    if (part[first] != none) continue;
+    if (part[first] != no_index) continue;
     part[first] = count++;
     pending.push_back(first);
     while (!pending.empty()) {
@@ -46,7 +46,7 @@ std::vector<std::uint32_t> smooth_parts(std::span<const Triangle> triangles, std
       pending.pop_back();
       for (std::size_t j = 0; j < fan.size(); ++j) {
         const bool smooth = dot(normals[fan[i]], normals[fan[j]]) > cosine_of_crease;
-        if (part[j] != none || !smooth || !adjoin(triangles[fan[i]], triangles[fan[j]], vertex)) continue;
+        if (part[j] != no_index || !smooth || !adjoin(triangles[fan[i]], triangles[fan[j]], vertex)) continue;
         part[j] = part[i];
         pending.push_back(j);
       }

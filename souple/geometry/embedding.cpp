@@ -16,7 +16,7 @@ namespace souple {
 namespace {
 
 using Weights = std::array<double, 4>;
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double no_distance = std::numeric_limits<double>::infinity();
 // A tet whose volume is below this fraction of its longest edge cubed is degenerate and carries no points.
 constexpr double flat_tet = 1e-12;
 // Tolerance of barycentric weights for a point on a face, for rounding on shared faces.
@@ -64,7 +64,7 @@ double triangle_distance(const Vec3d& p, const Vec3d& a, const Vec3d& b, const V
 double tet_distance(const TetMesh& mesh, const Tet& t, const Vec3d& p) {
   if (smallest(barycentric(mesh, t, p)) >= 0) return 0;
   constexpr std::size_t face[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-  double best = infinity;
+  double best = no_distance;
   for (const auto& f : face)
     best = std::min(best, triangle_distance(p, mesh.positions[t[f[0]]], mesh.positions[t[f[1]]],
                                             mesh.positions[t[f[2]]]));
@@ -186,7 +186,7 @@ Host find_host(const TetMesh& mesh, const TetGrid& grid, const Vec3d& p) {
   const std::array<int, 3> center = grid.cell_of(p);
   for (const std::uint32_t t : grid.tets_at(center))
     if (smallest(barycentric(mesh, mesh.tets[t], p)) >= -on_face) return {t, 0};
-  Host best{std::numeric_limits<std::uint32_t>::max(), infinity};
+  Host best{std::numeric_limits<std::uint32_t>::max(), no_distance};
   const double to_box = length(grid.clamped(p) - p);
   for (int ring = 0;; ++ring) {
     const bool more = grid.for_shell(center, ring, [&](const std::array<int, 3>& cell) {

@@ -1,17 +1,16 @@
 #include "souple/geometry/hull_faces.h"
 
 #include "souple/geometry/measures.h"
+#include "souple/math/sentinels.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 
 namespace souple {
 namespace {
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 using Indices = std::vector<std::uint32_t>;
 
 struct Plane {
@@ -59,7 +58,7 @@ struct VertexNeighbors {
 };
 
 // How triangles are joined: within the tolerance, within rounding, not at all.
-enum Level : std::uint8_t { coplanar, exactly_coplanar, apart };
+enum Level : std::uint8_t { coplanar, exactly_coplanar, separate };
 
 class FaceMerger {
  public:
@@ -72,8 +71,8 @@ class FaceMerger {
     level_.assign(hull.triangles.size(), coplanar);
     seeds_ = seeds_by_area();
     vertex_mark_.assign(positions.size(), 0);
-    following_.assign(positions.size(), none);
-    beyond_.assign(positions.size(), none);
+    following_.assign(positions.size(), no_index);
+    beyond_.assign(positions.size(), no_index);
   }
 
   HullPolygons merge();
@@ -134,7 +133,7 @@ Indices FaceMerger::seeds_by_area() const {
 
 // A triangle that is turned by more than 60 degrees belongs to another side of a thin hull, however near its corners are.
 bool FaceMerger::fits(std::uint32_t triangle, const Plane& plane, Level level) const {
-  if (group_[triangle] != none || level_[triangle] > level) return false;
+  if (group_[triangle] != no_index || level_[triangle] > level) return false;
   if (dot(hull_.normals[triangle], plane.normal) < 0.5) return false;
   for (const std::uint32_t v : hull_.triangles[triangle])
     if (std::abs(dot(plane.normal, x_[v] - plane.point)) > tolerance(level)) return false;
@@ -144,7 +143,7 @@ bool FaceMerger::fits(std::uint32_t triangle, const Plane& plane, Level level) c
 // Whether the group with this triangle is still a disk. The triangle must join along one side and bring a new vertex,
 // or fill a corner between two sides.
 bool FaceMerger::keeps_disk(std::uint32_t triangle) const {
-  std::uint32_t shared = 0, opposite = none;
+  std::uint32_t shared = 0, opposite = no_index;
   for (std::size_t side = 0; side < 3; ++side)
     if (group_[hull_.neighbors[triangle][side]] == current_) {
       ++shared;
@@ -176,12 +175,12 @@ void FaceMerger::grow(std::uint32_t seed, const Plane& plane, Level level) {
 }
 
 void FaceMerger::dissolve() {
-  for (const std::uint32_t t : members_) group_[t] = none;
+  for (const std::uint32_t t : members_) group_[t] = no_index;
 }
 
 // The outline of the group from its lowest vertex.
 void FaceMerger::trace_loop() {
-  std::uint32_t start = none;
+  std::uint32_t start = no_index;
   for (const std::uint32_t t : members_)
     for (std::size_t side = 0; side < 3; ++side) {
       if (group_[hull_.neighbors[t][side]] == current_) continue;
@@ -360,8 +359,8 @@ bool FaceMerger::separate_degenerate() {
   bool any = false;
   for (std::size_t t = 0; t < level_.size(); ++t) {
     const std::uint32_t f = group_[t];
-    if (bad[f] == 0 || polygon_level_[f] == apart) continue;
-    level_[t] = polygon_level_[f] == coplanar ? exactly_coplanar : apart;
+    if (bad[f] == 0 || polygon_level_[f] == separate) continue;
+    level_[t] = polygon_level_[f] == coplanar ? exactly_coplanar : separate;
     any = true;
   }
   return any;
@@ -371,14 +370,14 @@ void FaceMerger::group_triangles() {
   polygons_.clear();
   polygon_level_.clear();
   current_ = 0;
-  group_.assign(hull_.triangles.size(), none);
+  group_.assign(hull_.triangles.size(), no_index);
   for (const std::uint32_t seed : seeds_) {
-    if (group_[seed] != none) continue;
+    if (group_[seed] != no_index) continue;
     Level level = level_[seed];
-    while (level != apart && !merge_around(seed, level))
-      level = level == coplanar && members_.size() > 1 ? exactly_coplanar : apart;
-    if (level == apart) take_single(seed);
-    finish_group(level == apart ? hull_.normals[seed] : plane_of(x_, loop_).normal, level);
+    while (level != separate && !merge_around(seed, level))
+      level = level == coplanar && members_.size() > 1 ? exactly_coplanar : separate;
+    if (level == separate) take_single(seed);
+    finish_group(level == separate ? hull_.normals[seed] : plane_of(x_, loop_).normal, level);
   }
   for (HullPolygon& p : polygons_)
     for (std::uint32_t& across : p.across) across = group_[across];

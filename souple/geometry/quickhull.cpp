@@ -1,16 +1,15 @@
 #include "souple/geometry/quickhull.h"
 
 #include "souple/assert.h"
+#include "souple/math/sentinels.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <queue>
 
 namespace souple {
 namespace {
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 __extension__ using Wide = __int128;  // standard C++ has no integer of this size
 
 // n = (b - a) x (c - a), exact: components below 2^(2 grid_bits + 1).
@@ -80,9 +79,9 @@ namespace {
 struct Face {
   Triangle corners;
   Triangle neighbors;
-  Vec3d normal;               // unit
-  std::uint32_t first{none};  // of the points above it, a list
-  std::uint32_t farthest{none};
+  Vec3d normal;                   // unit
+  std::uint32_t first{no_index};  // of the points above it, a list
+  std::uint32_t farthest{no_index};
   double height{0};       // of the farthest
   std::uint32_t mark{0};  // of the last search that reached it
   bool removed{false};
@@ -96,8 +95,8 @@ struct HorizonEdge {
 class Hull {
  public:
   Hull(std::span<const GridPoint> points, double tolerance) : points_(points), tolerance_(tolerance) {
-    next_.assign(points.size(), none);
-    face_from_.assign(points.size(), none);
+    next_.assign(points.size(), no_index);
+    face_from_.assign(points.size(), no_index);
   }
 
   void start(const Simplex& simplex);
@@ -153,7 +152,8 @@ std::uint32_t Hull::add_face(std::uint32_t a, std::uint32_t b, std::uint32_t c) 
     index = free_.back();
     free_.pop_back();
   }
-  faces_[index] = {{a, b, c}, {none, none, none}, unit_normal_of(points_[a], points_[b], points_[c])};
+  faces_[index] = {
+      {a, b, c}, {no_index, no_index, no_index}, unit_normal_of(points_[a], points_[b], points_[c])};
   return index;
 }
 
@@ -172,7 +172,7 @@ void Hull::put_above(std::uint32_t face, std::uint32_t point, double height) {
   next_[point] = f.first;
   f.first = point;
   const bool farther = height > f.height || (height == f.height && point < f.farthest);
-  if (f.farthest != none && !farther) return;
+  if (f.farthest != no_index && !farther) return;
   f.farthest = point;
   f.height = height;
 }
@@ -181,20 +181,20 @@ void Hull::put_above(std::uint32_t face, std::uint32_t point, double height) {
 // that stays, it is also above a face between the two. The normal of a new face is a positive combination of those that
 // met at its edge.
 void Hull::assign(std::uint32_t point, std::span<const std::uint32_t> faces) {
-  std::uint32_t best = none;
+  std::uint32_t best = no_index;
   double best_height = 0;
   for (const std::uint32_t f : faces) {
     const double h = height(faces_[f], point);
-    if ((best != none && h <= best_height) || !is_above(faces_[f], point, h)) continue;
+    if ((best != no_index && h <= best_height) || !is_above(faces_[f], point, h)) continue;
     best = f;
     best_height = h;
   }
-  if (best != none) put_above(best, point, best_height);
+  if (best != no_index) put_above(best, point, best_height);
 }
 
 void Hull::offer(std::uint32_t face) {
   const Face& f = faces_[face];
-  if (f.farthest != none && f.height > tolerance_) queue_.push({f.height, f.farthest, face});
+  if (f.farthest != no_index && f.height > tolerance_) queue_.push({f.height, f.farthest, face});
 }
 
 void Hull::start(const Simplex& simplex) {
@@ -239,24 +239,24 @@ void Hull::build_cone(std::uint32_t point) {
     const std::uint32_t face = add_face(e.a, e.b, point);
     faces_[face].neighbors[0] = e.kept;
     faces_[e.kept].neighbors[e.side] = face;
-    SOUPLE_ASSERT(face_from_[e.a] == none, "a horizon passes through a vertex once");
+    SOUPLE_ASSERT(face_from_[e.a] == no_index, "a horizon passes through a vertex once");
     face_from_[e.a] = face;
     cone_.push_back(face);
   }
   for (const std::uint32_t face : cone_) {
     const std::uint32_t following = face_from_[faces_[face].corners[1]];
-    SOUPLE_ASSERT(following != none, "a horizon is closed");
+    SOUPLE_ASSERT(following != no_index, "a horizon is closed");
     faces_[face].neighbors[1] = following;
     faces_[following].neighbors[2] = face;
   }
-  for (const HorizonEdge& e : horizon_) face_from_[e.a] = none;
+  for (const HorizonEdge& e : horizon_) face_from_[e.a] = no_index;
 }
 
 // Empties a face's list into `points`.
 void Hull::take_points(std::uint32_t face, std::vector<std::uint32_t>& points) {
   Face& f = faces_[face];
-  for (std::uint32_t p = f.first; p != none; p = next_[p]) points.push_back(p);
-  f.first = f.farthest = none;
+  for (std::uint32_t p = f.first; p != no_index; p = next_[p]) points.push_back(p);
+  f.first = f.farthest = no_index;
   f.height = 0;
 }
 
@@ -335,7 +335,7 @@ void Hull::grow(std::size_t max_vertices) {
 
 HullTriangles Hull::result() const {
   HullTriangles out;
-  std::vector<std::uint32_t> number(faces_.size(), none);
+  std::vector<std::uint32_t> number(faces_.size(), no_index);
   for (std::uint32_t f = 0, count = 0; f < faces_.size(); ++f)
     if (!faces_[f].removed) number[f] = count++;
   for (std::uint32_t f = 0; f < faces_.size(); ++f) {
@@ -345,7 +345,7 @@ HullTriangles Hull::result() const {
     const auto [i, j, k] = face.neighbors;
     out.neighbors.push_back({number[i], number[j], number[k]});
     out.normals.push_back(face.normal);
-    for (std::uint32_t p = face.first; p != none; p = next_[p]) out.outside.push_back({p, number[f]});
+    for (std::uint32_t p = face.first; p != no_index; p = next_[p]) out.outside.push_back({p, number[f]});
   }
   return out;
 }

@@ -2,6 +2,7 @@
 
 #include "souple/error.h"
 #include "souple/geometry/measures.h"
+#include "souple/math/sentinels.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +14,6 @@
 namespace souple {
 namespace {
 
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 using Cell = std::array<std::int64_t, 3>;
 
 // Cubes no smaller than the tolerance: a partner of a position is in one of 27.
@@ -102,8 +102,8 @@ class CellGrid {
       if (crowded[v]) cells_.push_back(cubes.cell_of(positions[v]));
     std::sort(cells_.begin(), cells_.end());
     cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());
-    head_.assign(cells_.size(), none);
-    next_.assign(positions.size(), none);
+    head_.assign(cells_.size(), no_index);
+    next_.assign(positions.size(), no_index);
   }
 
   void insert(std::uint32_t vertex) {
@@ -116,14 +116,14 @@ class CellGrid {
   // The lowest inserted vertex within the tolerance of position p, or none.
   std::uint32_t find(const Vec3d& p, double tolerance) const {
     const Cell center = cubes_.cell_of(p);
-    std::uint32_t best = none;
+    std::uint32_t best = no_index;
     for (std::int64_t dx = -1; dx <= 1; ++dx)
       for (std::int64_t dy = -1; dy <= 1; ++dy) {
         const Cell from{center[0] + dx, center[1] + dy, center[2] - 1};
         const Cell to{center[0] + dx, center[1] + dy, center[2] + 1};
         auto it = std::lower_bound(cells_.begin(), cells_.end(), from);
         for (; it != cells_.end() && !(to < *it); ++it)
-          for (std::uint32_t v = head_[std::size_t(it - cells_.begin())]; v != none; v = next_[v])
+          for (std::uint32_t v = head_[std::size_t(it - cells_.begin())]; v != no_index; v = next_[v])
             if (v < best && length(positions_[v] - p) <= tolerance) best = v;
       }
     return best;
@@ -166,7 +166,7 @@ std::vector<std::uint32_t> near_representatives(std::span<const Vec3d> positions
     representative[v] = v;
     if (!crowded[v]) continue;
     const std::uint32_t found = grid.find(positions[v], tolerance);
-    if (found != none)
+    if (found != no_index)
       representative[v] = found;
     else
       grid.insert(v);

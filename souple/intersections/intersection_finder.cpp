@@ -1,6 +1,7 @@
 #include "souple/intersections/intersection_finder.h"
 
 #include "souple/collision/segment_triangle/watertight.h"
+#include "souple/math/sentinels.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
@@ -10,15 +11,12 @@
 namespace souple {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr Bounds empty_bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-constexpr std::uint32_t none = SurfaceElement::no_edge;
 constexpr std::size_t chunk_size = 1024;
 constexpr std::size_t box_grain = 1024;
 constexpr float rounding = 4e-7f;  // relative to a coordinate: margin of boxes
 constexpr int max_pieces = 4096;   // of a ray
 
-Bounds around(const Vec3f& x) {
+Bounds around_rounded(const Vec3f& x) {
   const float margin = rounding * max(abs(x.x), max(abs(x.y), abs(x.z)));
   const Vec3f all{margin, margin, margin};
   return {x - all, x + all};
@@ -73,7 +71,7 @@ void IntersectionFinder::set_surfaces(std::span<const ContactSurface> surfaces) 
   surface_bounds_.assign(n, empty_bounds);
   active_.assign(n, 0);
   if (!any_pair_) return;
-  surface_of_.assign(end, none);
+  surface_of_.assign(end, no_index);
   for (std::uint32_t a = 0; a < n; ++a) {
     const ContactSurface& surface = surfaces[a];
     ranges_.push_back({surface.begin, surface.end});
@@ -95,14 +93,14 @@ void IntersectionFinder::exclude(std::vector<std::array<std::uint32_t, 2>> pairs
 }
 
 void IntersectionFinder::find_opposite() {
-  opposite_.assign(elements_.edges().size(), {none, none});
+  opposite_.assign(elements_.edges().size(), {no_index, no_index});
   for (const SurfaceElement& triangle : elements_.triangles())
     for (std::size_t k = 0; k < 3; ++k) {
       std::array<std::uint32_t, 2>& two = opposite_[triangle.edge[k]];
       const std::uint32_t corner = triangle.particle[(k + 2) % 3];
-      if (two[0] == none) {
+      if (two[0] == no_index) {
         two[0] = corner;
-      } else if (two[1] == none) {
+      } else if (two[1] == no_index) {
         two[1] = corner;
       }
     }
@@ -148,7 +146,7 @@ void IntersectionFinder::find_active(const ParticleView& particles, const Object
   for (std::size_t a = 0; a < n; ++a) {
     surface_bounds_[a] = empty_bounds;
     for (std::uint32_t i = ranges_[a][0]; i < ranges_[a][1]; ++i)
-      surface_bounds_[a] = united(surface_bounds_[a], around(particles.relative(i, {})));
+      surface_bounds_[a] = united(surface_bounds_[a], around_rounded(particles.relative(i, {})));
     active_[a] = enabled(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(a)) ? 1 : 0;
   }
   widened_.resize(n);
@@ -171,7 +169,7 @@ void IntersectionFinder::find_boxes(const ParticleView& particles, Threads& thre
       boxes_[t] = empty_bounds;
       if (active_[triangles[t].object] == 0) continue;
       for (const std::uint32_t i : triangles[t].particle)
-        boxes_[t] = united(boxes_[t], around(particles.relative(i, {})));
+        boxes_[t] = united(boxes_[t], around_rounded(particles.relative(i, {})));
     }
   });
 }
@@ -290,7 +288,7 @@ SurfaceHit IntersectionFinder::cast_ray(const ParticleView& particles, std::uint
   double first = std::numeric_limits<double>::infinity();
   for (int piece = 0; piece < pieces; ++piece) {
     const double from = double(piece) / pieces, to = double(piece + 1) / pieces;
-    const Bounds box = united(around(x + Vec3f(whole * from)), around(x + Vec3f(whole * to)));
+    const Bounds box = united(around_rounded(x + Vec3f(whole * from)), around_rounded(x + Vec3f(whole * to)));
     if (!overlap(box, bounds)) continue;
     near.clear();
     hash_.find(box, near);
@@ -333,7 +331,8 @@ bool IntersectionFinder::would_intersect(const ParticleView& particles, std::uin
 
 Bounds IntersectionFinder::box_of(const ParticleView& particles, const Edge& edge,
                                   std::uint32_t edge_surface) const {
-  const Bounds box = united(around(particles.relative(edge[0], {})), around(particles.relative(edge[1], {})));
+  const Bounds box = united(around_rounded(particles.relative(edge[0], {})),
+                            around_rounded(particles.relative(edge[1], {})));
   return with_perturbation(box, surface_bounds_[edge_surface]);
 }
 

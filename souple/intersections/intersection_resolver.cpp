@@ -1,17 +1,14 @@
 #include "souple/intersections/intersection_resolver.h"
 
+#include "souple/math/sentinels.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 
 namespace souple {
 namespace {
-
-constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
-constexpr float infinity = std::numeric_limits<float>::infinity();
 
 // Directions along the axes, upward first, then along the diagonals. Two more follow the contour.
 constexpr float third = 0.57735027f;
@@ -55,15 +52,6 @@ constexpr int immovable_interval = 16;
 constexpr std::size_t samples = 16;
 constexpr std::size_t vertex_grain = 64;
 
-Bounds around(const Vec3f& x) {
-  return {x, x};
-}
-
-Bounds widened(const Bounds& box, float by) {
-  const Vec3f all{by, by, by};
-  return {box.lo - all, box.hi + all};
-}
-
 bool is_odd(int n) {
   return n % 2 != 0;
 }
@@ -93,9 +81,9 @@ void IntersectionResolver::set_surfaces(std::span<const ContactSurface> surfaces
   std::uint32_t end = 0;
   for (const ContactSurface& surface : surfaces) end = std::max(end, surface.end);
   is_intersecting_.assign(end, 0);
-  inside_.assign(end, none);
-  last_of_.assign(end, none);
-  old_component_of_.assign(end, none);
+  inside_.assign(end, no_index);
+  last_of_.assign(end, no_index);
+  old_component_of_.assign(end, no_index);
 }
 
 // How fast two objects may be separated.
@@ -169,7 +157,7 @@ void IntersectionResolver::join_intersections() {
   std::uint32_t first_of_pair = 0;
   const auto reset = [&](std::uint32_t begin, std::uint32_t end) {
     for (; begin < end; ++begin)
-      for (const std::uint32_t i : intersection(begin).particle) last_of_[i] = none;
+      for (const std::uint32_t i : intersection(begin).particle) last_of_[i] = no_index;
   };
   const auto count = static_cast<std::uint32_t>(order_.size());
   for (std::uint32_t k = 0; k < count; ++k) {
@@ -179,7 +167,7 @@ void IntersectionResolver::join_intersections() {
     }
     root_[k] = k;
     for (const std::uint32_t i : intersection(k).particle) {
-      if (last_of_[i] != none) {
+      if (last_of_[i] != no_index) {
         const std::uint32_t p = root(k), q = root(last_of_[i]);
         root_[std::max(p, q)] = std::min(p, q);
       }
@@ -192,7 +180,7 @@ void IntersectionResolver::join_intersections() {
 // In the order of their first intersections.
 void IntersectionResolver::number_components(const ParticleView& particles) {
   components_.clear();
-  component_of_.assign(order_.size(), none);
+  component_of_.assign(order_.size(), no_index);
   for (std::uint32_t k = 0; k < order_.size(); ++k) {
     const std::uint32_t first = root(k);
     if (first == k) {
@@ -207,7 +195,8 @@ void IntersectionResolver::number_components(const ParticleView& particles) {
     Component& component = components_[component_of_[k]];
     ++component.count;
     for (const std::uint32_t i : intersection(k).particle)
-      component.bounds = united(component.bounds, around(particles.relative(i, {})));
+      component.bounds =
+          united(component.bounds, around(particles.relative(i, {}), particles.relative(i, {}), 0));
   }
 }
 
@@ -226,7 +215,7 @@ void IntersectionResolver::sort_by_components() {
 void IntersectionResolver::inherit_strategy(Component& component) const {
   for (std::size_t k = component.first; k < component.first + component.count; ++k)
     for (const std::uint32_t i : intersection(k).particle) {
-      if (old_component_of_[i] == none) continue;
+      if (old_component_of_[i] == no_index) continue;
       const Component& old = old_components_[old_component_of_[i]];
       if (old.a != component.a || old.b != component.b) continue;
       static_cast<Strategy&>(component) = old;
@@ -235,11 +224,11 @@ void IntersectionResolver::inherit_strategy(Component& component) const {
 }
 
 void IntersectionResolver::save_components() {
-  std::fill(old_component_of_.begin(), old_component_of_.end(), none);
+  std::fill(old_component_of_.begin(), old_component_of_.end(), no_index);
   for (std::uint32_t n = 0; n < components_.size(); ++n)
     for (std::size_t k = components_[n].first; k < components_[n].first + components_[n].count; ++k)
       for (const std::uint32_t i : intersection(k).particle)
-        if (old_component_of_[i] == none) old_component_of_[i] = n;
+        if (old_component_of_[i] == no_index) old_component_of_[i] = n;
   old_components_ = components_;
 }
 
@@ -281,7 +270,7 @@ void IntersectionResolver::collect_edges(const Component& component, const Parti
     const std::uint32_t surface = elements.edge_objects()[e];
     if (surface != component.a && surface != component.b) continue;
     const auto& [i, j] = elements.edges()[e];
-    const Bounds box = united(around(particles.relative(i, {})), around(particles.relative(j, {})));
+    const Bounds box = around(particles.relative(i, {}), particles.relative(j, {}), 0);
     if (overlap(box, region)) (surface == component.a ? edges_a_ : edges_b_).push_back(e);
   }
 }
@@ -408,7 +397,7 @@ Vec3f IntersectionResolver::contour_descent(const EdgeIntersection& intersection
   if (!(abs(e_n) > 0)) return {};
   Vec3f R;
   for (const std::uint32_t corner : finder_.opposite(intersection.edge)) {
-    if (corner == none) continue;
+    if (corner == no_index) continue;
     const Vec3f side = particles.difference(corner, i[0]);
     const Vec3f r = cross(cross(e, side), n);
     // Points into the triangle: from the edge to the opposite corner.
@@ -429,7 +418,7 @@ void IntersectionResolver::add_constraint(const VelocityConstraint& constraint,
 
 void IntersectionResolver::mark_intersecting() {
   std::fill(is_intersecting_.begin(), is_intersecting_.end(), 0);
-  std::fill(inside_.begin(), inside_.end(), none);
+  std::fill(inside_.begin(), inside_.end(), no_index);
   for (const EdgeIntersection& edge : finder_.intersections())
     for (const std::uint32_t i : edge.particle) is_intersecting_[i] = 1;
 }
@@ -467,8 +456,8 @@ void IntersectionResolver::constrain_inside(const Component& component, const Pa
   threads.for_each(hits_.size(), vertex_grain, [&](std::size_t v, std::size_t end) {
     for (; v < end; ++v) {
       const std::uint32_t i = elements.vertices()[v];
-      if (elements.vertex_objects()[v] != own || inside_[i] != none) continue;
-      if (!overlap(around(particles.relative(i, {})), bounds)) continue;
+      if (elements.vertex_objects()[v] != own || inside_[i] != no_index) continue;
+      if (!overlap(around(particles.relative(i, {}), particles.relative(i, {}), 0), bounds)) continue;
       hits_[v] = finder_.cast_ray(particles, i, {}, n, other, 1);
       if (!is_odd(hits_[v].count)) hits_[v] = finder_.cast_ray(particles, i, {}, n, other, -1);
     }
@@ -537,7 +526,7 @@ void IntersectionResolver::begin_step(const ParticleView& particles, const Conta
   const bool was_intersecting = !pairs_.empty(), had_violations = !layers_.found().empty();
   if (!finder_.any_pair() || (!search_all && !was_intersecting && !had_violations)) return;
   if (!search_all && constraints_.empty() && ++idle_ < immovable_interval) return;
-  if (step.time < last_time_) std::fill(old_component_of_.begin(), old_component_of_.end(), none);
+  if (step.time < last_time_) std::fill(old_component_of_.begin(), old_component_of_.end(), no_index);
   last_time_ = step.time;
   idle_ = 0;
   constraints_.clear();

@@ -2,26 +2,18 @@
 
 #include "souple/collision/nearest.h"
 #include "souple/math/scalar.h"
+#include "souple/math/sentinels.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace souple {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr Bounds empty_bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-constexpr std::uint32_t none = SurfaceElement::no_edge;
 constexpr float range_part = 0.05f;       // search range, relative to the lower surface's size
 constexpr float coincident_part = 1e-6f;  // relative to that size: nearer points have no direction
 constexpr float border_cosine = 0.7f;  // at a border: points farther from the normal are beside the surface
-constexpr std::size_t vertex_grain = 64;
-
-Bounds widened(const Bounds& box, float by) {
-  const Vec3f all{by, by, by};
-  return {box.lo - all, box.hi + all};
-}
+constexpr std::size_t layer_grain = 64;
 
 float size_of(const Bounds& box) {
   return length(box.hi - box.lo);
@@ -89,7 +81,7 @@ void Layers::find_normals(const ParticleView& particles, const IntersectionFinde
       const Vec3f a = particles.difference(j, i), b = particles.difference(l, i);
       vertex_normal_[i] += n * atan2(length(cross(a, b)), dot(a, b));
       edge_normal_[t.edge[k]] += n;
-      if (finder.opposite(t.edge[k])[1] == none) at_border_[i] = at_border_[j] = 1;
+      if (finder.opposite(t.edge[k])[1] == no_index) at_border_[i] = at_border_[j] = 1;
     }
   }
 }
@@ -155,7 +147,7 @@ Vec3f Layers::normal_at(const Nearest& nearest, const ParticleView& particles,
   if (zeros == 0) return normalized(area_normal(particles, t));
   if (zeros == 1) {
     const std::uint32_t edge = t.edge[(zero + 1) % 3];
-    border = finder.opposite(edge)[1] == none;
+    border = finder.opposite(edge)[1] == no_index;
     return normalized(edge_normal_[edge]);
   }
   border = at_border_[t.particle[other]] != 0;
@@ -165,7 +157,7 @@ Vec3f Layers::normal_at(const Nearest& nearest, const ParticleView& particles,
 // A point in the surface counts as under it, because its contact would have no side.
 bool Layers::is_under(const Nearest& nearest, const ParticleView& particles, const IntersectionFinder& finder,
                       float size, Vec3f& normal) const {
-  if (nearest.triangle == none) return false;
+  if (nearest.triangle == no_index) return false;
   bool border = false;
   normal = normal_at(nearest, particles, finder, border);
   if (!(length_squared(normal) > 0)) return false;
@@ -212,7 +204,7 @@ bool Layers::test_lower(const Pair& pair, std::uint32_t i, const ParticleView& p
   const Vec3f x = particles.relative(i, {});
   if (!overlap(widened(surfaces_[pair.upper].bounds, range), {x, x})) return false;
   const Nearest above = nearest(particles, finder, i, {}, pair.upper, range, near);
-  if (above.triangle == none || are_excluded(i, finder.elements().triangles()[above.triangle], finder))
+  if (above.triangle == no_index || are_excluded(i, finder.elements().triangles()[above.triangle], finder))
     return false;
   const Nearest on = nearest(particles, finder, i, -above.offset, pair.lower, range, near);
   Vec3f normal;
@@ -235,7 +227,7 @@ void Layers::find_pair(const Pair& pair, const ParticleView& particles, const In
   const SurfaceElements& elements = finder.elements();
   violation_of_.resize(elements.vertices().size());
   is_violation_.assign(violation_of_.size(), 0);
-  threads.for_each(violation_of_.size(), vertex_grain, [&](std::size_t v, std::size_t end) {
+  threads.for_each(violation_of_.size(), layer_grain, [&](std::size_t v, std::size_t end) {
     std::vector<std::uint32_t> near;
     for (; v < end; ++v) {
       const std::uint32_t i = elements.vertices()[v], surface = elements.vertex_objects()[v];

@@ -14,31 +14,32 @@ namespace souple {
 
 namespace {
 
-constexpr ByteOrder order = ByteOrder::big;
-constexpr std::uint64_t header_size = 8;
+constexpr ByteOrder mdd_order = ByteOrder::big;
+constexpr std::uint64_t mdd_header_size = 8;
 constexpr std::uint64_t copy_size = 1u << 20;
 
-struct Header {
+struct MddHeader {
   std::uint64_t frames;
   std::uint64_t points;
 };
 
-std::array<std::byte, header_size> encode(const Header& header) {
-  std::array<std::byte, header_size> bytes{};
-  store<order>(&bytes[0], static_cast<std::uint32_t>(header.frames));
-  store<order>(&bytes[4], static_cast<std::uint32_t>(header.points));
+std::array<std::byte, mdd_header_size> encode_mdd(const MddHeader& header) {
+  std::array<std::byte, mdd_header_size> bytes{};
+  store<mdd_order>(&bytes[0], static_cast<std::uint32_t>(header.frames));
+  store<mdd_order>(&bytes[4], static_cast<std::uint32_t>(header.points));
   return bytes;
 }
 
 /// Rejects headers that are impossible for an MDD, and a table of times longer than the file.
-Header read_header(ByteSource& source) {
-  if (source.size() < header_size)
+MddHeader read_mdd_header(ByteSource& source) {
+  if (source.size() < mdd_header_size)
     throw Error(source.name() + ": is not an MDD file: it has less than 8 bytes");
-  std::array<std::byte, header_size> bytes{};
+  std::array<std::byte, mdd_header_size> bytes{};
   source.read(0, bytes);
-  const Header header{load<order, std::uint32_t>(&bytes[0]), load<order, std::uint32_t>(&bytes[4])};
+  const MddHeader header{load<mdd_order, std::uint32_t>(&bytes[0]),
+                         load<mdd_order, std::uint32_t>(&bytes[4])};
   point_cache::check_header(source.name(), {header.points, header.frames});
-  if (4 * header.frames > source.size() - header_size)
+  if (4 * header.frames > source.size() - mdd_header_size)
     throw Error(fmt::format(
         "{}: its header says {} frames, more than its size of {} bytes allows; it is cut short or damaged",
         source.name(), header.frames, source.size()));
@@ -46,16 +47,16 @@ Header read_header(ByteSource& source) {
 }
 
 /// A .part has a table for the planned frames: the file's length determines the number of actual frames.
-std::uint64_t frames_within(const Header& header, std::uint64_t size) {
-  const std::uint64_t data = size - header_size - 4 * header.frames;
+std::uint64_t frames_within(const MddHeader& header, std::uint64_t size) {
+  const std::uint64_t data = size - mdd_header_size - 4 * header.frames;
   return std::min(header.frames, data / (12 * header.points));
 }
 
 std::vector<float> read_times(ByteSource& source, std::uint64_t count) {
   std::vector<std::byte> bytes(4 * count);
-  source.read(header_size, bytes);
+  source.read(mdd_header_size, bytes);
   std::vector<float> times(count);
-  for (std::uint64_t i = 0; i < count; ++i) times[i] = load_float<order>(&bytes[4 * i]);
+  for (std::uint64_t i = 0; i < count; ++i) times[i] = load_float<mdd_order>(&bytes[4 * i]);
   return times;
 }
 
@@ -71,8 +72,8 @@ MddWriter::MddWriter(std::filesystem::path path, std::uint64_t points, std::uint
       path_(std::move(path)),
       file_(part_path(path_), File::Mode::create),
       capacity_(room_for(planned_frames)) {
-  file_.write(0, encode({capacity_, points_}));
-  file_.write(header_size, std::vector<std::byte>(4 * capacity_));
+  file_.write(0, encode_mdd({capacity_, points_}));
+  file_.write(mdd_header_size, std::vector<std::byte>(4 * capacity_));
   file_.flush();
 }
 
@@ -88,11 +89,11 @@ MddWriter MddWriter::resume(const std::filesystem::path& path, std::uint64_t poi
                             std::uint64_t keep_frames, std::uint64_t planned_frames) {
   const auto part = part_path(path);
   const auto& existing = std::filesystem::exists(part) ? part : path;
-  Header header{};
+  MddHeader header{};
   std::vector<float> times;
   {
     ByteSource source(existing);
-    header = read_header(source);
+    header = read_mdd_header(source);
     const std::uint64_t frames = frames_within(header, source.size());
     point_cache::check_resume(source.name(), {header.points, frames}, points, keep_frames);
     times = read_times(source, keep_frames);
@@ -106,16 +107,16 @@ MddWriter MddWriter::resume(const std::filesystem::path& path, std::uint64_t poi
 }
 
 std::uint64_t MddWriter::frame_offset(std::uint64_t frame) const {
-  return header_size + 4 * capacity_ + 12 * points_ * frame;
+  return mdd_header_size + 4 * capacity_ + 12 * points_ * frame;
 }
 
 /// Rewrites NAME.part with a table of another length, into a new file that replaces the old one when
 /// complete.
 void MddWriter::change_capacity(std::uint64_t capacity) {
   AtomicFile copy(file_.path());
-  copy.write(encode({capacity, points_}));
+  copy.write(encode_mdd({capacity, points_}));
   std::vector<std::byte> bytes(4 * capacity);
-  for (std::size_t i = 0; i < times_.size(); ++i) store_float<order>(&bytes[4 * i], times_[i]);
+  for (std::size_t i = 0; i < times_.size(); ++i) store_float<mdd_order>(&bytes[4 * i], times_[i]);
   copy.write(bytes);
   bytes.resize(copy_size);
   const std::uint64_t end = frame_offset(frames());
@@ -142,7 +143,7 @@ void MddWriter::shrink_capacity() {
     file_.read(from + at, piece);
     file_.write(to + at, piece);
   }
-  file_.write(0, encode({capacity_, points_}));
+  file_.write(0, encode_mdd({capacity_, points_}));
   file_.truncate(to + size);
 }
 
@@ -151,11 +152,11 @@ void MddWriter::append(double time, std::span<const Vec3f> positions) {
   if (frames() == capacity_)
     change_capacity(std::min(point_cache::largest_count, std::max<std::uint64_t>(16, 2 * capacity_)));
   std::array<std::byte, 4> time_bytes;
-  store_float<order>(time_bytes.data(), static_cast<float>(time));
-  file_.write(header_size + 4 * frames(), time_bytes);
+  store_float<mdd_order>(time_bytes.data(), static_cast<float>(time));
+  file_.write(mdd_header_size + 4 * frames(), time_bytes);
   buffer_.resize(12 * positions.size());
   const auto bytes = std::as_writable_bytes(std::span(buffer_));
-  store_points<order>(bytes.data(), positions);
+  store_points<mdd_order>(bytes.data(), positions);
   // The frame follows its time, because the length of a .part determines its number of frames.
   file_.write(frame_offset(frames()), bytes);
   file_.flush();
@@ -192,8 +193,8 @@ MddReader MddReader::of_part(ByteSource source) {
 }
 
 MddReader::MddReader(ByteSource source, bool is_part) : source_(std::move(source)) {
-  const Header header = read_header(source_);
-  first_frame_ = header_size + 4 * header.frames;
+  const MddHeader header = read_mdd_header(source_);
+  first_frame_ = mdd_header_size + 4 * header.frames;
   if (!is_part)
     point_cache::check_size(source_.name(), {header.points, header.frames}, source_.size() - first_frame_);
   points_ = header.points;
@@ -205,7 +206,7 @@ void MddReader::read(std::uint64_t frame, std::span<Vec3f> positions) {
   buffer_.resize(12 * positions.size());
   const auto bytes = std::as_writable_bytes(std::span(buffer_));
   source_.read(first_frame_ + frame * bytes.size(), bytes);
-  load_points<order>(bytes.data(), positions);
+  load_points<mdd_order>(bytes.data(), positions);
 }
 
 }  // namespace souple

@@ -12,14 +12,14 @@ namespace souple::mesh_detail {
 
 namespace {
 
-constexpr std::string_view first_line = "souple mesh 1\n", last_line = "end of mesh\n";
+constexpr std::string_view message_begin = "souple mesh 1\n", message_end = "end of mesh\n";
 enum Kind : std::uint8_t { is_mesh, is_failure, is_animation };
 
 using Indices = std::vector<std::uint32_t>;
 
 class Writer {
  public:
-  explicit Writer(Kind kind) : out_(first_line) { number(std::uint8_t(kind)); }
+  explicit Writer(Kind kind) : out_(message_begin) { number(std::uint8_t(kind)); }
 
   void reserve(std::size_t bytes) { out_.reserve(out_.size() + bytes); }
 
@@ -49,7 +49,7 @@ class Writer {
     list(items, [&](const std::string& item) { text(item); });
   }
   std::string finish() {
-    out_ += last_line;
+    out_ += message_end;
     return std::move(out_);
   }
 
@@ -169,8 +169,8 @@ void read_appearance(Reader& reader, TriangleMesh& mesh) {
 /// The text between the first and the last line.
 std::string_view content_of(std::string_view message, const std::string& name) {
   if (!is_whole_message(message)) throw Error(name + ": the answer of souple-mesh-reader breaks off");
-  message.remove_prefix(first_line.size());
-  message.remove_suffix(last_line.size());
+  message.remove_prefix(message_begin.size());
+  message.remove_suffix(message_end.size());
   return message;
 }
 
@@ -226,9 +226,9 @@ std::string message_of_failure(std::string_view why) {
 }
 
 bool is_whole_message(std::string_view message) {
-  return message.size() > first_line.size() + last_line.size() &&
-         message.substr(0, first_line.size()) == first_line &&
-         message.substr(message.size() - last_line.size()) == last_line;
+  return message.size() > message_begin.size() + message_end.size() &&
+         message.substr(0, message_begin.size()) == message_begin &&
+         message.substr(message.size() - message_end.size()) == message_end;
 }
 
 TriangleMesh mesh_of_message(std::string_view message, const std::string& name) {

@@ -17,7 +17,6 @@ namespace {
 
 using mesh_detail::ByteScanner;
 using mesh_detail::FaceList;
-using mesh_detail::quoted;
 using mesh_detail::TextScanner;
 
 enum class PlyFormat { ascii, little_endian, big_endian };
@@ -126,7 +125,7 @@ class HeaderReader {
       else if (keyword == "property")
         read_property();
       else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty()) {
-        scanner_.fail(quoted(keyword), "element, property, comment or end_header");
+        scanner_.fail(mesh_detail::quoted(keyword), "element, property, comment or end_header");
       }
     }
     scanner_.next_line();
@@ -166,7 +165,7 @@ class HeaderReader {
     if (element.name.empty()) scanner_.fail("no name", "\"element NAME COUNT\"");
     for (const PlyElement& other : header_.elements) {
       if (other.name == element.name)
-        scanner_.fail("a second element " + quoted(element.name), "each element once");
+        scanner_.fail("a second element " + mesh_detail::quoted(element.name), "each element once");
     }
     if (header_.elements.size() == most_elements) scanner_.fail("more than 256 elements", "at most 256");
     const std::int64_t count = scanner_.integer_from(scanner_.word(), "count of an element");
@@ -192,7 +191,7 @@ class HeaderReader {
     if (property.name.empty()) scanner_.fail("no name", "\"property TYPE NAME\"");
     for (const PlyProperty& other : element.properties) {
       if (other.name == property.name)
-        scanner_.fail("a second property " + quoted(property.name), "each once");
+        scanner_.fail("a second property " + mesh_detail::quoted(property.name), "each once");
     }
     if (element.properties.size() == most_properties)
       scanner_.fail("more than 1024 properties", "at most 1024");
@@ -211,7 +210,8 @@ class HeaderReader {
   Role role_of(const PlyElement& element, const PlyProperty& property) const {
     if (element.name == "face" && (property.name == "vertex_indices" || property.name == "vertex_index")) {
       if (!property.is_list || !is_integer(property.type)) {
-        scanner_.fail(quoted(property.name) + " that is no list of integers", "such as \"list uchar int\"");
+        scanner_.fail(mesh_detail::quoted(property.name) + " that is no list of integers",
+                      "such as \"list uchar int\"");
       }
       return Role::corners;
     }

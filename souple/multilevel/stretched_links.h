@@ -11,17 +11,17 @@
 
 namespace souple {
 
-/// More sweeps of the finest links that levels and one sweep of all constraints leave stretched. On a box's corner, where
-/// cloth leaves a ball, at a short edge of an irregular mesh or in a gust, stress changes from one link to the next.
-/// Levels do not see that, and one sweep leaves such links stretched by tens of percent.
+/// More sweeps of the finest links that levels and one sweep of all constraints leave stretched. Stress may change from
+/// one link to the next: on a box's corner, at a ball's rim, at a mesh's short edge, in a gust. Levels do not see that,
+/// and one sweep leaves such links stretched by tens of percent.
 ///
 /// The sweeps shorten links to the strain above which they count as stretched. A link that begins to be stretched is thus
 /// corrected gently; with a lower goal, cloth trembles. Contacts with colliders are projected
 /// between the sweeps: without, the cloth is pulled into the collider and pushed back, and nothing is gained.
 ///
 /// Particles that touch cloth, fluids or other bodies take no part: the sweeps would pull layers into each other. Nor
-/// do tied or attached ones. There are no sweeps while old overlaps with colliders are removed or a link is torn: a
-/// collider that jumps into a sheet would throw it.
+/// do tied or attached ones. There are no sweeps while old overlaps with colliders are removed or a link is torn.
+/// Otherwise a collider that jumps into a sheet would throw it.
 ///
 /// Which links are swept depends on the state of the substep alone.
 class StretchedLinks {
@@ -88,7 +88,7 @@ class StretchedLinks {
   std::vector<std::size_t> color_begin_;  ///< in links_
   std::vector<Neighbor> neighbors_;  ///< of particle i: from neighbors_begin_[i] to neighbors_begin_[i + 1]
   std::vector<std::uint32_t> neighbors_begin_;
-  // Of the current substep:
+  // Data of the current substep:
   std::vector<std::uint16_t> stretched_;  ///< per block of links of the level: a bit for each
   std::vector<std::uint32_t> found_;      ///< stretched links of the level
   std::vector<std::uint8_t> barred_;      ///< per particle of the world: takes no part

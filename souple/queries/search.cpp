@@ -15,7 +15,7 @@
 namespace souple {
 namespace {
 
-constexpr double infinity = query_infinity;
+constexpr double never = query_infinity;
 
 /// A ray with a unit direction.
 struct Ray {
@@ -24,16 +24,16 @@ struct Ray {
   Ray(const Vec3d& origin, const Vec3d& direction) : o(origin), d(direction) {
     for (int k = 0; k < 3; ++k) inverse[k] = d[k] != 0 ? 1 / d[k] : 1e300;
   }
-  /// Distance at which the ray enters the box, grown by `more` to all sides; infinity if it misses. Slab test.
+  /// Distance at which the ray enters the box, grown by `more` to all sides; never (infinity) if it misses. Slab test.
   double enter(const Bounds& box, double more) const {
-    double near = 0, far = infinity;
+    double near = 0, far = never;
     for (int k = 0; k < 3; ++k) {
       const double s = (static_cast<double>(box.lo[k]) - more - o[k]) * inverse[k];
       const double t = (static_cast<double>(box.hi[k]) + more - o[k]) * inverse[k];
       near = std::max(near, std::min(s, t));
       far = std::min(far, std::max(s, t));
     }
-    return near <= far ? near : infinity;
+    return near <= far ? near : never;
   }
 };
 
@@ -166,7 +166,7 @@ struct RayQuery {
   double bound(const Bounds& box, double more) const { return ray.enter(box, more); }
   double candidate(const QueryIndex::Entry& entry, std::uint32_t element) const {
     if (entry.triangles.empty()) return ray_ball(ray.o, ray.d, Vec3d(entry.x[element]), entry.radius);
-    return test.in_double({ray.o, ray.d, infinity}, corners_of(entry, element)).t;
+    return test.in_double({ray.o, ray.d, never}, corners_of(entry, element)).t;
   }
   void complete(const QueryIndex::Entry& entry, std::uint32_t element, double at, Hit& hit) const {
     const Vec3d point = ray.o + ray.d * at;
@@ -177,7 +177,7 @@ struct RayQuery {
   double collider(const ColliderRecord& record, const Frame& frame, double limit, Hit& hit) const {
     const auto found =
         souple::ray_cast(record.shape, frame.to_local(ray.o), frame.direction_to_local(ray.d), limit);
-    if (!found) return infinity;
+    if (!found) return never;
     hit.point = Vec3f(frame.pose.point(found->point));
     hit.normal = Vec3f(frame.pose.direction(found->normal));
     return found->distance;
@@ -214,7 +214,7 @@ struct SweepQuery {
   double collider(const ColliderRecord& record, const Frame& frame, double limit, Hit& hit) const {
     const Vec3d start = frame.to_local(ray.o), d = frame.direction_to_local(ray.d);
     const double at = swept_ball(start, d, radius, record.shape, limit);
-    if (at == infinity) return at;
+    if (at == never) return at;
     const Vec3d center = start + d * at;
     const SurfaceDistance surface = surface_distance(record.shape, center);
     hit.point = Vec3f(frame.pose.point(center - surface.normal * surface.distance));
@@ -290,7 +290,7 @@ Hit sphere_cast(const QueryView& view, const Vec3f& origin, float radius, const 
 Hit closest_point(const QueryView& view, const Vec3f& point, const QueryFilter& filter) {
   const Vec3d p(point);
   if (!is_finite(p)) throw Error("closest_point: the point is not finite");
-  Nearest nearest{{}, infinity};
+  Nearest nearest{{}, never};
   search(view, filter, PointQuery{p}, nearest);
   return nearest.hit;
 }

@@ -11,60 +11,60 @@
 namespace souple {
 namespace {
 
-constexpr std::size_t n = BodyMatrix::rows;
+constexpr std::size_t dof = BodyMatrix::rows;
 
 void factorize_block(BodyMatrix::Block& A) {
-  for (std::size_t j = 0; j < n; ++j) {
-    double d = A[j * n + j];
-    for (std::size_t k = 0; k < j; ++k) d -= A[j * n + k] * A[j * n + k];
+  for (std::size_t j = 0; j < dof; ++j) {
+    double d = A[j * dof + j];
+    for (std::size_t k = 0; k < j; ++k) d -= A[j * dof + k] * A[j * dof + k];
     const double pivot = std::sqrt(d);
-    A[j * n + j] = pivot;
-    for (std::size_t i = j + 1; i < n; ++i) {
-      double s = A[i * n + j];
-      for (std::size_t k = 0; k < j; ++k) s -= A[i * n + k] * A[j * n + k];
-      A[i * n + j] = s / pivot;
+    A[j * dof + j] = pivot;
+    for (std::size_t i = j + 1; i < dof; ++i) {
+      double s = A[i * dof + j];
+      for (std::size_t k = 0; k < j; ++k) s -= A[i * dof + k] * A[j * dof + k];
+      A[i * dof + j] = s / pivot;
     }
   }
 }
 
 /// x := L^-1 x.
 void forward(const BodyMatrix::Block& L, double* x) {
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < dof; ++i) {
     double s = x[i];
-    for (std::size_t k = 0; k < i; ++k) s -= L[i * n + k] * x[k];
-    x[i] = s / L[i * n + i];
+    for (std::size_t k = 0; k < i; ++k) s -= L[i * dof + k] * x[k];
+    x[i] = s / L[i * dof + i];
   }
 }
 
 /// x := L^-T x.
 void backward(const BodyMatrix::Block& L, double* x) {
-  for (std::size_t i = n; i-- > 0;) {
+  for (std::size_t i = dof; i-- > 0;) {
     double s = x[i];
-    for (std::size_t k = i + 1; k < n; ++k) s -= L[k * n + i] * x[k];
-    x[i] = s / L[i * n + i];
+    for (std::size_t k = i + 1; k < dof; ++k) s -= L[k * dof + i] * x[k];
+    x[i] = s / L[i * dof + i];
   }
 }
 
 BodyMatrix::Block transposed(const BodyMatrix::Block& A) {
   BodyMatrix::Block T;
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j) T[j * n + i] = A[i * n + j];
+  for (std::size_t i = 0; i < dof; ++i)
+    for (std::size_t j = 0; j < dof; ++j) T[j * dof + i] = A[i * dof + j];
   return T;
 }
 
 /// C -= A B.
 void subtract_product(const BodyMatrix::Block& A, const BodyMatrix::Block& B, BodyMatrix::Block& C) {
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t k = 0; k < n; ++k) {
-      const double a = A[i * n + k];
-      for (std::size_t j = 0; j < n; ++j) C[i * n + j] -= a * B[k * n + j];
+  for (std::size_t i = 0; i < dof; ++i)
+    for (std::size_t k = 0; k < dof; ++k) {
+      const double a = A[i * dof + k];
+      for (std::size_t j = 0; j < dof; ++j) C[i * dof + j] -= a * B[k * dof + j];
     }
 }
 
 /// y -= A x, each sum in two halves that fill a register.
 void subtract_from(double* y, const BodyMatrix::Block& A, const double* x) {
-  for (std::size_t i = 0; i < n; ++i) {
-    const double* const row = &A[i * n];
+  for (std::size_t i = 0; i < dof; ++i) {
+    const double* const row = &A[i * dof];
     const double even = row[0] * x[0] + row[2] * x[2] + row[4] * x[4];
     const double odd = row[1] * x[1] + row[3] * x[3] + row[5] * x[5];
     y[i] -= even + odd;
@@ -73,10 +73,10 @@ void subtract_from(double* y, const BodyMatrix::Block& A, const double* x) {
 
 /// y -= A^T x.
 void subtract_transposed_from(double* y, const BodyMatrix::Block& A, const double* x) {
-  std::array<double, n> sum{};
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t k = 0; k < n; ++k) sum[k] += A[i * n + k] * x[i];
-  for (std::size_t k = 0; k < n; ++k) y[k] -= sum[k];
+  std::array<double, dof> sum{};
+  for (std::size_t i = 0; i < dof; ++i)
+    for (std::size_t k = 0; k < dof; ++k) sum[k] += A[i * dof + k] * x[i];
+  for (std::size_t k = 0; k < dof; ++k) y[k] -= sum[k];
 }
 
 }  // namespace
@@ -114,7 +114,7 @@ void BodyMatrix::analyze(std::uint32_t bodies,
       count(j);
     }
     const double below = static_cast<double>(below_.size() - column_begin_.back());
-    cost_ += (below * (below + 1) / 2 + below / 2 + 0.5) * static_cast<double>(n * n * n);
+    cost_ += (below * (below + 1) / 2 + below / 2 + 0.5) * static_cast<double>(dof * dof * dof);
     column_begin_.push_back(static_cast<std::uint32_t>(below_.size()));
   }
   for (std::uint32_t& row : below_) row = position_[row];
@@ -144,7 +144,7 @@ void BodyMatrix::factorize() {
     factorize_block(diagonal_[c]);
     const std::uint32_t begin = column_begin_[c], end = column_begin_[c + 1];
     for (std::uint32_t p = begin; p < end; ++p)
-      for (std::size_t i = 0; i < n; ++i) forward(diagonal_[c], &lower_[p][i * n]);
+      for (std::size_t i = 0; i < dof; ++i) forward(diagonal_[c], &lower_[p][i * dof]);
     for (std::uint32_t q = begin; q < end; ++q) {
       const Block T = transposed(lower_[q]);
       const std::uint32_t column = below_[q];
@@ -160,7 +160,7 @@ void BodyMatrix::factorize() {
 }
 
 void BodyMatrix::solve(std::span<double> x) const {
-  const auto at = [&](std::uint32_t position) { return &x[order_[position] * n]; };
+  const auto at = [&](std::uint32_t position) { return &x[order_[position] * dof]; };
   for (std::uint32_t c = 0; c < order_.size(); ++c) {
     forward(diagonal_[c], at(c));
     for (std::uint32_t p = column_begin_[c]; p < column_begin_[c + 1]; ++p)

@@ -1,5 +1,6 @@
 #include "souple/rigid/contact_newton.h"
 
+#include "souple/math/sentinels.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
@@ -8,8 +9,6 @@
 
 namespace souple {
 namespace {
-
-constexpr std::uint32_t none = ~std::uint32_t{0};
 
 /// Force and moment of a unit impulse along d at r.
 std::array<double, 6> wrench(const Vec3d& r, const Vec3d& d) {
@@ -75,12 +74,12 @@ void ContactNewton::prepare(const ContactSystem& system) {
   const std::span<const std::uint32_t> island = system.island;
   const std::span<std::uint32_t> local = system.local;
   for (const std::uint32_t i : island) {
-    if (blocks[i].moves_a) local[blocks[i].a] = none;
-    if (blocks[i].moves_b) local[blocks[i].b] = none;
+    if (blocks[i].moves_a) local[blocks[i].a] = no_index;
+    if (blocks[i].moves_b) local[blocks[i].b] = no_index;
   }
   bodies_.clear(), pairs_.clear();
   const auto add = [&](std::uint32_t body) {
-    if (local[body] == none)
+    if (local[body] == no_index)
       local[body] = static_cast<std::uint32_t>(bodies_.size()), bodies_.push_back(body);
   };
   for (const std::uint32_t i : island) {

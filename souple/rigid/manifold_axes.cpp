@@ -7,7 +7,7 @@
 namespace souple::manifold {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 /// The largest product of d with a unit vector between the normals of an edge's two faces. `left` and `right`: products
 /// of d with these normals. If the projection of d onto their plane lies between them, its length is the maximum.
@@ -139,7 +139,7 @@ FaceAxis best_face_axis(const ConvexView& reference, const ConvexView& other,
     const FaceAxis axis = face_axis(reference, other, other_to_reference, f);
     if (axis.separation > best.separation) best = axis;
   }
-  if (best.face == no_face) best.separation = -infinity;
+  if (best.face == no_face) best.separation = -unbounded;
   return best;
 }
 
@@ -162,7 +162,7 @@ EdgeAxis best_edge_axis(const ConvexView& a, const ConvexView& b, const FrameCha
     }
     opposed_edges.clear();
   }
-  if (best.a == no_face) best.separation = -infinity;
+  if (best.a == no_face) best.separation = -unbounded;
   return best;
 }
 

@@ -7,7 +7,7 @@ namespace souple {
 namespace {
 
 /// The object or collider of a name; none: the world.
-TieSide side_of(const World& world, const std::string& name) {
+TieSide tie_side_of(const World& world, const std::string& name) {
   if (name.empty()) return {};
   for (const ColliderId id : world.colliders())
     if (world.collider_options(id).name == name) return id;
@@ -31,7 +31,7 @@ void add_tie(const TieDescription& tie, World& world) {
     world.stitch(world.find_object(tie.from), tie.stitch->where, world.find_object(tie.to),
                  tie.stitch->distance, options_of(tie));
   else
-    world.add_tie(side_of(world, tie.from), side_of(world, tie.to), options_of(tie));
+    world.add_tie(tie_side_of(world, tie.from), tie_side_of(world, tie.to), options_of(tie));
 }
 
 }  // namespace souple

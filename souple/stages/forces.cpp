@@ -23,7 +23,7 @@ double hashed(std::uint64_t seed, std::uint64_t index) {
 }
 
 // Minimum number of triangles or particles per thread.
-constexpr std::size_t grain = 512;
+constexpr std::size_t force_grain = 512;
 
 void find_triangles_of_particles(Object& object) {
   if (object.triangles.begin.size() == object.particle_count() + 1 &&
@@ -62,7 +62,7 @@ void push_triangles(const StageView& stage, const Object& object, const Air& air
   const kernels::TriangleArrays arrays{
       &view.position.data()->x, &view.moving.data()->x, &velocity.data()->x,
       object.surface.data(),    object.begin,           &triangle_force.data()->x};
-  stage.threads.for_each(object.surface.size(), grain, [&](std::size_t t, std::size_t end) {
+  stage.threads.for_each(object.surface.size(), force_grain, [&](std::size_t t, std::size_t end) {
     if (kernels) t = kernels->air_forces(arrays, air, t, end);
     for (; t < end; ++t) {
       const Triangle& corner = object.surface[t];
@@ -76,7 +76,7 @@ void push_triangles(const StageView& stage, const Object& object, const Air& air
 // Every particle gathers from its triangles: no two threads write to one particle, and the order of the sum
 // is fixed.
 void gather_forces(const Object& object, WindForces& forces, Threads& threads) {
-  threads.for_each(object.particle_count(), grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(object.particle_count(), force_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Vec3f sum;
       for (std::uint32_t k = object.triangles.begin[i]; k < object.triangles.begin[i + 1]; ++k)

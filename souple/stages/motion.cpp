@@ -16,7 +16,7 @@ namespace souple {
 namespace {
 
 // Minimum number of particles per thread.
-constexpr std::size_t grain = 2048;
+constexpr std::size_t motion_grain = 2048;
 
 bool is_non_finite(const Vec3f& v) {
   return !std::isfinite(v.x + v.y + v.z);
@@ -56,7 +56,7 @@ void for_each_awake(const StageView& stage, std::size_t first, std::size_t last,
 /// Calls f on all threads, for all awake particles.
 template <class Function>
 void for_each_awake(const StageView& stage, const Function& f) {
-  stage.threads.for_each(stage.objects.particles.size(), grain,
+  stage.threads.for_each(stage.objects.particles.size(), motion_grain,
                          [&](std::size_t begin, std::size_t end) { for_each_awake(stage, begin, end, f); });
 }
 
@@ -188,7 +188,7 @@ std::optional<std::size_t> find_out_of_range(const ObjectsView& objects, Threads
   const std::vector<Vec4f>& position = objects.particles.position;
   LowestParticle lowest;
   for (const auto& object : objects.objects)
-    threads.for_each(object->particle_count(), 4 * grain, [&](std::size_t begin, std::size_t end) {
+    threads.for_each(object->particle_count(), 4 * motion_grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = object->begin + begin; i < object->begin + end; ++i) {
         const Vec3f x = position[i].xyz();
         if (max(abs(x.x), max(abs(x.y), abs(x.z))) > limit) return lowest.note(i);

@@ -9,14 +9,14 @@ namespace souple {
 namespace {
 
 // Minimum number of particles per thread.
-constexpr std::size_t grain = 2048;
+constexpr std::size_t obstacle_grain = 2048;
 
 /// Calls f(i, position) for each particle i of an obstacle at a time; in any order, from several threads.
 template <class Function>
 void at_moment(const StageView& stage, const Object& object, double time, const Function& f) {
   stage.warnings.guarded("an obstacle's motion", [&] {
     const ObstaclePose pose(object, time);
-    stage.threads.for_each(object.particle_count(), grain, [&](std::size_t begin, std::size_t end) {
+    stage.threads.for_each(object.particle_count(), obstacle_grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t k = begin; k < end; ++k)
         f(object.begin + k, pose.position(static_cast<std::uint32_t>(k)));
     });

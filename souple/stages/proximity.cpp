@@ -2,18 +2,16 @@
 
 #include "souple/collision/nearest.h"
 #include "souple/contacts/contact_projector.h"
+#include "souple/math/sentinels.h"
 #include "souple/objects/contact_geometry.h"
 #include "souple/objects/object.h"
 #include "souple/objects/objects_view.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace souple {
 namespace {
-
-constexpr float infinity = std::numeric_limits<float>::infinity();
 
 bool is_candidate_pair(const ProximityQuery& t, std::uint32_t a, std::uint32_t b) {
   return (t.active[a] != 0 && t.passive[b] != 0) || (t.active[b] != 0 && t.passive[a] != 0);

@@ -5,7 +5,7 @@
 namespace souple {
 namespace {
 
-constexpr std::size_t grain = 4096;  // least number of particles that pays for a thread
+constexpr std::size_t spin_grain = 4096;  // least number of particles that pays for a thread
 
 /// Calls f(i) for all particles of awake objects that rotate.
 template <class Function>
@@ -14,7 +14,7 @@ void for_each_spinning(const ObjectsView& objects, Threads& threads, const Funct
   for (const auto& object : objects.objects) {
     if (!object->traits().rolls || object->sleep.island != 0) continue;
     const std::size_t first = object->begin;
-    threads.for_each(object->particle_count(), grain, [&](std::size_t begin, std::size_t end) {
+    threads.for_each(object->particle_count(), spin_grain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = first + begin; i < first + end; ++i) f(i);
     });
   }
@@ -28,7 +28,7 @@ void predict_spin(const ObjectsView& objects, const Substep& substep, Threads& t
                     [&](std::size_t i) { p.turn[i].set_xyz(p.spin[i].xyz() * (substep.h * p.radius[i])); });
 }
 
-// spin += (turn - predicted turn) / (h r): the spin of a grain without contacts keeps its bits.
+// spin += (turn - predicted turn) / (h r): the spin of a spin_grain without contacts keeps its bits.
 void finish_spin(const ObjectsView& objects, const Substep& substep, Threads& threads) {
   Particles& p = objects.particles;
   for_each_spinning(objects, threads, [&](std::size_t i) {

@@ -8,7 +8,7 @@ namespace souple {
 namespace {
 
 constexpr std::uint64_t free_key = ~std::uint64_t{0};
-constexpr int bits = 21;
+constexpr int brick_bits = 21;
 
 }  // namespace
 
@@ -22,7 +22,7 @@ void Bricks::clear() {
 
 std::uint64_t Bricks::key_of(const Coordinates& at) {
   const auto part = [](std::int32_t c) { return static_cast<std::uint64_t>(c + limit); };
-  return (part(at[2]) << bits | part(at[1])) << bits | part(at[0]);
+  return (part(at[2]) << brick_bits | part(at[1])) << brick_bits | part(at[0]);
 }
 
 // Open addressing: the slot of the key, or the free slot for it.
@@ -65,11 +65,11 @@ void Bricks::sort() {
 }
 
 Bricks::Coordinates Bricks::at(std::size_t brick) const {
-  constexpr std::uint64_t mask = (std::uint64_t{1} << bits) - 1;
+  constexpr std::uint64_t mask = (std::uint64_t{1} << brick_bits) - 1;
   const auto part = [&](int shift) {
     return static_cast<std::int32_t>(keys_[brick] >> shift & mask) - limit;
   };
-  return {part(0), part(bits), part(2 * bits)};
+  return {part(0), part(brick_bits), part(2 * brick_bits)};
 }
 
 std::uint32_t Bricks::find(const Coordinates& at) const {

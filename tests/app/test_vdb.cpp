@@ -13,8 +13,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::app {
-namespace {
+namespace souple::app::test_app_vdb {
 
 constexpr double radius = 0.5, cell = 0.03125, width = 3 * cell;
 const Vec3d center(0.25, -1, 0.1);
@@ -130,5 +129,4 @@ TEST(Vdb, SameBytesEachTimeAndForAnyNumberOfThreads) {
   EXPECT_EQ(bytes, sphere_bytes(3));
 }
 
-}  // namespace
-}  // namespace souple::app
+}  // namespace souple::app::test_app_vdb

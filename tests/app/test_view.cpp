@@ -15,8 +15,7 @@
 
 // The viewer as its user operates it, with a synthetic mouse and keyboard: keys, pictures, errors.
 
-namespace souple::viewer {
-namespace {
+namespace souple::viewer::test_app_view {
 
 TEST_F(View, RunsAtOnceAndPauses) {
   view.pictures(6);
@@ -330,5 +329,4 @@ TEST(ViewFont, OfImGuiServesWhereNoneIsInstalled) {
   EXPECT_GT(viewer.session().frame(), 0u);
 }
 
-}  // namespace
-}  // namespace souple::viewer
+}  // namespace souple::viewer::test_app_view

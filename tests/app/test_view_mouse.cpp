@@ -10,8 +10,7 @@
 
 // The viewer as its user operates it, with a synthetic mouse and keyboard: the mouse, the past, and what is added.
 
-namespace souple::viewer {
-namespace {
+namespace souple::viewer::test_app_view_mouse {
 
 TEST_F(View, AGrabbedClothFollowsTheMouseAndIsReleased) {
   view.pictures(5);
@@ -213,5 +212,4 @@ TEST_F(View, ADroppedMeshIsAdded) {
   EXPECT_EQ(world().objects().size(), 2u);
 }
 
-}  // namespace
-}  // namespace souple::viewer
+}  // namespace souple::viewer::test_app_view_mouse

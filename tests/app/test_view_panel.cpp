@@ -9,8 +9,7 @@
 
 // The viewer as its user operates it, with a synthetic mouse and keyboard: the panel, and its picture in the manual.
 
-namespace souple::viewer {
-namespace {
+namespace souple::viewer::test_app_view_panel {
 
 TEST_F(View, SlidersActAtOnce) {
   pause();
@@ -98,5 +97,4 @@ TEST(ViewPicture, OfTheManual) {
   EXPECT_LT(std::filesystem::file_size(file), 150'000u);
 }
 
-}  // namespace
-}  // namespace souple::viewer
+}  // namespace souple::viewer::test_app_view_panel

@@ -8,8 +8,7 @@
 
 // The viewer as its user operates it, with a synthetic mouse and keyboard: recordings.
 
-namespace souple::viewer {
-namespace {
+namespace souple::viewer::test_app_view_recording {
 
 class ViewRecording : public View {
  protected:
@@ -77,5 +76,4 @@ TEST_F(ViewRecording, CannotBeGrabbedButCanBeTurned) {
   for (const char* key : {"1", "4", "5", "7", "9", "c", "c", "w"}) view.type(key);
 }
 
-}  // namespace
-}  // namespace souple::viewer
+}  // namespace souple::viewer::test_app_view_recording

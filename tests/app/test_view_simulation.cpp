@@ -17,8 +17,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::viewer {
-namespace {
+namespace souple::viewer::test_app_view_simulation {
 
 constexpr const char* falling = R"({
   "souple": 1, "description": "A cloth on two pins, and a grain that falls.",
@@ -494,5 +493,4 @@ TEST(ViewerSimulation, EveryShippedSceneRunsAndCopies) {
   }
 }
 
-}  // namespace
-}  // namespace souple::viewer
+}  // namespace souple::viewer::test_app_view_simulation

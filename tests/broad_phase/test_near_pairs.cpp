@@ -10,8 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_broad_phase_near_pairs {
 
 using test::Random;
 using test::SurfaceScene;
@@ -339,5 +338,4 @@ TEST(NearPairs, TooFewBoxesAreAnError) {
   EXPECT_THROW(finder.find(scene.elements, few, scene.compared, scene.position_w, pairs, *threads), Error);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_broad_phase_near_pairs

@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_broad_phase_object_pairs {
 
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
@@ -80,5 +79,4 @@ TEST(ObjectPairs, HoldsWhatWasAddedInEitherOrder) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_broad_phase_object_pairs

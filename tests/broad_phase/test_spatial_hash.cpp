@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_broad_phase_spatial_hash {
 
 std::vector<Bounds> random_boxes(std::size_t count, double cube, double largest, std::uint64_t seed) {
   test::Random random(seed);
@@ -114,5 +113,4 @@ TEST(SpatialHash, AHugeBoxCostsNothing) {
   EXPECT_LE(hash.entries(), before + 8);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_broad_phase_spatial_hash

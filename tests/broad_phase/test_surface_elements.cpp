@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_broad_phase_surface_elements {
 
 // Every vertex and edge of a mesh has one owner, and the edges of the elements agree with edges().
 TEST(SurfaceElements, EachVertexAndEdgeHasOneOwner) {
@@ -65,5 +64,4 @@ TEST(SurfaceElements, ATriangleWithARepeatedCornerIsLeftOut) {
   EXPECT_EQ(elements.edges().size(), 3u);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_broad_phase_surface_elements

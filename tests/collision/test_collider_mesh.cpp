@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_collision_collider_mesh {
 
 const std::vector<Shape> shapes{
     Plane{{0.3f, 2, -0.5f}, 0.7f},  Sphere{{0.1f, 0.2f, 0.3f}, 0.8f}, Box{{1, -2, 0.5f}, {0.5f, 0.2f, 1.5f}},
@@ -67,5 +66,4 @@ TEST(ColliderMesh, APlaneIsASquareAroundWhatIsThere) {
   for (const Vec3f& x : mesh.positions) EXPECT_NEAR(length(x - middle), 2 * std::sqrt(2.0f), 1e-5);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_collision_collider_mesh

@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_collision_collider_motion {
 
 const Quatd quarter = Quatd::from_axis_angle({0, 1, 0}, pi / 2);
 
@@ -65,5 +64,4 @@ TEST(ColliderMotion, ACallbackIsAskedAndMayThrow) {
   EXPECT_THROW(rise.at(6), std::runtime_error);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_collision_collider_motion

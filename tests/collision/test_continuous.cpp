@@ -18,8 +18,7 @@
 // Contact is at a root of V where the point in the plane is inside the triangle, or the lines intersect inside the
 // edges. If V is zero throughout, a particle first touches an edge or another particle.
 
-namespace souple {
-namespace {
+namespace souple::test_collision_continuous {
 
 using test::Polynomial;
 using test::Random;
@@ -455,5 +454,4 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Continuous, testing::Values(Kind::vertex_triangl
                            return kind.param == Kind::vertex_triangle ? "VertexTriangle" : "EdgeEdge";
                          });
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_collision_continuous

@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_collision_cubic {
 
 using test::Polynomial;
 using test::Random;
@@ -168,5 +167,4 @@ TEST(Cubic, ZeroAndNotFiniteAnswerWithEverything) {
   expect_all_roots(large, exact(large), 0);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_collision_cubic

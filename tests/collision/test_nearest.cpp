@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_collision_nearest {
 
 using test::Random;
 
@@ -164,5 +163,4 @@ TEST(Nearest, PacksHoldTheBitsOfFloat) {
 }
 #endif
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_collision_nearest

@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_collision_queries {
 
 using test::Random;
 
@@ -79,5 +78,4 @@ TEST(Queries, ClosestPointOnATurnedBox) {
   EXPECT_NEAR(length(closest_point(Box{}, {2, 0.25, 0}) - Vec3d{0.5, 0.25, 0}), 0, 1e-12);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_collision_queries

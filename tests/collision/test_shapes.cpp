@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_collision_shapes {
 
 using test::Random;
 
@@ -149,5 +148,4 @@ TEST(Shapes, BadSizesAreRefusedByName) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_collision_shapes

@@ -11,8 +11,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace souple {
-namespace {
+namespace souple::test_collision_signed_distance_field {
 
 using test::Random;
 
@@ -290,5 +289,4 @@ TEST(MeshTree, NearestAndWindingNumberAreThoseOfAllTriangles) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_collision_signed_distance_field

@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_constraints_bending {
 
 enum class Diagonals { one, alternating, irregular };
 
@@ -207,5 +206,4 @@ TEST(Bending, RefusesDegenerateRestShapes) {
   EXPECT_THROW(DihedralBending::compliance(0), Error);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_constraints_bending

@@ -9,8 +9,7 @@
 
 // Properties of all constraint kinds that Souple ships.
 
-namespace souple {
-namespace {
+namespace souple::test_constraints_every_constraint {
 
 template <class Kind, class T>
 struct Evaluation {
@@ -340,5 +339,4 @@ TYPED_TEST(EveryConstraintTest, DegenerateShapesStayFinite) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_constraints_every_constraint

@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_constraints_neo_hookean {
 
 constexpr Mode modes[] = {Mode::small_steps, Mode::xpbd, Mode::pbd};
 
@@ -272,5 +271,4 @@ TEST(NeoHookean, RefusesWhatIsNoMaterialOrNoTet) {
   EXPECT_THROW(NeoHookean::from_rest(inside_out), Error);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_constraints_neo_hookean

@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_constraints_single_constraints {
 
 /// Projects `count` times without inertia.
 template <class Kind>
@@ -203,5 +202,4 @@ TEST(Tether, HoldsOnlyWhenTaut) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_constraints_single_constraints

@@ -9,8 +9,7 @@
 
 // The strain that reports state, compared with the singular values of the deformation.
 
-namespace souple {
-namespace {
+namespace souple::test_constraints_strain {
 
 Mat3d turn(Random& random) {
   return rotation_matrix(Quatd::from_axis_angle(normalized(random.vector()), 3 * random()));
@@ -76,5 +75,4 @@ TEST(Strain, OfATetIsABoundOtherwise) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_constraints_strain

@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_contacts_allocation {
 
 TEST(Contacts, AWarmStepAllocatesNothing) {
   test::MiniWorld world;
@@ -32,5 +31,4 @@ TEST(Contacts, AWarmStepAllocatesNothing) {
   EXPECT_EQ(test::allocations() - before, 0);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_contacts_allocation

@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_contacts_collider_contacts {
 
 using test::MiniWorld;
 constexpr double g = 9.81;
@@ -302,5 +301,4 @@ TEST(ColliderContacts, NotANumberTouchesNothing) {
   EXPECT_TRUE(is_finite(world.at(1)));
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_contacts_collider_contacts

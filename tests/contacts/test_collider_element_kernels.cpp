@@ -12,8 +12,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_contacts_collider_element_kernels {
 
 constexpr float radius = 0.001f;  // m, of particles
 constexpr float part = 0.25f;     // of it: clearance
@@ -211,5 +210,4 @@ TEST(ColliderElementKernels, FindDipsOfAField) {
   EXPECT_LE(wrong, near / 50);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_contacts_collider_element_kernels

@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_contacts_contact_material {
 
 TEST(ContactMaterial, GeometricMeanOfFrictionsAndLargerRestitution) {
   const ContactMaterialPair pair = combine({0.9f, 0.4f, 0.1f}, {0.4f, std::nullopt, 0.7f});
@@ -70,5 +69,4 @@ TEST(ContactMaterial, BadCoefficientsAreRefused) {
   EXPECT_NO_THROW(validate(ContactMaterial{0.2f, 0.1f, 1}, "cloth"));
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_contacts_contact_material

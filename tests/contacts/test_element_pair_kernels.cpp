@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_contacts_element_pair_kernels {
 
 using kernels::ElementPairKernels;
 
@@ -133,5 +132,4 @@ TEST(ElementPairKernels, ABallIsPushedOffAnEdge) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_contacts_element_pair_kernels

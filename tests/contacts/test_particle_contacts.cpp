@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_contacts_particle_contacts {
 
 using test::MiniWorld;
 using test::Random;
@@ -239,5 +238,4 @@ TEST(ParticleContacts, TheGridFindsEveryTouchingPair) {
   }));
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_contacts_particle_contacts

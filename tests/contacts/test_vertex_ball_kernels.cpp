@@ -10,8 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_contacts_vertex_ball_kernels {
 
 using test::Random;
 
@@ -67,5 +66,4 @@ TEST(VertexBallKernels, FindThePairsThatALoopOverAllFinds) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_contacts_vertex_ball_kernels

@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_fluid_cell_order {
 
 std::vector<std::uint32_t> numbers(std::size_t n) {
   std::vector<std::uint32_t> result(n);
@@ -74,5 +73,4 @@ TEST(CellOrder, AllocatesNothingWhenWarm) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_fluid_cell_order

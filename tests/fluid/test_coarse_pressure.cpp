@@ -7,8 +7,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_fluid_coarse_pressure {
 
 using Sample = CoarsePressure::Sample;
 
@@ -120,5 +119,4 @@ TEST(CoarsePressure, OfNothingAndOfOne) {
   EXPECT_TRUE(std::isfinite(lambda[0]));
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_fluid_coarse_pressure

@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_fluid_density_solver {
 
 constexpr float d = 0.02f, gravity = 9.81f, density = 1000;
 
@@ -172,5 +171,4 @@ TEST(DensitySolver, KeepsTheMomentumOfWhatIsPressedTogether) {
   EXPECT_LT(length(sum) / largest, 1e-6);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_fluid_density_solver

@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_fluid_emission {
 
 constexpr double d = 0.05;
 const Emitter nozzle{.position = {0, 2, 0}, .direction = {0, -1, 0}, .radius = 0.1f, .speed = 1};
@@ -71,5 +70,4 @@ TEST(Emission, ADrainFindsWhatIsInIt) {
             (std::vector<std::uint32_t>{0, 2}));
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_fluid_emission

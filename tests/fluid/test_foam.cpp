@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_fluid_foam {
 
 using test::FluidArrays;
 
@@ -241,5 +240,4 @@ TEST(Foam, AllocatesNothingWhenWarm) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_fluid_foam

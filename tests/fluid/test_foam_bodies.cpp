@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_fluid_foam_bodies {
 
 constexpr float gap = 0.002f;
 
@@ -105,5 +104,4 @@ TEST(FoamBodies, WhatMeetsNothingStaysAsItIs) {
   EXPECT_EQ(w.end, wanted);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_fluid_foam_bodies

@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_fluid_neighbors {
 
 using Lists = std::vector<std::vector<std::uint32_t>>;
 
@@ -86,5 +85,4 @@ TEST(Neighbors, AllocatesNothingWhenWarm) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_fluid_neighbors

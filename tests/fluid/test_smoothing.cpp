@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_fluid_smoothing {
 
 constexpr SmoothingShape shapes[] = {SmoothingShape::wendland, SmoothingShape::poly6_spiky,
                                      SmoothingShape::cubic_spline, SmoothingShape::wide_wendland};
@@ -117,5 +116,4 @@ TEST(DensityKernels, AreFiniteWhereParticlesCoincide) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_fluid_smoothing

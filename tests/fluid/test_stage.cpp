@@ -15,8 +15,7 @@
 
 // The fluids' stage by itself, on the arrays that a world would have.
 
-namespace souple {
-namespace {
+namespace souple::test_fluid_stage {
 
 constexpr float d = 0.1f, mass = 1000 * d * d * d;
 constexpr Substep substep{.h = 1.0f / 600};
@@ -112,5 +111,4 @@ TEST(FluidStage, WithoutFluidsThereIsNothingToDo) {
   EXPECT_TRUE(pool.fluids.none());
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_fluid_stage

@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_fluid_surface_tension {
 
 constexpr float d = 0.001f, density = 1000, sigma = 0.072f;
 
@@ -234,5 +233,4 @@ TEST(SurfaceTension, AllocatesNothingWhenWarm) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_fluid_surface_tension

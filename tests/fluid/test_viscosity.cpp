@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_fluid_viscosity {
 
 using test::FluidArrays;
 
@@ -208,5 +207,4 @@ TEST(Viscosity, AllocatesNothingWhenWarm) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_fluid_viscosity

@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_fluid_vorticity {
 
 using test::FluidArrays;
 
@@ -143,5 +142,4 @@ TEST(AirDrag, OnlyTheSurfaceFeelsTheWind) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_fluid_vorticity

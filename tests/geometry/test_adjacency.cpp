@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_geometry_adjacency {
 
 TEST(Edges, OfTwoTrianglesInOrderOfFirstAppearance) {
   const std::vector<Triangle> triangles{{4, 7, 2}, {2, 7, 9}};
@@ -98,5 +97,4 @@ TEST(CheckIndices, NamesTheCulprit) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_geometry_adjacency

@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_geometry_builders {
 
 using check::area;
 using check::euler_characteristic;
@@ -203,5 +202,4 @@ TEST(Builders, RefuseWhatCannotBeBuilt) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_geometry_builders

@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_geometry_close_holes {
 
 /// A ball without its triangles above a height.
 TriangleMesh open_ball(double height) {
@@ -83,5 +82,4 @@ TEST(Lattice, NamesTheHolesOfABowlAndWhatClosesThem) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_geometry_close_holes

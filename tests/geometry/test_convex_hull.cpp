@@ -18,8 +18,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_geometry_convex_hull {
 
 using Points = std::vector<Vec3d>;
 
@@ -487,5 +486,4 @@ TEST(ConvexHull, RefusesPointsWithoutVolumeInSentences) {
   expect_error([] { convex_hull(cube_corners(), {1e-6, 3}); }, {"max_vertices is 3", "at least 4"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_geometry_convex_hull

@@ -11,8 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_geometry_embedding {
 
 // Any affine motion of the tets must move the points exactly, inside or outside.
 void expect_affine_exact(const std::vector<Vec3d>& points, TetMesh mesh, const Embedding& embedding) {
@@ -97,5 +96,4 @@ TEST(Embedding, RefusesWhatCannotCarry) {
   EXPECT_THROW(embed(std::vector<Vec3d>{{0, 0, 0}}, flat), Error);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_geometry_embedding

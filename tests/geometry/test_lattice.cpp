@@ -11,8 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_geometry_lattice {
 
 // Requirements on every lattice: congruent positive tets that match at their faces, in one piece, and cover
 // the surface.
@@ -220,5 +219,4 @@ TEST(Lattice, OfRandomSurfacesCoversThemOrSaysWhyNot) {
   EXPECT_GT(built, 200);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_geometry_lattice

@@ -14,8 +14,7 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_geometry_mass_properties {
 
 constexpr double density = 700;
 
@@ -390,5 +389,4 @@ TEST(MassProperties, RefuseWhatIsNoSolidInSentences) {
   expect_error([] { with_mass(sphere_mass_properties(1, 1), 0); }, {"mass"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_geometry_mass_properties

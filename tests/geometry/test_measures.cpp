@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_geometry_measures {
 
 TEST(Measures, OfABoxFarFromTheOrigin) {
   TriangleMesh mesh = box({0.1, 0.2, 0.3}, 3);
@@ -67,5 +66,4 @@ TEST(Measures, NormalsOfASpherePointAwayFromItsCenterAtEverySize) {
   EXPECT_EQ(vertex_normals(stray)[0], (Vec3d{0, 1, 0}));
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_geometry_measures

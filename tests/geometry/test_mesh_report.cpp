@@ -10,8 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_geometry_mesh_report {
 
 TEST(MeshReport, BuiltMeshesAreClean) {
   for (const TriangleMesh& mesh : {sphere(2, 1), box({1, 2, 3}, 2), torus(1, 0.3, 12, 8),
@@ -194,5 +193,4 @@ TEST(Repair, OfRandomTrianglesIsSound) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_geometry_mesh_report

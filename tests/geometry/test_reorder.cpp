@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_geometry_reorder {
 
 // A grid with shuffled vertices, like meshes from modeling programs.
 TriangleMesh shuffled_grid(int n) {
@@ -64,5 +63,4 @@ TEST(Reorder, MortonVisitsTheEightOctantsInTurn) {
             (std::vector<std::uint32_t>{1, 2, 0}));
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_geometry_reorder

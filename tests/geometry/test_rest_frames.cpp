@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_geometry_rest_frames {
 
 void expect_orthonormal(const RestFrame& f) {
   EXPECT_NEAR(length(f.warp), 1, 1e-12);
@@ -68,5 +67,4 @@ TEST(RestFrames, WithoutUvsTheGrainIsOneAllOver) {
   EXPECT_EQ(flat.c, (std::array<double, 2>{0, 3}));
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_geometry_rest_frames

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_geometry_submesh {
 
 /// A quad and a triangle beside it, and a vertex of no face.
 TriangleMesh quad_and_triangle() {
@@ -49,5 +48,4 @@ TEST(Submesh, OnAllVerticesIsTheMesh) {
   EXPECT_EQ(whole.appearance, mesh.appearance);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_geometry_submesh

@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_geometry_vertex_maps {
 
 TEST(VertexMaps, FromGroups) {
   TriangleMesh mesh = grid(3, 2, 1);
@@ -36,5 +35,4 @@ TEST(VertexMaps, FromColors) {
   EXPECT_THROW(map_from_colors(mesh, ColorChannel::red), Error);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_geometry_vertex_maps

@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_geometry_weld {
 
 // Each triangle with three vertices of its own, as in an STL file.
 TriangleMesh exploded(const TriangleMesh& mesh) {
@@ -102,5 +101,4 @@ TEST(Weld, DropsTrianglesThatLostAnEdge) {
   EXPECT_THROW(weld_triangles(weld_vertices(p), std::vector<Triangle>{{0, 1, 4}}), Error);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_geometry_weld

@@ -29,8 +29,7 @@
 //   SOUPLE_GOLDEN_FRAMES=30  stops there; what comes later is not looked at. Not for slow tests
 //   SOUPLE_GOLDEN_FLUID_FRAMES=30  the same for scenes with fluids alone
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_golden_golden {
 
 namespace fs = std::filesystem;
 
@@ -366,5 +365,4 @@ TEST_P(GoldenScene, IsCalmAndUnchangedToTheEndSlow) {
 INSTANTIATE_TEST_SUITE_P(Shipped, GoldenScene, testing::ValuesIn(scene_names()),
                          [](const auto& tested) { return tested.param; });
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_golden_golden

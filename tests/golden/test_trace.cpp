@@ -8,8 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_golden_trace {
 
 using TraceFile = FolderTest;
 
@@ -165,5 +164,4 @@ TEST(FirstDifference, OfAFrameThatTheTraceLacksIsAnError) {
   expect_error([&] { difference_in(trace, 0, {}); }, {"no frame 0"});
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_golden_trace

@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_action_queue {
 
 using Numbers = std::vector<int>;
 
@@ -66,5 +65,4 @@ TEST(ActionQueue, ThreadsDoNotMeet) {
   for (int i = 0; i < count; ++i) ASSERT_EQ(numbers[static_cast<std::size_t>(i)], i);
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_action_queue

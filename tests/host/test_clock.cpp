@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_clock {
 
 constexpr double frame = 1.0 / 60;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
@@ -83,5 +82,4 @@ TEST(HostClock, NumbersThatAreNoneDoNothing) {
   expect_error([] { Clock({nan}); }, {"longest_step"});
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_clock

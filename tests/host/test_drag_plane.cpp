@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_drag_plane {
 
 constexpr Vec3f eye{0, 0, 5}, ahead{0, 0, -1};
 
@@ -56,5 +55,4 @@ TEST(DragPlane, RefusesWhatIsNoRay) {
   expect_error([&] { DragPlane({}, {{0, infinite, 0}, ahead}); }, {"not finite"});
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_drag_plane

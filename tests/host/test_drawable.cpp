@@ -12,8 +12,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_drawable {
 
 using Sides = Drawable::Sides;
 
@@ -213,5 +212,4 @@ TEST(Drawable, AnObjectThatIsGoneIsSaidInWords) {
   expect_error([&] { Drawable(session, 9); }, {"no object 9"});
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_drawable

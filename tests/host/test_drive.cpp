@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_drive {
 
 /// A host's matrix: of a mesh that is twice as long in x, then turned about an axis, then moved.
 Placement placed(const Vec3d& axis, double degrees, const Vec3d& at) {
@@ -64,5 +63,4 @@ TEST(Drive, RefusesWhatIsNotRigid) {
   expect_error([&] { rigid_motion(from, Placement::of(mirrored), "table"); }, {"table", "scaled"});
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_drive

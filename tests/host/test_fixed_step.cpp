@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_fixed_step {
 
 TEST(FixedStep, MakesTheStepsThatFramesOfAnyLengthNeed) {
   for (const double rate : {24.0, 60.0, 75.0, 144.0}) {
@@ -66,5 +65,4 @@ TEST(InterpolatedPositions, LieBetweenTheLastTwoStates) {
   EXPECT_EQ(out[1], first[1]);
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_fixed_step

@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_host_grab {
 
 constexpr double dt = 1.0 / 60;
 constexpr Vec3f far_away{70, 60, 40};
@@ -334,5 +333,4 @@ TEST(Grab, RefusesWhatItCannotDo) {
   expect_error([&] { grab.move_to({0, nan, 0}); }, {"not finite"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_host_grab

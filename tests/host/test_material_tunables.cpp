@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_material_tunables {
 
 template <class Description>
 class MaterialTunables : public testing::Test {};
@@ -79,5 +78,4 @@ TEST(MaterialTunablesOfCloth, AreShownWhenTheyTurnSomething) {
   }
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_material_tunables

@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_session {
 
 // --- the same as a pure run
 
@@ -371,5 +370,4 @@ TEST(Session, TwoSessionsAndClosingWhileSomethingIsHeld) {
   EXPECT_EQ(a.advance(9, dt), Tick::step);
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_session

@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_session_colliders {
 
 std::array<float, 16> at(float x, float y, float z) {
   return {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1};
@@ -106,5 +105,4 @@ TEST(Session, WindReachesObjectsByTheirExposure) {
   }
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_session_colliders

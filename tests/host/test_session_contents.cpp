@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_session_contents {
 
 /// Wherever it goes, what is left moves on, and a reset brings back nothing that was removed.
 TEST(Session, ObjectsAreRemovedDuringPlay) {
@@ -184,5 +183,4 @@ TEST(Session, ASceneThatFailsToOpenLeavesTheSessionAsItWas) {
   EXPECT_EQ(s.hash(), undisturbed.session.hash());
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_session_contents

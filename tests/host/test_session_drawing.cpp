@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_session_drawing {
 
 TEST(Session, AnObstacleThatTheHostMovesCarriesWhatLiesOnIt) {
   const Corners sheet(grid(9, 9, 0.5)), block(box({2, 0.2, 2}, {4, 1, 4}));
@@ -200,5 +199,4 @@ TEST(Session, CollidersAreDrawnWhereTheyAre) {
   expect_error([&] { host.session.colliders(0); }, {"extent"});
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_session_drawing

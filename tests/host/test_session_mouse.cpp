@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_session_mouse {
 
 TEST(Session, AVertexIsDraggedAlongThePlaneAcrossTheView) {
   const Corners sheet(grid(9, 9, 1.0));
@@ -86,5 +85,4 @@ TEST(Session, AHostThatCannotPickGrabsByARay) {
   EXPECT_FALSE(s.grab_vertex(cloth, 0, {{0, 2, 0}, {0, -1, 0}}));
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_session_mouse

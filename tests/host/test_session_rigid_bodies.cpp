@@ -8,8 +8,7 @@
 
 // Rigid bodies of a host program.
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_session_rigid_bodies {
 
 TEST(SessionRigidBodies, MoveAsInAPureRunToTheBit) {
   const Corners crate(box({0.3, 0.2, 0.3}, {2, 2, 2}));
@@ -66,5 +65,4 @@ TEST(SessionRigidBodies, HaveTunablesAndRefusePinsInWords) {
   expect_error([&] { host.session.set_pinned(body, 0, true); }, {"rigid body"});
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_session_rigid_bodies

@@ -10,8 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_session_threads {
 
 TEST(Session, AnotherThreadPostsAndLooksWhileFramesAreMade) {
   const Corners sheet(grid(5, 5, 1.0));
@@ -49,5 +48,4 @@ TEST(Session, AnotherThreadPostsAndLooksWhileFramesAreMade) {
   EXPECT_EQ(host.session.statistics().steps, host.session.steps());
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_session_threads

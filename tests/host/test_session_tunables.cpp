@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_session_tunables {
 
 TEST(Session, ParametersAreThoseOfTheMaterial) {
   const Corners sheet(grid(9, 9, 1.0));
@@ -82,5 +81,4 @@ TEST(Session, StatisticsAreOfTheLastStep) {
   EXPECT_NE(statistics.text().find("step 2"), std::string::npos);
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_session_tunables

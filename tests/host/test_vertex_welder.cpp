@@ -11,8 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::host {
-namespace {
+namespace souple::host::test_host_vertex_welder {
 
 /// Two by three vertices, four triangles: 12 render vertices from an importer.
 const TriangleMesh strip = grid(3, 2, 1.0);
@@ -184,5 +183,4 @@ TEST(Placement, RefusesMatricesThatAreNone) {
   refused(5, 0, "flat");
 }
 
-}  // namespace
-}  // namespace souple::host
+}  // namespace souple::host::test_host_vertex_welder

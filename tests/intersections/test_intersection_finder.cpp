@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_intersections_intersection_finder {
 
 /// Crumpled sheets that pass through themselves and one another.
 class CrumpledSheets {
@@ -148,5 +147,4 @@ TEST(IntersectionFinder, AWarmFindAllocatesNothing) {
   EXPECT_FALSE(finder.intersections().empty());
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_intersections_intersection_finder

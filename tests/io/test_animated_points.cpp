@@ -6,8 +6,7 @@
 #include <limits>
 #include <sstream>
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_animated_points {
 
 /// A mesh file of these tests: x y z of each vertex.
 std::vector<Vec3f> read_plain(const std::filesystem::path& path) {
@@ -94,5 +93,4 @@ TEST_F(AnimatedPointsTest, BadFramesAreErrorsWhenTheirTimeComes) {
   EXPECT_THROW(meshes.evaluate(0, two), Error);
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_animated_points

@@ -10,8 +10,7 @@
 #include <cmath>
 #include <utility>
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_animated_target {
 
 constexpr double rate = 30;
 constexpr int last = 30;
@@ -90,5 +89,4 @@ TEST_F(AnimatedTargetTest, TooFewPointsAreReported) {
   expect_says(error_of([] { (void)animated_target(nullptr); }), "null");
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_animated_target

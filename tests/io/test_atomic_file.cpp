@@ -2,8 +2,7 @@
 #include "souple/files/atomic_file.h"
 #include "souple/math/fnv1a.h"
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_atomic_file {
 
 using AtomicFileTest = FolderTest;
 
@@ -64,5 +63,4 @@ TEST(Fnv1a, KnownValues) {
   EXPECT_EQ(fnv1a64("bar", fnv1a64("foo")), fnv1a64("foobar"));
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_atomic_file

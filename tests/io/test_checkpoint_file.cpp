@@ -2,8 +2,7 @@
 #include "souple/io/checkpoint_file.h"
 #include "souple/math/fnv1a.h"
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_checkpoint_file {
 
 Checkpoint example() {
   Checkpoint checkpoint;
@@ -114,5 +113,4 @@ TEST_F(CheckpointFileTest, AVersionIsThreeNumbers) {
   }
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_checkpoint_file

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_manifest {
 
 RunManifest example() {
   RunManifest manifest;
@@ -139,5 +138,4 @@ TEST_F(ManifestTest, WhatCannotBeWrittenLeavesTheOldFile) {
   EXPECT_EQ(count(), 1);
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_manifest

@@ -6,8 +6,7 @@
 
 #include <unistd.h>
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_manifest_writer {
 
 RunManifest head() {
   RunManifest manifest;
@@ -126,5 +125,4 @@ TEST_F(ManifestWriterTest, MemoryDoesNotGrowWithTheFrames) {
 }
 #endif
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_manifest_writer

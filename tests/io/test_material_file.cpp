@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_material_file {
 
 TEST(MaterialFile, ReadsColorsAndOpacities) {
   const auto materials = parse_materials(
@@ -17,5 +16,4 @@ TEST(MaterialFile, ReadsColorsAndOpacities) {
   EXPECT_TRUE(parse_materials("").empty());
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_material_file

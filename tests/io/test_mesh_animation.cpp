@@ -16,8 +16,7 @@
 
 #include <fmt/core.h>
 
-namespace souple {
-namespace {
+namespace souple::test_io_mesh_animation {
 
 std::string base64(const std::string& bytes) {
   constexpr const char* letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -363,5 +362,4 @@ TEST(MeshMessage, AnimationsAreCheckedByteByByte) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_io_mesh_animation

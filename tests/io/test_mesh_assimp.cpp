@@ -11,8 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace souple {
-namespace {
+namespace souple::test_io_mesh_assimp {
 
 std::filesystem::path write(const std::string& name, const std::string& text) {
   auto path = std::filesystem::path(testing::TempDir()) / name;
@@ -257,5 +256,4 @@ TEST(MeshMessage, IsCheckedByteByByte) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_io_mesh_assimp

@@ -7,8 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace souple {
-namespace {
+namespace souple::test_io_mesh_file {
 
 /// A folder of its own for each test, gone behind it.
 class MeshFile : public testing::Test {
@@ -144,5 +143,4 @@ TEST(ShippedMeshes, TheBeamHasItsVolumeAndItsEnds) {
   EXPECT_EQ(mesh.groups.at("right").size(), 9u);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_io_mesh_file

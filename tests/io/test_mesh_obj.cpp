@@ -6,8 +6,7 @@
 #include <ctime>
 #include <vector>
 
-namespace souple {
-namespace {
+namespace souple::test_io_mesh_obj {
 
 using Indices = std::vector<std::uint32_t>;
 
@@ -233,5 +232,4 @@ TEST(ObjWriter, WritesTheGivenPositionsShortest) {
   expect_error([&] { obj_text(mesh, std::span(moved).first(3)); }, {"3 positions", "expected 4"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_io_mesh_obj

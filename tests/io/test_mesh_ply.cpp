@@ -5,8 +5,7 @@
 #include <limits>
 #include <vector>
 
-namespace souple {
-namespace {
+namespace souple::test_io_mesh_ply {
 
 using Indices = std::vector<std::uint32_t>;
 
@@ -133,5 +132,4 @@ TEST(PlyWriter, WritesParticles) {
   expect_error([&] { ply_bytes(points, points, kinds); }, {"3 kinds"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_io_mesh_ply

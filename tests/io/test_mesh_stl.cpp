@@ -3,8 +3,7 @@
 
 #include <vector>
 
-namespace souple {
-namespace {
+namespace souple::test_io_mesh_stl {
 
 TriangleMesh parse(const std::string& bytes) {
   return parse_stl(bytes, "a.stl");
@@ -54,5 +53,4 @@ TEST(StlReader, NamesFileAndPlaceOfBadInput) {
   expect_error([] { parse(binary("x", 0, 0)); }, {"a.stl", "no triangle"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_io_mesh_stl

@@ -3,8 +3,7 @@
 
 #include <vector>
 
-namespace souple {
-namespace {
+namespace souple::test_io_mesh_tets {
 
 using Indices = std::vector<std::uint32_t>;
 
@@ -182,5 +181,4 @@ TEST(VtkReader, NamesFileAndPlaceOfBadInput) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_io_mesh_tets

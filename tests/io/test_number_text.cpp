@@ -11,8 +11,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-namespace souple::mesh_detail {
-namespace {
+namespace souple::mesh_detail::test_io_number_text {
 
 std::string written(float value) {
   std::string text;
@@ -61,5 +60,4 @@ TEST(NumberText, OneNumberForEachText) {
   }
 }
 
-}  // namespace
-}  // namespace souple::mesh_detail
+}  // namespace souple::mesh_detail::test_io_number_text

@@ -7,8 +7,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_particle_file {
 
 class ParticleFileTest : public FolderTest {
  protected:
@@ -140,5 +139,4 @@ TEST_F(ParticleFileTest, OtherFilesAreNotTaken) {
   EXPECT_THROW(particle_bytes(ParticleFormat::vtk, points_, std::span(velocities_).first(1)), Error);
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_particle_file

@@ -10,8 +10,7 @@
 #include <cstring>
 #include <limits>
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_playback {
 
 constexpr double dt = 1.0 / 60;
 
@@ -340,5 +339,4 @@ TEST_F(PlaybackTest, ABadFrameIsLeftOut) {
   expect_says(error_of([&] { sequence.read(2); }), "sand_0002.obj");
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_playback

@@ -4,8 +4,7 @@
 
 #include <cstring>
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_point_caches {
 
 // The two formats through one pair of hands, for the tests that hold for both.
 struct Pc2 {
@@ -291,5 +290,4 @@ TEST_F(PointCacheLayout, APartOfPc2IsWholeAfterEachFrame) {
   EXPECT_EQ(Pc2Reader(folder / "a.pc2.part").frames(), 1u);
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_point_caches

@@ -13,8 +13,7 @@
 #include <optional>
 #include <sstream>
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_recorder {
 
 constexpr double dt = 1.0 / 60;
 
@@ -559,5 +558,4 @@ TEST_F(RecorderTest, NothingIsCapturedAfterTheEnd) {
   expect_says(error_of([&] { recorder.capture(); }), "finished");
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_recorder

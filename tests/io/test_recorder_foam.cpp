@@ -7,8 +7,7 @@
 
 #include <algorithm>
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_recorder_foam {
 
 constexpr double dt = 1.0 / 60;
 
@@ -110,5 +109,4 @@ TEST_F(RecordedFoamTest, GoesOnWithAResumedRun) {
   EXPECT_EQ(manifest.objects, read_manifest(folder / "a").objects);
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_recorder_foam

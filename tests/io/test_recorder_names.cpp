@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_recorder_names {
 
 TEST(RecorderNames, NoNameLeadsOutOfTheFolder) {
   const std::string control("a\nb\0c\x7f", 6);
@@ -45,5 +44,4 @@ TEST(RecorderNames, NoNameLooksLikeAFrame) {
   EXPECT_EQ(safe_file_name("ball_07"), "ball_07");
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_recorder_names

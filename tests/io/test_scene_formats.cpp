@@ -10,8 +10,7 @@
 
 // Details that the program's own tests (tests/app/test_cli_convert.py), which read whole files back, do not see.
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_scene_formats {
 
 std::uint32_t number_at(const std::string& bytes, std::size_t offset) {
   return load<ByteOrder::little, std::uint32_t>(reinterpret_cast<const std::byte*>(bytes.data() + offset));
@@ -116,5 +115,4 @@ TEST(UsdaRun, ObjectsWhoseNamesBecomeEqualKeepTheirMaterials) {
   expect_says(stage, "inputs:diffuseColor = (1, 0, 0)");
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_scene_formats

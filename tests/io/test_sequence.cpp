@@ -3,8 +3,7 @@
 
 #include <stdexcept>
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_sequence {
 
 using SequenceTest = FolderTest;
 
@@ -85,5 +84,4 @@ TEST_F(SequenceTest, AFolderStandsForTheOneSequenceInIt) {
   expect_says(said, "walk_0011.obj");
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_sequence

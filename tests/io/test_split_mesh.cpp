@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_io_split_mesh {
 
 /// A roof of two quads with a seam of UVs at its ridge 1-4, and two materials.
 TriangleMesh roof() {
@@ -66,5 +65,4 @@ TEST(SplitMesh, SharpEdgesAreNotSmooth) {
   EXPECT_FALSE(is_smooth(crate.positions, crate.triangles));
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_io_split_mesh

@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_math_dual {
 
 // The derivative of f at x by duals against central differences: error about 1e-10 here.
 template <class Function>
@@ -91,5 +90,4 @@ TEST(Dual, ChecksAConstraintsGradient) {
     }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_math_dual

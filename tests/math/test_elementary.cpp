@@ -8,8 +8,7 @@
 
 // Against the C library's long doubles, in units in the last place of the double nearest to them.
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_math_elementary {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double largest_error = 3;
@@ -108,5 +107,4 @@ TEST(Elementary, EdgesAreThoseOfTheStandard) {
   EXPECT_EQ(elementary::hypot(0, 0), 0);
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_math_elementary

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_math_rounding {
 
 // The rounding remainder of a double as a float. g++ 12 gives 0 here when it vectorizes straight-line code,
 // which the build turns off: positions would lose the remainder that offsets keep.
@@ -20,5 +19,4 @@ TEST(Rounding, TheRemainderOfAFloatSurvivesTheOptimizer) {
   EXPECT_NE(lost.x, 0);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_math_rounding

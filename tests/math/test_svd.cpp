@@ -6,8 +6,7 @@
 #include <Eigen/SVD>
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_math_svd {
 
 /// SplitMix64 (Steele et al. 2014): the same numbers everywhere.
 class Random {
@@ -220,5 +219,4 @@ TYPED_TEST(EverySvd, EndsOnNonFiniteInput) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_math_svd

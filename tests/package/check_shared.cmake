@@ -1,7 +1,7 @@
 cmake_policy(VERSION 3.25)
 
 # A shared library exports what the public headers declare and nothing else, has a SONAME with its version, and serves
-# programs and user constraints. Compiled without optimization and for one instruction set: the symbols are the same.
+# programs and user constraints. Each source is compiled alone, without optimization and for one instruction set: the symbols are the same.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE said ERROR_VARIABLE said)
   if(NOT result EQUAL 0)
@@ -13,7 +13,8 @@ endfunction()
 
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} -G ${GENERATOR} -S ${SOURCE} -B ${WORK}/build -D CMAKE_BUILD_TYPE=Debug -D CMAKE_CXX_FLAGS_DEBUG=-O0
-    -D CMAKE_CXX_COMPILER=${COMPILER} -D BUILD_SHARED_LIBS=ON -D SOUPLE_BUILD_APP=OFF -D SOUPLE_INSTRUCTION_SETS=sse)
+    -D CMAKE_CXX_COMPILER=${COMPILER} -D BUILD_SHARED_LIBS=ON -D SOUPLE_BUILD_APP=OFF -D SOUPLE_INSTRUCTION_SETS=sse
+    -D SOUPLE_UNITY=OFF)
 run(${CMAKE_COMMAND} --build ${WORK}/build --parallel)
 run(${CMAKE_COMMAND} --install ${WORK}/build --prefix ${WORK}/prefix)
 

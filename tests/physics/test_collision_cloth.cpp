@@ -6,8 +6,7 @@
 
 // Cloth on supports, folded, knotted and twisted: no edge passes through a triangle.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_collision_cloth {
 
 using test::Support;
 using test::Watched;
@@ -122,5 +121,4 @@ TEST(ClothCollisions, AFinerKnotHoldsWhenPulledSlow) {
   pull_and_look(7, 1, 6);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_collision_cloth

@@ -8,8 +8,7 @@
 // A ball of grains at 200 m/s, 17 cm per substep, passes through nothing. However fast objects are, memory is bounded by
 // their meshes: motions that contacts cannot follow are shortened, and the step says so.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_collision_fast {
 
 using test::ShotAt;
 
@@ -144,5 +143,4 @@ TEST(FastBall, AClothPinnedAtItsCornersHoldsAt50MetersPerSecond) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_collision_fast

@@ -10,8 +10,7 @@
 // Objects on an inclined plane, and on another object that lies on one. Each sticks below the friction angle and slides
 // above it with a = g (sin - mu cos). The slope is level and gravity is inclined.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_collision_slopes {
 
 constexpr float mu = 0.4f;
 constexpr double g = 9.81f;
@@ -188,5 +187,4 @@ TEST(CreasedMesh, HoldsWhatLiesOnAnEdgeOrACorner) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_collision_slopes

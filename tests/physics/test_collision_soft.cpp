@@ -7,8 +7,7 @@
 
 // Soft bodies in a glass: they stay inside it and outside each other, and come to rest.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_collision_soft {
 
 // Test of the measure: the intersection of two equal balls is a lens.
 TEST(BallsInAGlass, SharedVolumeIsThatOfALens) {
@@ -77,5 +76,4 @@ TEST(BallsInAGlass, AHeapDoesNotTrembleWithFewSubsteps) {
   for (const ObjectId ball : glass.balls) EXPECT_LT(test::top_speed(glass.world, ball), 0.3);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_collision_soft

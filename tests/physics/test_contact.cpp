@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_contact {
 
 constexpr double g = 9.81f;
 
@@ -106,5 +105,4 @@ TEST(Bounce, HeightIsTheSquareOfTheRestitution) {
     }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_contact

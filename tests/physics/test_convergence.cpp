@@ -9,8 +9,7 @@
 
 // With default settings a material has the stiffness that was set, at any resolution.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_convergence {
 
 constexpr double dt = 1.0 / 60;
 
@@ -203,5 +202,4 @@ TEST(Convergence, AStiffBodyFallsAndRestsWithTwoSubsteps) {
   EXPECT_LT(world.report().largest_strain, 0.02);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_convergence

@@ -9,8 +9,7 @@
 
 // Kelvin-Voigt damping does not soften a material that one iteration per substep does not solve.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_damping {
 
 // Cotton hung by a row, one iteration a substep: the elongation does not depend on the damping.
 TEST(Damping, DampedClothHangsAsLongAsAnUndampedOne) {
@@ -62,5 +61,4 @@ TEST(Damping, StackOfDampedCubesStands) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_damping

@@ -12,8 +12,7 @@
 // With default settings: the bending of stiff strips, ties and attachments. benchmarks/default_quality.cpp measures the
 // same and more.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_default_quality {
 
 constexpr double dt = 1.0 / 60, gravity = 9.81;
 
@@ -354,5 +353,4 @@ TEST(DefaultQuality, AttachmentsMayMove) {
   EXPECT_LT(length(Vec3d(world.positions(cloth)[7]) - target), 1e-3);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_default_quality

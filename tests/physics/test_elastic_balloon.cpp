@@ -9,8 +9,7 @@
 // per meter of the stretched membrane. Laplace's law P = 2 T / R then gives
 //   P = Y (s^2 - 1) / ((1 - nu) R0 s),   s = R / R0.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_elastic_balloon {
 
 constexpr double R0 = 0.1, Y = 500, nu = 0.3;  // NOLINT(readability-identifier-naming): the formula's symbols
 
@@ -58,5 +57,4 @@ TEST(Balloon, RadiusFollowsThePressure) {
   for (int k = 0; k <= 60; ++k) curves.add("theory", pressure_of(1 + 0.01 * k), 1 + 0.01 * k);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_elastic_balloon

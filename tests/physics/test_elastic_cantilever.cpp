@@ -9,8 +9,7 @@
 // A bar of neo-Hookean tets, clamped at one end, under its own weight: 0.5 x 0.1 x 0.1 m, E = 1 MPa, nu =
 // 0.3, 1000 kg/m^3. Gravity is weak, so that the tip sinks by about 1 % of the length.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_elastic_cantilever {
 
 constexpr double E = 1e6, nu = 0.3, density = 1000, gravity = 1;
 const Vec3d size{0.5, 0.1, 0.1};
@@ -109,5 +108,4 @@ TEST(Cantilever, ConvergesToTimoshenkoSlow) {
   curves.add("theory: Timoshenko", {2, 6}, {timoshenko(), timoshenko()});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_elastic_cantilever

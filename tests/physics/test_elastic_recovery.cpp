@@ -10,8 +10,7 @@
 
 // Soft bodies released from deformed states, and soft bodies without load.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_elastic_recovery {
 
 const char* mode_name(Mode mode) {
   return mode == Mode::pbd ? "pbd" : mode == Mode::xpbd ? "xpbd" : "small steps";
@@ -174,5 +173,4 @@ TEST(Recovery, LeftAloneNothingMovesSlow) {
       expect_rest(mode, E, 10, mode == Mode::small_steps ? &curves : nullptr);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_elastic_recovery

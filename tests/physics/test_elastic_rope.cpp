@@ -6,8 +6,7 @@
 
 // E A and E I of a rope, as bar and beam: 1 m long, 2 cm thick.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_elastic_rope {
 
 constexpr double L = 1, radius = 0.01, density = 1000;
 constexpr double area = pi * radius * radius;
@@ -99,5 +98,4 @@ TEST(Rope, CantileverBendsByEI) {
                       wanted, 0.02);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_elastic_rope

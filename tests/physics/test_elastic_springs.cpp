@@ -14,8 +14,7 @@
 // Young's modulus and Poisson's ratio of a strip cut in any direction. These are measured, not chosen:
 // docs/materials.md has the table.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_elastic_springs {
 
 const std::string sheet_of_springs = "cloth of edge springs as a sheet";
 constexpr double Y = 1000, side = 0.2;
@@ -177,5 +176,4 @@ TEST(Springs, IrregularMeshesAreNearlyIsotropic) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_elastic_springs

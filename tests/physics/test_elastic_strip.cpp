@@ -11,8 +11,7 @@
 //   D theta'' = -q (L - s) cos theta,   theta(0) = 0, theta'(L) = 0,   x' = cos theta, y' = -sin theta,
 // q its weight per area, theta the slope downward. L = 0.2 m, 0.1 kg/m^2; three D = q L^3 / k, k = 3, 12, 40.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_elastic_strip {
 
 constexpr double L = 0.2, density = 0.1, gravity = 9.81;
 constexpr double q = density * gravity;
@@ -167,5 +166,4 @@ TEST(Strip, AlternatingDiagonalsShowFiveSixths) {
           5.0 / 6, alternating);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_elastic_strip

@@ -11,8 +11,7 @@
 // exactly, and small-strain theory gives
 //   elongation  dl / l = sigma / E,   contraction  dw / w = -nu dl / l.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_elastic_tension {
 
 struct Strain {
   double along = std::nan(""), across = std::nan("");
@@ -218,5 +217,4 @@ TEST(Tension, WovenMembraneOnTheBias) {
   validate_relative(sheet_case, "contraction, woven, on the bias", -strain.across, across * wanted, 0.02);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_elastic_tension

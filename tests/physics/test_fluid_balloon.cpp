@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_fluid_balloon {
 
 /// Winding number of a surface around a point: 1 inside, 0 outside; hair-thin seams change little. Computed from the
 /// solid angles of its triangles (Van Oosterom and Strackee 1983).
@@ -45,5 +44,4 @@ TEST(FluidBalloon, HoldsWaterUntilItsSeamsOpenSlow) {
   EXPECT_GT(outside(world, water, balloon), particles * 9 / 10);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_fluid_balloon

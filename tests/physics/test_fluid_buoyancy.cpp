@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_fluid_buoyancy {
 
 constexpr double water_density = 1000;
 
@@ -134,5 +133,4 @@ TEST(FluidBuoyancy, WhatIsAsDenseAsWaterHoversSlow) {
         "farthest drift in 10 s [spacings]", farthest / basin.d);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_fluid_buoyancy

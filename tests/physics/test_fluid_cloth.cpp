@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_fluid_cloth {
 
 constexpr double d = 0.02, g = 9.81, half = 0.25;  // m, m/s^2, m: half the width of a cloth
 
@@ -119,5 +118,4 @@ TEST(FluidCloth, ANetLetsWaterThroughThatASheetHolds) {
   EXPECT_GT(passed(net(26, 6)), 0.95);  // holes of five spacings
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_fluid_cloth

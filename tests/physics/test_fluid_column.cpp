@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_fluid_column {
 
 constexpr double g = 9.81, density = 1000;
 
@@ -166,5 +165,4 @@ TEST(FluidColumn, GivesWayAsItsCompressibilitySays) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_fluid_column

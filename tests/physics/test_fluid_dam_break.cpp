@@ -14,8 +14,7 @@
 // Trans. R. Soc. A 244, 312-324, a = 2.25 in. The paper was not at hand. Its values are those of the validation scripts
 // of other projects, which agree with each other (n^2 = 2: tables 2 and 6).
 
-namespace souple {
-namespace {
+namespace souple::test_physics_fluid_dam_break {
 
 constexpr double g = 9.81, a = 0.05715;  // m/s^2, m
 
@@ -203,5 +202,4 @@ TEST_P(FluidDamBreakOf, MartinAndMoyceSlow) {
 INSTANTIATE_TEST_SUITE_P(Column, FluidDamBreakOf, ::testing::Values(&square, &tall),
                          [](const auto& test) { return test.param == &square ? "Square" : "Tall"; });
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_fluid_dam_break

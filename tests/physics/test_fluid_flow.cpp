@@ -10,8 +10,7 @@
 // Flows that friction and the stiffness of the particles' packing would slow down: out of a hole, and to and
 // fro in a tube.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_fluid_flow {
 
 constexpr double g = 9.81;
 
@@ -125,5 +124,4 @@ TEST(FluidFlow, SwingsInATubeWithItsPeriodInTheWideKernel) {
   state("water in a U-tube", "period, wendland [s]", period_in_tube({.kernel = SmoothingShape::wendland}));
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_fluid_flow

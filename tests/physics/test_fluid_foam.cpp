@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_fluid_foam {
 
 constexpr double d = 0.04;  // m
 constexpr FluidMaterial foaming{.spacing = 0.04f, .foam = 1};
@@ -238,5 +237,4 @@ TEST(FluidFoam, WrongNumbersAreErrors) {
   expect_error([&] { add_block(world, {0, 0, 0}, {0.1, 0.1, 0}, material); }, {"foam", "-1"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_fluid_foam

@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_fluid_fountain {
 
 constexpr double d = 0.04;  // m
 constexpr std::uint32_t most = 2000;
@@ -77,5 +76,4 @@ TEST(FluidFountain, AJetIsAParabola) {
   EXPECT_NEAR(front.z, 0, 0.005);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_fluid_fountain

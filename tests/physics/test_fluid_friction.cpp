@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_fluid_friction {
 
 constexpr double d = 0.02;  // m
 // A film with strong friction at bodies: nu = 0.01 m^2/s.
@@ -110,5 +109,4 @@ TEST(FluidFriction, ADropClingsToASheetAndMomentumStays) {
   EXPECT_GT(world.momentum(cloth).y / world.total_mass(cloth), 0.02);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_fluid_friction

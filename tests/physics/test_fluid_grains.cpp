@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_fluid_grains {
 
 constexpr double d = 0.02, depth = 0.3;  // m
 
@@ -149,5 +148,4 @@ TEST(FluidGrains, RainOfGrainsIntoWaterStaysCalm) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_fluid_grains

@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_fluid_layers {
 
 constexpr double d = 0.02;  // m
 constexpr int across = 12, layers = 20;
@@ -49,5 +48,4 @@ TEST(FluidLayers, ALighterFluidRisesInTheWideKernel) {
         "center of the lighter fluid, in heights, wendland", usual);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_fluid_layers

@@ -10,8 +10,7 @@
 
 // No gravity, no walls, no vorticity confinement, no drag: no external source of momentum.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_fluid_momentum {
 
 constexpr double d = 0.02;  // m
 
@@ -91,5 +90,4 @@ TEST(FluidMomentum, OfASpinningBall) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_fluid_momentum

@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_fluid_robustness {
 
 constexpr double d = 0.02;  // m
 constexpr FluidMaterial water{.spacing = 0.02f};
@@ -188,5 +187,4 @@ TEST(FluidRobustness, GoesOnFromASnapshotToTheBit) {
   EXPECT_EQ(other.hash(), world.hash());
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_fluid_robustness

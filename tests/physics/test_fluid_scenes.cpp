@@ -11,8 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_fluid_scenes {
 
 bool has_fluid(const SceneDescription& scene) {
   return std::any_of(scene.objects.begin(), scene.objects.end(), [](const AnyObjectDescription& object) {
@@ -55,5 +54,4 @@ TEST_P(FluidScene, KeepsDensitySlow) {
 INSTANTIATE_TEST_SUITE_P(Shipped, FluidScene, ::testing::ValuesIn(scenes_with_fluids()),
                          [](const auto& test) { return test.param.stem().string(); });
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_fluid_scenes

@@ -10,8 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_fluid_vessels {
 
 constexpr double d = 0.02, half = 6 * d, depth = 10 * d, rim = 16 * d;
 
@@ -223,5 +222,4 @@ TEST(FluidVessels, ARoundMeshIsAsCalmAsPlanesSlow) {
   expect_as_calm("bowl", rest_in(obstacle(moved(sphere(3, bowl), 0, bowl)), water_where(in_bowl)), reference);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_fluid_vessels

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_free_fall {
 
 // --- free fall -----------------------------------------------------------------------------------
 
@@ -177,5 +176,4 @@ TEST(FreeLattice, MovesAlikeAtEveryFrameRate) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_free_fall

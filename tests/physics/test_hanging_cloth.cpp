@@ -7,8 +7,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_hanging_cloth {
 
 // Rigid constraints along the edges of a grid of n x n vertices in both directions, and along both diagonals
 // of each square.
@@ -77,5 +76,4 @@ TEST(HangingCloth, HundredByHundredIsStableSlow) {
   check(100, 20, 0.10, 0.35);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_hanging_cloth

@@ -6,8 +6,7 @@
 
 // The numbers of docs/integrators.md. Every field acts on one particle of 1 kg, with one substep per step.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_integrators {
 
 constexpr Integrator every_integrator[] = {Integrator::semi_implicit, Integrator::explicit_euler,
                                            Integrator::implicit_euler};
@@ -228,5 +227,4 @@ TEST(Integrators, Cost) {
   EXPECT_GT(spent[2], 2 * spent[0]);  // Newton's method evaluates the field several times
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_integrators

@@ -11,8 +11,7 @@
 // Overlaps at the start leave alike at every size. If lengths are `scale` times as long, and stiffness and time step
 // follow, motions are `scale` times as long and take sqrt(scale) times the time.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_overlaps {
 
 constexpr double g = 9.81;
 constexpr double scales[] = {1, 0.01, 100};
@@ -170,5 +169,4 @@ TEST(Overlaps, SheetsAtOnePlaceSeparateInTheOrderOfTheirAddition) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_overlaps

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_pendulum {
 
 constexpr double g = 9.81f;
 
@@ -204,5 +203,4 @@ TEST(Pendulum, SwingsFarFromTheOrigin) {
   validate_relative(name, "position after one period [m]", highest, std::sin(0.01), 0.02);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_pendulum

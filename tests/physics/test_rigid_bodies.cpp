@@ -9,8 +9,7 @@
 // Rigid bodies and joints of a world with default settings, a frame of 1/60 s: what docs/validation.md shows of them. The
 // parts below, body by body and joint by joint, are tested in tests/rigid.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_rigid_bodies {
 
 constexpr double frame = 1.0 / 60;
 constexpr double g = 9.81;
@@ -310,5 +309,4 @@ TEST(RigidBodyPhysics, AtwoodsMachineAcceleratesAsItsMassesSay) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_rigid_bodies

@@ -8,8 +8,7 @@
 // Grains are solid balls that rotate: I = 2/5 m r^2. Friction acts at the point of contact, and rolling friction is a
 // moment of at most mu_r r N.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_rolling {
 
 constexpr double g = 9.81f, radius = 0.05;
 
@@ -170,5 +169,4 @@ TEST(Rolling, FreeSpinKeepsItsBits) {
   EXPECT_EQ(world.angular_velocities(ball)[0], spin[0]);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_rolling

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_rope {
 
 constexpr double L = 2, span = 1.2;
 constexpr int N = 100;
@@ -149,5 +148,4 @@ TEST(Rope, OfOneGramCarriesAKilogram) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_rope

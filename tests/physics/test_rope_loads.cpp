@@ -8,8 +8,7 @@
 
 // Ropes of 1 m that carry up to a thousand times their mass, with default settings: 10 substeps of one iteration.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_rope_loads {
 
 constexpr double L = 1, E = 1e9, radius = 0.005;
 
@@ -194,5 +193,4 @@ TEST(RopeLoad, OfASoftBodyHangsByItsTie) {
   EXPECT_NEAR(-static_cast<double>(end.y) / L - 1, theory, 0.1 * theory);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_rope_loads

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_rotation {
 
 // --- spin ----------------------------------------------------------------------------------------
 
@@ -123,5 +122,4 @@ TEST(ElasticBody, NeverGainsEnergyAndLosesLessInSmallerSteps) {
     }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_rotation

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_sand_pile {
 
 // The plate of Zhou, Xu, Yu and Zulli 2002, "An experimental and numerical study of the angle of repose of coarse
 // spheres" (Powder Technology 125). Spheres fill a box 20 diameters thick, and its side walls vanish. Spheres beyond
@@ -167,5 +166,4 @@ TEST(SandPile, SlopeIsThatOfACone) {
   EXPECT_NEAR(test::slope_of_heap(world, grains, 0), 0.5, 0.02);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_sand_pile

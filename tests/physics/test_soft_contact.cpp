@@ -9,8 +9,7 @@
 
 // Boxes of tets and of shape matching: they rebound, grip a slope, stand on each other and carry weights.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_soft_contact {
 
 constexpr double g = 9.81f;
 constexpr SoftBodyModel models[] = {SoftBodyModel::neo_hookean, SoftBodyModel::shape_matching};
@@ -170,5 +169,4 @@ TEST(SoftStack, AShapeMatchedCubeCarriesAHundredTimesItsMass) {
   EXPECT_LT(top.y, 0.165);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_soft_contact

@@ -22,8 +22,7 @@
 // its row of the table in docs/notes/collisions.md. With SOUPLE_ALL_SPEEDS in the environment it has all speeds, otherwise
 // every third.
 
-namespace souple {
-namespace {
+namespace souple::test_physics_speeds {
 
 constexpr std::array<double, 8> speeds{0, 1, 10, 100, 1e3, 1e4, 1e5, 1e6};  // m/s
 constexpr int frames_before = 2, frames_after = 3;
@@ -207,5 +206,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Speeds,
                                          Thrown{"water_balloon", "balloon"}, Thrown{"wrung_cloth", "tube"}),
                          [](const auto& tested) { return tested.param.scene; });
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_speeds

@@ -5,8 +5,7 @@
 
 #include <cmath>
 
-namespace souple {
-namespace {
+namespace souple::test_physics_spring {
 
 // 1 kg on a spring of 1 m and k N/m, below a pinned particle.
 struct Oscillator {
@@ -110,5 +109,4 @@ TEST(Spring, SagsByItsWeightWithDampingOn) {
     }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_spring

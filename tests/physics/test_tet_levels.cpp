@@ -8,8 +8,7 @@
 
 // Bodies of stiff, fine tets, which a coarse lattice carries between sweeps (souple/multilevel/tet_levels.h).
 
-namespace souple {
-namespace {
+namespace souple::test_physics_tet_levels {
 
 constexpr double dt = 1.0 / 60, cell = 0.02;
 
@@ -110,5 +109,4 @@ TEST(TetLevels, CollidingBodiesShareMomentum) {
   EXPECT_NEAR(momentum.z / mass, 0, 1e-3);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_physics_tet_levels

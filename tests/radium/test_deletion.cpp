@@ -2,8 +2,7 @@
 
 #include <functional>
 
-namespace souple::radium {
-namespace {
+namespace souple::radium::test_radium_deletion {
 
 using host::Handle;
 using host::Kind;
@@ -187,5 +186,4 @@ TEST_F(Radium, ItIsClosedRightAfterADeletion) {
   close();
 }
 
-}  // namespace
-}  // namespace souple::radium
+}  // namespace souple::radium::test_radium_deletion

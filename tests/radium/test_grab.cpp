@@ -1,7 +1,6 @@
 #include "tests/radium/radium.h"
 
-namespace souple::radium {
-namespace {
+namespace souple::radium::test_radium_grab {
 
 using host::Handle;
 using host::Kind;
@@ -153,5 +152,4 @@ TEST_F(Radium, WhatIsNoVertexOfAnObjectIsNotGrabbed) {
   EXPECT_EQ(words(), "");
 }
 
-}  // namespace
-}  // namespace souple::radium
+}  // namespace souple::radium::test_radium_grab

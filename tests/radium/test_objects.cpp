@@ -6,8 +6,7 @@
 #include <array>
 #include <cmath>
 
-namespace souple::radium {
-namespace {
+namespace souple::radium::test_radium_objects {
 
 using host::Handle;
 using host::Kind;
@@ -200,5 +199,4 @@ TEST_F(Radium, ASecondSystemIsNotAdded) {
   frames(2);
 }
 
-}  // namespace
-}  // namespace souple::radium
+}  // namespace souple::radium::test_radium_objects

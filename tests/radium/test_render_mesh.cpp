@@ -4,8 +4,7 @@
 #include <Engine/Rendering/RenderObjectManager.hpp>
 #include <cstdint>
 
-namespace souple::radium {
-namespace {
+namespace souple::radium::test_radium_render_mesh {
 
 using Indices = std::vector<std::uint32_t>;
 
@@ -89,5 +88,4 @@ TEST_F(Radium, AnObjectWhoseMeshWasReplacedLeavesTheWorld) {
   EXPECT_EQ(mesh(index).vertex_count(), 3u);
 }
 
-}  // namespace
-}  // namespace souple::radium
+}  // namespace souple::radium::test_radium_render_mesh

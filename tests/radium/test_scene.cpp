@@ -12,8 +12,7 @@
 #include <fstream>
 #include <souple/host/drawable.h>
 
-namespace souple::radium {
-namespace {
+namespace souple::radium::test_radium_scene {
 
 using host::Drawable;
 
@@ -184,5 +183,4 @@ TEST_F(Scene, AnEntityOfTheSameNameIsLeftAlone) {
   EXPECT_FALSE(engine->getEntityManager()->entityExists("tablecloth_1"));
 }
 
-}  // namespace
-}  // namespace souple::radium
+}  // namespace souple::radium::test_radium_scene

@@ -1,7 +1,6 @@
 #include "tests/radium/radium.h"
 
-namespace souple::radium {
-namespace {
+namespace souple::radium::test_radium_time {
 
 /// A sheet that falls, after the first frame of a Radium.
 class Time : public Radium {
@@ -164,5 +163,4 @@ TEST_F(Time, AStepThatGoesBadPausesInWords) {
   EXPECT_EQ(steps(), 3u);
 }
 
-}  // namespace
-}  // namespace souple::radium
+}  // namespace souple::radium::test_radium_time

@@ -8,8 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace souple::render {
-namespace {
+namespace souple::render::test_render_caustics {
 
 constexpr float spacing = 0.025f, depth = 0.4f, half = 0.7f;
 constexpr int width = 160, height = 120;
@@ -129,5 +128,4 @@ TEST_F(Caustics, AreNotDrawnWithoutLiquids) {
   EXPECT_EQ(renderer().picture(list, {}, {}, 40, 30), with);
 }
 
-}  // namespace
-}  // namespace souple::render
+}  // namespace souple::render::test_render_caustics

@@ -12,8 +12,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::render {
-namespace {
+namespace souple::render::test_render_context {
 
 TEST(Context, IsWhatWasAskedFor) {
   {
@@ -109,5 +108,4 @@ TEST_F(ContextDeathTest, DrawsTheSameWithoutBlendingOfFloats) {
               std::getenv(expected));
 }
 
-}  // namespace
-}  // namespace souple::render
+}  // namespace souple::render::test_render_context

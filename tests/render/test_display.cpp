@@ -15,8 +15,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::render {
-namespace {
+namespace souple::render::test_render_display {
 
 /// One object of each kind and one collider of each shape.
 struct Everything {
@@ -676,5 +675,4 @@ TEST(Display, FoamIsDrawnWithItsLiquid) {
   EXPECT_TRUE(drawing.update(subject, {.display = Display::speed}).foams.empty());
 }
 
-}  // namespace
-}  // namespace souple::render
+}  // namespace souple::render::test_render_display

@@ -15,8 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace souple::render {
-namespace {
+namespace souple::render::test_render_environment {
 
 namespace fs = std::filesystem;
 
@@ -274,5 +273,4 @@ TEST_F(EnvironmentPicture, TheSunIsThatOfItsOptions) {
   EXPECT_GT(light(0, 0), without + 0.1);
 }
 
-}  // namespace
-}  // namespace souple::render
+}  // namespace souple::render::test_render_environment

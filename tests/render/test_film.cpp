@@ -18,8 +18,7 @@
 // Films are checked with ffprobe and ffmpeg, which decode them like a player. ffmpeg reads no animated WebP: webpinfo,
 // webpmux and dwebp do.
 
-namespace souple::render {
-namespace {
+namespace souple::render::test_render_film {
 
 namespace fs = std::filesystem;
 
@@ -426,5 +425,4 @@ TEST_F(Films, WhereNothingCanBeWrittenIsSaidAtOnce) {
   expect_error([&] { Film(folder_ / "a.mp4", std::nan("")); }, {"frame rate"});
 }
 
-}  // namespace
-}  // namespace souple::render
+}  // namespace souple::render::test_render_film

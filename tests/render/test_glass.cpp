@@ -7,8 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace souple::render {
-namespace {
+namespace souple::render::test_render_glass {
 
 constexpr int width = 400, height = 300;
 
@@ -193,5 +192,4 @@ TEST(Walls, OfSolidsHaveAThickness) {
   EXPECT_FALSE(wall_of(few, outside).closed);
 }
 
-}  // namespace
-}  // namespace souple::render
+}  // namespace souple::render::test_render_glass

@@ -7,8 +7,7 @@
 #include <cmath>
 #include <vector>
 
-namespace souple::render {
-namespace {
+namespace souple::render::test_render_lens {
 
 constexpr int width = 480, height = 120;
 
@@ -142,5 +141,4 @@ TEST(MovingSubjects, MoveCollidersAlongTheirMotion) {
   EXPECT_NE(moving.at(0).frame, frame);
 }
 
-}  // namespace
-}  // namespace souple::render
+}  // namespace souple::render::test_render_lens

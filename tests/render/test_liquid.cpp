@@ -12,8 +12,7 @@
 #include <random>
 #include <vector>
 
-namespace souple::render {
-namespace {
+namespace souple::render::test_render_liquid {
 
 constexpr int width = 320, height = 240;
 constexpr float spacing = 0.025f;
@@ -760,5 +759,4 @@ TEST(LiquidColors, AreThoseOfLightThatHasGoneThatFar) {
   EXPECT_TRUE(std::isfinite(absorption.z));
 }
 
-}  // namespace
-}  // namespace souple::render
+}  // namespace souple::render::test_render_liquid

@@ -11,8 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::render {
-namespace {
+namespace souple::render::test_render_picture {
 
 constexpr int width = 240, height = 180;
 
@@ -369,5 +368,4 @@ TEST_F(Picture, SurvivesBrokenGeometry) {
   EXPECT_NO_THROW(renderer.picture(list, Camera{}, {.samples = 2}, width, height));
 }
 
-}  // namespace
-}  // namespace souple::render
+}  // namespace souple::render::test_render_picture

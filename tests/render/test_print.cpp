@@ -6,8 +6,7 @@
 #include <memory>
 #include <vector>
 
-namespace souple::render {
-namespace {
+namespace souple::render::test_render_print {
 
 constexpr int side = 100;
 
@@ -115,5 +114,4 @@ TEST_F(Printed, IsAveragedWhereTexelsAreSmallerThanPixels) {
   for (int x = 40; x < 60; ++x) EXPECT_NEAR(image.at(x, 50)[1], 180, 8) << "half of 0.9, as sRGB";
 }
 
-}  // namespace
-}  // namespace souple::render
+}  // namespace souple::render::test_render_print

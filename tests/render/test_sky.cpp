@@ -7,8 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace souple::render {
-namespace {
+namespace souple::render::test_render_sky {
 
 constexpr int width = 120, height = 80;
 
@@ -200,5 +199,4 @@ TEST(Looks, ClothsAreWovenAndPrintedByTheirPlaceAndRigidBodiesPlain) {
   EXPECT_EQ(list.surfaces[4].look.color, list.surfaces[4].look.second);
 }
 
-}  // namespace
-}  // namespace souple::render
+}  // namespace souple::render::test_render_sky

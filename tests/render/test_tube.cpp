@@ -11,8 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::render {
-namespace {
+namespace souple::render::test_render_tube {
 
 constexpr float pi = 3.14159265f;
 
@@ -149,5 +148,4 @@ TEST(Tube, TellsWhichPointAVertexBelongsTo) {
   }
 }
 
-}  // namespace
-}  // namespace souple::render
+}  // namespace souple::render::test_render_tube

@@ -13,8 +13,7 @@
 
 #include <fmt/core.h>
 
-namespace souple::render {
-namespace {
+namespace souple::render::test_render_webgl_rules {
 
 /// Replaces OpenGL's functions by some that note what is bound, and what breaks the rules.
 class Watch {
@@ -209,5 +208,4 @@ TEST_F(WebGlRules, EveryPassKeepsThem) {
   EXPECT_EQ(watch.broken, std::set<std::string>{});
 }
 
-}  // namespace
-}  // namespace souple::render
+}  // namespace souple::render::test_render_webgl_rules

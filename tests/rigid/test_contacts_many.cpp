@@ -10,8 +10,7 @@
 
 // Many rigid bodies: the same with any number of threads, and what holds of all of them.
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_rigid_contacts_many {
 
 constexpr int dominoes = 200;
 
@@ -95,5 +94,4 @@ TEST(ManyRigidBodies, WarmStepAllocatesNothing) {
   EXPECT_EQ(allocations() - before, 0);
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_rigid_contacts_many

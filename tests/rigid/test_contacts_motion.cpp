@@ -9,8 +9,7 @@
 
 // Contacts of rigid bodies in motion: sliding, rolling, bouncing, impacts.
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_rigid_contacts_motion {
 
 using AddBody = std::function<void(RigidScene&, double height)>;
 struct Kind {
@@ -238,5 +237,4 @@ TEST(RigidImpact, FastBallDoesNotPassAThinBox) {
   }
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_rigid_contacts_motion

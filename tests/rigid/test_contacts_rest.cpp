@@ -7,8 +7,7 @@
 
 // Contacts of rigid bodies at rest: lying, standing.
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_rigid_contacts_rest {
 
 /// Ten boxes, each `ratio` times as large as the one below; the largest is 0.5 m.
 void stack(RigidScene& scene, double ratio) {
@@ -200,5 +199,4 @@ TEST(RigidRest, NeedlesThatFallIntoAHeapGainNoEnergy) {
   EXPECT_LT(fastest, 6);
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_rigid_contacts_rest

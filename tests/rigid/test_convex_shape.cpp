@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_rigid_convex_shape {
 
 /// Volume of the polyhedron by the pyramids from the origin to its faces.
 double volume(const ConvexShape& shape) {
@@ -123,5 +122,4 @@ TEST(ConvexShape, RefusesSizesAndFacesThatMakeNoBody) {
   EXPECT_THROW(convex_polyhedron(dented, faces), Error);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_rigid_convex_shape

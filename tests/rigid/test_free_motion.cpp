@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_rigid_free_motion {
 
 constexpr double h = 1.0 / 600;
 
@@ -102,5 +101,4 @@ TEST(FreeMotion, ABodyWithoutMassMovesByItsVelocityAlone) {
   EXPECT_NEAR(std::atan2(x.y, x.x), 0.5, 1e-6);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_rigid_free_motion

@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_rigid_impulse {
 
 RigidBodies turned_body() {
   RigidBodies bodies = one_body(2, {0.3, 0.5, 0.7});
@@ -52,5 +51,4 @@ TEST(Impulse, NothingMovesTheWorld) {
   EXPECT_EQ(bodies.pose[0].position, (Vec3d{1, 2, 3}));
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_rigid_impulse

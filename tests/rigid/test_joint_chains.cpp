@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_rigid_joint_chains {
 
 using joint::Hinge;
 
@@ -212,5 +211,4 @@ TEST(JointChain, SweepsStayCalmAtAnyMassRatio) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_rigid_joint_chains

@@ -9,8 +9,7 @@
 
 // Errors of users, and joints that cannot hold.
 
-namespace souple {
-namespace {
+namespace souple::test_rigid_joint_errors {
 
 using joint::Axis;
 using joint::Joint;
@@ -139,5 +138,4 @@ TEST(JointErrors, JointsToBodiesThatNothingMovesDoNothing) {
   EXPECT_EQ(length(world.joints.state[j].force), 0);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_rigid_joint_errors

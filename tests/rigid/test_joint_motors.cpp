@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_rigid_joint_motors {
 
 using joint::Axis;
 using joint::Hinge;
@@ -99,5 +98,4 @@ TEST(JointMotor, ABallSpringTurnsToItsTarget) {
   EXPECT_LT(std::hypot(q.x, q.y, q.z), 1e-5);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_rigid_joint_motors

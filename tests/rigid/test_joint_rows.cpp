@@ -8,8 +8,7 @@
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_rigid_joint_rows {
 
 using joint::Axis;
 using joint::Motor;
@@ -144,5 +143,4 @@ TEST(JointSolver, AWarmSubstepAllocatesNothing) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_rigid_joint_rows

@@ -7,8 +7,7 @@
 
 // Joints against closed forms.
 
-namespace souple {
-namespace {
+namespace souple::test_rigid_joints {
 
 using joint::Axis;
 using joint::Ball;
@@ -349,5 +348,4 @@ TEST(Joints, AHeavySymmetricTopPrecesses) {
   EXPECT_LT(world.worst.distance, 1e-4 * l);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_rigid_joints

@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_rigid_manifold {
 
 constexpr double pi = std::numbers::pi;
 constexpr double margin = 0.1;
@@ -412,5 +411,4 @@ TEST(ConvexManifold, AFarPairIsRejectedByItsCachedAxisWithTheSameResult) {
   EXPECT_EQ(m.count, 4);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_rigid_manifold

@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_rigid_manifold_mesh {
 
 constexpr double pi = std::numbers::pi;
 constexpr double margin = 0.1;
@@ -305,5 +304,4 @@ TEST(FieldManifold, InAGrooveABoxHasAManifoldForEachSide) {
   EXPECT_EQ(count, 4);  // eight vertices in eight directions, at most four manifolds
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_rigid_manifold_mesh

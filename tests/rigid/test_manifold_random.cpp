@@ -4,8 +4,7 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_rigid_manifold_random {
 
 using test::Random;
 
@@ -210,5 +209,4 @@ TEST(RandomManifolds, AllocateNothing) {
   EXPECT_GT(points, 500);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_rigid_manifold_random

@@ -7,8 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace souple::scene_test {
-namespace {
+namespace souple::scene_test::test_scene_behavior {
 
 namespace fs = std::filesystem;
 
@@ -391,5 +390,4 @@ TEST_F(Behavior, WhatLiesFallsAsleepWhenTheSceneSaysSo) {
   }
 }
 
-}  // namespace
-}  // namespace souple::scene_test
+}  // namespace souple::scene_test::test_scene_behavior

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace souple::scene_test {
-namespace {
+namespace souple::scene_test::test_scene_build_world {
 
 World built(const std::string& text, const std::vector<std::string>& overrides = {}) {
   return build_world(parse_scene(text, scenes_folder(), "test.json", overrides));
@@ -174,5 +173,4 @@ TEST(BuildWorld, WrittenSceneBuildsTheSameWorld) {
   }
 }
 
-}  // namespace
-}  // namespace souple::scene_test
+}  // namespace souple::scene_test::test_scene_build_world

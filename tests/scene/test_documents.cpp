@@ -8,8 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace souple::scene_test {
-namespace {
+namespace souple::scene_test::test_scene_documents {
 
 using nlohmann::json;
 
@@ -197,5 +196,4 @@ TEST(Documents, ManualExampleIsAScene) {
   EXPECT_EQ(error_message(manual.substr(begin, manual.find("```", begin) - begin)), "");
 }
 
-}  // namespace
-}  // namespace souple::scene_test
+}  // namespace souple::scene_test::test_scene_documents

@@ -9,8 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
-namespace souple {
-namespace {
+namespace souple::test_scene_first_frame {
 
 /// A body of unequal sides: 0.3 x 1.8 x 0.5 m, standing 0.9 m above the origin, without symmetry.
 std::vector<Vec3d> body() {
@@ -171,5 +170,4 @@ TEST_F(SequenceScene, SizesOfOtherUnitsAreRemarkedOn) {
   EXPECT_EQ(warnings.size(), 2u);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_scene_first_frame

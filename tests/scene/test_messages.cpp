@@ -4,8 +4,7 @@
 #include <chrono>
 #include <string>
 
-namespace souple::scene_test {
-namespace {
+namespace souple::scene_test::test_scene_messages {
 
 struct Mistake {
   const char* what;
@@ -245,5 +244,4 @@ TEST(Messages, RefuseAMegabyteOfNestingAtOnce) {
   EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 4.0);
 }
 
-}  // namespace
-}  // namespace souple::scene_test
+}  // namespace souple::scene_test::test_scene_messages

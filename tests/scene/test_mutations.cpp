@@ -7,8 +7,7 @@
 #include <cmath>
 #include <random>
 
-namespace souple::scene_test {
-namespace {
+namespace souple::scene_test::test_scene_mutations {
 
 /// Small changes of the text, like those of users and damaged files.
 class Mutator {
@@ -241,5 +240,4 @@ TEST(Mutations, BuildAWorldOrGiveAnError) {
   EXPECT_GT(refused, 33);
 }
 
-}  // namespace
-}  // namespace souple::scene_test
+}  // namespace souple::scene_test::test_scene_mutations

@@ -12,8 +12,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace souple::scene_test {
-namespace {
+namespace souple::scene_test::test_scene_obstacle {
 
 namespace fs = std::filesystem;
 
@@ -181,5 +180,4 @@ TEST_F(ObstacleScene, WhatIsBadIsSaidInOneLine) {
          {"objects[0].loop", "keyframes"});
 }
 
-}  // namespace
-}  // namespace souple::scene_test
+}  // namespace souple::scene_test::test_scene_obstacle

@@ -3,8 +3,7 @@
 
 #include <chrono>
 
-namespace souple::scene_test {
-namespace {
+namespace souple::scene_test::test_scene_overrides {
 
 SceneDescription changed(const std::vector<std::string>& overrides) {
   return parse_scene(small_scene, scenes_folder(), "test.json", overrides);
@@ -83,5 +82,4 @@ TEST(Override, TenThousandUnnamedObjectsAreNamedInLinearTime) {
   RecordProperty("seconds", std::to_string(all));
 }
 
-}  // namespace
-}  // namespace souple::scene_test
+}  // namespace souple::scene_test::test_scene_overrides

@@ -2,8 +2,7 @@
 #include "scene_test.h"
 #include "souple/world/world.h"
 
-namespace souple::scene_test {
-namespace {
+namespace souple::scene_test::test_scene_rigid_body {
 
 World built(const std::string& keys) {
   return build_world(parse_scene(with_object(R"("name": "body", "kind": "rigid_body", )" + keys),
@@ -78,5 +77,4 @@ TEST(SceneRigidBody, ErrorsNameTheKey) {
   }
 }
 
-}  // namespace
-}  // namespace souple::scene_test
+}  // namespace souple::scene_test::test_scene_rigid_body

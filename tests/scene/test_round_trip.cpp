@@ -1,8 +1,7 @@
 // Scenes read the values that the text contains, and writing preserves them.
 #include "scene_test.h"
 
-namespace souple::scene_test {
-namespace {
+namespace souple::scene_test::test_scene_round_trip {
 
 /// The manual's example, with a value for every sort of key.
 TEST(Scene, ReadsEveryValueWhereItBelongs) {
@@ -182,5 +181,4 @@ TEST(Scene, ShippedOnesReadAndRoundTrip) {
   }
 }
 
-}  // namespace
-}  // namespace souple::scene_test
+}  // namespace souple::scene_test::test_scene_round_trip

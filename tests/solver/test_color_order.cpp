@@ -11,8 +11,7 @@
 // The order of Gauss-Seidel determines stability: a rigid cloth whose constraints are solved vertex by vertex
 // explodes within frames. With the colors of color_constraints it must come to rest.
 
-namespace souple {
-namespace {
+namespace souple::test_solver_color_order {
 
 struct Strain {
   double end = 0, ever = 0;
@@ -64,5 +63,4 @@ TEST(ColorOrder, RigidClothOf200HangsStillSlow) {
   expect_bounded(200, 1.5, 4);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_solver_color_order

@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_solver_coloring {
 
 using test::color_case;
 using test::ColorCase;
@@ -121,5 +120,4 @@ TEST(Coloring, Nothing) {
   EXPECT_EQ(coloring.color_begin, std::vector<std::uint32_t>{0});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_solver_coloring

@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_solver_custom_constraint {
 
 using namespace test;  // NOLINT(google-build-using-namespace)
 
@@ -194,5 +193,4 @@ TEST(CustomConstraint, RefusesBadInput) {
   EXPECT_EQ(projector.size(), 0u);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_solver_custom_constraint

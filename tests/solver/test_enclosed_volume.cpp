@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_solver_enclosed_volume {
 
 using Triangle = EnclosedVolume::Triangle;
 
@@ -205,5 +204,4 @@ TEST(EnclosedVolume, RefusesOpenSurfacesAndBadNumbers) {
   EXPECT_EQ(projector.size(), 0u);
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_solver_enclosed_volume

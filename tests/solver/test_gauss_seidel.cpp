@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_solver_gauss_seidel {
 
 using test::SolverScene;
 
@@ -133,5 +132,4 @@ TEST(GaussSeidel, ChebyshevIsOffBesideContacts) {
   EXPECT_EQ(std::memcmp(plain.data(), accelerated.data(), plain.size() * sizeof(Vec4f)), 0);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_solver_gauss_seidel

@@ -14,8 +14,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_solver_hierarchical {
 
 /// A square cloth, 2 m wide, 0.2 kg/m^2, in the XY plane if `hangs`, else in the XZ plane. It has distances
 /// along the edges of its triangles and, if `across`, across interior edges.
@@ -505,5 +504,4 @@ TEST(Hierarchical, WithoutLinksItSaysThatItIsGaussSeidel) {
   EXPECT_EQ(prepared(sheet)->diagnostic(), "");
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_solver_hierarchical

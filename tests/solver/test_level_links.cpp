@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_solver_level_links {
 
 constexpr std::size_t lanes = 16;
 
@@ -192,5 +191,4 @@ TEST(LevelLinks, StretchedLinksAreTheSameForAnyInstructionSet) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_solver_level_links

@@ -10,8 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_solver_linear_solvers {
 
 using test::SolverScene;
 
@@ -353,5 +352,4 @@ TEST_P(EverySolver, LeavesAloneWhatItCannotMove) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(length(Vec3d(scene.body.offset[i].xyz())), 0);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_solver_linear_solvers

@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_solver_marching {
 
 /// Links of a flat sheet of n x n particles, one unit apart: edges, one diagonal and, if `across`, distances across the
 /// interior edges.
@@ -160,5 +159,4 @@ TEST(Levels, CoarseLinksOfAnIrregularSheetAreNoShorterThanStraight) {
   EXPECT_LT(mean, 1.02);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_solver_marching

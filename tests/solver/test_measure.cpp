@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_solver_measure {
 
 // Residuals as in reports, compared with sums over single constraints in double, on any number of threads.
 TEST(Measure, IsTheSumOverConstraintsOnAnyNumberOfThreads) {
@@ -47,5 +46,4 @@ TEST(Measure, IsTheSumOverConstraintsOnAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_solver_measure

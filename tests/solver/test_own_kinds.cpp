@@ -9,8 +9,7 @@
 // A user's own stretch constraints state their rest length or their links (constraints/constraint.h). The default
 // solver then treats them as it treats Distance.
 
-namespace souple {
-namespace {
+namespace souple::test_solver_own_kinds {
 
 using test::SolverScene;
 
@@ -127,5 +126,4 @@ TEST(OwnKinds, LinksOfAnotherLawGetLevels) {
   EXPECT_NEAR(own, sag(hung_cloth<Distance>(SolverKind::automatic)), 0.002);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_solver_own_kinds

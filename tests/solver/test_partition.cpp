@@ -12,8 +12,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_solver_partition {
 
 using test::Body;
 using test::ColorCase;
@@ -326,5 +325,4 @@ TEST(PartitionedGaussSeidel, IsTurnedOnAndOff) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_solver_partition

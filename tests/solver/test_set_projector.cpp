@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_solver_set_projector {
 
 struct Pair {
   std::vector<Vec4f> position, offset, start;
@@ -140,5 +139,4 @@ TEST(SetProjector, ConstraintsOfSleepingObjectsAreFoundAndMayBeLeftOut) {
   EXPECT_GT(most, 0.01f) << "the awake chain moves";
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_solver_set_projector

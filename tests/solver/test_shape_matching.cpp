@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_solver_shape_matching {
 
 using namespace test;  // NOLINT(google-build-using-namespace)
 
@@ -263,5 +262,4 @@ TEST(ShapeMatching, RefusesBadInput) {
   EXPECT_THROW(projector.prepare(2), Error);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_solver_shape_matching

@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_solver_allocation {
 
 // All solvers that promise allocation-free steps (docs/solvers.md); solvers that use Eigen do not.
 TEST(SolverAllocation, AWarmSubstepAllocatesNothing) {
@@ -50,5 +49,4 @@ TEST(SolverAllocation, AWarmSubstepOfARopeAllocatesNothing) {
   EXPECT_EQ(test::allocations() - before, 0);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_solver_allocation

@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_solver_tree_elimination {
 
 // --- which links are trees -----------------------------------------------------------------------
 
@@ -268,5 +267,4 @@ TEST(TreeElimination, HasEqualBitsOnAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_solver_tree_elimination

@@ -13,8 +13,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_surface_fluid_surface {
 
 constexpr float d = 0.02f;  // m
 
@@ -270,5 +269,4 @@ TEST(FluidSurface, SaysWhichOptionIsWrong) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_surface_fluid_surface

@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_surface_marching_cubes {
 
 using Side = std::pair<unsigned, unsigned>;
 
@@ -110,5 +109,4 @@ TEST(MarchingCubes, NoDiagonalLiesInAFace) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_surface_marching_cubes

@@ -12,8 +12,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_surface_narrow_band {
 
 struct Mesh {
   std::vector<Vec3f> positions;
@@ -271,5 +270,4 @@ TEST(NarrowBand, OfNothingIsEmptyAndBadInputIsAnError) {
   expect_error([&] { band_of(mesh, 0.1f); }, {"vertex 7", "not finite"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_surface_narrow_band

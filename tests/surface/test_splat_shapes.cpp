@@ -10,8 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_surface_splat_shapes {
 
 constexpr float d = 0.02f;  // m
 
@@ -145,5 +144,4 @@ TEST(SplatShapes, NeedASpacing) {
   EXPECT_THROW(SplatShapes{std::numeric_limits<float>::quiet_NaN()}, Error);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_surface_splat_shapes

@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_surface_kernels {
 
 using kernels::ParticleKernel;
 using kernels::SurfaceKernels;
@@ -126,5 +125,4 @@ TEST(SurfaceMoments, AreThoseOfTheNeighbors) {
   EXPECT_NEAR(double{found.xz}, xz, 1e-5);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_surface_kernels

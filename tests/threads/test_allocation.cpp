@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_threads_allocation {
 
 /// Fewest allocations of five successive steps. Buffers still grow in single steps while more pairs come near
 /// each other than ever before.
@@ -160,5 +159,4 @@ TEST(WarmStepThatWarns, AllocatesNothing) {
   EXPECT_FALSE(world.report().message.empty());
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_threads_allocation

@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_threads_independence {
 
 // Contracts a chain of 200 links, stretched to twice its length, by 50 colored sweeps.
 std::vector<Vec4f> contract_chain() {
@@ -44,5 +43,4 @@ TEST(Threads, SolversAreIndependent) {
     EXPECT_EQ(std::memcmp(result.data(), alone.data(), alone.size() * sizeof(Vec4f)), 0);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_threads_independence

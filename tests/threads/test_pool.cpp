@@ -21,8 +21,7 @@
 #include <sys/resource.h>
 #endif
 
-namespace souple {
-namespace {
+namespace souple::test_threads_pool {
 
 constexpr Threading kinds[] = {Threading::automatic, Threading::serial, Threading::pool, Threading::tbb};
 constexpr std::size_t whole = std::numeric_limits<std::size_t>::max();
@@ -293,5 +292,4 @@ TEST(ThreadCount, RefusesAnEnvironmentThatSaysNoNumber) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_threads_pool

@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_threads_reads {
 
 /// Data that a thread of a game reads between two steps, as one number.
 std::uint64_t read_everything(const World& world, std::uint64_t start) {
@@ -43,5 +42,4 @@ TEST(Reads, OfSeveralThreadsAgree) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_threads_reads

@@ -19,8 +19,7 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_threads_same_bits {
 
 ObjectOptions at(const Vec3d& place, SelfCollision self_collision = SelfCollision::off, int layer = 0) {
   ObjectOptions options;
@@ -192,5 +191,4 @@ TEST(SameBits, OnEveryInstructionSetWithAnyNumberOfThreads) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_threads_same_bits

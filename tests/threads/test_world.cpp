@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_threads_world {
 
 constexpr int frames = 8;
 
@@ -178,5 +177,4 @@ TEST(WorldThreads, SleepAfterAStepWhoseCallbacksThrow) {
   EXPECT_LT(test::idle_seconds(), 0.01);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_threads_world

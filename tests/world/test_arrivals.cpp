@@ -11,8 +11,7 @@
 // Inputs of a game: colliders and pins that arrive at a pose, wind of each object, force fields that know whom they
 // push. Also the host's threads, and warnings.
 
-namespace souple {
-namespace {
+namespace souple::test_world_arrivals {
 
 constexpr double dt = 1.0 / 60;
 
@@ -215,5 +214,4 @@ TEST(Log, HasAWarningOnceUntilItClears) {
   EXPECT_GT(flagged, 30);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_arrivals

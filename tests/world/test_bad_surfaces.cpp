@@ -11,8 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_bad_surfaces {
 
 constexpr double frame_time = 1.0 / 60;
 constexpr float speed_limit = 15;  // m/s
@@ -182,5 +181,4 @@ TEST(BadSurfaces, PositionsThatAreNoNumbersAreRefused) {
   for (int frame = 0; frame < 60; ++frame) EXPECT_TRUE(world.step(frame_time).ok());
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_bad_surfaces

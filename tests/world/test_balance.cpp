@@ -9,8 +9,7 @@
 
 // ObjectReport: how far the forces of an object are out of balance, and Flag::not_converged.
 
-namespace souple {
-namespace {
+namespace souple::test_world_balance {
 
 constexpr double dt = 1.0 / 60;
 constexpr int measured_every = 16;  // steps
@@ -134,5 +133,4 @@ TEST(Balance, ObjectsComeAndGo) {
   ASSERT_EQ(world.report().objects.size(), 1u);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_balance

@@ -10,8 +10,7 @@
 
 // Comparison of the bending models at the level of the API: from a material to energies and motion.
 
-namespace souple {
-namespace {
+namespace souple::test_world_bending {
 
 constexpr double stiffness = 0.01;  // D [N m]
 constexpr double side = 0.3;        // m
@@ -97,5 +96,4 @@ TEST(Bending, OnlyDistancesCanBeRigid) {
   EXPECT_TRUE(world.objects().empty());
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_bending

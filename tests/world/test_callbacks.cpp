@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_callbacks {
 
 TEST(Callbacks, StagesRunInOrder) {
   World world({.substeps = 2});
@@ -156,5 +155,4 @@ TEST(Callbacks, TheLogHearsWhatWasMended) {
   EXPECT_NE(heard.find("odd: "), std::string::npos) << heard;
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_callbacks

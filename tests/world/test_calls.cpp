@@ -24,8 +24,7 @@
 // Every function of World, called from every function that a world calls, with valid, stale and moved-from handles. Meant
 // for the sanitizers: a release build runs it too and sees what is refused.
 
-namespace souple {
-namespace {
+namespace souple::test_world_calls {
 
 /// Handles with which a world's functions are called.
 struct Handles {
@@ -569,5 +568,4 @@ TEST(Calls, WhatTheLogThrowsIsReported) {
   EXPECT_NE(report.message.find("disk full"), std::string::npos) << report.message;
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_calls

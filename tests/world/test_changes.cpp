@@ -8,8 +8,7 @@
 
 // An object that was given another material, or came while others were there, moves as if the world had been built so.
 
-namespace souple {
-namespace {
+namespace souple::test_world_changes {
 
 constexpr double frame = 1.0 / 60;
 
@@ -191,5 +190,4 @@ TEST(Changes, RemovedAndAddedObjectsLeaveNoTrace) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_changes

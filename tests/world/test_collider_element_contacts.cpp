@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_collider_element_contacts {
 
 void run(World& world, double seconds) {
   for (int frame = 0; frame < std::lround(seconds * 60); ++frame) world.step(1.0 / 60);
@@ -185,5 +184,4 @@ TEST(ColliderElementContacts, TheBallCarriesTheWeight) {
   EXPECT_NEAR(impulse * 600, weight, 0.1 * weight);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_collider_element_contacts

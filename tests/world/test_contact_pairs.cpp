@@ -3,8 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_contact_pairs {
 
 constexpr double frame = 1.0 / 60;
 
@@ -200,5 +199,4 @@ TEST(UserData, BelongsToObjectsAndColliders) {
   expect_error([&] { world.set_user_data(ColliderId{99}, 1); }, {"no collider has the handle"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_contact_pairs

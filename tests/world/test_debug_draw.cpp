@@ -10,8 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_debug_draw {
 
 /// All output of World::debug_draw, stored.
 struct Drawn {
@@ -262,5 +261,4 @@ TEST(DebugDraw, WorksInACallbackAndInAnEmptyWorld) {
   EXPECT_GT(constraints, 100u);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_debug_draw

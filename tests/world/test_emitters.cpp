@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_emitters {
 
 constexpr float d = 0.05f;  // m
 constexpr FluidMaterial water{.spacing = d, .density = 1000};
@@ -186,5 +185,4 @@ TEST(Emitters, BadOnesAreErrors) {
   expect_error([&] { world.pin(fluid, all()); }, {"come and go"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_emitters

@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_groups {
 
 constexpr float floor_height = -1;  // of the floor below all objects [m]
 
@@ -214,5 +213,4 @@ TEST(Groups, PickingFindsWhatMeetsNothing) {
   EXPECT_TRUE(world.closest_point({0, 0.1f, 0}).found);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_groups

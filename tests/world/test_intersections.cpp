@@ -10,8 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_intersections {
 
 constexpr double frame_time = 1.0 / 60;
 constexpr float speed_limit = 15;  // m/s
@@ -272,5 +271,4 @@ TEST(Intersections, WhateverIsThrownTogetherComesApartSlow) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_intersections

@@ -12,8 +12,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_joints {
 
 ObjectOptions at(double x, double y, double z) {
   ObjectOptions options;
@@ -231,5 +230,4 @@ TEST(WorldJoints, RefuseWhatTheyCannotHold) {
   expect_error([&] { world.set_joint(joint, joint::Ball{.max_swing = 4}); }, {"max_swing"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_joints

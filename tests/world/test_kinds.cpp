@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_kinds {
 
 std::vector<ObjectKind> all_kinds() {
   std::vector<ObjectKind> kinds;
@@ -58,5 +57,4 @@ TEST(Kinds, AWorldTakesAndGivesMaterialsOfAnyKind) {
   expect_error([&] { world.set_material(rope, silk); }, {"rope", "kind"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_kinds

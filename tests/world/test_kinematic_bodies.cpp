@@ -7,8 +7,7 @@
 
 // Rigid bodies that prescribed motion moves.
 
-namespace souple {
-namespace {
+namespace souple::test_world_kinematic_bodies {
 
 TEST(KinematicBodies, ArriveAndPushOthers) {
   World world;
@@ -138,5 +137,4 @@ TEST(KinematicBodies, WhatDoesNotApplyIsRefusedInWords) {
   expect_error([&] { world.teleport(body, {}); }, {"set_motion"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_kinematic_bodies

@@ -11,8 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_layers {
 
 constexpr double frame_time = 1.0 / 60;
 
@@ -272,5 +271,4 @@ TEST(Layers, WhatIsNoLayerIsRefused) {
   EXPECT_EQ(world.objects().size(), 2u);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_layers

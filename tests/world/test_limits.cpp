@@ -13,8 +13,7 @@
 // Indices and numbers beyond what a world can hold are refused where a user sets them, and harmless where a simulation
 // reaches them.
 
-namespace souple {
-namespace {
+namespace souple::test_world_limits {
 
 Transform moved_to(double x) {
   return {{x, 0, 0}, {}, 1};
@@ -201,5 +200,4 @@ TEST(Limits, SimulationsMayLeaveThem) {
     }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_limits

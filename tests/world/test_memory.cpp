@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_memory {
 
 std::size_t bytes_of_part(const std::vector<MemoryReport::Part>& parts, const std::string& name) {
   for (const MemoryReport::Part& part : parts)
@@ -44,5 +43,4 @@ TEST(Memory, EveryConstraintIsCounted) {
             edges + std::size_t{118405} * 2 * sizeof(std::uint32_t));
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_memory

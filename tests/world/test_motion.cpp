@@ -12,8 +12,7 @@
 
 // Prediction and velocity update, as SIMD kernels and as scalar code.
 
-namespace souple {
-namespace {
+namespace souple::test_world_motion {
 
 World hanging_cloth(const Settings& settings) {
   World world(settings);
@@ -112,5 +111,4 @@ TEST(Motion, BadNumbersAreSeen) {
       }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_motion

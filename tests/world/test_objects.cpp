@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_objects {
 
 TEST(Objects, NamesAreUniqueAndFollowTheKind) {
   World world;
@@ -270,5 +269,4 @@ TEST(Objects, ReportsTheStrainOfMembranesAndSoftBodies) {
   EXPECT_FALSE(other.report().has(Flag::large_strain));
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_objects

@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_obstacle_contact {
 
 void run(World& world, double seconds, int frame_rate = 60) {
   const int frames = static_cast<int>(std::lround(seconds * frame_rate));
@@ -160,5 +159,4 @@ TEST(ObstacleContact, NothingPassesAPaddleThatTurnsInACloth) {
   }
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_obstacle_contact

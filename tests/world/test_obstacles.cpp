@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_obstacles {
 
 ColliderMotion spinning(double turns_per_second) {
   return ColliderMotion::callback([=](double t) {
@@ -273,5 +272,4 @@ TEST(Obstacles, AMotionThatThrowsIsReportedAndStandsStill) {
   EXPECT_EQ(world.positions(plate)[0].x, last);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_obstacles

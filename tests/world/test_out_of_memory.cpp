@@ -22,8 +22,7 @@
 
 // Memory runs out at every allocation of small worlds: from building them to their third step.
 
-namespace souple {
-namespace {
+namespace souple::test_world_out_of_memory {
 
 namespace fs = std::filesystem;
 using test::FailingAllocations;
@@ -381,5 +380,4 @@ std::string name_of(const testing::TestParamInfo<int>& info) {
 
 INSTANTIATE_TEST_SUITE_P(All, OutOfMemory, testing::Range(0, static_cast<int>(std::size(cases))), name_of);
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_out_of_memory

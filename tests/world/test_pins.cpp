@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_pins {
 
 TEST(Pins, SelectorsMeanTheSameVertices) {
   World world;
@@ -204,5 +203,4 @@ TEST(Pins, AConstraintOnNobodyIsRefused) {
   EXPECT_TRUE(world.contains(cloth));
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_pins

@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_queries {
 
 TEST(Queries, ARayHitsTheNearestObject) {
   World world;
@@ -119,5 +118,4 @@ TEST(Queries, EnergyOfConvergedConstraintsIsComplete) {
   EXPECT_EQ(world.unconverged_energy(1.0 / 60), 0);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_queries

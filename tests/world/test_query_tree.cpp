@@ -12,8 +12,7 @@
 
 // Queries through trees of boxes find what testing every element finds.
 
-namespace souple {
-namespace {
+namespace souple::test_world_query_tree {
 
 constexpr double never = std::numeric_limits<double>::infinity();
 
@@ -327,5 +326,4 @@ TEST(QueryTree, OverlapsOfBallsAndBoxes) {
   expect_error([&] { world.overlap(Sphere{}, {.scale = 2}); }, {"overlap", "scale"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_query_tree

@@ -6,8 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_rigid_bodies {
 
 World on_the_ground(int threads = 1) {
   World world;
@@ -194,5 +193,4 @@ TEST(RigidBodies, WhatDoesNotApplyIsRefusedInWords) {
   expect_error([&] { world.set_material(body, heavier); }, {"keeps its mass"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_rigid_bodies

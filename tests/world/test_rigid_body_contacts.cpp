@@ -8,8 +8,7 @@
 
 // Contacts of rigid bodies with each other and with colliders, as World::contacts and World::contact_pairs tell them.
 
-namespace souple {
-namespace {
+namespace souple::test_world_rigid_body_contacts {
 
 constexpr double g = 9.81;  // m/s^2
 
@@ -102,5 +101,4 @@ TEST(RigidBodyContacts, AreDrawn) {
   EXPECT_EQ(drawn, 4u);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_rigid_body_contacts

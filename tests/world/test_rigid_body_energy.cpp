@@ -7,8 +7,7 @@
 
 // Energy and momentum of rigid bodies, and the impulses that change them.
 
-namespace souple {
-namespace {
+namespace souple::test_world_rigid_body_energy {
 
 const Box slab{{}, {0.1f, 0.05f, 0.2f}};
 
@@ -99,5 +98,4 @@ TEST(RigidBodyEnergy, WhatIsNoRigidBodyIsRefusedInWords) {
   expect_error([&] { world.set_body_velocity(body, {1e30f, 0, 0}, {}); }, {"velocity"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_rigid_body_energy

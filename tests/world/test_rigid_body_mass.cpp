@@ -7,8 +7,7 @@
 
 // Mass, center and inertia that are given, and bodies of several shapes.
 
-namespace souple {
-namespace {
+namespace souple::test_world_rigid_body_mass {
 
 TEST(RigidBodyMass, MayBeGiven) {
   World world;
@@ -115,5 +114,4 @@ TEST(RigidBodyParts, ThatCannotBeAreRefusedInWords) {
       {"shape 0", "scale"});
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_rigid_body_mass

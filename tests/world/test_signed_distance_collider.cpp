@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_signed_distance_collider {
 
 void run(World& world, double seconds) {
   for (int frame = 0; frame < std::lround(seconds * 60); ++frame) world.step(1.0 / 60);
@@ -118,5 +117,4 @@ TEST(SignedDistanceCollider, ItsMemoryIsReported) {
   ADD_FAILURE() << "not reported";
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_signed_distance_collider

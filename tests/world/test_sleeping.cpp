@@ -11,8 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_sleeping {
 
 constexpr double frame = 1.0 / 60;
 
@@ -474,5 +473,4 @@ TEST(Sleeping, WhatMovesDoesNotDependOnWhatSleeps) {
   EXPECT_EQ(swing(0), swing(3));
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_sleeping

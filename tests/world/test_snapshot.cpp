@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_snapshot {
 
 World everything() {
   World world({.wind = {.velocity = {3, 0, 0}, .gust = 0.5f}});
@@ -59,5 +58,4 @@ TEST(Snapshot, ADamagedOrForeignOneChangesNothing) {
   EXPECT_EQ(world.hash(), before);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_snapshot

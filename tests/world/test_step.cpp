@@ -7,8 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_step {
 
 TEST(Step, RefusesATimeThatIsNone) {
   World world;
@@ -137,5 +136,4 @@ TEST(Step, ASoftBodyRestsOnItsSurface) {
   EXPECT_LT(lowest, 0.003);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_step

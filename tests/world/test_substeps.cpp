@@ -5,8 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_substeps {
 
 /// Advances by one substep of `settings`, like a viewer: a step of dt / substeps with one substep.
 void advance_one_substep(World& world, double dt) {
@@ -66,5 +65,4 @@ TEST(Substeps, OneByOneAreCloseWithContacts) {
   EXPECT_LT(largest_difference(whole, cut), 1e-4);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_substeps

@@ -8,8 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_surface_contacts {
 
 using test::CrossingCounter;
 
@@ -292,5 +291,4 @@ TEST(RopeOnItself, NeedsSegmentsOfAFifthOfItsRadius) {
   EXPECT_EQ(world.rope_material(rope).radius, 0.005f);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_surface_contacts

@@ -12,8 +12,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_ties {
 
 constexpr double g = 9.81;  // m/s^2
 
@@ -370,5 +369,4 @@ TEST(Ties, InvalidInputGetsASentence) {
   EXPECT_EQ(world.ties().size(), 4u);
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_ties

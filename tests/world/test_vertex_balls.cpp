@@ -10,8 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
-namespace {
+namespace souple::test_world_vertex_balls {
 
 using test::CrossingCounter;
 
@@ -212,5 +211,4 @@ TEST(VertexBalls, ACrushedSheetStopsNothing) {
   for (int frame = 0; frame < 3; ++frame) EXPECT_TRUE(world.step(1.0 / 60).ok());
 }
 
-}  // namespace
-}  // namespace souple
+}  // namespace souple::test_world_vertex_balls

@@ -22,7 +22,7 @@ struct BallPairColumns {
   const float* distance = nullptr;           ///< that they keep [m]
 };
 
-/// What the contacts of one surface have in common, in a substep.
+/// Data that the contacts of one surface have in common, in a substep.
 struct BallLaw {
   float static_friction, kinetic_friction;
   float sliding_threshold;  ///< pairs that move by less in the substep have the static coefficient alone [m]
@@ -58,8 +58,8 @@ struct BallRun {
 
 /// Each function processes [begin, end).
 struct VertexBallKernels {
-  /// Appends the slots of balls in the runs that are nearer to that of `slot` than both reaches, but whose distance at
-  /// rest times rest_part is at least the sum of the radii. Returns their number.
+  /// Appends the slots of balls in the runs that are nearer to that of `slot` than both reaches. Their distance at rest
+  /// times rest_part must be at least the sum of the radii. Returns their number.
   std::size_t (*find_in_runs)(const BallCellColumns&, std::size_t slot, float rest_part, const BallRun* runs,
                               std::size_t run_count, std::uint32_t* found);
   /// Appends the pairs that will be nearer than their distance plus a part of it to `found`, ascending, and returns their

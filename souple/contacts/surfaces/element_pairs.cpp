@@ -3,16 +3,15 @@
 #include "souple/assert.h"
 #include "souple/contacts/kernels/find_kernels.h"
 #include "souple/intersections/intersection_resolver.h"
+#include "souple/math/sentinels.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace souple {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
 // Threads test pairs in batches of one size, whose results are joined in order: they do not depend on the
 // number of threads.
 constexpr std::size_t batch_size = 1024;

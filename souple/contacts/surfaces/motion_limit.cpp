@@ -1,5 +1,6 @@
 #include "souple/contacts/surfaces/motion_limit.h"
 
+#include "souple/math/sentinels.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
@@ -7,11 +8,10 @@
 namespace souple {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
 // Lengths in mean edges: of the first limit, and of the last one.
 constexpr float first_edges = 32, last_edges = 0.5f;
 // Chunks have one size, and their results are joined in order: they do not depend on the number of threads.
-constexpr std::size_t chunk_size = 2048;
+constexpr std::size_t limit_chunk = 2048;
 
 // A motion that is shorter than the result stays: nothing is carried along.
 Vec3f shorten_by(const Vec3f& motion, const Vec3f& frame, float factor) {
@@ -121,13 +121,13 @@ float MotionLimit::factor(const ParticleView& particles, std::uint32_t particle,
 void MotionLimit::apply(const ElementSurfaces& surfaces, const ParticleView& particles, float h,
                         Threads& threads) {
   if (!is_active()) return;
-  const std::size_t n = surfaces.particle_count(), chunks = (n + chunk_size - 1) / chunk_size;
+  const std::size_t n = surfaces.particle_count(), chunks = (n + limit_chunk - 1) / limit_chunk;
   largest_of_chunk_.assign(chunks, {});
   find_driven_factors(
       surfaces, particles, [&](std::uint32_t i) { return particles.moved(i); }, h, length_);
   threads.for_each(chunks, 1, [&](std::size_t c, std::size_t last) {
     for (; c < last; ++c) {
-      for (std::size_t k = c * chunk_size; k < std::min(n, (c + 1) * chunk_size); ++k) {
+      for (std::size_t k = c * limit_chunk; k < std::min(n, (c + 1) * limit_chunk); ++k) {
         const auto i = static_cast<std::uint32_t>(k);
         const std::uint32_t a = surfaces.of(i);
         if (!is_limited(a)) continue;

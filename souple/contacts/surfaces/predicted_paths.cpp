@@ -1,19 +1,18 @@
 #include "souple/contacts/surfaces/predicted_paths.h"
 
 #include "souple/assert.h"
+#include "souple/math/sentinels.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace souple {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity();
 // The search skips boxes that are not finite.
 constexpr Bounds infinite_box{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
 // Chunks have one size, and their results are joined in order: they do not depend on the number of threads.
-constexpr std::size_t chunk_size = 1024;
+constexpr std::size_t path_chunk = 1024;
 constexpr std::size_t particle_grain = 2048;
 // Margin around the path that follows from a particle's velocity, as parts of the path's length and of the
 // radius: contacts may move the particle. `predict` adds the fall by gravity: a particle may fall where the
@@ -120,13 +119,13 @@ void PredictedPaths::find_off_path(const ElementSurfaces& surfaces,
                                    std::span<const std::uint8_t> overlaps_other,
                                    const ParticleView& particles, Threads& threads) {
   find_shift(surfaces, particles);
-  const std::size_t n = surfaces.particle_count(), chunks = (n + chunk_size - 1) / chunk_size;
+  const std::size_t n = surfaces.particle_count(), chunks = (n + path_chunk - 1) / path_chunk;
   for (std::size_t c = off_path_of_chunk_.size(); c < chunks; ++c)
-    off_path_of_chunk_.emplace_back().reserve(chunk_size);
+    off_path_of_chunk_.emplace_back().reserve(path_chunk);
   threads.for_each(chunks, 2, [&](std::size_t c, std::size_t last) {
     for (; c < last; ++c) {
       off_path_of_chunk_[c].clear();
-      for (std::size_t k = c * chunk_size; k < std::min(n, (c + 1) * chunk_size); ++k) {
+      for (std::size_t k = c * path_chunk; k < std::min(n, (c + 1) * path_chunk); ++k) {
         const auto i = static_cast<std::uint32_t>(k);
         const std::uint32_t a = surfaces.of(i);
         if (a != no_surface &&

@@ -21,7 +21,7 @@ using kernels::Classification;
 // two sheets in one plane could never separate. The order of their objects determines the side (describe_coincident). [m]
 constexpr float coincident_distance = 1e-8f;
 
-const kernels::ElementPairKernels& simd_kernels() {
+const kernels::ElementPairKernels& narrow_kernels() {
   return kernels::find_element_pair_kernels(instruction_set());
 }
 
@@ -141,7 +141,7 @@ void SurfaceNarrowPhase::find_chunk_contacts(ElementPairs& candidates, std::size
   const std::size_t count =
       candidates.find_near(chunk, {1, 1 + speculative_part, candidates.contact_margin(chunk)}, records, near);
   if (count == 0) return;
-  simd_kernels().classify[candidates.chunk(chunk).edges ? 1 : 0](
+  narrow_kernels().classify[candidates.chunk(chunk).edges ? 1 : 0](
       records, candidates.columns(), speculative_part, near, 0, count, classification);
   for (std::size_t k = 0; k < count; ++k) {
     float toi = 1;
@@ -223,8 +223,8 @@ void SurfaceNarrowPhase::describe(ElementPairs& candidates, bool edges, std::siz
                                             candidates.surfaces().of(pair.particle[3]));
     out.slop[c] = step_.depenetration_speed(radius) / limits_.inverse_h;
   }
-  simd_kernels().describe[edges ? 1 : 0](candidates.particle_records(particles), candidates.columns(),
-                                         pairs.data(), tois.data(), begin, end, out);
+  narrow_kernels().describe[edges ? 1 : 0](candidates.particle_records(particles), candidates.columns(),
+                                           pairs.data(), tois.data(), begin, end, out);
   for (std::size_t c = begin; c < end; ++c) {
     const NearPair& pair = candidates.pair(pairs[c]);
     const ContactMaterialPair& surface = materials_->at(candidates.surfaces().of(pair.particle[0]),

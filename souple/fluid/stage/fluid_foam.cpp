@@ -13,7 +13,7 @@ namespace souple {
 
 namespace {
 
-constexpr float min_wall_distance = 0.1f;                   // distance from walls and bodies, in spacings
+constexpr float min_foam_distance = 0.1f;                   // distance from walls and bodies, in spacings
 constexpr std::size_t max_reserved = std::size_t{1} << 18;  // particles; more memory is allocated on demand
 
 }  // namespace
@@ -57,7 +57,7 @@ void FluidFoam::step(const FluidInput& input, const FoamInput& foam, FluidState&
   choose_shape(input.settings.kernel, parameters.max_particles);
   read_fluids(fluids, input.threads);
   set_origin(fluids.origin);
-  collisions_.begin_step(input, foam, fluids, min_wall_distance * view.smoothing.spacing());
+  collisions_.begin_step(input, foam, fluids, min_foam_distance * view.smoothing.spacing());
   const FoamStep step{.fluid = view,
                       .particle = particle_,
                       .wall_slopes = wall_slopes_,

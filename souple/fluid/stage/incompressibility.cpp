@@ -8,7 +8,7 @@ namespace souple {
 
 namespace {
 
-constexpr std::size_t grain = 512;  // minimum number of particles per thread
+constexpr std::size_t density_grain = 512;  // minimum number of particles per thread
 // In spacings; the density solver keeps particles at half a spacing.
 constexpr float min_wall_distance = 0.25f;
 
@@ -80,7 +80,7 @@ void apply_corrections(FluidState& fluids, const ParticleView& particles, Thread
   const auto moved = solver.moved();
   const auto body_pushes =
       small.none() ? std::span<const Vec3f>{} : small.apply_pressure(solver.positions(), moved, particles);
-  threads.for_each(order.size(), grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(order.size(), density_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       if (fluids.inflow.is_inflow(order[k])) continue;
       const std::uint32_t i = fluids.registry.particle[order[k]];
@@ -107,7 +107,7 @@ void Incompressibility::set_positions(const FluidInput& input, float h, FluidSta
   const ParticleView view = input.objects.view();
   const Vec3d origin = fluids.origin;
   const float radius = min_wall_distance * fluids.spacing;
-  input.threads.for_each(particle.size(), grain, [&](std::size_t begin, std::size_t end) {
+  input.threads.for_each(particle.size(), density_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const Vec4f& x = particles.position[particle[k]];
       const Vec3f at = Vec3f(Vec3d(x.xyz()) - origin) + particles.offset[particle[k]].xyz();

@@ -151,7 +151,7 @@ SetKinds kinds_of_bending(const ClothMaterial& m) {
   return {};
 }
 
-SetKinds changed_kinds(const ClothMaterial& a, const ClothMaterial& b) {
+SetKinds changed_cloth_kinds(const ClothMaterial& a, const ClothMaterial& b) {
   const auto stretch = [](const ClothMaterial& m) {
     return std::tuple(m.stretch, m.membrane_stiffness, m.weft_stiffness, m.shear_stiffness, m.poisson_ratio,
                       m.damping_time, m.pbd_stretch);
@@ -165,7 +165,7 @@ SetKinds changed_kinds(const ClothMaterial& a, const ClothMaterial& b) {
   return changed;
 }
 
-void add_elements(const ClothMaterial& m, const Object& object, ConstraintBuilder& to) {
+void add_cloth_elements(const ClothMaterial& m, const Object& object, ConstraintBuilder& to) {
   if (m.stretch == StretchModel::springs && to.wants(SetKind::distance)) add_springs(object, m, to);
   if (m.stretch == StretchModel::membrane && to.wants(SetKind::membrane)) add_membrane(object, m, to);
   if (!to.wants_any(kinds_of_bending(m))) return;
@@ -193,9 +193,9 @@ constinit const KindFunctions kinds::cloth{
     .find_preset = preset<material::find_cloth>,
     .validate = of_material<check_fields<ClothMaterial>>,
     .density = of_material<areal_density>,
-    .add_elements = of_material<add_elements>,
+    .add_elements = of_material<add_cloth_elements>,
     .add_groups = of_material<add_gas>,
-    .changed_kinds = of_two_materials<changed_kinds>,
+    .changed_kinds = of_two_materials<changed_cloth_kinds>,
     .contact_radius = of_material<half_thickness<ClothMaterial>>,
     .contact_material = of_material<contact_material<ClothMaterial>>,
 };

@@ -38,7 +38,7 @@ void require_long_segments(const RopeMaterial& m, const Object& object) {
 }
 
 // Segments have the stretch stiffness k = E pi r^2 / l and the bending stiffness E I (see rope_bending.h).
-void add_elements(const RopeMaterial& m, const Object& object, ConstraintBuilder& to) {
+void add_rope_elements(const RopeMaterial& m, const Object& object, ConstraintBuilder& to) {
   require_long_segments(m, object);
   const auto radius = static_cast<double>(m.radius);
   const auto E = static_cast<double>(m.young_modulus);
@@ -60,7 +60,7 @@ void add_elements(const RopeMaterial& m, const Object& object, ConstraintBuilder
   }
 }
 
-SetKinds changed_kinds(const RopeMaterial& a, const RopeMaterial& b) {
+SetKinds changed_rope_kinds(const RopeMaterial& a, const RopeMaterial& b) {
   const auto stretch = [](const RopeMaterial& m) {
     return std::tuple(m.radius, m.young_modulus, m.damping_time, m.pbd_stretch);
   };
@@ -127,8 +127,8 @@ constinit const KindFunctions kinds::rope{
     .find_preset = preset<material::find_rope>,
     .validate = of_material<check_fields<RopeMaterial>>,
     .density = of_material<volumetric_density<RopeMaterial>>,
-    .add_elements = of_material<add_elements>,
-    .changed_kinds = of_two_materials<changed_kinds>,
+    .add_elements = of_material<add_rope_elements>,
+    .changed_kinds = of_two_materials<changed_rope_kinds>,
     .contact_radius = of_material<radius<RopeMaterial>>,
     .contact_material = of_material<contact_material<RopeMaterial>>,
     .append_sub_resolution_bodies = of_material<append_pieces>,

@@ -116,14 +116,14 @@ SetKinds kinds_of(const SoftBodyMaterial& m) {
   return {};
 }
 
-SetKinds changed_kinds(const SoftBodyMaterial& a, const SoftBodyMaterial& b) {
+SetKinds changed_soft_body_kinds(const SoftBodyMaterial& a, const SoftBodyMaterial& b) {
   const auto elastic = [](const SoftBodyMaterial& m) {
     return std::tuple(m.model, m.young_modulus, m.poisson_ratio, m.damping_time, m.pbd_stiffness);
   };
   return elastic(a) != elastic(b) ? kinds_of(a) | kinds_of(b) : SetKinds();
 }
 
-void add_elements(const SoftBodyMaterial& m, const Object& object, ConstraintBuilder& to) {
+void add_soft_body_elements(const SoftBodyMaterial& m, const Object& object, ConstraintBuilder& to) {
   if (!to.wants_any(kinds_of(m))) return;
   if (m.model == SoftBodyModel::neo_hookean) add_neo_hookean(object, m, to);
   if (m.model == SoftBodyModel::springs) add_tet_springs(object, m, to);
@@ -234,9 +234,9 @@ constinit const KindFunctions kinds::soft_body{
     .find_preset = preset<material::find_soft_body>,
     .validate = of_material<check_fields<SoftBodyMaterial>>,
     .density = of_material<volumetric_density<SoftBodyMaterial>>,
-    .add_elements = of_material<add_elements>,
+    .add_elements = of_material<add_soft_body_elements>,
     .add_groups = of_material<add_groups>,
-    .changed_kinds = of_two_materials<changed_kinds>,
+    .changed_kinds = of_two_materials<changed_soft_body_kinds>,
     .has_groups_of_material = of_material<is_one_region>,
     .contact_radius = of_material<half_thickness<SoftBodyMaterial>>,
     .contact_material = of_material<bouncing_as_a_whole>,

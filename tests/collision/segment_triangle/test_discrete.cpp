@@ -11,8 +11,7 @@
 
 // Detection::discrete: paths x -> p against triangles, by Settings::segment_test.
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_segment_triangle_discrete {
 
 constexpr double dt = 1.0 / 60;
 
@@ -142,5 +141,4 @@ TEST(DiscreteDetection, DoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(run(1), run(2));
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_segment_triangle_discrete

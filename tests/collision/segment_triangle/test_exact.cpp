@@ -8,8 +8,7 @@
 
 // Every test against exact arithmetic.
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_segment_triangle_exact {
 
 /// Number of roundings that an answer must tolerate.
 constexpr double roundings = 16;
@@ -190,5 +189,4 @@ TYPED_TEST(SegmentTriangle, TellsWhereAndFromWhichSide) {
   EXPECT_FALSE(crosses(find_crossing<TypeParam>(segment_between(Vec3d{1, 2, 3}, Vec3d{1, 2, 1}), corners)));
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_segment_triangle_exact

@@ -8,8 +8,7 @@
 
 // No ray from inside leaves a closed mesh without a crossing, also when aimed at its edges and corners.
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_segment_triangle_leaks {
 
 template <class T>
 struct Surface {
@@ -155,5 +154,4 @@ TEST(SegmentTriangleLeaks, WhatEntersLeaves) {
   }
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_segment_triangle_leaks

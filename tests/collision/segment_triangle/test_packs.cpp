@@ -7,8 +7,7 @@
 
 // Packs give the bits of the scalar code.
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_segment_triangle_packs {
 
 constexpr std::size_t count = 1003;  // not a multiple of any register width
 
@@ -99,5 +98,4 @@ TYPED_TEST(SegmentTrianglePacks, GiveTheSameBitsOnEdges) {
   EXPECT_GT(hits, 1000);
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_segment_triangle_packs

@@ -7,8 +7,7 @@
 
 // Settings::segment_test selects the ray test of a world's ray casts against meshes.
 
-namespace souple::test {
-namespace {
+namespace souple::test::test_segment_triangle_setting {
 
 struct Ball {
   World world;
@@ -65,5 +64,4 @@ TEST(SegmentTestSetting, IsWhatRaysAreTestedBy) {
   EXPECT_GT(different.size(), 2u);
 }
 
-}  // namespace
-}  // namespace souple::test
+}  // namespace souple::test::test_segment_triangle_setting
