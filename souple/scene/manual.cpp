@@ -1,5 +1,8 @@
 #include "souple/scene/keys.h"
 
+#include <algorithm>
+#include <map>
+
 namespace souple {
 
 namespace {
@@ -75,28 +78,224 @@ Json schema_of(const TableInfo& table) {
   return schema;
 }
 
-std::string key_row(const KeyInfo& key) {
-  const std::string fallback =
-      key.required ? "required" : (key.fallback ? "`" + scene_format::dump_line(*key.fallback) + "`" : "");
-  return "| `" + key.name + "` | " + key.type + " | " + fallback + " | " + key.doc + " |\n";
+// --- the page ----------------------------------------------------------------------------------------------
+
+/// The tables that one key chooses from stand in one section: kinds of objects, their materials, their meshes.
+struct Section {
+  std::string name;
+  std::vector<const TableInfo*> tables;
+};
+
+/// A key of one or of several tables of a section.
+struct Row {
+  std::string key, fallback, doc;
+  std::vector<std::string> types, tables;
+  std::vector<std::string> references;  ///< tables that a value contains
+  bool is_table = false;                ///< a value is one table, not a list
+};
+
+void add_new(std::vector<std::string>& words, const std::string& word) {
+  if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
 }
 
-std::string joined(const std::vector<std::string>& keys) {
+std::string joined(const std::vector<std::string>& words, const char* between, const char* quote) {
   std::string out;
-  for (const std::string& key : keys) out += (out.empty() ? "`" : ", `") + key + "`";
+  for (const std::string& word : words) out += (out.empty() ? "" : between) + (quote + word + quote);
   return out;
 }
 
-std::string section(const TableInfo& table) {
-  std::string out = "## " + table.name + "\n\n" + table.doc + "\n\n";
-  out += "| key | value | default | meaning |\n|---|---|---|---|\n";
-  for (const KeyInfo& key : table.keys) out += key_row(key);
-  out += "\n";
-  for (const auto& keys : table.exactly_one) out += "Exactly one of " + joined(keys) + ".\n\n";
-  for (const auto& keys : table.at_most_one) out += "At most one of " + joined(keys) + ".\n\n";
-  for (const auto& [key, other] : table.needs) out += "`" + key + "` only together with `" + other + "`.\n\n";
+/// Adds the names of the tables that a schema refers to.
+void add_references(const Json& schema, std::vector<std::string>& names) {
+  if (const Json* reference = schema.find("$ref"))
+    add_new(names, reference->text.substr(std::string_view("#/$defs/").size()));
+  if (const Json* items = schema.find("items")) add_references(*items, names);
+  if (const Json* choices = schema.find("oneOf"))
+    for (const Json& choice : choices->items) add_references(choice, names);
+}
+
+Row row_of(const KeyInfo& key, const TableInfo& table) {
+  Row row;
+  row.key = key.name, row.doc = key.doc, row.types = {key.type}, row.tables = {table.name};
+  if (key.required) row.fallback = "required";
+  if (key.fallback) row.fallback = "`" + scene_format::dump_line(*key.fallback) + "`";
+  for (const auto& [name, other] : table.needs)
+    if (name == key.name) row.doc += ". Only with `" + other + "`";
+  add_references(key.schema, row.references);
+  row.is_table = key.schema.find("$ref") != nullptr;
+  return row;
+}
+
+/// Adds a row of one table below the other rows of its key, or only its table to a row that says as much.
+void add_row(const Row& row, std::vector<Row>& rows) {
+  auto place = rows.end();
+  for (auto it = rows.begin(); it != rows.end(); ++it) {
+    if (it->key != row.key) continue;
+    place = it + 1;
+    const bool known = std::find(it->types.begin(), it->types.end(), row.types[0]) != it->types.end();
+    const bool range = row.types[0].find("number") != std::string::npos;
+    if (it->fallback != row.fallback || it->doc != row.doc || (range && !known)) continue;
+    add_new(it->types, row.types[0]);
+    add_new(it->tables, row.tables[0]);
+    for (const std::string& name : row.references) add_new(it->references, name);
+    return;
+  }
+  rows.insert(place, row);
+}
+
+std::vector<Row> rows_of(const Section& section) {
+  std::vector<Row> rows;
+  for (const TableInfo* table : section.tables)
+    for (const KeyInfo& key : table->keys) add_row(row_of(key, *table), rows);
+  return rows;
+}
+
+std::vector<std::string> rules_of(const TableInfo& table) {
+  std::vector<std::string> rules;
+  for (const auto& keys : table.exactly_one)
+    rules.push_back("Exactly one of " + joined(keys, ", ", "`") + ".");
+  for (const auto& keys : table.at_most_one)
+    rules.push_back("At most one of " + joined(keys, ", ", "`") + ".");
+  return rules;
+}
+
+/// The text of a key whose table has no section.
+std::string doc_with_table(const std::string& doc, const TableInfo& table) {
+  std::string out = table.doc.find(doc.substr(1)) == 1 ? table.doc : doc + ". " + table.doc;
+  for (const std::string& rule : rules_of(table)) out += " " + rule;
   return out;
 }
+
+/// Lines about some tables of a section, each line once.
+class Lines {
+ public:
+  void add(const std::string& line, const std::string& table) {
+    for (auto& [known, tables] : lines_)
+      if (known == line) return tables.push_back(table);
+    lines_.push_back({line, {table}});
+  }
+  auto begin() const { return lines_.begin(); }
+  auto end() const { return lines_.end(); }
+
+ private:
+  std::vector<std::pair<std::string, std::vector<std::string>>> lines_;
+};
+
+class Page {
+ public:
+  explicit Page(const scene_format::Format& format) {
+    for (const auto& table : format.tables) sections_.push_back({table->name, {table.get()}});
+    while (join_two()) continue;
+    for (const Section& section : sections_)
+      for (const Row& row : rows_of(section))
+        for (const std::string& name : row.references)
+          uses_[sections_[index_of(name)].name] += row.is_table ? 1 : 2;
+  }
+
+  std::string text() const {
+    std::string out;
+    for (const Section& section : sections_)
+      if (!stands_in_row(section)) out += text_of(section);
+    return out;
+  }
+
+ private:
+  std::size_t index_of(const std::string& table) const {
+    const auto has = [&](const Section& section) {
+      return std::any_of(section.tables.begin(), section.tables.end(),
+                         [&](const TableInfo* one) { return one->name == table; });
+    };
+    return static_cast<std::size_t>(std::find_if(sections_.begin(), sections_.end(), has) -
+                                    sections_.begin());
+  }
+
+  /// Joins two sections that one key of one section chooses from. False: no such two are left.
+  bool join_two() {
+    for (const Section& section : sections_) {
+      std::map<std::string, std::size_t> first;
+      for (const Row& row : rows_of(section)) {
+        for (const std::string& name : row.references) {
+          const std::size_t a = index_of(name), b = first.try_emplace(row.key, a).first->second;
+          if (a == b) continue;
+          join(std::min(a, b), std::max(a, b), row.key);
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+  void join(std::size_t into, std::size_t from, const std::string& key) {
+    std::vector<const TableInfo*>& tables = sections_[into].tables;
+    tables.insert(tables.end(), sections_[from].tables.begin(), sections_[from].tables.end());
+    sections_.erase(sections_.begin() + static_cast<std::ptrdiff_t>(from));
+    const bool taken = index_of(key) < sections_.size();
+    sections_[into].name = taken ? sections_[into].tables[0]->name : key;
+  }
+
+  /// Keys of a small table stand below the only row that refers to it.
+  bool stands_in_row(const Section& section) const {
+    const auto uses = uses_.find(section.name);
+    return section.tables.size() == 1 && section.tables[0]->keys.size() <= 6 && uses != uses_.end() &&
+           uses->second == 1;
+  }
+
+  /// Links of a type, which name tables, as links to their sections.
+  std::string linked(std::string type) const {
+    for (std::size_t at = type.find("](#"); at != std::string::npos; at = type.find("](#", at + 1)) {
+      const std::size_t begin = at + 3, end = type.find(')', begin);
+      type.replace(begin, end - begin, sections_[index_of(type.substr(begin, end - begin))].name);
+    }
+    return type;
+  }
+
+  /// `outer`: tables to whose rows the section belongs; empty: all.
+  void add_rows(const Section& section, const std::string& prefix, const std::vector<std::string>& outer,
+                std::vector<Row>& out) const {
+    for (Row row : rows_of(section)) {
+      row.key = prefix + row.key;
+      if (row.tables.size() == section.tables.size()) row.tables = outer;
+      const Section* inner = row.references.size() == 1 ? &sections_[index_of(row.references[0])] : nullptr;
+      const bool here = inner != nullptr && stands_in_row(*inner);
+      if (here) row.types = {"object"}, row.doc = doc_with_table(row.doc, *inner->tables[0]);
+      out.push_back(row);
+      if (here) add_rows(*inner, row.key + ".", row.tables, out);
+    }
+  }
+
+  std::string table_of(const Section& section) const {
+    std::vector<Row> rows;
+    add_rows(section, "", {}, rows);
+    const bool of_some = section.tables.size() > 1;
+    std::string out = "| key | value | default | meaning |";
+    out += of_some ? " of |\n|---|---|---|---|---|\n" : "\n|---|---|---|---|\n";
+    for (const Row& row : rows) {
+      out += "| `" + row.key + "` | " + linked(joined(row.types, " or ", "")) + " | " + row.fallback + " | " +
+             row.doc + " |";
+      out += of_some ? " " + joined(row.tables, ", ", "") + " |\n" : "\n";
+    }
+    return out + "\n";
+  }
+
+  std::string text_of(const Section& section) const {
+    std::string out = "## " + section.name + "\n\n";
+    Lines docs, rules;
+    for (const TableInfo* table : section.tables) {
+      docs.add(table->doc, table->name);
+      for (const std::string& rule : rules_of(*table)) rules.add(rule, table->name);
+    }
+    const bool one = section.tables.size() == 1;
+    for (const auto& [doc, tables] : docs)
+      out += one ? doc + "\n" : "- " + joined(tables, ", ", "`") + ": " + doc + "\n";
+    out += "\n" + table_of(section);
+    for (const auto& [rule, tables] : rules) {
+      const bool of_all = tables.size() == section.tables.size();
+      out += (of_all ? rule : joined(tables, ", ", "`") + ": " + rule) + "\n\n";
+    }
+    return out;
+  }
+
+  std::vector<Section> sections_;
+  std::map<std::string, int> uses_;  ///< of sections, by name: rows that refer to one, lists twice
+};
 
 constexpr const char* introduction = R"(# Scene files
 
@@ -128,6 +327,9 @@ trailing commas.
 The command line can change any value: `--set substeps=20`, `--set objects.flag.material.damping=0.1`,
 `--set objects[0].transform.translate=[0,3,0]`. A list entry is given by its `name`, or by its index from 0.
 
+Tables name keys of inner objects as `--set` does: `wind.gust` is the key `gust` of the object `wind`. Where several kinds of
+object stand in one table, its last column names those that have the key; where it is empty, all have it.
+
 `souple check SCENE` reads a scene and lists its contents. [scene.schema.json](scene.schema.json) is a JSON schema,
 with which editors complete and check scenes while you type.
 
@@ -154,7 +356,7 @@ std::string scene_schema() {
 
 std::string scene_manual() {
   std::string out = introduction;
-  for (const auto& table : scene_tables().tables) out += section(*table);
+  out += Page(scene_tables()).text();
   while (out.size() > 1 && out[out.size() - 2] == '\n') out.pop_back();
   return out;
 }
