@@ -6,6 +6,8 @@
 
 namespace souple::python {
 
+using py::literals::operator""_a;
+
 class BoundWorld;
 using WorldClass = py::class_<BoundWorld, std::shared_ptr<BoundWorld>>;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "python/bind.h"
 #include "python/enums.h"
 #include "python/gil.h"
 #include "python/structs.h"
@@ -13,6 +14,7 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -193,17 +195,54 @@ ColliderMotion motion_of(const py::object& function);
 std::string_view kept_text(std::string_view text);
 
 /// A member function of World, for py::class_::def, with the check of BoundWorld::use.
-template <class R, class... A>
-auto checked(const char* name, R (World::*function)(A...)) {
-  return [name, function](BoundWorld& world, A... arguments) -> std::decay_t<R> {
-    return (world.use(name).*function)(std::forward<A>(arguments)...);
+template <auto function, class R, class... A>
+auto checked(R (World::*)(A...)) {
+  return [](BoundWorld& world, A... arguments) -> std::decay_t<R> {
+    return (world.use(name_of<function>()).*function)(std::forward<A>(arguments)...);
   };
 }
-template <class R, class... A>
-auto checked(const char* name, R (World::*function)(A...) const) {
-  return [name, function](BoundWorld& world, A... arguments) -> std::decay_t<R> {
-    return (world.use(name).*function)(std::forward<A>(arguments)...);
+template <auto function, class R, class... A>
+auto checked(R (World::*)(A...) const) {
+  return [](BoundWorld& world, A... arguments) -> std::decay_t<R> {
+    return (world.use(name_of<function>()).*function)(std::forward<A>(arguments)...);
   };
+}
+
+/// Declares a member function of World under its name, with its comment and the check of BoundWorld::use. `extra`: names
+/// of its parameters, and a text in place of the comment.
+template <auto function, class... Extra>
+void def(WorldClass& world, const Extra&... extra) {
+  const char* const name = name_of<function>();
+  world.def(name, checked<function>(function), doc(std::string("World.") + name), extra...);
+}
+
+template <auto function, class R, class... A>
+auto checked_with_options(R (World::*)(A...)) {
+  using All = std::tuple<A...>;
+  return []<std::size_t... i>(std::index_sequence<i...>) {
+    using Options = std::decay_t<std::tuple_element_t<sizeof...(i), All>>;
+    return [](BoundWorld& world, std::tuple_element_t<i, All>... arguments,
+              const std::optional<Options>& options, const py::kwargs& kwargs) -> R {
+      const char* const name = name_of<function>();
+      World& used = world.use(name);
+      return (used.*function)(std::forward<std::tuple_element_t<i, All>>(arguments)...,
+                              with_keywords(options, kwargs, name));
+    };
+  }
+  (std::make_index_sequence<sizeof...(A) - 1>());
+}
+
+/// As def, for a function whose last parameter is a struct: keywords name its members.
+template <auto function, class... Extra>
+void def_with_options(WorldClass& world, const Extra&... extra) {
+  const char* const name = name_of<function>();
+  world.def(name, checked_with_options<function>(function), doc(std::string("World.") + name), extra...);
+}
+
+/// A parameter whose default is that of its type.
+template <class T>
+py::arg_v with_default(const char* name) {
+  return py::arg_v(name, T{}, kept_text(python_type<T>() + "()").data());
 }
 
 }  // namespace souple::python

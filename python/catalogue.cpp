@@ -201,9 +201,9 @@ void bind_custom(py::module_& m) {
       "in each substep. SetProjector takes arrays of a kind of the catalogue.")
       .def(py::init())
       .def("__len__", [](const CustomArguments& arguments) { return arguments.items.size(); })
-      .def("add", &add_item, py::arg("particles"), py::arg("evaluate"), py::arg("name") = "custom",
-           py::arg_v("sense", Sense::equality, "Sense.equality"), py::arg("compliance") = 0,
-           py::arg("damping_time") = 0, py::arg("stiffness") = 1, py::arg("origin") = Vec3f{},
+      .def("add", &add_item, "particles"_a, "evaluate"_a, "name"_a = "custom",
+           py::arg_v("sense", Sense::equality, "Sense.equality"), "compliance"_a = 0, "damping_time"_a = 0,
+           "stiffness"_a = 1, "origin"_a = Vec3f{},
            "Adds a constraint on particles, of indices that World.particle gives. evaluate(x, gradient) gets "
            "their positions "
            "less `origin`, (n, 3) [m], writes dC/dx into gradient, which is zero at entry, and returns C.");

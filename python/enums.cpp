@@ -17,8 +17,8 @@ void enumeration(py::handle scope, const char* name, std::initializer_list<std::
   py::list members;
   for (const auto& [word, value] : words) members.append(py::make_tuple(word, static_cast<long>(value)));
   const py::object module = PyModule_Check(scope.ptr()) != 0 ? py::str("souple") : scope.attr("__module__");
-  const py::object made = py::module_::import("enum").attr(base)(name, members, py::arg("module") = module,
-                                                                 py::arg("qualname") = doc_name(scope, name));
+  const py::object made = py::module_::import("enum").attr(base)(name, members, "module"_a = module,
+                                                                 "qualname"_a = doc_name(scope, name));
   made.attr("__doc__") = doc(doc_name(scope, name));
   scope.attr(name) = made;
   enum_class<E> = py::object(made).release().ptr();

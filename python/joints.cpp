@@ -10,94 +10,48 @@ void bind_joints(py::module_& m) {
   py::module_ j = m.def_submodule("joint", "Kinds of joints of rigid bodies, and what they are made of.");
   m.attr("joint") = j;
   Struct<joint::Limits>(j, "Limits")
-      .field<&joint::Limits::low>("low")
-      .field<&joint::Limits::high>("high")
-      .field<&joint::Limits::compliance>("compliance")
-      .field<&joint::Limits::damping>("damping");
+      .fields<&joint::Limits::low, &joint::Limits::high, &joint::Limits::compliance,
+              &joint::Limits::damping>();
   Struct<joint::Spring>(j, "Spring")
-      .field<&joint::Spring::rest>("rest")
-      .field<&joint::Spring::compliance>("compliance")
-      .field<&joint::Spring::damping>("damping");
+      .fields<&joint::Spring::rest, &joint::Spring::compliance, &joint::Spring::damping>();
   Struct<joint::Motor> motor(j, "Motor");
   bind_motor_target(motor.python_class());
-  motor.field<&joint::Motor::kind>("kind")
-      .field<&joint::Motor::target>("target")
-      .field<&joint::Motor::max_force>("max_force")
-      .field<&joint::Motor::compliance>("compliance")
-      .field<&joint::Motor::damping>("damping");
-  Struct<joint::Axis>(j, "Axis")
-      .field<&joint::Axis::limits>("limits")
-      .field<&joint::Axis::spring>("spring")
-      .field<&joint::Axis::motor>("motor");
+  motor.fields<&joint::Motor::kind, &joint::Motor::target, &joint::Motor::max_force,
+               &joint::Motor::compliance, &joint::Motor::damping>();
+  Struct<joint::Axis>(j, "Axis").fields<&joint::Axis::limits, &joint::Axis::spring, &joint::Axis::motor>();
   Struct<joint::RotationSpring>(j, "RotationSpring")
-      .field<&joint::RotationSpring::target>("target")
-      .field<&joint::RotationSpring::compliance>("compliance")
-      .field<&joint::RotationSpring::damping>("damping")
-      .field<&joint::RotationSpring::max_torque>("max_torque");
+      .fields<&joint::RotationSpring::target, &joint::RotationSpring::compliance,
+              &joint::RotationSpring::damping, &joint::RotationSpring::max_torque>();
   Struct<joint::Fixed>(j, "Fixed")
-      .field<&joint::Fixed::compliance>("compliance")
-      .field<&joint::Fixed::damping>("damping")
-      .field<&joint::Fixed::angular_compliance>("angular_compliance")
-      .field<&joint::Fixed::angular_damping>("angular_damping");
+      .fields<&joint::Fixed::compliance, &joint::Fixed::damping, &joint::Fixed::angular_compliance,
+              &joint::Fixed::angular_damping>();
   Struct<joint::Ball>(j, "Ball")
-      .field<&joint::Ball::compliance>("compliance")
-      .field<&joint::Ball::damping>("damping")
-      .field<&joint::Ball::max_swing>("max_swing")
-      .field<&joint::Ball::swing_compliance>("swing_compliance")
-      .field<&joint::Ball::twist>("twist")
-      .field<&joint::Ball::spring>("spring");
+      .fields<&joint::Ball::compliance, &joint::Ball::damping, &joint::Ball::max_swing,
+              &joint::Ball::swing_compliance, &joint::Ball::twist, &joint::Ball::spring>();
   Struct<joint::Hinge>(j, "Hinge")
-      .field<&joint::Hinge::compliance>("compliance")
-      .field<&joint::Hinge::damping>("damping")
-      .field<&joint::Hinge::angular_compliance>("angular_compliance")
-      .field<&joint::Hinge::angular_damping>("angular_damping")
-      .field<&joint::Hinge::rotation>("rotation");
+      .fields<&joint::Hinge::compliance, &joint::Hinge::damping, &joint::Hinge::angular_compliance,
+              &joint::Hinge::angular_damping, &joint::Hinge::rotation>();
   Struct<joint::Slider>(j, "Slider")
-      .field<&joint::Slider::compliance>("compliance")
-      .field<&joint::Slider::damping>("damping")
-      .field<&joint::Slider::angular_compliance>("angular_compliance")
-      .field<&joint::Slider::angular_damping>("angular_damping")
-      .field<&joint::Slider::translation>("translation");
+      .fields<&joint::Slider::compliance, &joint::Slider::damping, &joint::Slider::angular_compliance,
+              &joint::Slider::angular_damping, &joint::Slider::translation>();
   Struct<joint::Universal>(j, "Universal")
-      .field<&joint::Universal::compliance>("compliance")
-      .field<&joint::Universal::damping>("damping")
-      .field<&joint::Universal::angular_compliance>("angular_compliance")
-      .field<&joint::Universal::angular_damping>("angular_damping")
-      .field<&joint::Universal::first>("first")
-      .field<&joint::Universal::second>("second");
+      .fields<&joint::Universal::compliance, &joint::Universal::damping,
+              &joint::Universal::angular_compliance, &joint::Universal::angular_damping,
+              &joint::Universal::first, &joint::Universal::second>();
   Struct<joint::Distance>(j, "Distance")
-      .field<&joint::Distance::shortest>("shortest")
-      .field<&joint::Distance::longest>("longest")
-      .field<&joint::Distance::compliance>("compliance")
-      .field<&joint::Distance::damping>("damping")
-      .field<&joint::Distance::motor>("motor");
+      .fields<&joint::Distance::shortest, &joint::Distance::longest, &joint::Distance::compliance,
+              &joint::Distance::damping, &joint::Distance::motor>();
   Struct<joint::Pulley>(j, "Pulley")
-      .field<&joint::Pulley::wheel_a>("wheel_a")
-      .field<&joint::Pulley::wheel_b>("wheel_b")
-      .field<&joint::Pulley::ratio>("ratio")
-      .field<&joint::Pulley::length>("length")
-      .field<&joint::Pulley::compliance>("compliance")
-      .field<&joint::Pulley::damping>("damping");
+      .fields<&joint::Pulley::wheel_a, &joint::Pulley::wheel_b, &joint::Pulley::ratio, &joint::Pulley::length,
+              &joint::Pulley::compliance, &joint::Pulley::damping>();
   Struct<JointOptions>(m, "JointOptions")
-      .field<&JointOptions::name>("name")
-      .field<&JointOptions::point>("point")
-      .field<&JointOptions::point_b>("point_b")
-      .field<&JointOptions::axis>("axis")
-      .field<&JointOptions::second_axis>("second_axis")
-      .field<&JointOptions::breaking_force>("breaking_force")
-      .field<&JointOptions::breaking_torque>("breaking_torque")
-      .field<&JointOptions::collide>("collide");
+      .fields<&JointOptions::name, &JointOptions::point, &JointOptions::point_b, &JointOptions::axis,
+              &JointOptions::second_axis, &JointOptions::breaking_force, &JointOptions::breaking_torque,
+              &JointOptions::collide>();
   Result<JointReport>(m, "JointReport")
-      .field<&JointReport::name>("name")
-      .field<&JointReport::point_a>("point_a")
-      .field<&JointReport::point_b>("point_b")
-      .field<&JointReport::axis>("axis")
-      .field<&JointReport::force>("force")
-      .field<&JointReport::torque>("torque")
-      .field<&JointReport::coordinate>("coordinate")
-      .field<&JointReport::distance_error>("distance_error")
-      .field<&JointReport::angle_error>("angle_error")
-      .field<&JointReport::broken>("broken");
+      .fields<&JointReport::name, &JointReport::point_a, &JointReport::point_b, &JointReport::axis,
+              &JointReport::force, &JointReport::torque, &JointReport::coordinate,
+              &JointReport::distance_error, &JointReport::angle_error, &JointReport::broken>();
 }
 
 }  // namespace souple::python

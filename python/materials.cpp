@@ -41,7 +41,7 @@ void bind_materials(py::module_& m) {
   m.attr("rigid") = std::numeric_limits<double>::infinity();
   m.def("_material_preset", &preset);
   m.def("_material_names", &material::names);
-  m.def("kind_of", &kind_of, py::arg("material"), doc("kind_of"));
+  m.def("kind_of", &kind_of, "material"_a, doc("kind_of"));
 }
 
 }  // namespace souple::python

@@ -19,62 +19,40 @@ namespace {
 void bind_mesh_structs(py::module_& m) {
   using A = FaceAppearance;
   Struct<A>(m, "FaceAppearance")
-      .field<&A::material_files>("material_files")
-      .field<&A::materials>("materials")
-      .field<&A::face_materials>("face_materials")
-      .field<&A::smoothing>("smoothing")
-      .field<&A::normals>("normals")
-      .field<&A::face_normals>("face_normals");
+      .fields<&A::material_files, &A::materials, &A::face_materials, &A::smoothing, &A::normals,
+              &A::face_normals>();
   using M = TriangleMesh;
   Struct<M>(m, "TriangleMesh")
-      .field<&M::positions>("positions")
-      .field<&M::triangles>("triangles")
-      .field<&M::uvs>("uvs")
-      .field<&M::faces>("faces")
-      .field<&M::face_uvs>("face_uvs")
-      .field<&M::colors>("colors")
-      .field<&M::groups>("groups")
-      .field<&M::appearance>("appearance");
-  Struct<TetMesh>(m, "TetMesh")
-      .field<&TetMesh::positions>("positions")
-      .field<&TetMesh::tets>("tets")
-      .field<&TetMesh::groups>("groups");
-  Struct<MeshImport>(m, "MeshImport")
-      .field<&MeshImport::scale>("scale")
-      .field<&MeshImport::up>("up")
-      .field<&MeshImport::node>("node");
+      .fields<&M::positions, &M::triangles, &M::uvs, &M::faces, &M::face_uvs, &M::colors, &M::groups,
+              &M::appearance>();
+  Struct<TetMesh>(m, "TetMesh").fields<&TetMesh::positions, &TetMesh::tets, &TetMesh::groups>();
+  Struct<MeshImport>(m, "MeshImport").fields<&MeshImport::scale, &MeshImport::up, &MeshImport::node>();
   using I = MeshAnimationImport;
-  Struct<I>(m, "MeshAnimationImport")
-      .field<&I::animation>("animation")
-      .field<&I::node>("node")
-      .field<&I::frame_rate>("frame_rate");
+  Struct<I>(m, "MeshAnimationImport").fields<&I::animation, &I::node, &I::frame_rate>();
   Result<MeshAnimation>(m, "MeshAnimation")
-      .field<&MeshAnimation::points>("points")
-      .field<&MeshAnimation::times>("times")
-      .field<&MeshAnimation::positions>("positions");
+      .fields<&MeshAnimation::points, &MeshAnimation::times, &MeshAnimation::positions>();
 }
 
 void bind_builders(py::module_& m) {
-  using py::arg;
-  m.def("grid", &grid, arg("columns"), arg("rows"), arg("size"),
+  m.def("grid", &grid, "columns"_a, "rows"_a, "size"_a,
         py::arg_v("diagonals", Diagonals::alternating, "Diagonals.alternating"), doc("grid"));
-  m.def("disk", &disk, arg("rings"), arg("segments"), arg("radius"), doc("disk"));
-  m.def("sphere", &sphere, arg("subdivisions"), arg("radius"), doc("sphere"));
-  m.def("box", py::overload_cast<const Vec3d&, int>(&box), arg("size"), arg("divisions") = 1, doc("box"));
-  m.def("box", py::overload_cast<const Vec3d&, const std::array<int, 3>&>(&box), arg("size"),
-        arg("divisions"), doc("box"));
-  m.def("torus", &torus, arg("major_radius"), arg("minor_radius"), arg("major_segments"),
-        arg("minor_segments"), doc("torus"));
-  m.def("capsule", &capsule, arg("radius"), arg("length"), arg("segments"), arg("rings"),
-        arg("divisions") = 1, doc("capsule"));
-  m.def("cylinder", &cylinder, arg("radius"), arg("height"), arg("segments"), arg("divisions") = 1,
-        arg("cap_rings") = 1, doc("cylinder"));
-  m.def("tet_bar", &tet_bar, arg("nx"), arg("ny"), arg("nz"), arg("size"), doc("tet_bar"));
-  m.def("tet_ball", &tet_ball, arg("subdivisions"), arg("layers"), arg("radius"), doc("tet_ball"));
-  m.def("fill", py::overload_cast<const Vec3d&, const Vec3d&, double, const std::string&>(&fill), arg("lo"),
-        arg("hi"), arg("spacing"), arg("name") = "box", doc("fill"));
-  m.def("fill", py::overload_cast<const TriangleMesh&, double, const std::string&>(&fill), arg("surface"),
-        arg("spacing"), arg("name") = "mesh", doc("fill"));
+  m.def("disk", &disk, "rings"_a, "segments"_a, "radius"_a, doc("disk"));
+  m.def("sphere", &sphere, "subdivisions"_a, "radius"_a, doc("sphere"));
+  m.def("box", py::overload_cast<const Vec3d&, int>(&box), "size"_a, "divisions"_a = 1, doc("box"));
+  m.def("box", py::overload_cast<const Vec3d&, const std::array<int, 3>&>(&box), "size"_a, "divisions"_a,
+        doc("box"));
+  m.def("torus", &torus, "major_radius"_a, "minor_radius"_a, "major_segments"_a, "minor_segments"_a,
+        doc("torus"));
+  m.def("capsule", &capsule, "radius"_a, "length"_a, "segments"_a, "rings"_a, "divisions"_a = 1,
+        doc("capsule"));
+  m.def("cylinder", &cylinder, "radius"_a, "height"_a, "segments"_a, "divisions"_a = 1, "cap_rings"_a = 1,
+        doc("cylinder"));
+  m.def("tet_bar", &tet_bar, "nx"_a, "ny"_a, "nz"_a, "size"_a, doc("tet_bar"));
+  m.def("tet_ball", &tet_ball, "subdivisions"_a, "layers"_a, "radius"_a, doc("tet_ball"));
+  m.def("fill", py::overload_cast<const Vec3d&, const Vec3d&, double, const std::string&>(&fill), "lo"_a,
+        "hi"_a, "spacing"_a, "name"_a = "box", doc("fill"));
+  m.def("fill", py::overload_cast<const TriangleMesh&, double, const std::string&>(&fill), "surface"_a,
+        "spacing"_a, "name"_a = "mesh", doc("fill"));
 }
 
 MeshImport import_of(const std::optional<MeshImport>& options, const py::kwargs& kwargs,
@@ -89,56 +67,48 @@ void bind_mesh_files(py::module_& m) {
          const py::kwargs& kwargs) {
         return read_triangle_mesh(path, import_of(options, kwargs, "read_triangle_mesh"));
       },
-      py::arg("path"), py::arg("options") = py::none(), doc("read_triangle_mesh"));
+      "path"_a, "options"_a = py::none(), doc("read_triangle_mesh"));
   m.def(
       "read_tet_mesh",
       [](const std::filesystem::path& path, const std::optional<MeshImport>& options,
          const py::kwargs& kwargs) {
         return read_tet_mesh(path, import_of(options, kwargs, "read_tet_mesh"));
       },
-      py::arg("path"), py::arg("options") = py::none(), doc("read_tet_mesh"));
+      "path"_a, "options"_a = py::none(), doc("read_tet_mesh"));
   m.def(
       "read_mesh_animation",
       [](const std::filesystem::path& path, const std::optional<MeshAnimationImport>& options,
          const py::kwargs& kwargs) {
         return read_mesh_animation(path, with_keywords(options, kwargs, "read_mesh_animation"));
       },
-      py::arg("path"), py::arg("options") = py::none(), doc("read_mesh_animation"));
+      "path"_a, "options"_a = py::none(), doc("read_mesh_animation"));
   m.def("mesh_import_has_assimp", &mesh_import_has_assimp, doc("mesh_import_has_assimp"));
   m.def(
       "obj_text",
       [](std::span<const Vec3f> positions, std::span<const Vec3f> normals,
          std::span<const Triangle> triangles) { return obj_text(positions, normals, triangles); },
-      py::arg("positions"), py::arg("normals"), py::arg("triangles"),
-      "A surface as the text of an OBJ file.");
+      "positions"_a, "normals"_a, "triangles"_a, "A surface as the text of an OBJ file.");
   m.def(
       "ply_bytes",
       [](std::span<const Vec3f> positions, std::span<const Vec3f> normals,
          std::span<const Triangle> triangles, const std::optional<std::vector<Vec3f>>& velocities) {
         return py::bytes(ply_bytes(positions, normals, triangles, velocities.value_or(std::vector<Vec3f>())));
       },
-      py::arg("positions"), py::arg("normals"), py::arg("triangles"), py::arg("velocities") = py::none(),
+      "positions"_a, "normals"_a, "triangles"_a, "velocities"_a = py::none(),
       "A surface as the bytes of a PLY file, with velocities [m/s] if they are given.");
 }
 
 void bind_mesh_reports(py::module_& m) {
   using R = MeshReport;
   Result<R>(m, "MeshReport")
-      .field<&R::vertex_count>("vertex_count")
-      .field<&R::triangle_count>("triangle_count")
-      .field<&R::non_finite_vertices>("non_finite_vertices")
-      .field<&R::unreferenced_vertices>("unreferenced_vertices")
-      .field<&R::duplicate_vertices>("duplicate_vertices")
-      .field<&R::collapsed_triangles>("collapsed_triangles")
-      .field<&R::zero_area_triangles>("zero_area_triangles")
-      .field<&R::pieces>("pieces")
-      .field<&R::is_closed>("is_closed")
-      .field<&R::signed_volume>("signed_volume")
+      .fields<&R::vertex_count, &R::triangle_count, &R::non_finite_vertices, &R::unreferenced_vertices,
+              &R::duplicate_vertices, &R::collapsed_triangles, &R::zero_area_triangles, &R::pieces,
+              &R::is_closed, &R::signed_volume>()
       .def("is_clean", &R::is_clean);
-  m.def("inspect", py::overload_cast<const TriangleMesh&>(&inspect), py::arg("mesh"), doc("inspect"));
-  m.def("describe", &describe, py::arg("report"), doc("describe"));
-  m.def("map_from_group", &map_from_group, py::arg("mesh"), py::arg("group"), py::arg("inside") = 1,
-        py::arg("outside") = 0, doc("map_from_group"));
+  m.def("inspect", py::overload_cast<const TriangleMesh&>(&inspect), "mesh"_a, doc("inspect"));
+  m.def("describe", &describe, "report"_a, doc("describe"));
+  m.def("map_from_group", &map_from_group, "mesh"_a, "group"_a, "inside"_a = 1, "outside"_a = 0,
+        doc("map_from_group"));
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ void bind_world(py::module_& m) {
   bind_world_colliders(world);
   bind_world_queries(world);
   world.def(
-      "remove", [](BoundWorld& self, CallbackId id) { self.use("remove").remove(id); }, py::arg("callback"),
+      "remove", [](BoundWorld& self, CallbackId id) { self.use("remove").remove(id); }, "callback"_a,
       doc("World.remove"));
 }
 

@@ -9,73 +9,31 @@
 namespace souple::python {
 
 void bind_objects(py::module_& m) {
-  Struct<GivenMass>(m, "GivenMass")
-      .field<&GivenMass::mass>("mass")
-      .field<&GivenMass::center>("center")
-      .field<&GivenMass::inertia>("inertia");
-  Struct<RigidPart>(m, "RigidPart")
-      .field<&RigidPart::shape>("shape")
-      .field<&RigidPart::pose>("pose")
-      .field<&RigidPart::density>("density");
+  Struct<GivenMass>(m, "GivenMass").fields<&GivenMass::mass, &GivenMass::center, &GivenMass::inertia>();
+  Struct<RigidPart>(m, "RigidPart").fields<&RigidPart::shape, &RigidPart::pose, &RigidPart::density>();
   Struct<ObjectOptions>(m, "ObjectOptions")
-      .field<&ObjectOptions::name>("name")
-      .field<&ObjectOptions::transform>("transform")
-      .field<&ObjectOptions::velocity>("velocity")
-      .field<&ObjectOptions::angular_velocity>("angular_velocity")
-      .field<&ObjectOptions::stiffness_map>("stiffness_map")
-      .field<&ObjectOptions::thickness_map>("thickness_map")
-      .field<&ObjectOptions::self_collision>("self_collision")
-      .field<&ObjectOptions::layer>("layer")
-      .field<&ObjectOptions::max_particles>("max_particles")
-      .field<&ObjectOptions::given_mass>("given_mass")
-      .field<&ObjectOptions::collision_groups>("collision_groups")
-      .field<&ObjectOptions::collision_mask>("collision_mask");
+      .fields<&ObjectOptions::name, &ObjectOptions::transform, &ObjectOptions::velocity,
+              &ObjectOptions::angular_velocity, &ObjectOptions::stiffness_map, &ObjectOptions::thickness_map,
+              &ObjectOptions::self_collision, &ObjectOptions::layer, &ObjectOptions::max_particles,
+              &ObjectOptions::given_mass, &ObjectOptions::collision_groups, &ObjectOptions::collision_mask>();
   Struct<ColliderOptions>(m, "ColliderOptions")
-      .field<&ColliderOptions::friction>("friction")
-      .field<&ColliderOptions::restitution>("restitution")
-      .field<&ColliderOptions::kinetic_friction>("kinetic_friction")
-      .field<&ColliderOptions::name>("name")
-      .field<&ColliderOptions::motion>("motion")
-      .field<&ColliderOptions::collision_groups>("collision_groups")
-      .field<&ColliderOptions::collision_mask>("collision_mask")
-      .field<&ColliderOptions::sensor>("sensor");
-  Struct<LatticeOptions>(m, "LatticeOptions")
-      .field<&LatticeOptions::cell_size>("cell_size")
-      .field<&LatticeOptions::cells>("cells");
+      .fields<&ColliderOptions::friction, &ColliderOptions::restitution, &ColliderOptions::kinetic_friction,
+              &ColliderOptions::name, &ColliderOptions::motion, &ColliderOptions::collision_groups,
+              &ColliderOptions::collision_mask, &ColliderOptions::sensor>();
+  Struct<LatticeOptions>(m, "LatticeOptions").fields<&LatticeOptions::cell_size, &LatticeOptions::cells>();
   Struct<Emitter>(m, "Emitter")
-      .field<&Emitter::position>("position")
-      .field<&Emitter::direction>("direction")
-      .field<&Emitter::radius>("radius")
-      .field<&Emitter::speed>("speed")
-      .field<&Emitter::start>("start")
-      .field<&Emitter::end>("end")
-      .field<&Emitter::motion>("motion");
-  Struct<Drain>(m, "Drain")
-      .field<&Drain::shape>("shape")
-      .field<&Drain::pose>("pose")
-      .field<&Drain::rate>("rate")
-      .field<&Drain::start>("start")
-      .field<&Drain::end>("end");
-  Struct<VertexRef>(m, "VertexRef").field<&VertexRef::object>("object").field<&VertexRef::vertex>("vertex");
+      .fields<&Emitter::position, &Emitter::direction, &Emitter::radius, &Emitter::speed, &Emitter::start,
+              &Emitter::end, &Emitter::motion>();
+  Struct<Drain>(m, "Drain").fields<&Drain::shape, &Drain::pose, &Drain::rate, &Drain::start, &Drain::end>();
+  Struct<VertexRef>(m, "VertexRef").fields<&VertexRef::object, &VertexRef::vertex>();
   Result<Carrier>(m, "Carrier")
-      .field<&Carrier::particle>("particle")
-      .field<&Carrier::weight>("weight")
-      .field<&Carrier::inverse_mass>("inverse_mass")
-      .field<&Carrier::position>("position");
+      .fields<&Carrier::particle, &Carrier::weight, &Carrier::inverse_mass, &Carrier::position>();
   Result<RigidBodyState>(m, "RigidBodyState")
-      .field<&RigidBodyState::pose>("pose")
-      .field<&RigidBodyState::velocity>("velocity")
-      .field<&RigidBodyState::angular_velocity>("angular_velocity")
-      .field<&RigidBodyState::mass>("mass")
-      .field<&RigidBodyState::inertia>("inertia")
-      .field<&RigidBodyState::kinematic>("kinematic");
+      .fields<&RigidBodyState::pose, &RigidBodyState::velocity, &RigidBodyState::angular_velocity,
+              &RigidBodyState::mass, &RigidBodyState::inertia, &RigidBodyState::kinematic>();
   Result<ForcePoint>(m, "ForcePoint")
-      .field<&ForcePoint::object>("object")
-      .field<&ForcePoint::vertex>("vertex")
-      .field<&ForcePoint::position>("position")
-      .field<&ForcePoint::velocity>("velocity")
-      .field<&ForcePoint::mass>("mass")
-      .field<&ForcePoint::time>("time");
+      .fields<&ForcePoint::object, &ForcePoint::vertex, &ForcePoint::position, &ForcePoint::velocity,
+              &ForcePoint::mass, &ForcePoint::time>();
 }
 
 }  // namespace souple::python

@@ -30,19 +30,14 @@ class BoundRecorder {
 void bind_recorder_class(py::module_& m) {
   using O = RecorderOptions;
   Struct<O>(m, "RecorderOptions")
-      .field<&O::formats>("formats")
-      .field<&O::frame_rate>("frame_rate")
-      .field<&O::frames>("frames")
-      .field<&O::scene>("scene")
-      .field<&O::resume_from>("resume_from");
+      .fields<&O::formats, &O::frame_rate, &O::frames, &O::scene, &O::resume_from>();
   using R = BoundRecorder;
   py::class_<R>(m, "Recorder", doc("Recorder"))
       .def(py::init([](std::shared_ptr<BoundWorld> world, const std::filesystem::path& folder,
                        const std::optional<O>& options, const py::kwargs& kwargs) {
              return std::make_unique<R>(std::move(world), folder, with_keywords(options, kwargs, "Recorder"));
            }),
-           py::arg("world").none(false), py::arg("folder"), py::arg("options") = py::none(),
-           doc("Recorder.__init__"))
+           "world"_a.none(false), "folder"_a, "options"_a = py::none(), doc("Recorder.__init__"))
       .def(
           "capture", [](R& r) { r.use("capture").capture(); }, doc("Recorder.capture"))
       .def(
@@ -61,17 +56,16 @@ void bind_recorder_class(py::module_& m) {
       [](BoundWorld& world, ObjectId object) {
         return recorded_vertices(world.use("recorded_vertices"), object);
       },
-      py::arg("world"), py::arg("object"), doc("recorded_vertices"));
+      "world"_a, "object"_a, doc("recorded_vertices"));
 }
 
 py::list objects_of(const Playback& playback) {
   py::list objects;
   for (const Playback::Object& object : playback.objects())
     objects.append(namespace_of(
-        py::arg("name") = object.name, py::arg("kind") = object.kind,
-        py::arg("triangles") = to_array(object.triangles), py::arg("rest") = to_array(object.rest),
-        py::arg("positions") = to_array(object.positions), py::arg("normals") = to_array(object.normals),
-        py::arg("velocities") = to_array(object.velocities)));
+        "name"_a = object.name, "kind"_a = object.kind, "triangles"_a = to_array(object.triangles),
+        "rest"_a = to_array(object.rest), "positions"_a = to_array(object.positions),
+        "normals"_a = to_array(object.normals), "velocities"_a = to_array(object.velocities)));
   return objects;
 }
 
@@ -81,7 +75,7 @@ void bind_recorder(py::module_& m) {
   bind_recorder_class(m);
   py::class_<Playback>(m, "Playback", doc("Playback"))
       .def(py::init([](const std::filesystem::path& path) { return std::make_unique<Playback>(path); }),
-           py::arg("path"), doc("Playback.__init__"))
+           "path"_a, doc("Playback.__init__"))
       .def("frames", on_self(&Playback::frames), doc("Playback.frames"))
       .def(
           "time",
@@ -89,14 +83,14 @@ void bind_recorder(py::module_& m) {
             if (frame < 1 || frame > playback.frames()) throw Error("Playback.time: there is no such frame");
             return playback.time(frame);
           },
-          py::arg("frame"), doc("Playback.time"))
+          "frame"_a, doc("Playback.time"))
       .def(
           "read",
           [](Playback& playback, std::uint64_t frame) {
             playback.read(frame);
             return objects_of(playback);
           },
-          py::arg("frame"),
+          "frame"_a,
           "Reads a frame, in [1, frames()], and returns its objects: name, kind, triangles, rest, positions, "
           "normals, velocities.")
       .def("frame", on_self(&Playback::frame), doc("Playback.frame"))

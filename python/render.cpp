@@ -83,14 +83,12 @@ void write_png(const std::filesystem::path& file, const py::array& any) {
 }  // namespace
 
 void bind_render(py::module_& m) {
-  m.def("render", &picture, py::arg("world"), py::arg("width") = 640, py::arg("height") = 360,
-        py::arg("camera_from") = py::none(), py::arg("camera_to") = py::none(), py::arg("fov") = 40,
-        py::arg("samples") = 16,
+  m.def("render", &picture, "world"_a, "width"_a = 640, "height"_a = 360, "camera_from"_a = py::none(),
+        "camera_to"_a = py::none(), "fov"_a = 40, "samples"_a = 16,
         "Draws a world without window or screen: an array of bytes, (height, width, 4), R, G, B, A as in a "
         "PNG. Without a "
         "camera [m] all objects are framed.");
-  m.def("write_png", &write_png, py::arg("file"), py::arg("pixels"),
-        "Writes an opaque PNG of such an array.");
+  m.def("write_png", &write_png, "file"_a, "pixels"_a, "Writes an opaque PNG of such an array.");
 }
 
 }  // namespace souple::python

@@ -8,45 +8,29 @@ namespace souple::python {
 namespace {
 
 void bind_fluid_settings(py::module_& m) {
-  Struct<FoamRange>(m, "FoamRange").field<&FoamRange::low>("low").field<&FoamRange::high>("high");
+  Struct<FoamRange>(m, "FoamRange").fields<&FoamRange::low, &FoamRange::high>();
   using P = FoamParameters;
   Struct<P>(m, "FoamParameters")
-      .field<&P::max_particles>("max_particles")
-      .field<&P::trapped_air_rate>("trapped_air_rate")
-      .field<&P::wave_crest_rate>("wave_crest_rate")
-      .field<&P::trapped_air>("trapped_air")
-      .field<&P::wave_crest>("wave_crest")
-      .field<&P::energy>("energy")
-      .field<&P::life>("life")
-      .field<&P::longest_life>("longest_life")
-      .field<&P::buoyancy>("buoyancy")
-      .field<&P::drag>("drag")
-      .field<&P::spray_neighbors>("spray_neighbors")
-      .field<&P::bubble_neighbors>("bubble_neighbors");
+      .fields<&P::max_particles, &P::trapped_air_rate, &P::wave_crest_rate, &P::trapped_air, &P::wave_crest,
+              &P::energy, &P::life, &P::longest_life, &P::buoyancy, &P::drag, &P::spray_neighbors,
+              &P::bubble_neighbors>();
   using F = FluidSettings;
   Struct<F>(m, "FluidSettings")
-      .field<&F::kernel>("kernel")
-      .field<&F::iterations>("iterations")
-      .field<&F::tolerance>("tolerance")
-      .field<&F::compressibility>("compressibility")
-      .field<&F::artificial_pressure>("artificial_pressure")
-      .field<&F::foam>("foam");
+      .fields<&F::kernel, &F::iterations, &F::tolerance, &F::compressibility, &F::artificial_pressure,
+              &F::foam>();
 }
 
 void bind_transform(py::module_& m) {
   using T = Transform;
   Struct<T>(m, "Transform")
-      .field<&T::translation>("translation")
-      .field<&T::rotation>("rotation")
-      .field<&T::scale>("scale")
+      .fields<&T::translation, &T::rotation, &T::scale>()
       .def("point", &T::point)
       .def("direction", &T::direction);
   m.def(
       "from_axis_angle",
       [](const Vec3d& axis, double angle) { return Quatd::from_axis_angle(normalized(axis), angle); },
-      py::arg("axis"), py::arg("angle"),
-      "The rotation (x, y, z, w) by `angle` radians about an axis of any length.");
-  m.def("from_euler_xyz", &Quatd::from_euler_xyz, py::arg("angles"), doc("Quaternion.from_euler_xyz"));
+      "axis"_a, "angle"_a, "The rotation (x, y, z, w) by `angle` radians about an axis of any length.");
+  m.def("from_euler_xyz", &Quatd::from_euler_xyz, "angles"_a, doc("Quaternion.from_euler_xyz"));
 }
 
 }  // namespace
@@ -55,40 +39,15 @@ void bind_settings(py::module_& m) {
   bind_transform(m);
   bind_fluid_settings(m);
   using W = Wind;
-  Struct<W>(m, "Wind")
-      .field<&W::velocity>("velocity")
-      .field<&W::gust>("gust")
-      .field<&W::gust_period>("gust_period")
-      .field<&W::air_density>("air_density");
-  Struct<Sleeping>(m, "Sleeping")
-      .field<&Sleeping::enabled>("enabled")
-      .field<&Sleeping::speed>("speed")
-      .field<&Sleeping::seconds>("seconds");
+  Struct<W>(m, "Wind").fields<&W::velocity, &W::gust, &W::gust_period, &W::air_density>();
+  Struct<Sleeping>(m, "Sleeping").fields<&Sleeping::enabled, &Sleeping::speed, &Sleeping::seconds>();
   using V = SolverSettings;
-  Struct<V>(m, "SolverSettings")
-      .field<&V::kind>("kind")
-      .field<&V::sweep>("sweep")
-      .field<&V::relaxation>("relaxation")
-      .field<&V::chebyshev>("chebyshev")
-      .field<&V::colors>("colors");
+  Struct<V>(m, "SolverSettings").fields<&V::kind, &V::sweep, &V::relaxation, &V::chebyshev, &V::colors>();
   using S = Settings;
   Struct<S>(m, "Settings")
-      .field<&S::substeps>("substeps")
-      .field<&S::iterations>("iterations")
-      .field<&S::mode>("mode")
-      .field<&S::integrator>("integrator")
-      .field<&S::gravity>("gravity")
-      .field<&S::wind>("wind")
-      .field<&S::drag>("drag")
-      .field<&S::measure_residuals>("measure_residuals")
-      .field<&S::seed>("seed")
-      .field<&S::solver>("solver")
-      .field<&S::fluid>("fluid")
-      .field<&S::sleeping>("sleeping")
-      .field<&S::detection>("detection")
-      .field<&S::segment_test>("segment_test")
-      .field<&S::threads>("threads")
-      .field<&S::threading>("threading");
+      .fields<&S::substeps, &S::iterations, &S::mode, &S::integrator, &S::gravity, &S::wind, &S::drag,
+              &S::measure_residuals, &S::seed, &S::solver, &S::fluid, &S::sleeping, &S::detection,
+              &S::segment_test, &S::threads, &S::threading>();
 }
 
 }  // namespace souple::python

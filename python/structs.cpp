@@ -60,6 +60,12 @@ bool equal_values(const py::object& x, const py::object& y) {
 
 }  // namespace
 
+std::string member_name(std::string_view text) {
+  const std::size_t begin = text.find("member = ");
+  const std::string_view path = text.substr(begin, text.find_first_of(";]", begin) - begin);
+  return std::string(path.substr(path.rfind(':') + 1));
+}
+
 void throw_wrong_type(const std::string& where, const std::string& type, py::handle found) {
   throw py::type_error(where + ": expected " + type + ", found " + shown(found));
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -13,6 +14,16 @@
 // C++'s plain structs as Python classes: keyword arguments with the same names and defaults.
 
 namespace souple::python {
+
+/// The name of a member in the text that g++ and clang have for a template of it: "... [member = &Sphere::center]".
+std::string member_name(std::string_view text);
+
+/// The name of a member in C++.
+template <auto member>
+const char* name_of() {
+  static const std::string name = member_name(__PRETTY_FUNCTION__);
+  return name.c_str();
+}
 
 /// Throws TypeError: "WHERE: expected TYPE, found VALUE".
 [[noreturn]] void throw_wrong_type(const std::string& where, const std::string& type, py::handle found);
@@ -148,50 +159,7 @@ class StructFields {
 template <class T>
 inline StructFields* fields_of = nullptr;
 
-/// Declares a struct: Struct<Sphere>(m, "Sphere").field<&Sphere::center>("center")...
-template <class T>
-class Struct {
- public:
-  Struct(py::handle scope, const char* name) : class_(scope, name, doc(doc_name(scope, name))) {
-    fields_of<T> = new StructFields(class_, doc_name(scope, name),
-                                    [](py::handle h) -> void* { return instance_of<T>(h); });
-    class_.def(py::init([](const py::args& args, const py::kwargs& kwargs) {
-      auto value = std::make_unique<T>();
-      fields_of<T>->fill(value.get(), args, kwargs);
-      return value;
-    }));
-    class_.def("__copy__", [](const T& value) { return value; });
-    class_.def("__deepcopy__", [](const T& value, const py::object&) { return value; });
-    fields_of<T>->add_methods();
-    fields_of<T>->add_changes();
-  }
-  template <auto Member>
-  Struct& field(const char* name) {
-    using M = std::remove_reference_t<decltype(std::declval<T&>().*Member)>;
-    fields_of<T>->add({name,
-                       [](void* object, py::handle owner) {
-                         return member_to_python(static_cast<T*>(object)->*Member, owner);
-                       },
-                       [](void* object, py::handle value, const std::string& where) {
-                         static_cast<T*>(object)->*Member = from_python<M>(value, where);
-                       },
-                       std::is_same_v<M, float> || std::is_same_v<M, std::optional<float>>, &python_type<M>});
-    return *this;
-  }
-  template <class Function>
-  Struct& def(const char* name, Function function) {
-    class_.def(name, on_self(function),
-               doc((std::string(py::str(class_.attr("__qualname__"))) + "." + name).c_str()));
-    return *this;
-  }
-  operator py::object() const { return class_; }
-  py::class_<T>& python_class() { return class_; }
-
- private:
-  py::class_<T> class_;
-};
-
-/// Declares a struct that functions return: its members are only read.
+/// Declares a struct that functions return: its members are only read. Result<Hit>(m, "Hit").fields<&Hit::found>()...
 template <class T>
 class Result {
  public:
@@ -200,14 +168,10 @@ class Result {
                                     [](py::handle h) -> void* { return instance_of<T>(h); });
     fields_of<T>->add_methods();
   }
-  template <auto Member>
-  Result& field(const char* name) {
-    using M = std::remove_reference_t<decltype(std::declval<T&>().*Member)>;
-    fields_of<T>->add({name,
-                       [](void* object, py::handle owner) {
-                         return member_to_python(static_cast<T*>(object)->*Member, owner);
-                       },
-                       nullptr, std::is_same_v<M, float>, &python_type<M>});
+  /// Members under their names in C++.
+  template <auto... members>
+  Result& fields() {
+    (add<members>(name_of<members>(), nullptr), ...);
     return *this;
   }
   template <class Function>
@@ -216,9 +180,53 @@ class Result {
                doc((std::string(py::str(class_.attr("__qualname__"))) + "." + name).c_str()));
     return *this;
   }
+  py::class_<T>& python_class() { return class_; }
+
+ protected:
+  template <auto member>
+  using Type = std::remove_reference_t<decltype(std::declval<T&>().*member)>;
+  template <auto member>
+  void add(const char* name, decltype(StructFields::Field::set) set) {
+    using M = Type<member>;
+    fields_of<T>->add({name,
+                       [](void* object, py::handle owner) {
+                         return member_to_python(static_cast<T*>(object)->*member, owner);
+                       },
+                       set, std::is_same_v<M, float> || std::is_same_v<M, std::optional<float>>,
+                       &python_type<M>});
+  }
 
  private:
   py::class_<T> class_;
+};
+
+/// Declares a struct that users make: Struct<Sphere>(m, "Sphere").fields<&Sphere::center, &Sphere::radius>().
+template <class T>
+class Struct : public Result<T> {
+ public:
+  Struct(py::handle scope, const char* name) : Result<T>(scope, name) {
+    this->python_class()
+        .def(py::init([](const py::args& args, const py::kwargs& kwargs) {
+          auto value = std::make_unique<T>();
+          fields_of<T>->fill(value.get(), args, kwargs);
+          return value;
+        }))
+        .def("__copy__", [](const T& value) { return value; })
+        .def("__deepcopy__", [](const T& value, const py::object&) { return value; });
+    fields_of<T>->add_changes();
+  }
+  template <auto... members>
+  Struct& fields() {
+    (field<members>(name_of<members>()), ...);
+    return *this;
+  }
+  template <auto member>
+  Struct& field(const char* name) {
+    this->template add<member>(name, [](void* object, py::handle value, const std::string& where) {
+      static_cast<T*>(object)->*member = from_python<typename Result<T>::template Type<member>>(value, where);
+    });
+    return *this;
+  }
 };
 
 /// Options that a function takes as a struct, as keywords, or as both: keywords then replace members of the struct.

@@ -39,9 +39,8 @@ class BoundSurface {
       throw;
     }
     busy_ = false;
-    return namespace_of(py::arg("positions") = to_array(mesh->positions),
-                        py::arg("normals") = to_array(mesh->normals),
-                        py::arg("triangles") = to_array(mesh->triangles));
+    return namespace_of("positions"_a = to_array(mesh->positions), "normals"_a = to_array(mesh->normals),
+                        "triangles"_a = to_array(mesh->triangles));
   }
   const SurfaceOptions& options() const { return surface_.options(); }
 
@@ -56,26 +55,16 @@ class BoundSurface {
 void bind_surface(py::module_& m) {
   using O = SurfaceOptions;
   Struct<O>(m, "SurfaceOptions")
-      .field<&O::method>("method")
-      .field<&O::spacing>("spacing")
-      .field<&O::cell>("cell")
-      .field<&O::neighbor_radius>("neighbor_radius")
-      .field<&O::center_smoothing>("center_smoothing")
-      .field<&O::kernel_radius>("kernel_radius")
-      .field<&O::isotropic_radius>("isotropic_radius")
-      .field<&O::max_axis_ratio>("max_axis_ratio")
-      .field<&O::few_neighbors>("few_neighbors")
-      .field<&O::drop_radius>("drop_radius")
-      .field<&O::level>("level")
-      .field<&O::smoothing_passes>("smoothing_passes")
-      .field<&O::smoothing>("smoothing");
+      .fields<&O::method, &O::spacing, &O::cell, &O::neighbor_radius, &O::center_smoothing, &O::kernel_radius,
+              &O::isotropic_radius, &O::max_axis_ratio, &O::few_neighbors, &O::drop_radius, &O::level,
+              &O::smoothing_passes, &O::smoothing>();
   py::class_<BoundSurface>(m, "FluidSurface", doc("FluidSurface"))
       .def(py::init([](const std::optional<O>& options, int threads, const py::kwargs& kwargs) {
              return std::make_unique<BoundSurface>(with_keywords(options, kwargs, "FluidSurface"), threads);
            }),
-           py::arg("options") = py::none(), py::arg("threads") = 0,
+           "options"_a = py::none(), "threads"_a = 0,
            "Keywords are members of SurfaceOptions: FluidSurface(spacing=0.02).")
-      .def("build", on_self(&BoundSurface::build), py::arg("positions"),
+      .def("build", on_self(&BoundSurface::build), "positions"_a,
            "The mesh of these particles [m]: positions, normals, triangles, as arrays of their own.")
       .def("options", on_self(&BoundSurface::options), doc("FluidSurface.options"));
 }

@@ -54,7 +54,7 @@ void def_array(WorldClass& world, const char* name, Getter getter, const char* t
   world.def(
       name,
       [getter, name](BoundWorld& self, ObjectId object) { return array_of(self, object, getter, name); },
-      py::arg("object"), text);
+      "object"_a, text);
 }
 
 }  // namespace
@@ -74,8 +74,8 @@ void bind_world_arrays(WorldClass& world) {
       .def(
           "triangles",
           [](BoundWorld& self, ObjectId object) { return to_array(self.use("triangles").triangles(object)); },
-          py::arg("object"), "Vertex indices of the triangles, (n, 3), uint32: a copy.")
-      .def("is_current", &is_current, py::arg("array"),
+          "object"_a, "Vertex indices of the triangles, (n, 3), uint32: a copy.")
+      .def("is_current", &is_current, "array"_a,
            "Whether an array that positions, velocities, normals or angular_velocities returned, or a slice "
            "of it, still shows "
            "its object. False once the object was removed, or its number of vertices changed: the array then "

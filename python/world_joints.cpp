@@ -31,25 +31,29 @@ joint::Kind kind_of(const JointKind& kind) {
   return std::visit([](const auto& joint) { return joint::Kind(joint); }, kind);
 }
 
+template <class Report>
+Report kept(Report report) {
+  report.name = kept_text(report.name);
+  return report;
+}
+
 void bind_joints_of(WorldClass& world) {
   world
       .def(
           "add_joint",
           [](BoundWorld& self, const JointEnd& a, const JointEnd& b, const JointKind& kind,
              const std::optional<JointOptions>& options, const py::kwargs& kwargs) {
-            return self.use("add_joint")
-                .add_joint(side_of(a), side_of(b), kind_of(kind),
-                           with_keywords(options, kwargs, "add_joint"));
+            World& used = self.use("add_joint");
+            return used.add_joint(side_of(a), side_of(b), kind_of(kind),
+                                  with_keywords(options, kwargs, "add_joint"));
           },
-          py::arg("a"), py::arg("b"), py::arg("kind"), py::arg("options") = py::none(),
-          doc("World.add_joint"))
-      .def("remove", checked<void, JointId>("remove", &World::remove), py::arg("joint"), "Removes a joint.")
+          "a"_a, "b"_a, "kind"_a, "options"_a = py::none(), doc("World.add_joint"))
       .def(
           "set_joint",
           [](BoundWorld& self, JointId id, const JointKind& kind) {
             self.use("set_joint").set_joint(id, kind_of(kind));
           },
-          py::arg("joint"), py::arg("kind"), doc("World.set_joint"))
+          "joint"_a, "kind"_a, doc("World.set_joint"))
       .def(
           "joint_kind",
           [](BoundWorld& self, JointId id) -> JointKind {
@@ -57,17 +61,14 @@ void bind_joints_of(WorldClass& world) {
                 [](const auto& joint) { return JointKind(joint); },
                 static_cast<const joint::Kind::variant&>(self.use("joint_kind").joint_kind(id)));
           },
-          py::arg("joint"), "A copy of what a joint is; set_joint changes it.")
+          "joint"_a, "A copy of what a joint is; set_joint changes it.")
       .def(
           "joint_report",
-          [](BoundWorld& self, JointId id) {
-            JointReport report = self.use("joint_report").joint_report(id);
-            report.name = kept_text(report.name);
-            return report;
-          },
-          py::arg("joint"), "How a joint is, and what it does.")
-      .def("joints", checked("joints", &World::joints), doc("World.joints"))
-      .def("find_joint", checked("find_joint", &World::find_joint), py::arg("name"), doc("World.find_joint"));
+          [](BoundWorld& self, JointId id) { return kept(self.use("joint_report").joint_report(id)); },
+          "joint"_a, "How a joint is, and what it does.");
+  def<py::overload_cast<JointId>(&World::remove)>(world, "joint"_a, "Removes a joint.");
+  def<&World::joints>(world);
+  def<&World::find_joint>(world, "name"_a);
 }
 
 }  // namespace
@@ -79,31 +80,18 @@ void bind_world_joints(WorldClass& world) {
           "add_tie",
           [](BoundWorld& self, const TieEnd& a, const TieEnd& b, const std::optional<TieOptions>& options,
              const py::kwargs& kwargs) {
-            return self.use("add_tie").add_tie(side_of(a), side_of(b),
-                                               with_keywords(options, kwargs, "add_tie"));
+            World& used = self.use("add_tie");
+            return used.add_tie(side_of(a), side_of(b), with_keywords(options, kwargs, "add_tie"));
           },
-          py::arg("a"), py::arg("b"), py::arg("options") = py::none(), doc("World.add_tie"))
-      .def(
-          "stitch",
-          [](BoundWorld& self, ObjectId a, const Selector& vertices, ObjectId b, double distance,
-             const std::optional<TieOptions>& options, const py::kwargs& kwargs) {
-            return self.use("stitch").stitch(a, vertices, b, distance,
-                                             with_keywords(options, kwargs, "stitch"));
-          },
-          py::arg("a"), py::arg("vertices"), py::arg("b"), py::arg("distance"),
-          py::arg("options") = py::none(), doc("World.stitch"))
-      .def("remove", checked<void, TieId>("remove", &World::remove), py::arg("tie"), "Removes a tie.")
+          "a"_a, "b"_a, "options"_a = py::none(), doc("World.add_tie"))
       .def(
           "tie_report",
-          [](BoundWorld& self, TieId id) {
-            TieReport report = self.use("tie_report").tie_report(id);
-            report.name = kept_text(report.name);
-            return report;
-          },
-          py::arg("tie"), "How a tie is, and what it does.")
-      .def("ties", checked("ties", &World::ties), doc("World.ties"))
-      .def("surface_point", checked("surface_point", &World::surface_point), py::arg("object"),
-           py::arg("point"), doc("World.surface_point"));
+          [](BoundWorld& self, TieId id) { return kept(self.use("tie_report").tie_report(id)); }, "tie"_a,
+          "How a tie is, and what it does.");
+  def_with_options<&World::stitch>(world, "a"_a, "vertices"_a, "b"_a, "distance"_a, "options"_a = py::none());
+  def<py::overload_cast<TieId>(&World::remove)>(world, "tie"_a, "Removes a tie.");
+  def<&World::ties>(world);
+  def<&World::surface_point>(world, "object"_a, "point"_a);
 }
 
 }  // namespace souple::python

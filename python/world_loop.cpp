@@ -36,20 +36,21 @@ void set_log(BoundWorld& world, const py::object& function) {
 }
 
 void bind_measures(WorldClass& world) {
-  world.def("memory", checked("memory", &World::memory), doc("World.memory"))
+  def<&World::memory>(world);
+  world
       .def(
           "time_projections",
           [](BoundWorld& self, double dt, int sweeps) {
             return self.without_gil("time_projections",
                                     [&](World& w) { return w.time_projections(dt, sweeps); });
           },
-          py::arg("dt"), py::arg("sweeps"), doc("World.time_projections"))
+          "dt"_a, "sweeps"_a, doc("World.time_projections"))
       .def(
           "time_solve",
           [](BoundWorld& self, double dt, int iterations) {
             return self.without_gil("time_solve", [&](World& w) { return w.time_solve(dt, iterations); });
           },
-          py::arg("dt"), py::arg("iterations"), doc("World.time_solve"));
+          "dt"_a, "iterations"_a, doc("World.time_solve"));
 }
 
 }  // namespace
@@ -59,27 +60,26 @@ void bind_world_loop(WorldClass& world) {
       .def(py::init([](const std::optional<Settings>& settings, const py::kwargs& kwargs) {
              return std::make_shared<BoundWorld>(with_keywords(settings, kwargs, "World"));
            }),
-           py::arg("settings") = py::none(),
+           "settings"_a = py::none(),
            "Makes an empty world: World(substeps=20), or World(settings). Keywords are members of Settings.")
-      .def("step", &step, py::arg("dt"),
+      .def("step", &step, "dt"_a,
            "Advances the world by dt seconds and returns the report. The GIL is free meanwhile. What a "
            "function of yours "
            "raised is raised when the step has ended; its effect was left out.")
-      .def("report", checked("report", &World::report), "The report of the last step.")
-      .def("time", checked("time", &World::time), "Simulated time [s].")
-      .def("settings", checked("settings", &World::settings),
-           "A copy of the settings; set_settings changes them.")
-      .def("set_settings", &set_settings, py::arg("settings") = py::none(),
+      .def("set_settings", &set_settings, "settings"_a = py::none(),
            "Replaces the settings, or changes the members that keywords name: set_settings(substeps=20).")
       .def(
           "before",
           [](BoundWorld& w, Stage stage, const py::object& f) { return add_callback(w, "before", stage, f); },
-          py::arg("stage"), py::arg("callback"), "Calls callback(world) before each execution of a stage.")
+          "stage"_a, "callback"_a, "Calls callback(world) before each execution of a stage.")
       .def(
           "after",
           [](BoundWorld& w, Stage stage, const py::object& f) { return add_callback(w, "after", stage, f); },
-          py::arg("stage"), py::arg("callback"), "Calls callback(world) after each execution of a stage.")
-      .def("set_log", &set_log, py::arg("log"), doc("World.set_log"));
+          "stage"_a, "callback"_a, "Calls callback(world) after each execution of a stage.")
+      .def("set_log", &set_log, "log"_a, doc("World.set_log"));
+  def<&World::report>(world, "The report of the last step.");
+  def<&World::time>(world, "Simulated time [s].");
+  def<&World::settings>(world, "A copy of the settings; set_settings changes them.");
   bind_measures(world);
 }
 

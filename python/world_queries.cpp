@@ -22,16 +22,14 @@ std::vector<ContactPair> contact_pairs_of(BoundWorld& world) {
 }
 
 py::object constraint_of(const DebugConstraint& c) {
-  return namespace_of(py::arg("kind") = std::string(c.kind), py::arg("points") = to_array(c.points),
-                      py::arg("color") = c.color, py::arg("strain") = c.strain,
-                      py::arg("residual") = c.residual);
+  return namespace_of("kind"_a = std::string(c.kind), "points"_a = to_array(c.points), "color"_a = c.color,
+                      "strain"_a = c.strain, "residual"_a = c.residual);
 }
 
 py::object joint_of(const DebugJoint& j) {
-  return namespace_of(py::arg("name") = std::string(j.name), py::arg("kind") = std::string(j.kind),
-                      py::arg("point_a") = j.point_a, py::arg("point_b") = j.point_b,
-                      py::arg("axis") = j.axis, py::arg("rope") = to_array(j.rope), py::arg("taut") = j.taut,
-                      py::arg("broken") = j.broken);
+  return namespace_of("name"_a = std::string(j.name), "kind"_a = std::string(j.kind), "point_a"_a = j.point_a,
+                      "point_b"_a = j.point_b, "axis"_a = j.axis, "rope"_a = to_array(j.rope),
+                      "taut"_a = j.taut, "broken"_a = j.broken);
 }
 
 void debug_draw(BoundWorld& world, const py::object& constraint, const py::object& contact,
@@ -51,24 +49,18 @@ void debug_draw(BoundWorld& world, const py::object& constraint, const py::objec
 }  // namespace
 
 void bind_world_queries(WorldClass& world) {
-  const auto filter = [] { return py::arg_v("filter", QueryFilter{}, "QueryFilter()"); };
-  world.def("contacts", &contacts_of, "Contacts of the last step.")
-      .def("track_contacts", checked("track_contacts", &World::track_contacts), py::arg("on"),
-           doc("World.track_contacts"))
-      .def("contact_pairs", &contact_pairs_of, doc("World.contact_pairs"))
-      .def("ray_cast", checked("ray_cast", &World::ray_cast), py::arg("origin"), py::arg("direction"),
-           py::arg("max_distance") = 1e30, filter(), doc("World.ray_cast"))
-      .def("ray_cast_all", checked("ray_cast_all", &World::ray_cast_all), py::arg("origin"),
-           py::arg("direction"), py::arg("max_distance") = 1e30, filter(), doc("World.ray_cast_all"))
-      .def("sphere_cast", checked("sphere_cast", &World::sphere_cast), py::arg("origin"), py::arg("radius"),
-           py::arg("direction"), py::arg("max_distance") = 1e30, filter(), doc("World.sphere_cast"))
-      .def("closest_point", checked("closest_point", &World::closest_point), py::arg("point"), filter(),
-           doc("World.closest_point"))
-      .def("overlap", checked("overlap", &World::overlap), py::arg("shape"),
-           py::arg_v("pose", Transform{}, "Transform()"), filter(), doc("World.overlap"))
-      .def("debug_draw", &debug_draw, py::arg("constraint") = py::none(), py::arg("contact") = py::none(),
-           py::arg("particle") = py::none(), py::arg("joint") = py::none(), py::arg("tet_edge") = py::none(),
-           doc("World.debug_draw"));
+  const py::arg_v filter = with_default<QueryFilter>("filter"), distance("max_distance", 1e30);
+  world.def("contacts", &contacts_of, "Contacts of the last step.");
+  def<&World::track_contacts>(world, "on"_a);
+  world.def("contact_pairs", &contact_pairs_of, doc("World.contact_pairs"));
+  def<&World::ray_cast>(world, "origin"_a, "direction"_a, distance, filter);
+  def<&World::ray_cast_all>(world, "origin"_a, "direction"_a, distance, filter);
+  def<&World::sphere_cast>(world, "origin"_a, "radius"_a, "direction"_a, distance, filter);
+  def<&World::closest_point>(world, "point"_a, filter);
+  def<&World::overlap>(world, "shape"_a, with_default<Transform>("pose"), filter);
+  world.def("debug_draw", &debug_draw, "constraint"_a = py::none(), "contact"_a = py::none(),
+            "particle"_a = py::none(), "joint"_a = py::none(), "tet_edge"_a = py::none(),
+            doc("World.debug_draw"));
 }
 
 }  // namespace souple::python

@@ -6,48 +6,32 @@ namespace souple::python {
 namespace {
 
 void bind_changes(WorldClass& world) {
-  world
-      .def("set_positions", checked("set_positions", &World::set_positions), py::arg("object"),
-           py::arg("positions"), doc("World.set_positions"))
-      .def("set_velocities", checked("set_velocities", &World::set_velocities), py::arg("object"),
-           py::arg("velocities"), "Sets the velocities of all vertices, in user order [m/s].")
-      .def("set_angular_velocities", checked("set_angular_velocities", &World::set_angular_velocities),
-           py::arg("grains"), py::arg("angular_velocities"), doc("World.set_angular_velocities"))
-      .def("teleport", checked("teleport", &World::teleport), py::arg("object"), py::arg("transform"),
-           doc("World.teleport"))
-      .def("apply_impulse",
-           checked<void, ObjectId, const Selector&, const Vec3f&>("apply_impulse", &World::apply_impulse),
-           py::arg("object"), py::arg("selector"), py::arg("impulse"), doc("World.apply_impulse"))
-      .def("apply_impulse",
-           checked<void, ObjectId, const Vec3f&, const Vec3f&>("apply_impulse", &World::apply_impulse),
-           py::arg("body"), py::arg("impulse"), py::arg("point"), doc("World.apply_impulse"))
-      .def("apply_angular_impulse", checked("apply_angular_impulse", &World::apply_angular_impulse),
-           py::arg("body"), py::arg("impulse"), doc("World.apply_angular_impulse"))
-      .def("is_asleep", checked("is_asleep", &World::is_asleep), py::arg("object"),
-           "Whether an object sleeps.")
-      .def("wake", checked("wake", &World::wake), py::arg("object"), doc("World.wake"));
+  def<&World::set_positions>(world, "object"_a, "positions"_a);
+  def<&World::set_velocities>(world, "object"_a, "velocities"_a,
+                              "Sets the velocities of all vertices, in user order [m/s].");
+  def<&World::set_angular_velocities>(world, "grains"_a, "angular_velocities"_a);
+  def<&World::teleport>(world, "object"_a, "transform"_a);
+  def<py::overload_cast<ObjectId, const Selector&, const Vec3f&>(&World::apply_impulse)>(
+      world, "object"_a, "selector"_a, "impulse"_a);
+  def<py::overload_cast<ObjectId, const Vec3f&, const Vec3f&>(&World::apply_impulse)>(world, "body"_a,
+                                                                                      "impulse"_a, "point"_a);
+  def<&World::apply_angular_impulse>(world, "body"_a, "impulse"_a);
+  def<&World::is_asleep>(world, "object"_a, "Whether an object sleeps.");
+  def<&World::wake>(world, "object"_a);
 }
 
 void bind_sums(WorldClass& world) {
-  world
-      .def("total_mass", checked("total_mass", &World::total_mass), py::arg("object"),
-           doc("World.total_mass"))
-      .def("kinetic_energy", checked("kinetic_energy", &World::kinetic_energy), py::arg("object"),
-           doc("World.kinetic_energy"))
-      .def("potential_energy", checked("potential_energy", &World::potential_energy), py::arg("object"),
-           doc("World.potential_energy"))
-      .def("elastic_energy", checked("elastic_energy", &World::elastic_energy), doc("World.elastic_energy"))
-      .def("unconverged_energy", checked("unconverged_energy", &World::unconverged_energy), py::arg("dt"),
-           doc("World.unconverged_energy"))
-      .def("momentum", checked("momentum", &World::momentum), py::arg("object"), doc("World.momentum"))
-      .def("center_of_mass", checked("center_of_mass", &World::center_of_mass), py::arg("object"),
-           doc("World.center_of_mass"))
-      .def("tet_statistics", checked("tet_statistics", &World::tet_statistics), py::arg("object"),
-           "Size of the tet mesh of a soft body; zeros for other kinds.")
-      .def("particle_radius", checked<float, ObjectId>("particle_radius", &World::particle_radius),
-           py::arg("object"), doc("World.particle_radius"))
-      .def("count_crossings", checked("count_crossings", &World::count_crossings), py::arg("object"),
-           doc("World.count_crossings"));
+  def<&World::total_mass>(world, "object"_a);
+  def<&World::kinetic_energy>(world, "object"_a);
+  def<&World::potential_energy>(world, "object"_a);
+  def<&World::elastic_energy>(world);
+  def<&World::unconverged_energy>(world, "dt"_a);
+  def<&World::momentum>(world, "object"_a);
+  def<&World::center_of_mass>(world, "object"_a);
+  def<&World::tet_statistics>(world, "object"_a,
+                              "Size of the tet mesh of a soft body; zeros for other kinds.");
+  def<py::overload_cast<ObjectId>(&World::particle_radius, py::const_)>(world, "object"_a);
+  def<&World::count_crossings>(world, "object"_a);
 }
 
 Snapshot snapshot_of(const py::bytes& bytes) {
@@ -68,9 +52,9 @@ void bind_snapshots(WorldClass& world) {
       .def(
           "restore",
           [](BoundWorld& self, const py::bytes& bytes) { self.use("restore").restore(snapshot_of(bytes)); },
-          py::arg("snapshot"), doc("World.restore"))
-      .def("hash", checked("hash", &World::hash), doc("World.hash"))
-      .def("version", checked("version", &World::version), doc("World.version"));
+          "snapshot"_a, doc("World.restore"));
+  def<&World::hash>(world);
+  def<&World::version>(world);
 }
 
 }  // namespace
@@ -79,19 +63,18 @@ void bind_world_state(WorldClass& world) {
   bind_changes(world);
   bind_sums(world);
   bind_snapshots(world);
-  world.def("mesh", checked("mesh", &World::mesh), py::arg("object"), doc("World.mesh"))
-      .def(
-          "foam",
-          [](BoundWorld& self) {
-            const FoamView view = self.use("foam").foam();
-            const auto kinds = copied_array(view.kinds.data(), view.kinds.size(), "u1", 0);
-            return namespace_of(py::arg("positions") = to_array(view.positions),
-                                py::arg("velocities") = to_array(view.velocities), py::arg("kinds") = kinds);
-          },
-          doc("World.foam"))
-      .def("pressures", checked("pressures", &World::pressures), py::arg("fluid"), doc("World.pressures"))
-      .def("select", checked("select", &World::select), py::arg("object"), py::arg("selector"),
-           doc("World.select"));
+  def<&World::mesh>(world, "object"_a);
+  world.def(
+      "foam",
+      [](BoundWorld& self) {
+        const FoamView view = self.use("foam").foam();
+        const auto kinds = copied_array(view.kinds.data(), view.kinds.size(), "u1", 0);
+        return namespace_of("positions"_a = to_array(view.positions),
+                            "velocities"_a = to_array(view.velocities), "kinds"_a = kinds);
+      },
+      doc("World.foam"));
+  def<&World::pressures>(world, "fluid"_a);
+  def<&World::select>(world, "object"_a, "selector"_a);
 }
 
 }  // namespace souple::python
