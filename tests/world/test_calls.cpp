@@ -1,10 +1,7 @@
 #include "souple/solver/custom_constraint.h"
-#include "souple/souple.h"
-#include "souple/world/debug_draw.h"
-#include "souple/world/memory.h"
-#include "souple/world/profile.h"
 #include "tests/expect_error.h"
 #include "tests/paths.h"
+#include "tests/world/scene.h"
 
 #include <atomic>
 #include <fstream>

@@ -1,8 +1,7 @@
 #include "souple/constraints/distance.h"
 #include "souple/solver/custom_constraint.h"
 #include "souple/solver/set_projector.h"
-#include "souple/souple.h"
-#include "souple/world/debug_draw.h"
+#include "tests/world/scene.h"
 
 #include <algorithm>
 #include <map>
@@ -50,15 +49,13 @@ struct Everything {
   ObjectId cloth, balloon, lump, box, rope, grains;
 
   Everything() {
-    cloth = world.add_cloth(grid(6, 5, 1.0), {}, {.transform = {.translation = {0, 1, 0}}});
+    cloth = world.add_cloth(grid(6, 5, 1.0), {}, at(0, 1, 0));
     world.pin(cloth, vertices({0, 5}));
-    balloon = world.add_cloth(sphere(2, 0.3), {.stretch = StretchModel::membrane},
-                              {.transform = {.translation = {3, 1, 0}}});
+    balloon = world.add_cloth(sphere(2, 0.3), {.stretch = StretchModel::membrane}, at(3, 1, 0));
     world.set_enclosed_volume(balloon, 1.1f);
-    lump =
-        world.add_soft_body(sphere(2, 0.3), {}, {.cells = 60}, {.transform = {.translation = {6, 0.4, 0}}});
+    lump = world.add_soft_body(sphere(2, 0.3), {}, {.cells = 60}, at(6, 0.4, 0));
     box = world.add_soft_body(tet_bar(2, 2, 2, {0.4, 0.4, 0.4}), {.model = SoftBodyModel::shape_matching},
-                              {.transform = {.translation = {9, 0.15, 0}}});
+                              at(9, 0.15, 0));
     const Vec3d ends[] = {{12, 1, 0}, {13, 1, 0}};
     rope = world.add_rope(ends, 8, {.bending_stiffness = 0.01f});
     const Vec3d centers[] = {{15, 0.05, 0}, {15.02, 0.12, 0}, {15.1, 0.05, 0}};

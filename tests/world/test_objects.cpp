@@ -1,9 +1,11 @@
-#include "souple/souple.h"
+#include "souple/objects/kind_functions.h"
 #include "tests/expect_error.h"
+#include "tests/world/scene.h"
 
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -267,6 +269,92 @@ TEST(Objects, ReportsTheStrainOfMembranesAndSoftBodies) {
   World other;
   EXPECT_NEAR(strain_of(other, other.add_soft_body(tet_bar(2, 2, 2, {1, 1, 1}))), 4.12, 1e-2);
   EXPECT_FALSE(other.report().has(Flag::large_strain));
+}
+
+std::vector<ObjectKind> all_kinds() {
+  std::vector<ObjectKind> kinds;
+  kinds.reserve(std::variant_size_v<Material>);
+  for (std::size_t k = 0; k < std::variant_size_v<Material>; ++k) kinds.push_back(static_cast<ObjectKind>(k));
+  return kinds;
+}
+
+TEST(Kinds, AreFoundByTheirNames) {
+  for (const ObjectKind kind : all_kinds()) EXPECT_EQ(find_kind(kind_name(kind)), kind);
+  EXPECT_EQ(kind_name(ObjectKind::cloth), "cloth");
+  EXPECT_EQ(kind_name(ObjectKind::fluid), "fluid");
+  EXPECT_FALSE(find_kind("fog"));
+}
+
+TEST(Kinds, HaveAValidDefaultMaterialOfTheirOwn) {
+  for (const ObjectKind kind : all_kinds()) {
+    const Material material = functions_of(kind).default_material();
+    EXPECT_EQ(kind_of(material), kind);
+    EXPECT_NO_THROW(validate(material, "default"));
+    EXPECT_GT(contact_radius(material), 0);
+    EXPECT_GT(particle_radius(material), 0);
+  }
+}
+
+TEST(Kinds, EachPresetBelongsToOne) {
+  for (const std::string& name : material::names()) {
+    std::size_t found = 0;
+    for (const ObjectKind kind : all_kinds()) {
+      const auto find = functions_of(kind).find_preset;
+      if (find == nullptr || !find(name)) continue;
+      ++found;
+      EXPECT_EQ(kind_of(*find(name)), kind) << name;
+    }
+    EXPECT_EQ(found, 1u) << name;
+  }
+}
+
+TEST(Kinds, AWorldTakesAndGivesMaterialsOfAnyKind) {
+  World world;
+  const std::vector<Vec3d> points{{0, 0, 0}, {1, 0, 0}};
+  const ObjectId cloth = world.add_cloth(grid(3, 3, 1)), rope = world.add_rope(points, 4);
+  const Material silk = material::silk;
+  world.set_material(cloth, silk);
+  EXPECT_EQ(std::get<ClothMaterial>(world.material(cloth)).areal_density, material::silk.areal_density);
+  EXPECT_EQ(world.cloth_material(cloth).thickness, material::silk.thickness);
+  EXPECT_TRUE(std::holds_alternative<RopeMaterial>(world.material(rope)));
+  expect_error([&] { world.set_material(rope, silk); }, {"rope", "kind"});
+}
+
+std::size_t bytes_of_part(const std::vector<MemoryReport::Part>& parts, const std::string& name) {
+  for (const MemoryReport::Part& part : parts)
+    if (part.name == name) return part.bytes;
+  return 0;
+}
+
+MemoryReport memory_of(const ClothMaterial& material) {
+  World world;
+  const ObjectId cloth = world.add_cloth(grid(200, 200, 2), material);
+  world.step(1.0 / 60);
+  world.positions(cloth);
+  return world.memory();
+}
+
+TEST(Memory, AClothTakesAtMost256BytesAParticle) {
+  ClothMaterial springs;
+  springs.bending = BendingModel::distance;
+  ClothMaterial stiff = springs;
+  stiff.membrane_stiffness = stiff.bending_stiffness = rigid;
+  for (const ClothMaterial& material : {springs, stiff}) {
+    const MemoryReport report = memory_of(material);
+    EXPECT_EQ(report.particles, 40000u);
+    EXPECT_LE(MemoryReport::total(report.simulation), 256 * report.particles);
+    EXPECT_LE(MemoryReport::total(report.objects), 128 * report.particles);
+  }
+}
+
+TEST(Memory, EveryConstraintIsCounted) {
+  ClothMaterial material;
+  material.bending = BendingModel::none;
+  const std::size_t edges = bytes_of_part(memory_of(material).simulation, "distance");
+  EXPECT_GE(edges, std::size_t{119201} * 2 * sizeof(std::uint32_t));
+  material.bending = BendingModel::distance;
+  EXPECT_GE(bytes_of_part(memory_of(material).simulation, "distance"),
+            edges + std::size_t{118405} * 2 * sizeof(std::uint32_t));
 }
 
 }  // namespace souple::test_world_objects

@@ -1,10 +1,13 @@
 #include "souple/constraints/distance.h"
 #include "souple/solver/set_projector.h"
-#include "souple/souple.h"
 #include "tests/expect_error.h"
+#include "tests/world/scene.h"
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -201,6 +204,210 @@ TEST(Pins, AConstraintOnNobodyIsRefused) {
   EXPECT_NE(world.step(0.01).message.find("particle 99"), std::string::npos);
   EXPECT_EQ(world.hash(), before);
   EXPECT_TRUE(world.contains(cloth));
+}
+
+// Inputs of a game: colliders and pins that arrive at a pose, wind of each object, force fields that know whom they
+// push. Also the host's threads, and warnings.
+
+constexpr double dt = 1.0 / 60;
+
+Quatd turn_about_y(double angle) {
+  return {0, std::sin(angle / 2), 0, std::cos(angle / 2)};
+}
+
+/// A plate that rises under a grain carries it: it is swept, and arrives where it was told, with the step's speed.
+TEST(Arrivals, AColliderArrivesAtItsPoseAndSweepsItsPath) {
+  World world({.gravity = {}});
+  const ColliderId plate = world.add_collider(Box{.half_extents = {1, 0.05f, 1}});
+  const std::vector<Vec3d> above{{0, 0.2, 0}};
+  const ObjectId grain = world.add_grains(above, {.radius = 0.02f});
+  double y = 0;
+  for (int frame = 0; frame < 20; ++frame) {
+    y += 0.05;  // 3 m/s: in one jump the plate would be beyond the grain
+    world.move_collider(plate, {{0, y, 0}, turn_about_y(0.1 * frame)});
+    world.step(dt);
+    EXPECT_EQ(world.collider_pose(plate).translation.y, y);
+    EXPECT_NEAR(world.collider_pose(plate).rotation.y, std::sin(0.05 * frame), 1e-12);
+  }
+  EXPECT_GT(world.positions(grain)[0].y, y + 0.05 + 0.02 - 1e-3);
+  EXPECT_NEAR(world.velocities(grain)[0].y, 3, 0.05);
+  world.step(dt);  // without another call it stays
+  EXPECT_EQ(world.collider_pose(plate).translation.y, y);
+}
+
+TEST(Arrivals, HalfWayThroughTheStepAColliderIsHalfWay) {
+  World world({.substeps = 2});
+  const ColliderId ball = world.add_collider(Sphere{});
+  std::vector<double> seen;
+  world.after(Stage::velocity, [&](World& w) { seen.push_back(w.collider_pose(ball).translation.x); });
+  world.move_collider(ball, {{1, 0, 0}});
+  world.step(dt);
+  ASSERT_EQ(seen.size(), 2u);
+  EXPECT_NEAR(seen[1], 0.5, 1e-12);  // time advances after the stage
+  EXPECT_EQ(world.collider_pose(ball).translation.x, 1);
+}
+
+TEST(Arrivals, PinsArriveStraightAndKeepTheSpeed) {
+  World world;
+  const ObjectId cloth = world.add_cloth(grid(5, 5, 1.0f));
+  world.pin(cloth, vertices({0, 4}));
+  const Vec3f first = world.positions(cloth)[0];
+  const Transform bone{{0, 0.25, 0}, turn_about_y(0.5)};
+  world.move_pins(cloth, vertices({0, 4}), bone);
+  world.step(dt);
+  const Vec3d there = bone.point(Vec3d(first));
+  EXPECT_LT(length(Vec3d(world.positions(cloth)[0]) - there), 1e-6);
+  EXPECT_NEAR(world.velocities(cloth)[0].y, 0.25 / dt, 1e-2);
+  world.step(dt);
+  EXPECT_LT(length(Vec3d(world.positions(cloth)[0]) - there), 1e-6);
+  EXPECT_EQ(world.velocities(cloth)[0].y, 0);
+  // Another call with this motion gives the same place: it counts from where the vertices were pinned.
+  world.move_pins(cloth, vertices({0}), bone);
+  world.step(dt);
+  EXPECT_LT(length(Vec3d(world.positions(cloth)[0]) - there), 1e-6);
+  const std::uint32_t chosen[] = {4};
+  const Vec3f place[] = {{0.5f, 1, -0.5f}};
+  world.move_pins(cloth, chosen, place);
+  world.step(dt);
+  EXPECT_LT(length(world.positions(cloth)[4] - place[0]), 1e-6f);
+}
+
+TEST(Arrivals, OfALatticeAVertexTakesItsTetWithIt) {
+  World world({.gravity = {}});
+  const ObjectId body = world.add_soft_body(sphere(2, 0.5), {}, {.cells = 300});
+  world.pin(body, nearest({0, 0.5f, 0}));
+  const std::uint32_t top = world.select(body, nearest({0, 0.5f, 0}))[0];
+  const Vec3f before = world.positions(body)[top];
+  world.move_pins(body, vertices({top}), {{0.1, 0, 0}});
+  world.step(dt);
+  EXPECT_LT(length(world.positions(body)[top] - before - Vec3f{0.1f, 0, 0}), 1e-5f);
+}
+
+TEST(Arrivals, SayWhatIsWrong) {
+  World world;
+  const ObjectId cloth = world.add_cloth(grid(3, 3, 1.0f), {}, {.name = "cape"});
+  world.pin(cloth, vertices({0}));
+  expect_error(
+      [&] {
+        world.move_pins(cloth, vertices({0, 1}), {});
+      },
+      {"move_pins: vertex 1 of cape is not pinned; pin it first"});
+  const std::uint32_t one[] = {0};
+  expect_error([&] { world.move_pins(cloth, one, {}); }, {"1 vertices of cape and 0 positions"});
+  const ColliderId ball = world.add_collider(Sphere{});
+  EXPECT_THROW(world.move_collider(ball, {{std::nan(""), 0, 0}}), Error);
+  EXPECT_THROW(world.set_wind_exposure(cloth, -1), Error);
+}
+
+/// Also in a world that is built again, where the collider was never moved.
+TEST(Arrivals, ARestoredWorldGoesOnBitwise) {
+  const auto built = [] {
+    World world;
+    const ObjectId cloth = world.add_cloth(grid(12, 12, 1.0f));
+    world.pin(cloth, vertices({0, 11}));
+    world.add_collider(Capsule{.center = {0, -0.4f, 0}, .radius = 0.2f});
+    return world;
+  };
+  const auto play = [](World& world, int from, int to) {
+    for (int frame = from; frame < to; ++frame) {
+      const Transform pose{{0.02 * frame, 0.01 * frame, 0}, turn_about_y(0.05 * frame)};
+      world.move_collider(world.colliders()[0], pose);
+      world.move_pins(world.objects()[0], vertices({0, 11}), pose);
+      world.step(dt);
+    }
+  };
+  World world = built();
+  const Snapshot first = world.snapshot();
+  play(world, 0, 10);
+  const Snapshot snapshot = world.snapshot();
+  play(world, 10, 20);
+  const std::uint64_t end = world.hash();
+  World again = built();
+  again.restore(snapshot);
+  play(again, 10, 20);
+  EXPECT_EQ(again.hash(), end);
+  world.restore(first);
+  EXPECT_EQ(world.collider_pose(world.colliders()[0]).translation.x, 0);
+  play(world, 0, 20);
+  EXPECT_EQ(world.hash(), end);
+}
+
+TEST(Wind, ReachesEachObjectByItsExposure) {
+  World world({.gravity = {}});
+  const ObjectId open = world.add_cloth(grid(5, 5, 1.0f)), half = world.add_cloth(grid(5, 5, 1.0f)),
+                 sheltered = world.add_cloth(grid(5, 5, 1.0f));
+  for (const ObjectId cloth : {half, sheltered}) world.teleport(cloth, {{0, cloth == half ? 3.0 : 6.0, 0}});
+  world.set_wind({.velocity = {0, 4, 0}});
+  world.set_wind_exposure(half, 0.5f);
+  world.set_wind_exposure(sheltered, 0);
+  EXPECT_EQ(world.wind_exposure(open), 1);
+  world.step(dt);
+  const double all = world.momentum(open).y, some = world.momentum(half).y;
+  EXPECT_GT(all, 0);
+  EXPECT_NEAR(some / all, 0.25, 0.04);  // drag goes by the square of the speed
+  EXPECT_EQ(world.momentum(sheltered).y, 0);
+}
+
+TEST(ForceFields, KnowObjectAndVertex) {
+  World world({.gravity = {}});
+  const ObjectId left = world.add_cloth(grid(3, 3, 1.0f)), right = world.add_cloth(grid(3, 3, 1.0f));
+  world.teleport(right, {{5, 0, 0}});
+  world.add_force_field([&](const ForcePoint& point) {
+    return point.object == right && point.vertex == 4 ? Vec3f{0, 100 * point.mass, 0} : Vec3f{};
+  });
+  world.step(1e-3);
+  EXPECT_EQ(world.momentum(left).y, 0);
+  std::uint32_t fastest = 0;
+  for (std::uint32_t v = 1; v < 9; ++v)
+    if (world.velocities(right)[v].y > world.velocities(right)[fastest].y) fastest = v;
+  EXPECT_EQ(fastest, 4u);
+}
+
+/// Runs each job on a thread of its own, the last one first.
+class Reversed final : public JobSystem {
+ public:
+  int workers() const override { return 3; }
+  void run(std::size_t count, RangeFunction job) override {
+    ++runs;
+    for (std::size_t i = count; i-- > 0;) std::thread([&] { job(i, i + 1); }).join();
+  }
+  int runs = 0;
+};
+
+TEST(Jobs, OfTheHostGiveTheSameBits) {
+  const auto hash = [](JobSystem* jobs) {
+    World world({.threads = 1});
+    world.set_job_system(jobs);
+    world.add_cloth(grid(60, 60, 1.0f));
+    world.add_collider(Sphere{.center = {0, -0.4f, 0}, .radius = 0.3f});
+    for (int i = 0; i < 4; ++i) world.step(dt);
+    return world.hash();
+  };
+  Reversed jobs;
+  EXPECT_EQ(hash(&jobs), hash(nullptr));
+  EXPECT_GT(jobs.runs, 0);
+}
+
+TEST(Log, HasAWarningOnceUntilItClears) {
+  World world({.gravity = {}, .drag = 2});
+  const ObjectId cloth = world.add_cloth(grid(8, 8, 1.0f));
+  world.pin(cloth, vertices({0, 7, 56, 63}));
+  int warnings = 0;
+  world.set_log([&](LogLevel level, std::string_view) { warnings += level == LogLevel::warning ? 1 : 0; });
+  const std::uint32_t corner[] = {0};
+  const Vec3f rest[] = {world.positions(cloth)[0]}, far[] = {{-0.9f, 0, -0.9f}};
+  int flagged = 0;
+  for (int round = 1; round <= 2; ++round) {
+    world.move_pins(cloth, corner, far);
+    for (int i = 0; i < 20; ++i)
+      flagged += world.step(dt).flags & static_cast<std::uint32_t>(Flag::large_strain) ? 1 : 0;
+    EXPECT_GE(warnings, round);
+    EXPECT_LE(warnings, 3 * round) << flagged << " flagged steps";
+    world.move_pins(cloth, corner, rest);
+    for (int i = 0; i < 120; ++i) world.step(dt);
+    EXPECT_EQ(world.report().message, "") << "the cloth has not recovered";
+  }
+  EXPECT_GT(flagged, 30);
 }
 
 }  // namespace souple::test_world_pins

@@ -1,7 +1,5 @@
-// Objects at rest fall asleep. They wake when they or objects near them are moved.
-#include "souple/geometry/builders.h"
 #include "souple/host/grab.h"
-#include "souple/world/world.h"
+#include "tests/world/scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +8,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+
+// Objects at rest fall asleep. They wake when they or objects near them are moved.
 
 namespace souple::test_world_sleeping {
 
@@ -22,16 +22,6 @@ Settings sleepy(int threads = 0) {
   return settings;
 }
 
-ObjectOptions at(const Vec3d& translation, const Vec3d& turn = {}) {
-  ObjectOptions options;
-  options.transform = {translation, Quatd::from_euler_xyz(turn), 1};
-  return options;
-}
-
-void run(World& world, double seconds) {
-  for (double t = 0; t < seconds; t += frame) ASSERT_TRUE(world.step(frame).ok());
-}
-
 /// Number of frames until all objects sleep, or `most`.
 int frames_until_asleep(World& world, int most) {
   std::size_t movable = 0;
@@ -39,10 +29,6 @@ int frames_until_asleep(World& world, int most) {
   for (int k = 1; k <= most; ++k)
     if (world.step(frame).asleep == movable) return k;
   return most;
-}
-
-std::vector<Vec3f> copy(std::span<const Vec3f> positions) {
-  return {positions.begin(), positions.end()};
 }
 
 ObjectId add_box(World& world, const Vec3d& where, const char* name) {
@@ -53,7 +39,8 @@ ObjectId add_box(World& world, const Vec3d& where, const char* name) {
 }
 
 void add_heap_of_cloth(World& world) {
-  ObjectOptions options = at({0, 0.25, 0}, {0.3, 0, 1.4});
+  ObjectOptions options = at(0, 0.25, 0);
+  options.transform.rotation = Quatd::from_euler_xyz({0.3, 0, 1.4});
   options.self_collision = SelfCollision::surfaces;
   world.add_cloth(grid(9, 9, 0.4), {.damping = 4}, options);
 }
@@ -117,9 +104,7 @@ TEST(Sleeping, NothingSleepsUnlessAsked) {
 // A sheet pinned at its corners must catch a falling object as if it had never slept.
 TEST(Sleeping, ABallWakesTheSheetThatCatchesIt) {
   const auto deepest = [](bool enabled) {
-    Settings settings = sleepy();
-    settings.sleeping.enabled = enabled;
-    World world(settings);
+    World world({.sleeping = {.enabled = enabled}});
     const ObjectId sheet = world.add_cloth(grid(13, 13, 1), {.thickness = 0.01f, .damping = 6});
     world.pin(sheet, vertices({0, 12, 156, 168}));
     run(world, 8);

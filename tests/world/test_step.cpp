@@ -1,5 +1,5 @@
-#include "souple/souple.h"
 #include "tests/expect_error.h"
+#include "tests/world/scene.h"
 
 #include <algorithm>
 #include <cmath>
@@ -125,15 +125,123 @@ TEST(Step, DampingKeepsRigidMotion) {
 // surface penetrates by about cell^2 / (4 r), 3 mm here.
 TEST(Step, ASoftBodyRestsOnItsSurface) {
   World world({.substeps = 20, .drag = 2});
-  const ObjectId ball =
-      world.add_soft_body(sphere(3, 0.2), {.young_modulus = 5e5f, .density = 300}, {.cell_size = 0.05},
-                          {.transform = {.translation = {0, 0.25, 0}}});
+  const ObjectId ball = world.add_soft_body(sphere(3, 0.2), {.young_modulus = 5e5f, .density = 300},
+                                            {.cell_size = 0.05}, at(0, 0.25, 0));
   world.add_collider(Plane{});
   for (int i = 0; i < 90; ++i) world.step(1.0 / 60);
   float lowest = 1;
   for (const Vec3f& x : world.positions(ball)) lowest = std::min(lowest, x.y);
   EXPECT_GT(lowest, -0.012);
   EXPECT_LT(lowest, 0.003);
+}
+
+/// Advances by one substep of `settings`, like a viewer: a step of dt / substeps with one substep.
+void advance_one_substep(World& world, double dt) {
+  const Settings settings = world.settings();
+  Settings one = settings;
+  one.substeps = 1;
+  world.set_settings(one);
+  world.step(dt / settings.substeps);
+  world.set_settings(settings);
+}
+
+double largest_difference(const World& a, const World& b) {
+  double largest = 0;
+  for (const ObjectId object : a.objects())
+    for (std::size_t i = 0; i < a.positions(object).size(); ++i)
+      largest = std::max(largest, length(Vec3d(a.positions(object)[i]) - Vec3d(b.positions(object)[i])));
+  return largest;
+}
+
+/// Without contacts a step does not depend on its division. Ten steps of one substep equal one step of ten bitwise,
+/// including pins and attachments with targets.
+TEST(Substeps, OneByOneEqualAStepToTheBit) {
+  const auto build = [] {
+    World world({.wind = {.velocity = {1, 0, 0}, .gust = 0.5f}});
+    const ObjectId cloth = world.add_cloth(grid(12, 12, 1));
+    world.pin(cloth, vertices({0}), [](std::uint32_t, double t) { return Vec3d(-0.5, std::sin(t), -0.5); });
+    world.attach(cloth, vertices({143}), {}, 1e-3f);
+    world.add_soft_body(sphere(2, 0.2), {}, {.cells = 60}, at(3, 0, 0));
+    return world;
+  };
+  World whole = build(), cut = build();
+  for (int frame = 0; frame < 30; ++frame) {
+    whole.step(1.0 / 60);
+    for (int i = 0; i < 10; ++i) advance_one_substep(cut, 1.0 / 60);
+    EXPECT_EQ(cut.settings().substeps, 10);
+  }
+  EXPECT_EQ(largest_difference(whole, cut), 0);
+  EXPECT_NEAR(whole.time(), cut.time(), 1e-12);
+}
+
+/// With contacts the same holds unless the broad phase, which then runs ten times instead of once, finds
+/// other candidates.
+TEST(Substeps, OneByOneAreCloseWithContacts) {
+  const auto build = [] {
+    World world;
+    world.add_cloth(grid(12, 12, 1), {}, at(0, 0.6, 0));
+    world.add_collider(Sphere{.radius = 0.4f});
+    world.add_collider(Plane{.offset = -0.4f});
+    return world;
+  };
+  World whole = build(), cut = build();
+  for (int frame = 0; frame < 30; ++frame) {
+    whole.step(1.0 / 60);
+    for (int i = 0; i < 10; ++i) advance_one_substep(cut, 1.0 / 60);
+  }
+  EXPECT_GT(whole.report().contacts, 10u);
+  EXPECT_LT(largest_difference(whole, cut), 1e-4);
+}
+
+World everything() {
+  World world({.wind = {.velocity = {3, 0, 0}, .gust = 0.5f}});
+  const ObjectId cloth = world.add_cloth(grid(9, 9, 1), {}, at(0, 1, 0));
+  world.pin(cloth, vertices({0, 8}));
+  world.add_soft_body(sphere(2, 0.2), {}, {.cells = 200}, at(0, 0.5, 0));
+  std::vector<Vec3d> grains;
+  grains.reserve(60);
+  for (int i = 0; i < 60; ++i) {
+    const int layer = i / 4;
+    grains.push_back({0.3 + 0.03 * (i % 4), 0.03 * layer, 0.03 * (i % 3)});
+  }
+  world.add_grains(grains, {}, {.velocity = {1, 0, 0}});
+  world.add_collider(Plane{});
+  return world;
+}
+
+TEST(Snapshot, ContinuesBitwiseTheSame) {
+  World a = everything(), b = everything();
+  for (int i = 0; i < 60; ++i) a.step(1.0 / 60);
+  ASSERT_GT(a.report().contacts, 20u) << "the heap has to touch, or friction is not tested";
+  const Snapshot snapshot = a.snapshot();
+  b.restore(snapshot);
+  const auto spin_a = a.angular_velocities(a.objects()[2]), spin_b = b.angular_velocities(b.objects()[2]);
+  ASSERT_EQ(spin_a.size(), 60u);
+  EXPECT_TRUE(std::equal(spin_a.begin(), spin_a.end(), spin_b.begin()));
+  EXPECT_TRUE(std::any_of(spin_a.begin(), spin_a.end(), [](const Vec3f& w) { return length(w) > 0; }));
+  for (int i = 0; i < 20; ++i) {
+    a.step(1.0 / 60);
+    b.step(1.0 / 60);
+    ASSERT_EQ(a.hash(), b.hash()) << "step " << i;
+  }
+  a.restore(snapshot);
+  for (int i = 0; i < 20; ++i) a.step(1.0 / 60);
+  EXPECT_EQ(a.hash(), b.hash()) << "rolled back";
+}
+
+TEST(Snapshot, ADamagedOrForeignOneChangesNothing) {
+  World world = everything();
+  world.step(1.0 / 60);
+  const std::uint64_t before = world.hash();
+  Snapshot damaged = world.snapshot();
+  damaged.bytes[damaged.bytes.size() / 2] ^= std::byte{1};
+  expect_error([&] { world.restore(damaged); }, {"damaged"});
+  damaged.bytes.resize(10);
+  expect_error([&] { world.restore(damaged); }, {"cut short"});
+  World other;
+  other.add_cloth(grid(3, 3, 1));
+  expect_error([&] { world.restore(other.snapshot()); }, {"other objects"});
+  EXPECT_EQ(world.hash(), before);
 }
 
 }  // namespace souple::test_world_step

@@ -1,28 +1,15 @@
-#include "souple/geometry/builders.h"
-#include "souple/world/world.h"
 #include "tests/expect_error.h"
-#include "tests/intersections/crossings.h"
+#include "tests/world/scene.h"
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 namespace souple::test_world_surface_contacts {
 
 using test::CrossingCounter;
-
-CrossingCounter crossing_counter_of(const World& world) {
-  CrossingCounter counter;
-  for (const ObjectId id : world.objects()) counter.add(world.positions(id), world.mesh(id).triangles);
-  return counter;
-}
-
-Vec3d total_momentum(const World& world) {
-  Vec3d sum;
-  for (const ObjectId id : world.objects()) sum += world.momentum(id);
-  return sum;
-}
 
 struct OnTwoTriangles {
   World world;
@@ -34,8 +21,7 @@ struct OnTwoTriangles {
 OnTwoTriangles on_two_triangles(int n, int threads) {
   OnTwoTriangles scene{World({.substeps = 2, .gravity = {}, .threads = threads}), {}, {}};
   scene.large = scene.world.add_cloth(grid(2, 2, 3), {.areal_density = 1});
-  scene.fine = scene.world.add_cloth(grid(n, n, 1), {.areal_density = 1},
-                                     {.transform = {.translation = {0.05, 0.003, 0.02}}});
+  scene.fine = scene.world.add_cloth(grid(n, n, 1), {.areal_density = 1}, at(0.05, 0.003, 0.02));
   scene.world.add_force_field([](const ForcePoint& point) {
     const bool is_fine = point.mass < 0.1f;
     return Vec3f{0, is_fine ? -10 * point.mass : 0, 0};
@@ -64,44 +50,40 @@ TEST(Crossings, GridCountsWhatAllPairsCount) {
   }
 }
 
-World falling_sheet(int n, bool self_collision, int threads = 0) {
-  World world({.threads = threads});
-  ObjectOptions options;
-  options.self_collision = self_collision ? SelfCollision::surfaces : SelfCollision::off;
-  options.transform.translation = {0, 0.7, 0};
-  options.transform.rotation = Quatd::from_axis_angle({0, 0, 1}, 1.48);
-  world.add_cloth(grid(n, n, 1), {.areal_density = 0.2f, .thickness = 0.2f / static_cast<float>(n)}, options);
+World falling_sheet(int n, SelfCollision self_collision) {
+  World world;
+  ObjectOptions options{.self_collision = self_collision};
+  options.transform = {{0, 0.52, 0}, Quatd::from_axis_angle({0, 0, 1}, 1.48), 1};
+  world.add_cloth(grid(n, n, 1), {.areal_density = 0.2f, .thickness = 0.3f / static_cast<float>(n)}, options);
   world.add_collider(Plane{});
   return world;
 }
 
 TEST(SurfaceContacts, ASheetThatFallsInAHeapNeverPassesThroughItself) {
-  World world = falling_sheet(20, true);
+  World world = falling_sheet(20, SelfCollision::surfaces);
   for (int frame = 0; frame < 60; ++frame) {
     world.step(1.0 / 60);
-    EXPECT_EQ(crossing_counter_of(world).crossings(), 0u) << frame;
+    EXPECT_EQ(crossings(world), 0u) << frame;
   }
-  World without = falling_sheet(20, false);
+  World without = falling_sheet(20, SelfCollision::off);
   for (int frame = 0; frame < 60; ++frame) without.step(1.0 / 60);
-  EXPECT_GT(crossing_counter_of(without).crossings(), 0u);
+  EXPECT_GT(crossings(without), 0u);
 }
 
 // A stone thrown at a free sheet moves it: no crossing, and momentum is conserved.
 TEST(SurfaceContacts, AFastStoneDoesNotPass) {
   World world({.gravity = {}});
-  ObjectOptions own;
-  own.self_collision = SelfCollision::surfaces;
-  const ObjectId sheet = world.add_cloth(grid(12, 12, 0.5), {.thickness = 0.01f}, own);
-  ObjectOptions thrown;
+  const ObjectId sheet =
+      world.add_cloth(grid(12, 12, 0.5), {.thickness = 0.01f}, {.self_collision = SelfCollision::surfaces});
+  ObjectOptions thrown = at(0.013, 0.5, 0.017);
   thrown.self_collision = SelfCollision::surfaces;
-  thrown.transform.translation = {0.013, 0.5, 0.017};
   thrown.velocity = {0, -30, 0};
   const ObjectId stone = world.add_soft_body(tet_bar(2, 2, 2, {0.1, 0.1, 0.1}), {.thickness = 0.01f}, thrown);
   const Vec3d before = total_momentum(world);
   std::size_t contacts = 0;
   for (int frame = 0; frame < 6; ++frame) {
     contacts += world.step(1.0 / 60).contacts;
-    EXPECT_EQ(crossing_counter_of(world).crossings(), 0u) << frame;
+    EXPECT_EQ(crossings(world), 0u) << frame;
   }
   EXPECT_GT(contacts, 0u);
   EXPECT_LT(world.momentum(sheet).y, -0.1);
@@ -235,10 +217,8 @@ TEST(SurfaceContacts, ClothOnAClothSlopeSlidesAsMuSays) {
     const auto friction = static_cast<float>(mu);
     const ObjectId slope = world.add_cloth(grid(21, 21, 4), {.thickness = 0.01f, .friction = friction});
     world.pin(slope, in_box({-9, -9, -9}, {9, 9, 9}));
-    ObjectOptions options;
-    options.transform.translation = {-1.03, 0.0101, 0.02};
-    const ObjectId patch =
-        world.add_cloth(grid(6, 6, 0.31), {.thickness = 0.01f, .friction = friction}, options);
+    const ObjectId patch = world.add_cloth(grid(6, 6, 0.31), {.thickness = 0.01f, .friction = friction},
+                                           at(-1.03, 0.0101, 0.02));
     const auto speed = [&] { return world.momentum(patch).x / double(world.total_mass(patch)); };
     for (int frame = 0; frame < 12; ++frame) world.step(1.0 / 60);
     const double early = speed();
@@ -273,7 +253,7 @@ TEST(SurfaceContacts, ThousandsOfContactsOfOneTriangle) {
   }
   EXPECT_GT(most, 2000u);
   EXPECT_EQ(one.world.hash(), four.world.hash());
-  EXPECT_EQ(crossing_counter_of(one.world).crossings(), 0u);
+  EXPECT_EQ(crossings(one.world), 0u);
   EXPECT_NEAR(total_momentum(one.world).y, -1, 1e-3);  // 1 kg, 10 m/s^2, 0.1 s
   EXPECT_LT(one.world.momentum(one.large).y, -0.5);
 }
@@ -289,6 +269,177 @@ TEST(RopeOnItself, NeedsSegmentsOfAFifthOfItsRadius) {
   expect_error([&] { world.set_material(rope, RopeMaterial{.radius = 0.01f}); },
                {"rope", "radius 0.01 m", "at most 500 segments"});
   EXPECT_EQ(world.rope_material(rope).radius, 0.005f);
+}
+
+// Self-collision of particles: balls at vertices.
+
+const ObjectOptions with_balls{.self_collision = SelfCollision::particles};
+
+/// A sheet around a half turn of `radius` [m] at x = 0: its right half lies over its left.
+std::vector<Vec3f> folded(const TriangleMesh& mesh, double radius) {
+  std::vector<Vec3f> x;
+  for (const Vec3d& at : mesh.positions) {
+    const double turned = std::clamp(at.x / radius, 0.0, pi), beyond = std::max(0.0, at.x - pi * radius);
+    x.push_back(Vec3f{float(std::min(at.x, 0.0) + radius * std::sin(turned) - beyond),
+                      float(radius * (1 - std::cos(turned))), float(at.z)});
+  }
+  return x;
+}
+
+std::size_t self_contacts(const World& world) {
+  std::size_t count = 0;
+  for (const ContactEvent& contact : world.contacts()) count += contact.other_is_collider ? 0 : 1;
+  return count;
+}
+
+// Also irregular edges, and a tube that is closed at rest.
+TEST(VertexBalls, TheShapeAtRestHasNoContact) {
+  TriangleMesh uneven = grid(20, 20, 1);
+  for (Vec3d& x : uneven.positions) x.x += 0.4 * x.x * x.x;
+  for (const TriangleMesh& mesh : {grid(20, 20, 1), uneven, torus(0.3, 0.05, 40, 12), sphere(2, 0.2)}) {
+    std::vector<std::uint64_t> hashes;
+    for (const SelfCollision mode : {SelfCollision::particles, SelfCollision::off}) {
+      World world({.gravity = {}});
+      world.add_cloth(mesh, {}, {.self_collision = mode});
+      for (int frame = 0; frame < 3; ++frame) world.step(1.0 / 60);
+      EXPECT_EQ(world.report().contacts, 0u);
+      hashes.push_back(world.hash());
+    }
+    EXPECT_EQ(hashes[0], hashes[1]);
+  }
+}
+
+// Two halves of a sheet, folded over each other and closing at 2 m/s, stop each other.
+TEST(VertexBalls, LayersOfAFoldedSheetStayApart) {
+  World world({.gravity = {}});
+  const TriangleMesh mesh = grid(30, 30, 1);
+  const ObjectId cloth = world.add_cloth(mesh, {.thickness = 0.005f}, with_balls);
+  std::vector<Vec3f> v;
+  constexpr double radius = 0.05;
+  for (const Vec3d& at : mesh.positions)
+    v.push_back({0, at.x > pi * radius ? -1.0f : at.x < 0 ? 1.0f : 0.0f, 0});
+  world.set_positions(cloth, folded(mesh, radius));
+  world.set_velocities(cloth, v);
+  std::size_t most = 0;
+  for (int frame = 0; frame < 60; ++frame) {
+    world.step(1.0 / 60);
+    most = std::max(most, self_contacts(world));
+    EXPECT_EQ(crossings(world), 0u) << frame;
+  }
+  EXPECT_GT(most, 50u);
+}
+
+// Measured: no crossing at any size from 80 to 125 vertices a side, 10 edges of 67,000 at 150.
+TEST(VertexBalls, AHeapHasFewCrossings) {
+  World world = falling_sheet(40, SelfCollision::particles);
+  World without = falling_sheet(40, SelfCollision::off);
+  const ObjectId cloth = world.objects()[0];
+  for (int frame = 0; frame < 75; ++frame) {
+    world.step(1.0 / 60);
+    without.step(1.0 / 60);
+  }
+  const std::size_t found = world.count_crossings(cloth);
+  EXPECT_LE(found, 20u) << "of 4,600 edges";
+  EXPECT_GT(without.count_crossings(cloth), 500u);
+  EXPECT_EQ(world.report().intersections, 0u) << "none is searched or resolved";
+  EXPECT_FALSE(world.report().has(Flag::intersecting));
+}
+
+// While it falls: in a flat heap many edges only touch triangles, which may count or not.
+TEST(VertexBalls, CrossingsAreCountedAsTheCheckerCountsThem) {
+  World world = falling_sheet(20, SelfCollision::off);
+  for (int frame = 0; frame < 30; ++frame) world.step(1.0 / 60);
+  const ObjectId cloth = world.objects()[0];
+  CrossingCounter checker;
+  checker.add(world.positions(cloth), world.mesh(cloth).triangles);
+  std::size_t edges = 0;
+  for (const Edge& edge : unique_edges(checker.triangles))
+    if (std::any_of(checker.triangles.begin(), checker.triangles.end(),
+                    [&](const Triangle& t) { return checker.passes(edge, t); }))
+      ++edges;
+  EXPECT_GT(edges, 100u);
+  EXPECT_NEAR(static_cast<double>(world.count_crossings(cloth)), static_cast<double>(edges),
+              0.06 * static_cast<double>(edges));
+}
+
+// A crumpled sheet in free flight: the contacts and the bound on motion leave its momentum as it is.
+TEST(VertexBalls, MomentumIsConserved) {
+  World world({.gravity = {}});
+  const TriangleMesh mesh = grid(24, 24, 1);
+  const ObjectId cloth = world.add_cloth(mesh, {.thickness = 0.005f}, with_balls);
+  std::vector<Vec3f> v;
+  for (const Vec3d& x : mesh.positions)
+    v.push_back(
+        {float(3 - 48 * x.x + 60 * x.x * x.x), float(80 * x.x * x.z), float(-48 * x.z)});  // closes in
+  world.set_velocities(cloth, v);
+  const Vec3d before = world.momentum(cloth);
+  std::size_t most = 0;
+  for (int frame = 0; frame < 40; ++frame) {
+    world.step(1.0 / 60);
+    most = std::max(most, self_contacts(world));
+  }
+  EXPECT_GT(most, 20u);
+  EXPECT_LT(length(world.momentum(cloth) - before), 2e-5 * length(before));
+}
+
+TEST(VertexBalls, ARestoredSnapshotGoesOnToTheBit) {
+  expect_resumes([] { return falling_sheet(24, SelfCollision::particles); }, 40.0 / 60, 10.0 / 60);
+}
+
+TEST(VertexBalls, FrictionHoldsLayersOnEachOther) {
+  const auto slid = [](float friction) {
+    World world({.gravity = {0, -9.81f, 0}});
+    const TriangleMesh mesh = grid(24, 12, 1);
+    ClothMaterial material{.thickness = 0.005f};
+    material.friction = friction;
+    const ObjectId cloth = world.add_cloth(mesh, material, with_balls);
+    world.add_collider(Plane{.offset = -0.01f}, {.friction = 1});
+    const std::vector<Vec3f> x = folded(mesh, 0.035);
+    std::vector<Vec3f> v(mesh.positions.size());
+    std::size_t corner = 0;
+    for (std::size_t k = 0; k < mesh.positions.size(); ++k) {
+      if (mesh.positions[k].x > 0.1) v[k] = {0, 0, 0.6f};
+      if (mesh.positions[k].x > mesh.positions[corner].x) corner = k;
+    }
+    world.set_positions(cloth, x);
+    world.set_velocities(cloth, v);
+    const float z = x[corner].z;
+    for (int frame = 0; frame < 20; ++frame) world.step(1.0 / 60);
+    return world.positions(cloth)[corner].z - z;
+  };
+  EXPECT_LT(slid(0.8f), 0.6f * slid(0));
+}
+
+TEST(VertexBalls, APairOfTheNameWithItselfSwitchesThemOff) {
+  World world = falling_sheet(16, SelfCollision::particles), off = falling_sheet(16, SelfCollision::off);
+  world.set_collide("cloth", "cloth", false);
+  for (int frame = 0; frame < 40; ++frame) world.step(1.0 / 60), off.step(1.0 / 60);
+  EXPECT_EQ(world.hash(), off.hash());
+  EXPECT_EQ(world.self_collision(world.objects()[0]), SelfCollision::particles);
+}
+
+TEST(VertexBalls, OnlyObjectsWithTrianglesHaveThem) {
+  World world;
+  const std::vector<Vec3d> line{{0, 0, 0}, {1, 0, 0}};
+  expect_error([&] { world.add_rope(line, 10, {}, with_balls); }, {"self_collision", "particles"});
+  expect_error(
+      [&] {
+        world.add_soft_body(box({0.1, 0.1, 0.1}), {}, {.cells = 60}, with_balls);
+      },
+      {"self_collision", "tets"});
+  world.add_soft_body(tet_bar(3, 3, 3, {0.1, 0.1, 0.1}), {}, with_balls);
+  EXPECT_TRUE(world.step(1.0 / 60).ok());
+}
+
+// Crushed to a point, so that each ball is near all others: a step ends, and nothing is infinite.
+TEST(VertexBalls, ACrushedSheetStopsNothing) {
+  World world;
+  const TriangleMesh mesh = grid(60, 60, 1);
+  const ObjectId cloth = world.add_cloth(mesh, {}, with_balls);
+  std::vector<Vec3f> x;
+  for (const Vec3d& at : mesh.positions) x.push_back(Vec3f(at * 0.01));
+  world.set_positions(cloth, x);
+  for (int frame = 0; frame < 3; ++frame) EXPECT_TRUE(world.step(1.0 / 60).ok());
 }
 
 }  // namespace souple::test_world_surface_contacts
