@@ -14,7 +14,6 @@
 #include <cstdio>
 #include <cstring>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include <fmt/core.h>
@@ -25,35 +24,22 @@ using scene_format::Json;
 
 namespace {
 
-constexpr Benchmark own_benchmarks[] = {
-    {"dam-break", "a block of water collapses in a tank: steps of 2 ms, 5 iterations", "particles", 97336,
-     1000, 4000000, measure_dam_break},
-    {"surface", "the surface of a broken dam as a mesh, cells of a particle's radius",
-     "approximate number of particles", 98000, 100, 5000000, measure_surface},
-};
-
-/// Calls `use` with each benchmark, in listing order: rows of two kinds with the same names of members.
-template <class Use>
-void for_each_benchmark(const Use& use) {
-  for (const BenchScene& scene : bench_scenes()) use(scene);
-  for (const Benchmark& benchmark : own_benchmarks) use(benchmark);
-}
-
 int list_benchmarks() {
   std::size_t widest = 0;
-  for_each_benchmark([&](const auto& bench) { widest = std::max(widest, std::strlen(bench.name)); });
-  for_each_benchmark([&](const auto& bench) {
-    std::printf("%-*s  %s; --size: %s [%d]\n", static_cast<int>(widest), bench.name, bench.description,
-                bench.size_means, bench.default_size);
-  });
+  for (const BenchScene& scene : bench_scenes()) widest = std::max(widest, std::strlen(scene.name));
+  for (const BenchScene& scene : bench_scenes())
+    std::printf("%-*s  %s; --size: %s [%d]\n", static_cast<int>(widest), scene.name, scene.description,
+                scene.size_means, scene.default_size);
   return success;
 }
 
-/// Throws Error unless `name` is a benchmark.
-void require_known(const std::string& name) {
+/// Throws Error that suggests the nearest name.
+const BenchScene& find_benchmark(const std::string& name) {
   std::vector<std::string> names;
-  for_each_benchmark([&](const auto& bench) { names.emplace_back(bench.name); });
-  if (std::find(names.begin(), names.end(), name) != names.end()) return;
+  for (const BenchScene& scene : bench_scenes()) {
+    if (name == scene.name) return scene;
+    names.emplace_back(scene.name);
+  }
   throw Error("unknown benchmark \"" + name + "\"" + scene_format::suggestion(name, names) +
               "; `souple bench` lists them");
 }
@@ -97,15 +83,13 @@ BenchOptions options_of(const BenchRequest& request) {
   return options;
 }
 
-/// The entries that all results have.
-template <class Bench>
-Json begin_result(const Bench& bench, BenchOptions& options) {
-  if (options.size == 0) options.size = bench.default_size;
-  if (options.size < bench.min_size || options.size > bench.max_size)
-    throw Error(fmt::format("--size {}: {} takes {} to {} {}", options.size, bench.name, bench.min_size,
-                            bench.max_size, bench.size_means));
+Json measure(const BenchScene& scene, BenchOptions options) {
+  if (options.size == 0) options.size = scene.default_size;
+  if (options.size < scene.min_size || options.size > scene.max_size)
+    throw Error(fmt::format("--size {}: {} takes {} to {} {}", options.size, scene.name, scene.min_size,
+                            scene.max_size, scene.size_means));
   Json result = Json::object();
-  result.set("name", Json::of(bench.name));
+  result.set("name", Json::of(scene.name));
   result.set("size", Json::whole(options.size));
   result.set("threads",
              Json::whole(make_threads(options.settings.threading, options.settings.threads)->count()));
@@ -113,21 +97,7 @@ Json begin_result(const Bench& bench, BenchOptions& options) {
   result.set("version", Json::of(version));
   result.set("warm_up", Json::whole(options.warm_up));
   result.set("runs", Json::whole(options.runs));
-  return result;
-}
-
-Json measure(const std::string& name, BenchOptions options) {
-  Json result;
-  for_each_benchmark([&](const auto& bench) {
-    if (name != bench.name) return;
-    result = begin_result(bench, options);
-    if constexpr (std::is_same_v<decltype(bench), const BenchScene&>) {
-      measure_scene(bench, options, result);
-    } else {
-      if (options.residual) throw Error(fmt::format("--residual: {} uses no solver", name));
-      bench.measure(options, result);
-    }
-  });
+  measure_scene(scene, options, result);
   return result;
 }
 
@@ -135,12 +105,12 @@ Json measure(const std::string& name, BenchOptions options) {
 
 int bench(const BenchRequest& request) {
   if (request.name.empty()) return list_benchmarks();
-  require_known(request.name);
+  const BenchScene& scene = find_benchmark(request.name);
   Json before;
   if (!request.compare.empty()) before = read_bench_json(request.compare);
   const bool compares = before.is(Json::Kind::object);
   try {
-    Json now = measure(request.name, options_of(request));
+    Json now = measure(scene, options_of(request));
     if (request.json) {
       if (compares) now.set("faster", speed_up(now, before));
       std::fputs(dump_json(now).c_str(), stdout);

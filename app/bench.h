@@ -23,17 +23,6 @@ struct BenchOptions {
   std::optional<double> residual;  ///< mean strain to reach in the static case; its time is measured
 };
 
-/// A benchmark with measurements of its own. The others are the scenes of bench_scenes.h.
-struct Benchmark {
-  const char* name;
-  const char* description;  ///< one line
-  const char* size_means;   ///< meaning of --size
-  int default_size;
-  int min_size, max_size;  ///< range of --size
-  /// Adds the measurements to those that all results have. options.size is in range.
-  void (*measure)(const BenchOptions& options, scene_format::Json& result);
-};
-
 /// The simulation produced a value that is not finite.
 struct NonFiniteError {
   std::string message;
@@ -42,10 +31,6 @@ struct NonFiniteError {
 /// Steps of a scene, the projection of each kind, and the solve to a residual if asked for. Throws Error for options that cannot
 /// be measured, NonFiniteError when a value became non-finite.
 void measure_scene(const BenchScene& scene, const BenchOptions& options, scene_format::Json& result);
-/// A block of water that collapses in a tank: steps of 2 ms with 5 iterations.
-void measure_dam_break(const BenchOptions& options, scene_format::Json& result);
-/// The surface of a broken dam: a mesh of its particles, with both kinds of kernels.
-void measure_surface(const BenchOptions& options, scene_format::Json& result);
 
 // --- numbers
 

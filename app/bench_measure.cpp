@@ -18,7 +18,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double frame_time = 1.0 / 60;     // s, of every step
+constexpr double frame_time = 1.0 / 60;     // s, of every solve
 constexpr double projection_budget = 0.25;  // s, to time the projections of all kinds
 constexpr double residual_budget = 8;       // s, for one solve to the target residual
 constexpr double repeated_below = 0.1;      // s: shorter times are the best of three
@@ -47,24 +47,26 @@ double largest_strain(const World& world, const std::vector<double>& rest) {
 }
 
 /// Runs one step; throws NonFiniteError, or Error where a callback failed.
-const StepReport& step(World& world) {
-  const StepReport& report = world.step(frame_time);
+const StepReport& step(World& world, double dt) {
+  const StepReport& report = world.step(dt);
   if (!report.ok()) throw NonFiniteError{report.message};
   if (report.has(Flag::callback_failed)) throw Error(report.message);
   return report;
 }
 
 /// Medians of the steps; returns that of a whole step. [ms]
-double time_steps(World& world, const BenchOptions& options, Json& result) {
-  for (int i = 0; i < options.warm_up; ++i) step(world);
+double time_steps(World& world, double dt, const BenchOptions& options, Json& result) {
+  for (int i = 0; i < options.warm_up; ++i) step(world, dt);
   std::vector<double> whole;
   std::array<std::vector<double>, stage_count> stages;
+  double density_error = 0;
   for (int i = 0; i < options.runs; ++i) {
     const auto start = Clock::now();
-    const StepReport& report = step(world);
+    const StepReport& report = step(world, dt);
     const std::chrono::duration<double, std::milli> spent = Clock::now() - start;
     whole.push_back(spent.count());
     for (std::size_t s = 0; s < stage_count; ++s) stages[s].push_back(report.milliseconds[s]);
+    density_error = std::max(density_error, report.fluid.mean_density_error);
   }
   const double all = median(whole);
   double sum = 0;
@@ -78,6 +80,7 @@ double time_steps(World& world, const BenchOptions& options, Json& result) {
   result.set("ms_per_step", rounded(all));
   result.set("ms_fastest", rounded(*std::min_element(whole.begin(), whole.end())));
   result.set("ms_per_stage", std::move(of_stages));
+  if (density_error > 0) result.set("density_error", rounded(density_error));
   return all;
 }
 
@@ -196,12 +199,13 @@ void describe(const Settings& settings, Json& result) {
 
 void measure_scene(const BenchScene& scene, const BenchOptions& options, Json& result) {
   Settings settings = options.settings;
+  if (scene.prepare != nullptr) scene.prepare(settings);
   describe(settings, result);
   settings.measure_residuals = false;  // costs about one iteration a step, and is measured separately
   World world(settings);
   scene.build(world, options.size);
   const std::vector<double> rest = tet_edge_lengths(world);
-  const double milliseconds = time_steps(world, options, result);
+  const double milliseconds = time_steps(world, scene.step, options, result);
   const std::size_t constraints = world.report().constraints;
   result.set("particles", count_json(world.report().particles));
   result.set("constraints", count_json(constraints));

@@ -3,6 +3,7 @@
 #include "souple/error.h"
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/builders.h"
+#include "souple/geometry/fill.h"
 
 #include <algorithm>
 #include <array>
@@ -135,6 +136,34 @@ void build_cubes(World& world, int count) {
   }
 }
 
+constexpr double fluid_spacing = 0.05;  // m
+constexpr double fluid_step = 0.002;    // s: usual time step of SPH programs at this spacing
+constexpr double collapsing = 0.2;      // s: simulated before the measurement starts
+
+void prepare_dam(Settings& settings) {
+  settings.substeps = 1;
+  settings.fluid.iterations = 5;                     // of Jacobi, after the coarse level
+  settings.fluid.kernel = SmoothingShape::wendland;  // the fastest
+}
+
+/// A block of water, about n x 2 n x n spacings, at one end of a tank 4 n long. Measurement starts when the front is
+/// already moving.
+void build_dam(World& world, int particles) {
+  const double n = std::max(1.0, std::round(std::cbrt(particles / 2.0)));
+  const double a = n * fluid_spacing, height = std::max(1.0, std::round(particles / (n * n))) * fluid_spacing;
+  world.add_fluid(fill(Vec3d{0, 0, 0}, Vec3d{a, height, a}, fluid_spacing),
+                  {.spacing = static_cast<float>(fluid_spacing), .density = 1000});
+  const auto wall = [&](const Vec3f& normal, double offset) {
+    world.add_collider(Plane{normal, static_cast<float>(offset)});
+  };
+  wall({0, 1, 0}, 0);
+  wall({1, 0, 0}, 0);
+  wall({-1, 0, 0}, -4 * a);
+  wall({0, 0, 1}, 0);
+  wall({0, 0, -1}, -a);
+  for (int i = 0; i < std::lround(collapsing / fluid_step); ++i) world.step(fluid_step);
+}
+
 constexpr std::array scenes{
     BenchScene{"cloth", "a rigid cloth: distances along its edges and across them", "vertices along a side",
                200, 2, 4000, build_cloth},
@@ -149,6 +178,8 @@ constexpr std::array scenes{
     BenchScene{"cubes", "many neo-Hookean cubes of 5 x 5 x 5 cells", "cubes", 400, 1, 20000, build_cubes},
     BenchScene{"heap", "a cloth of 2 m that fell on its edge and lies in folds", "vertices along a side", 60,
                4, 1000, build_heap, true},
+    BenchScene{"dam-break", "a block of water collapses in a tank: steps of 2 ms, 5 iterations", "particles",
+               97336, 1000, 4000000, build_dam, false, prepare_dam, fluid_step},
 };
 
 /// Stretches one cloth of `size` rows and columns.

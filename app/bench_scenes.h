@@ -18,12 +18,15 @@ struct BenchScene {
   /// Fills an empty world.
   void (*build)(World& world, int size);
   bool counts_crossings = false;  ///< see World::count_crossings
+  /// Changes the settings that options gave; nullptr: none.
+  void (*prepare)(Settings& settings) = nullptr;
+  double step = 1.0 / 60;  ///< s
 };
 
 /// All scenes, in listing order.
 std::span<const BenchScene> bench_scenes();
 
-/// Finds a scene by name. Throws Error that suggests the nearest name.
+/// Finds a scene by name. Throws Error.
 const BenchScene& find_bench_scene(const std::string& name);
 
 /// The sheet of the scene `cloth`. It is vertical; row 0 (vertices 0 to size - 1) is its upper edge.

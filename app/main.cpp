@@ -151,12 +151,15 @@ constexpr const char* info_footer = R"(Examples:
   souple info --schema > scene.schema.json     for editors that check JSON during typing
   souple info --memory flag                    memory of a running scene, in bytes per part)";
 
+template <class T>
+CLI::Option* option(CLI::App& command, const char* name, T& value, const char* type, const char* help) {
+  return command.add_option(name, value, help)->type_name(type);
+}
+
 void add_settings(CLI::App& command, std::vector<std::string>& settings) {
-  command
-      .add_option("--set", settings,
-                  "change a value of the scene: PATH=VALUE, such as substeps=20; repeatable")
-      ->allow_extra_args(false)
-      ->type_name("PATH=VALUE");
+  option(command, "--set", settings, "PATH=VALUE",
+         "change a value of the scene: PATH=VALUE, such as substeps=20; repeatable")
+      ->allow_extra_args(false);
 }
 
 void add_run(CLI::App& app, std::function<int()>& action) {
@@ -164,66 +167,44 @@ void add_run(CLI::App& app, std::function<int()>& action) {
   CLI::App& command = *app.add_subcommand("run", "simulate a scene and write its caches");
   command.footer(run_footer);
   command.add_option("SCENE", options->scene, scene_help);
-  command.add_option("--frames", options->frames, "number of frames to simulate, instead of the scene's")
-      ->type_name("N");
-  command
-      .add_option("--fps", options->fps,
-                  "frames per second, instead of the scene's, over its duration and with its length of a "
-                  "substep; Blender plays 24")
-      ->type_name("RATE");
-  command.add_option("--out", options->out, "the folder to write to [out/NAME]")->type_name("DIR");
-  command.add_option("--write", options->formats, "caches to write: pc2, mdd, obj, ply [pc2]")
+  option(command, "--frames", options->frames, "N", "number of frames to simulate, instead of the scene's");
+  option(command, "--fps", options->fps, "RATE",
+         "frames per second, instead of the scene's, over its duration and with its length of a "
+         "substep; Blender plays 24");
+  option(command, "--out", options->out, "DIR", "the folder to write to [out/NAME]");
+  option(command, "--write", options->formats, "FORMATS", "caches to write: pc2, mdd, obj, ply [pc2]")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember({"pc2", "mdd", "obj", "ply"}))
-      ->type_name("FORMATS");
-  command
-      .add_option("--threads", options->threads,
-                  "number of threads; results do not depend on it [SOUPLE_THREADS, else all processors]")
-      ->check(CLI::Range(1, 1024))
-      ->type_name("N");
-  command.add_option("--substeps", options->substeps, "the same as --set substeps=N")->type_name("N");
-  command.add_option("--iterations", options->iterations, "the same as --set iterations=N")->type_name("N");
+      ->check(CLI::IsMember({"pc2", "mdd", "obj", "ply"}));
+  option(command, "--threads", options->threads, "N",
+         "number of threads; results do not depend on it [SOUPLE_THREADS, else all processors]")
+      ->check(CLI::Range(1, 1024));
+  option(command, "--substeps", options->substeps, "N", "the same as --set substeps=N");
+  option(command, "--iterations", options->iterations, "N", "the same as --set iterations=N");
   add_settings(command, options->settings);
-  command.add_option("--resume", options->resume, "resume the interrupted run of this folder")
-      ->type_name("DIR");
-  command.add_option("--checkpoint-every", options->checkpoint_every, "write a checkpoint every N frames")
-      ->type_name("N");
-  command
-      .add_option("--surface", options->surface,
-                  "also write meshes of fluids, into DIR_surface: anisotropic, isotropic")
-      ->type_name("METHOD");
-  command.add_option("--picture", options->picture, "render the last frame to a picture, 1280x720")
-      ->type_name("FILE.png");
+  option(command, "--resume", options->resume, "DIR", "resume the interrupted run of this folder");
+  option(command, "--checkpoint-every", options->checkpoint_every, "N", "write a checkpoint every N frames");
+  option(command, "--surface", options->surface, "METHOD",
+         "also write meshes of fluids, into DIR_surface: anisotropic, isotropic");
+  option(command, "--picture", options->picture, "FILE.png", "render the last frame to a picture, 1280x720");
   command.add_flag("--quiet", options->quiet, "print nothing but errors");
   command.callback([options, &action] { action = [options] { return souple::app::run(*options); }; });
 }
 
 void add_film_options(CLI::App& command, RenderRequest& request) {
-  command
-      .add_option("--film-rate", request.film_rate,
-                  "pictures a second of a film [those of the run: at the speed of the simulation]")
-      ->type_name("RATE");
-  command
-      .add_option("--film-bytes", request.film_bytes,
-                  "largest size of a .webp: its quality is chosen to fit [quality 75, any size]")
-      ->type_name("BYTES");
+  option(command, "--film-rate", request.film_rate, "RATE",
+         "pictures a second of a film [those of the run: at the speed of the simulation]");
+  option(command, "--film-bytes", request.film_bytes, "BYTES",
+         "largest size of a .webp: its quality is chosen to fit [quality 75, any size]");
 }
 
 void add_liquid_options(CLI::App& command, RenderRequest& request) {
-  command
-      .add_option("--liquid-splats", request.liquid_splats,
-                  "shape of each particle of a fluid: spheres, ellipsoids [ellipsoids]")
-      ->type_name("SPLATS");
-  command
-      .add_option(
-          "--liquid-filter", request.liquid_filter,
-          "how the surface of fluids is smoothed: narrow-range, curvature-flow or none [narrow-range]")
-      ->type_name("FILTER");
-  command
-      .add_option("--liquid-steps", request.liquid_steps,
-                  "steps of curvature flow or passes of the narrow-range filter [40; 2]")
-      ->type_name("N");
+  option(command, "--liquid-splats", request.liquid_splats, "SPLATS",
+         "shape of each particle of a fluid: spheres, ellipsoids [ellipsoids]");
+  option(command, "--liquid-filter", request.liquid_filter, "FILTER",
+         "how the surface of fluids is smoothed: narrow-range, curvature-flow or none [narrow-range]");
+  option(command, "--liquid-steps", request.liquid_steps, "N",
+         "steps of curvature flow or passes of the narrow-range filter [40; 2]");
 }
 
 void add_render(CLI::App& app, std::function<int()>& action) {
@@ -234,58 +215,36 @@ void add_render(CLI::App& app, std::function<int()>& action) {
       .add_option("SOURCE", request->source,
                   "a scene file, the name of a shipped scene, or the folder of a run or its run.json")
       ->required();
-  command
-      .add_option("--out", request->out,
-                  "a picture .png, a film .mp4, .gif or .webp, or a folder [out/NAME.png; out/NAME.mp4 if "
-                  "--frames selects several]")
-      ->type_name("PATH");
-  command
-      .add_option("--frames", request->frames,
-                  "which frames: N, A-B, A-B/STEP, last, all; B may be last [a picture: last; else all]")
-      ->type_name("FRAMES");
-  command.add_option("--sheet", request->sheet, "frames of the run on one page: columns x rows")
-      ->type_name("COLUMNSxROWS");
-  command
-      .add_option("--size", request->size,
-                  "of a picture, in pixels [1280x720; .gif and .webp 640x360; each of a sheet 480x270]")
-      ->type_name("WIDTHxHEIGHT");
-  command
-      .add_option("--samples", request->samples,
-                  "pictures averaged into one [16; films and folders 4; with a lens or a "
-                  "shutter four times as many]")
-      ->type_name("N");
-  command
-      .add_option("--colors", request->colors,
-                  "reduce pictures to this number of colors, at most 256: a third of the size")
-      ->type_name("N");
+  option(command, "--out", request->out, "PATH",
+         "a picture .png, a film .mp4, .gif or .webp, or a folder [out/NAME.png; out/NAME.mp4 if "
+         "--frames selects several]");
+  option(command, "--frames", request->frames, "FRAMES",
+         "which frames: N, A-B, A-B/STEP, last, all; B may be last [a picture: last; else all]");
+  option(command, "--sheet", request->sheet, "COLUMNSxROWS", "frames of the run on one page: columns x rows");
+  option(command, "--size", request->size, "WIDTHxHEIGHT",
+         "of a picture, in pixels [1280x720; .gif and .webp 640x360; each of a sheet 480x270]");
+  option(command, "--samples", request->samples, "N",
+         "pictures averaged into one [16; films and folders 4; with a lens or a "
+         "shutter four times as many]");
+  option(command, "--colors", request->colors, "N",
+         "reduce pictures to this number of colors, at most 256: a third of the size");
   add_film_options(command, *request);
-  command
-      .add_option("--camera", request->camera,
-                  "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it, or auto: frame all objects [the "
-                  "scene's, else auto]")
-      ->type_name("CAMERA");
-  command
-      .add_option("--focus", request->focus,
-                  "depth of field: distance from the camera at which objects are sharp, in m")
-      ->type_name("METERS");
-  command
-      .add_option("--aperture", request->aperture,
-                  "diameter of the lens, in m [a fortieth of the distance in focus]")
-      ->type_name("METERS");
-  command
-      .add_option("--shutter", request->shutter,
-                  "motion blur: fraction of a frame during which the shutter is open, at most 1")
-      ->type_name("FRACTION");
+  option(command, "--camera", request->camera, "CAMERA",
+         "\"from X,Y,Z to X,Y,Z fov DEGREES\" or a part of it, or auto: frame all objects [the "
+         "scene's, else auto]");
+  option(command, "--focus", request->focus, "METERS",
+         "depth of field: distance from the camera at which objects are sharp, in m");
+  option(command, "--aperture", request->aperture, "METERS",
+         "diameter of the lens, in m [a fortieth of the distance in focus]");
+  option(command, "--shutter", request->shutter, "FRACTION",
+         "motion blur: fraction of a frame during which the shutter is open, at most 1");
   command.add_flag("--caustics", request->caustics,
                    "fluids refract sunlight onto the floor: bright lines under waves");
-  command
-      .add_option("--sky", request->sky,
-                  "light from a panorama .hdr instead of the scene's sky, without the sun")
-      ->type_name("FILE");
-  command.add_option("--display", request->display, "how objects are shown, see below [shaded]")
-      ->type_name("DISPLAY");
-  command.add_option("--constraints", request->constraints, "how constraints are colored, see below [none]")
-      ->type_name("CONSTRAINTS");
+  option(command, "--sky", request->sky, "FILE",
+         "light from a panorama .hdr instead of the scene's sky, without the sun");
+  option(command, "--display", request->display, "DISPLAY", "how objects are shown, see below [shaded]");
+  option(command, "--constraints", request->constraints, "CONSTRAINTS",
+         "how constraints are colored, see below [none]");
   add_liquid_options(command, *request);
   add_settings(command, request->settings);
   command.add_flag("--quiet", request->quiet, "print nothing but errors");
@@ -301,8 +260,8 @@ void add_view(CLI::App& app, std::function<int()>& action) {
       "SOURCE", request->source,
       "a scene file, the name of a shipped scene, or the folder of a run or its run.json [curtain]");
   command.add_flag("--paused", request->paused, "start paused; Space starts");
-  command.add_option("--size", request->size, "size of the window [1440x900]")->type_name("WIDTHxHEIGHT");
-  command.add_option("--frames", request->frames, "quit after this number of frames drawn")->type_name("N");
+  option(command, "--size", request->size, "WIDTHxHEIGHT", "size of the window [1440x900]");
+  option(command, "--frames", request->frames, "N", "quit after this number of frames drawn");
   command.add_flag("--debug", request->debug, "end with a message when OpenGL reports an error");
   command.callback([request, &action] { action = [request] { return souple::app::view(*request); }; });
 }
@@ -312,44 +271,32 @@ void add_surface(CLI::App& app, std::function<int()>& action) {
   CLI::App& command = *app.add_subcommand("surface", "make meshes of a run's fluids");
   command.footer(surface_footer);
   command.add_option("CACHE", request->cache, "the folder of a run, or its run.json")->required();
-  command.add_option("--out", request->out, "folder to write [CACHE_surface]")->type_name("DIR");
-  command.add_option("--method", request->method, "anisotropic, isotropic [anisotropic]")
-      ->type_name("METHOD");
-  command.add_option("--format", request->format, "meshes: obj, ply; volumes: vdb [obj]")
-      ->type_name("FORMAT");
-  command
-      .add_option("--particles", request->particles,
-                  "write the particles as well: none, ply, vtk, bgeo [none]")
-      ->type_name("FORMAT");
-  command
-      .add_option("--object", request->objects,
-                  "only of this object; repeatable [all fluids, else all grains]")
-      ->type_name("NAME");
-  command
-      .add_option("--cell", request->cell,
-                  "cell of the grid the mesh is extracted from, in meters [half a spacing]")
-      ->type_name("METERS");
-  command.add_option("--spacing", request->spacing, "spacing of the particles, in meters [the scene's]")
-      ->type_name("METERS");
-  command.add_option("--smoothing", request->smoothing, "passes of Laplacian smoothing [0]")->type_name("N");
-  command.add_option("--threads", request->threads, "threads; 0: one for each processor [0]")->type_name("N");
+  option(command, "--out", request->out, "DIR", "folder to write [CACHE_surface]");
+  option(command, "--method", request->method, "METHOD", "anisotropic, isotropic [anisotropic]");
+  option(command, "--format", request->format, "FORMAT", "meshes: obj, ply; volumes: vdb [obj]");
+  option(command, "--particles", request->particles, "FORMAT",
+         "write the particles as well: none, ply, vtk, bgeo [none]");
+  option(command, "--object", request->objects, "NAME",
+         "only of this object; repeatable [all fluids, else all grains]");
+  option(command, "--cell", request->cell, "METERS",
+         "cell of the grid the mesh is extracted from, in meters [half a spacing]");
+  option(command, "--spacing", request->spacing, "METERS",
+         "spacing of the particles, in meters [the scene's]");
+  option(command, "--smoothing", request->smoothing, "N", "passes of Laplacian smoothing [0]");
+  option(command, "--threads", request->threads, "N", "threads; 0: one for each processor [0]");
   command.add_flag("--quiet", request->quiet, "print nothing but errors");
   command.callback([request, &action] { action = [request] { return souple::app::surface(*request); }; });
 }
 
 void add_sweep_parts(CLI::App& command, SweepRequest& request) {
   CLI::Option* const only =
-      command.add_option("--only", request.only, "simulate one run, counted from 1, and write no table")
-          ->type_name("N");
+      option(command, "--only", request.only, "N", "simulate one run, counted from 1, and write no table");
   CLI::Option* const table = command.add_flag(
       "--table", request.table, "write table and sheet of the runs that are done, and simulate none");
   CLI::Option* const dry_run =
       command.add_flag("--dry-run", request.dry_run, "list the runs, and write nothing");
-  CLI::Option* const slurm =
-      command
-          .add_option("--slurm", request.slurm,
-                      "write a script of Slurm with a task for each run, and simulate none")
-          ->type_name("FILE");
+  CLI::Option* const slurm = option(command, "--slurm", request.slurm, "FILE",
+                                    "write a script of Slurm with a task for each run, and simulate none");
   only->excludes(table)->excludes(dry_run)->excludes(slurm);
   table->excludes(dry_run)->excludes(slurm);
   dry_run->excludes(slurm);
@@ -360,15 +307,12 @@ void add_convert(CLI::App& app, std::function<int()>& action) {
   CLI::App& command = *app.add_subcommand("convert", "write a run for other programs: glTF, USD");
   command.footer(convert_footer);
   command.add_option("CACHE", request->cache, "the folder of a run, or its run.json")->required();
-  command.add_option("--write", request->formats, "formats to write: glb, usda")
+  option(command, "--write", request->formats, "FORMATS", "formats to write: glb, usda")
       ->delimiter(',')
-      ->allow_extra_args(false)
-      ->type_name("FORMATS");
-  command.add_option("--out", request->out, "folder to write [CACHE_converted]")->type_name("DIR");
-  command
-      .add_option("--layout", request->layout,
-                  "one: a file with all frames; frames: a file per frame; auto: by size [auto]")
-      ->type_name("LAYOUT");
+      ->allow_extra_args(false);
+  option(command, "--out", request->out, "DIR", "folder to write [CACHE_converted]");
+  option(command, "--layout", request->layout, "LAYOUT",
+         "one: a file with all frames; frames: a file per frame; auto: by size [auto]");
   command.add_flag("--quiet", request->quiet, "print nothing but errors");
   command.callback([request, &action] { action = [request] { return souple::app::convert(*request); }; });
 }
@@ -378,22 +322,17 @@ void add_sweep(CLI::App& app, std::function<int()>& action) {
   CLI::App& command = *app.add_subcommand("sweep", "simulate a scene with all combinations of some values");
   command.footer(sweep_footer);
   command.add_option("SCENE", request->scene, scene_help)->required();
-  command
-      .add_option("--set", request->settings,
-                  "a value of the scene as in `souple run`, or several values, see below; repeatable")
-      ->allow_extra_args(false)
-      ->type_name("PATH=VALUES");
-  command.add_option("--frames", request->frames, "number of frames to simulate, instead of the scene's")
-      ->type_name("N");
-  command.add_option("--out", request->out, "the folder to write to [out/NAME_sweep]")->type_name("DIR");
-  command.add_option("--write", request->formats, "caches of each run: pc2, mdd, obj, ply [none]")
+  option(command, "--set", request->settings, "PATH=VALUES",
+         "a value of the scene as in `souple run`, or several values, see below; repeatable")
+      ->allow_extra_args(false);
+  option(command, "--frames", request->frames, "N", "number of frames to simulate, instead of the scene's");
+  option(command, "--out", request->out, "DIR", "the folder to write to [out/NAME_sweep]");
+  option(command, "--write", request->formats, "FORMATS", "caches of each run: pc2, mdd, obj, ply [none]")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::IsMember({"pc2", "mdd", "obj", "ply"}))
-      ->type_name("FORMATS");
-  command.add_option("--jobs", request->jobs, "runs at a time [one for each processor]")
-      ->check(CLI::Range(1, 1024))
-      ->type_name("N");
+      ->check(CLI::IsMember({"pc2", "mdd", "obj", "ply"}));
+  option(command, "--jobs", request->jobs, "N", "runs at a time [one for each processor]")
+      ->check(CLI::Range(1, 1024));
   command.add_flag_callback(
       "--no-sheet", [request] { request->sheet = false; }, "render no pictures");
   add_sweep_parts(command, *request);
@@ -402,18 +341,13 @@ void add_sweep(CLI::App& app, std::function<int()>& action) {
 }
 
 void add_bench_solver(CLI::App& command, BenchRequest& request) {
-  command.add_option("--solver", request.solver, "how constraints are solved, see below [automatic]")
-      ->type_name("SOLVER");
-  command.add_option("--sweep", request.sweep, "order of the colors: forward, symmetric [forward]")
-      ->type_name("SWEEP");
-  command.add_option("--relaxation", request.relaxation, "factor on corrections, between 0 and 2 [1]")
-      ->type_name("FACTOR");
-  command.add_option("--chebyshev", request.chebyshev, "acceleration: spectral radius, below 1 [0: none]")
-      ->type_name("RHO");
-  command
-      .add_option("--colors", request.colors,
-                  "partition the constraint graph for this number of colors [0: do not]")
-      ->type_name("N");
+  option(command, "--solver", request.solver, "SOLVER", "how constraints are solved, see below [automatic]");
+  option(command, "--sweep", request.sweep, "SWEEP", "order of the colors: forward, symmetric [forward]");
+  option(command, "--relaxation", request.relaxation, "FACTOR", "factor on corrections, between 0 and 2 [1]");
+  option(command, "--chebyshev", request.chebyshev, "RHO",
+         "acceleration: spectral radius, below 1 [0: none]");
+  option(command, "--colors", request.colors, "N",
+         "partition the constraint graph for this number of colors [0: do not]");
 }
 
 void add_bench(CLI::App& app, std::function<int()>& action) {
@@ -421,24 +355,18 @@ void add_bench(CLI::App& app, std::function<int()>& action) {
   CLI::App& command = *app.add_subcommand("bench", "measure how fast this machine simulates");
   command.footer(bench_footer);
   command.add_option("NAME", request->name, "name of the benchmark; without it, all are listed");
-  command.add_option("--size", request->size, "size; the list shows its unit")->type_name("N");
-  command.add_option("--threads", request->threads, "threads; 0: one for each processor [1]")->type_name("N");
-  command.add_option("--threading", request->threading, "automatic, serial, pool, tbb [automatic]")
-      ->type_name("KIND");
-  command.add_option("--substeps", request->substeps, "substeps of a step [10]")->type_name("N");
-  command.add_option("--iterations", request->iterations, "iterations of the solver in each substep [1]")
-      ->type_name("N");
+  option(command, "--size", request->size, "N", "size; the list shows its unit");
+  option(command, "--threads", request->threads, "N", "threads; 0: one for each processor [1]");
+  option(command, "--threading", request->threading, "KIND", "automatic, serial, pool, tbb [automatic]");
+  option(command, "--substeps", request->substeps, "N", "substeps of a step [10]");
+  option(command, "--iterations", request->iterations, "N", "iterations of the solver in each substep [1]");
   add_bench_solver(command, *request);
-  command.add_option("--mode", request->mode, "small_steps, xpbd, pbd [small_steps]")->type_name("MODE");
-  command.add_option("--warm-up", request->warm_up, "number of steps before the measurement [5]")
-      ->type_name("N");
-  command.add_option("--runs", request->runs, "number of measured steps [30]")->type_name("N");
-  command
-      .add_option("--residual", request->residual,
-                  "also measure the time to this mean strain, such as 0.01; cloths only")
-      ->type_name("STRAIN");
-  command.add_option("--compare", request->compare, "show ratios to the result in this file")
-      ->type_name("FILE.json");
+  option(command, "--mode", request->mode, "MODE", "small_steps, xpbd, pbd [small_steps]");
+  option(command, "--warm-up", request->warm_up, "N", "number of steps before the measurement [5]");
+  option(command, "--runs", request->runs, "N", "number of measured steps [30]");
+  option(command, "--residual", request->residual, "STRAIN",
+         "also measure the time to this mean strain, such as 0.01; cloths only");
+  option(command, "--compare", request->compare, "FILE.json", "show ratios to the result in this file");
   command.add_flag("--json", request->json, "print JSON");
   command.callback([request, &action] { action = [request] { return souple::app::bench(*request); }; });
 }
@@ -477,9 +405,8 @@ void add_info(CLI::App& app, std::function<int()>& action) {
           "--scene-format", [part] { *part = InfoPart::scene_format; },
           "print the manual page of scene files")
       ->excludes(schema);
-  command.add_option("--memory", *scene, "print the memory of this scene while it runs")
-      ->excludes(schema)
-      ->type_name("SCENE");
+  option(command, "--memory", *scene, "SCENE", "print the memory of this scene while it runs")
+      ->excludes(schema);
   add_settings(command, *settings);
   command.callback([part, scene, settings, &action] {
     action = [part, scene, settings] {

@@ -11,7 +11,7 @@
 
 namespace souple::benchmarks {
 
-/// (M (1 + h c) + h^2 K) dv = rhs of the free particles; blocks of 3 x 3, column by column.
+/// (M + h^2 K) dv = rhs of the free particles; blocks of 3 x 3, column by column.
 struct ElasticModel::System {
   using Matrix = Eigen::SparseMatrix<double>;
   Matrix matrix;
@@ -23,7 +23,6 @@ struct ElasticModel::System {
     int first, stride;
   };
   std::vector<Block> blocks;
-  Eigen::ConjugateGradient<Matrix, Eigen::Lower | Eigen::Upper> gradient;
   Eigen::SimplicialLDLT<Matrix> ldlt;
   bool ordered = false;
 };
@@ -144,7 +143,6 @@ double ElasticModel::potential_energy() const {
   return sum;
 }
 
-// Without drag.
 void ElasticModel::find_forces() {
   for (std::size_t i = 0; i < x.size(); ++i) force_[i] = gravity * mass_[i];
   for (const Spring& spring : springs_) {
@@ -163,12 +161,12 @@ void ElasticModel::find_forces() {
 
 // --- integrators
 
-void ElasticModel::step(Method method, double h, LinearSolver solver) {
+void ElasticModel::step(Method method, double h) {
   if (method == Method::implicit_euler || method == Method::implicit_midpoint) {
     const bool midpoint = method == Method::implicit_midpoint;
     const double part = midpoint ? h / 2 : h;
     before_ = v;
-    implicit_step(part, solver);
+    implicit_step(part);
     for (std::size_t i = 0; i < x.size(); ++i) {
       if (pinned_[i]) continue;
       x[i] += v[i] * h;
@@ -179,16 +177,16 @@ void ElasticModel::step(Method method, double h, LinearSolver solver) {
   find_forces();
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (pinned_[i]) continue;
-    const Vec3d a = force_[i] / mass_[i] - v[i] * drag;
+    const Vec3d a = force_[i] / mass_[i];
     if (method == Method::explicit_euler) x[i] += v[i] * h;
     v[i] += a * h;
     if (method == Method::semi_implicit) x[i] += v[i] * h;
   }
 }
 
-// Finds v' = v + h (M^-1 f(x + h v') - c v') by one Newton step from v' = v; leaves x.
-//   (M (1 + h c) + h^2 K) (v' - v) = h (f(x + h v) - c M v)
-void ElasticModel::implicit_step(double h, LinearSolver solver) {
+// Finds v' = v + h M^-1 f(x + h v') by one Newton step from v' = v; leaves x.
+//   (M + h^2 K) (v' - v) = h f(x + h v)
+void ElasticModel::implicit_step(double h) {
   if (!system_) allocate();
   System& system = *system_;
   for (std::size_t i = 0; i < x.size(); ++i)
@@ -198,22 +196,16 @@ void ElasticModel::implicit_step(double h, LinearSolver solver) {
   for (std::size_t i = 0; i < x.size(); ++i) {
     const int u = system.unknown[i];
     if (u < 0) continue;
-    const Vec3d r = (force_[i] - v[i] * (drag * mass_[i])) * h;
+    const Vec3d r = force_[i] * h;
     for (int k = 0; k < 3; ++k) system.rhs[u + k] = r[k];
     const System::Block& diagonal = system.blocks[system.blocks.size() - x.size() + i];
     for (int k = 0; k < 3; ++k)
-      system.matrix.valuePtr()[diagonal.first + k * (diagonal.stride + 1)] += mass_[i] * (1 + h * drag);
+      system.matrix.valuePtr()[diagonal.first + k * (diagonal.stride + 1)] += mass_[i];
   }
-  if (solver == LinearSolver::ldlt) {
-    if (!system.ordered) system.ldlt.analyzePattern(system.matrix);
-    system.ordered = true;
-    system.ldlt.factorize(system.matrix);
-    system.solution = system.ldlt.solve(system.rhs);
-  } else {
-    system.gradient.setTolerance(1e-4);
-    system.gradient.compute(system.matrix);
-    system.solution = system.gradient.solveWithGuess(system.rhs, system.solution);
-  }
+  if (!system.ordered) system.ldlt.analyzePattern(system.matrix);
+  system.ordered = true;
+  system.ldlt.factorize(system.matrix);
+  system.solution = system.ldlt.solve(system.rhs);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const int u = system.unknown[i];
     if (u < 0) continue;
@@ -253,7 +245,6 @@ void ElasticModel::allocate() {
            begin[c + 1] - begin[c]});
   }
   system.rhs.resize(count);
-  system.solution.setZero(count);
 }
 
 /// block(a, b): the second derivative of the element's energy by its particles a and b.

@@ -22,12 +22,6 @@ enum class Method {
   implicit_midpoint  ///< an implicit Euler step of h/2 to v_m, then x' = x + h v_m,   v' = 2 v_m - v
 };
 
-/// Solver of the linear systems of the implicit methods.
-enum class LinearSolver {
-  conjugate_gradient,  ///< Jacobi preconditioner, relative residual 1e-4, from the last velocity
-  ldlt                 ///< sparse factorization; its order is found once
-};
-
 /// Particles with springs and tets.
 class ElasticModel {
  public:
@@ -43,8 +37,8 @@ class ElasticModel {
   /// Call before the first step.
   void pin(std::span<const std::uint32_t> particles);
 
-  /// Implicit methods take one Newton step (Baraff and Witkin 1998), from x + h v.
-  void step(Method method, double h, LinearSolver solver = LinearSolver::conjugate_gradient);
+  /// Implicit methods take one Newton step (Baraff and Witkin 1998), from x + h v, by a sparse factorization.
+  void step(Method method, double h);
 
   double elastic_energy() const;
   double kinetic_energy() const;
@@ -55,7 +49,6 @@ class ElasticModel {
 
   std::vector<Vec3d> x, v;  ///< m, m/s
   Vec3d gravity{0, -9.81, 0};
-  double drag = 0;  ///< f = -drag m v [1/s]
 
  private:
   struct Spring {
@@ -72,7 +65,7 @@ class ElasticModel {
   void allocate();
   void find_forces();
   void find_matrix(double factor);
-  void implicit_step(double h, LinearSolver solver);
+  void implicit_step(double h);
   template <std::size_t n, class Block>
   void add_blocks(std::size_t& next, double factor, const Block& block);
 

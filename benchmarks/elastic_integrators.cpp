@@ -36,7 +36,7 @@ double energy_scale(const Scene& scene) {
   start(scene, model);
   double most = 0;
   for (int i = 0; i < 100; ++i) {
-    model.step(Method::implicit_midpoint, 0.01, LinearSolver::ldlt);
+    model.step(Method::implicit_midpoint, 0.01);
     most = std::max(most, model.kinetic_energy());
   }
   return most;
@@ -49,7 +49,7 @@ double energy_gain(const Scene& scene, Method method, double h, double seconds, 
   start(scene, model);
   const double before = model.energy();
   for (int i = 1; i <= std::lround(seconds / h); ++i) {
-    model.step(method, h, LinearSolver::ldlt);
+    model.step(method, h);
     if (i % 8 == 0 && (!model.is_finite() || model.energy() - before > 10 * scale)) return HUGE_VAL;
   }
   return (model.energy() - before) / scale;
@@ -89,7 +89,7 @@ void print_run(const Scene& scene, Method method, double h, double seconds, doub
   const auto steps = std::lround(seconds / h), every = std::max(1L, steps / 100);
   std::printf("\"step\": %g, \"energy\": [[0, 0]", h);
   for (long i = 1; i <= steps; ++i) {
-    model.step(method, h, LinearSolver::ldlt);
+    model.step(method, h);
     if (i % every == 0)
       std::printf(", [%.5g, %.5g]", static_cast<double>(i) * h, (model.energy() - before) / scale);
   }

@@ -16,10 +16,8 @@ namespace souple::benchmarks {
 /// Cotton of 1 m and n x n vertices without bending stiffness, hung by its upper row. It starts to swing with `spin`
 /// rad/s about that row.
 struct ClothScene {
-  int n = 30;
-  double spin = 0;
-  float stiffness = 4000;  ///< Y [N/m]; cotton: 4000
-  float drag = 0;          ///< 1/s
+  int n;
+  double spin;
 
   TriangleMesh mesh() const {
     TriangleMesh mesh = grid(n, n, 1);
@@ -28,29 +26,21 @@ struct ClothScene {
   }
   ClothMaterial material() const {
     ClothMaterial cotton = material::cotton;
-    cotton.membrane_stiffness = stiffness;
     cotton.bending = BendingModel::none;
     return cotton;
   }
-  /// The vertices that are farthest from the pinned ones.
-  bool is_end(const Vec3d& rest) const { return rest.y < -1 + 1e-6; }
   bool is_pinned(const Vec3d& rest) const { return rest.y > -1e-6; }
   Vec3f velocity(const Vec3d& rest) const { return {0, 0, static_cast<float>(-rest.y * spin)}; }
   ObjectId add(World& world) const { return world.add_cloth(mesh(), material()); }
 };
 
-/// A bar of 1 m x 0.2 m x 0.2 m with 25 n^3 tets, straight at the start. One end is fixed, or hinged at its
-/// upper edge.
+/// A bar of 1 m x 0.2 m x 0.2 m with 25 n^3 tets, straight at the start. One end is fixed.
 struct BarScene {
-  int n = 4;                   ///< cells across
-  float young_modulus = 2e6f;  ///< Pa
-  bool hinged = false;
-  float drag = 0;  ///< 1/s
+  int n;  ///< cells across
 
   TetMesh mesh() const { return tet_bar(5 * n, n, n, {1, 0.2, 0.2}); }
-  SoftBodyMaterial material() const { return {.young_modulus = young_modulus, .poisson_ratio = 0.4f}; }
-  bool is_end(const Vec3d& rest) const { return rest.x > 0.5 - 1e-6; }
-  bool is_pinned(const Vec3d& rest) const { return rest.x < -0.5 + 1e-6 && (!hinged || rest.y > 0.1 - 1e-6); }
+  SoftBodyMaterial material() const { return {.young_modulus = 2e6f, .poisson_ratio = 0.4f}; }
+  bool is_pinned(const Vec3d& rest) const { return rest.x < -0.5 + 1e-6; }
   Vec3f velocity(const Vec3d&) const { return {}; }
   ObjectId add(World& world) const { return world.add_soft_body(mesh(), material()); }
 };
@@ -67,7 +57,6 @@ std::vector<std::uint32_t> pinned(const Scene& scene) {
 template <class Scene>
 void start(const Scene& scene, ElasticModel& model) {
   model.pin(pinned(scene));
-  model.drag = static_cast<double>(scene.drag);
   for (std::size_t i = 0; i < model.x.size(); ++i) model.v[i] = Vec3d(scene.velocity(model.x[i]));
 }
 
@@ -80,16 +69,6 @@ ObjectId start(const Scene& scene, World& world) {
   world.set_velocities(object, velocity);
   world.pin(object, vertices(pinned(scene)));
   return object;
-}
-
-/// Mean height of the end, relative to the start [m].
-template <class Scene, class Positions>
-double end_height(const Scene& scene, const Positions& x) {
-  const auto mesh = scene.mesh();
-  double sum = 0, count = 0;
-  for (std::size_t i = 0; i < mesh.positions.size(); ++i)
-    if (scene.is_end(mesh.positions[i])) sum += static_cast<double>(x[i].y) - mesh.positions[i].y, ++count;
-  return sum / count;
 }
 
 }  // namespace souple::benchmarks

@@ -51,7 +51,7 @@ def build_library():
     if not folder:
         folder = str(ROOT / "build" / "wheel")
         generator = ["-G", "Ninja"] if shutil.which("ninja") else []
-        off = [f"-DSOUPLE_{part}=OFF" for part in ("BUILD_APP", "BUILD_TESTS", "BUILD_BENCHMARKS", "BUILD_PEERS", "RADIUM",
+        off = [f"-DSOUPLE_{part}=OFF" for part in ("BUILD_APP", "BUILD_TESTS", "BUILD_BENCHMARKS", "RADIUM",
                                                    "INSTALL", "WITH_TBB", "WITH_ASSIMP")]
         run("cmake", "-S", str(ROOT), "-B", folder, *generator, "-DCMAKE_BUILD_TYPE=Release", "-DSOUPLE_WITH_PYTHON=ON",
             "-DSOUPLE_FMT_HEADER_ONLY=ON", f"-DPython_EXECUTABLE={sys.executable}", *off)

@@ -14,7 +14,6 @@ SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
 
 NAMES = {"cloth": 12, "cloth-dihedral": 12, "cloth-isometric": 12, "cloth-membrane": 12, "tets": 100, "cloths": 2,
          "cubes": 2, "heap": 12}
-STAGES = ["dam-break", "surface"]  # with measurements of their own
 
 
 def souple(*arguments, code=0, **environment):
@@ -32,7 +31,7 @@ def bench(*arguments, **environment):
 class Bench(unittest.TestCase):
     def test_lists_what_there_is(self):
         listed = souple("bench").stdout.splitlines()
-        self.assertEqual([line.split()[0] for line in listed], [*NAMES, *STAGES])
+        self.assertEqual([line.split()[0] for line in listed], [*NAMES, "dam-break"])
 
     def test_every_benchmark_says_everything(self):
         for name, size in NAMES.items():
@@ -56,17 +55,6 @@ class Bench(unittest.TestCase):
         self.assertLess(result["density_error"], 0.01)
         for threads in (1, 8):
             self.assertEqual(bench("dam-break", "--size", 2000, "--threads", threads)["hash"], result["hash"])
-
-    def test_surface(self):
-        result = bench("surface", "--size", 8000)
-        self.assertEqual(list(result["ms_per_stage"]), ["sort", "neighbors", "kernels", "field", "mesh"])
-        self.assertLess(abs(result["particles"] / 8000 - 1), 0.05)
-        self.assertEqual(result["triangles"] % 2, 0)  # as for every closed surface
-        self.assertGreater(result["triangles"], 4000)
-        self.assertGreater(result["ms_isotropic"], 0)
-        for threads in 2, 3:
-            self.assertEqual(bench("surface", "--size", 8000, "--threads", threads)["hash"], result["hash"])
-        self.assertEqual(bench("surface", "--size", 8000, SOUPLE_SIMD="scalar")["hash"], result["hash"])
 
     def test_kinds_and_counts_are_those_of_the_meshes(self):
         n = 12
@@ -138,17 +126,15 @@ class Bench(unittest.TestCase):
     def test_bad_input_is_one_line(self):
         wrong = Path(tempfile.mkdtemp()) / "wrong.json"
         wrong.write_text("[1]")
-        for arguments, words in ((["clth"], 'did you mean "cloth"'), (["surfcae"], 'did you mean "surface"'),
+        for arguments, words in ((["clth"], 'did you mean "cloth"'), (["dambreak"], 'did you mean "dam-break"'),
                                  (["hepa"], 'did you mean "heap"'),
-                                 (["xyzzyxyzzy"], "heap, dam-break, surface"), (["cloth", "--size", "1"], "--size 1"),
+                                 (["xyzzyxyzzy"], "heap, dam-break"), (["cloth", "--size", "1"], "--size 1"),
                                  (["cloth", "--solver", "gauss"], "gauss_seidel"),
                                  (["cloth", "--residual", "2"], "--residual"), (["cloth", "--runs", "0"], "--runs 0"),
                                  (["cloth", "--relaxation", "3"], "relaxation"), (["cloth", "--threads", "x"], "x"),
                                  (["tets", "--size", "100", "--residual", "0.01"], "not a cloth"),
                                  (["cloth", "--size", "9", "--compare", wrong], "wrong.json"),
-                                 (["cloth", "--compare", "missing.json"], "missing.json"),
-                                 (["surface", "--size", "0"], "--size 0"),
-                                 (["surface", "--residual", "0.01"], "no solver")):
+                                 (["cloth", "--compare", "missing.json"], "missing.json")):
             done = souple("bench", *arguments, code=2)
             self.assertEqual(done.stdout, "")
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)

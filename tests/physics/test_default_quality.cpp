@@ -9,8 +9,7 @@
 
 #include <gtest/gtest.h>
 
-// With default settings: the bending of stiff strips, ties and attachments. benchmarks/default_quality.cpp measures the
-// same and more.
+// With default settings: the bending of stiff strips, ties and attachments.
 
 namespace souple::test_physics_default_quality {
 

@@ -1,4 +1,4 @@
-#include "benchmarks/peers/peer_scene.h"
+#include "benchmarks/bullet.h"
 
 #include <BulletSoftBody/btSoftBody.h>
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>

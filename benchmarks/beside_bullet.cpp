@@ -1,6 +1,6 @@
 // Souple and Bullet in one run, at equal quality.
 //
-//   peers [--size N] [--frames N] [--longest MS]
+//   beside_bullet [--size N] [--frames N] [--longest MS]
 //
 // For each engine, the cheapest setting with which the benchmark `cloth` keeps its largest strain within a bound. A cloth that
 // hangs at rest has 2 % during the last second. A pushed cloth has 5 % in each frame but the first two. The engines with these
@@ -8,7 +8,7 @@
 // appears with the setting that comes nearest. Prints JSON, and the trials as they end to the standard error.
 
 #include "app/bench_scenes.h"
-#include "benchmarks/peers/peer_scene.h"
+#include "benchmarks/bullet.h"
 #include "souple/error.h"
 #include "souple/geometry/measures.h"
 #include "souple/scene/json.h"
@@ -288,7 +288,7 @@ int main(int argc, char** argv) {
     souple::peers::run(souple::peers::parse(argc, argv));
     return 0;
   } catch (const souple::Error& error) {
-    std::fprintf(stderr, "peers: %s\n", error.what());
+    std::fprintf(stderr, "beside_bullet: %s\n", error.what());
     return 2;
   }
 }
