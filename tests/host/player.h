@@ -20,6 +20,13 @@ inline constexpr double dt = 1.0 / 60;
 inline constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 inline const std::string scenes = source_path("scenes/");
 
+/// A host's matrix of a place.
+struct At {
+  float matrix[16];
+  At(float x, float y, float z) : matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1} {}
+  operator const float*() const { return matrix; }
+};
+
 /// A playing host whose clock advances by twice the frame's length, like Radium's.
 struct Player {
   Session session;

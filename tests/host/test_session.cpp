@@ -27,7 +27,7 @@ TEST(Session, ASceneMovesAsInAPureRunToTheBit) {
 
 TEST(Session, MeshesOfTheHostMoveAsInAPureRunToTheBit) {
   const Corners sheet(grid(13, 13, 1.0)), ball(sphere(2, 0.2)), post(box({0.3, 0.3, 0.3}, {1, 1, 1}));
-  const float above[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0.125f, 1, 0, 1};
+  const At above(0.125f, 1, 0);
   Player host;
   MeshOptions options;
   options.transform = above;
@@ -117,7 +117,7 @@ TEST(Session, AResetKeepsWhatTheUserChanged) {
   Session& s = host.session;
   s.open_scene(scenes + "flag.json");
   const Handle flag = s.objects()[0].handle;
-  const float above[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 9, 0, 1};
+  const At above(0, 9, 0);
   MeshOptions options;
   options.transform = above;
   const Handle cloth = s.add_cloth(sheet.soup(), options);
@@ -168,8 +168,8 @@ TEST(Session, AResetMakesTheSceneFromTheMaterialsOfNow) {
 
 TEST(Session, AStepThatGoesBadPausesSaysSoAndLeavesTheWorldAsItWas) {
   const Corners sheet(grid(5, 5, 1.0)), block(box({2, 0.2, 2}, {4, 1, 4}));
-  const float above[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.12f, 0, 1};
-  const float higher[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.02f, 0, 1};
+  const At above(0, 0.12f, 0);
+  const At higher(0, 0.02f, 0);
   Player host{Session({1000})}, undisturbed;
   MeshOptions options;
   options.transform = above;

@@ -2,15 +2,9 @@
 #include "tests/expect_error.h"
 #include "tests/host/player.h"
 
-#include <array>
-
 #include <gtest/gtest.h>
 
 namespace souple::host::test_host_session_colliders {
-
-std::array<float, 16> at(float x, float y, float z) {
-  return {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1};
-}
 
 float lowest(Session& session, Handle object) {
   const std::vector<float> drawn_now = drawn(session, object);
@@ -24,7 +18,7 @@ TEST(Session, HasCollidersOfTheHost) {
   Player host;
   Session& s = host.session;
   const Handle cloth = s.add_cloth(sheet.soup());
-  const Handle ground = s.add_plane(at(0, -0.5f, 0).data());
+  const Handle ground = s.add_plane(At(0, -0.5f, 0));
   EXPECT_EQ(s.colliders().size(), 1u);
   for (int run = 0; run < 2; ++run) {  // the second time after a reset
     host.play(60);
@@ -45,9 +39,9 @@ TEST(Session, ACapsuleThatMovesTakesTheClothAlong) {
   Session& s = host.session;
   s.set_gravity(0, 0, 0);
   const Handle cloth = s.add_cloth(sheet.soup());
-  const Handle capsule = s.add_capsule(0.2f, 0.3f, at(0, -0.6f, 0).data());
+  const Handle capsule = s.add_capsule(0.2f, 0.3f, At(0, -0.6f, 0));
   for (int frame = 1; frame <= 20; ++frame) {
-    s.move_collider(capsule, at(0, -0.6f + 0.05f * static_cast<float>(frame), 0).data());
+    s.move_collider(capsule, At(0, -0.6f + 0.05f * static_cast<float>(frame), 0));
     host.play(1);
   }
   EXPECT_EQ(s.collider_transforms()[0][13], -0.6f + 0.05f * 20);
@@ -63,8 +57,8 @@ TEST(Session, ConnectionsAndPinsMoveVertices) {
   Session& s = host.session;
   const Handle cloth = s.add_cloth(sheet.soup());
   MeshOptions options;
-  const std::array<float, 16> above = at(0.5f, 0.3f, 0.5f);
-  options.transform = above.data();
+  const At above(0.5f, 0.3f, 0.5f);
+  options.transform = above;
   const Handle post = s.add_obstacle(block.soup(), options);
   s.set_pinned(cloth, 0, true);
   const Handle tie = s.connect(cloth, 7, post, 0, -1);
@@ -91,8 +85,8 @@ TEST(Session, WindReachesObjectsByTheirExposure) {
   Session& s = host.session;
   s.set_gravity(0, 0, 0);
   MeshOptions beside;
-  const std::array<float, 16> apart = at(3, 0, 0);
-  beside.transform = apart.data();
+  const At apart(3, 0, 0);
+  beside.transform = apart;
   const Handle open = s.add_cloth(sheet.soup()), sheltered = s.add_cloth(sheet.soup(), beside);
   s.set_wind(0, 5, 0);
   EXPECT_EQ(s.wind()[1], 5);

@@ -12,7 +12,7 @@ namespace souple::host::test_host_session_contents {
 /// Wherever it goes, what is left moves on, and a reset brings back nothing that was removed.
 TEST(Session, ObjectsAreRemovedDuringPlay) {
   const Corners sheet(grid(7, 7, 1.0)), ball(sphere(1, 0.2)), block(box({1, 1, 1}, {1, 1, 1}));
-  const float above[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.8f, 0, 1};
+  const At above(0, 0.8f, 0);
   Player host;
   Session& s = host.session;
   s.open_scene(scenes + "flag.json");
@@ -51,7 +51,7 @@ TEST(Session, ObjectsAreRemovedDuringPlay) {
 /// An object that comes after one is removed is as if that one had never been.
 TEST(Session, AResetAfterARemovalIsTheWorldWithoutIt) {
   const Corners sheet(grid(7, 7, 1.0));
-  const float above[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.8f, 0, 1};
+  const At above(0, 0.8f, 0);
   MeshOptions options;
   options.transform = above;
   options.name = "kept";
@@ -69,7 +69,7 @@ TEST(Session, AResetAfterARemovalIsTheWorldWithoutIt) {
 
 TEST(Session, RemovingWhatIsHeldLetsGoAndRemovingAnotherDoesNot) {
   const Corners sheet(grid(7, 7, 1.0));
-  const float aside[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 3, 0, 0, 1};
+  const At aside(3, 0, 0);
   Player host;
   Session& s = host.session;
   s.set_gravity(0, 0, 0);

@@ -11,7 +11,7 @@ namespace souple::host::test_host_session_drawing {
 
 TEST(Session, AnObstacleThatTheHostMovesCarriesWhatLiesOnIt) {
   const Corners sheet(grid(9, 9, 0.5)), block(box({2, 0.2, 2}, {4, 1, 4}));
-  const float above[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0.12f, 0, 1};
+  const At above(0, 0.12f, 0);
   Player host;
   Session& s = host.session;
   const Handle table = s.add_obstacle(block.soup());

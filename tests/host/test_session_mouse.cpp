@@ -71,7 +71,7 @@ TEST(Session, AHostThatCannotPickGrabsByARay) {
   Session& s = host.session;
   const Handle cloth = s.add_cloth(sheet.soup());
   MeshOptions aside;
-  const float matrix[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 9, 0, 0, 1};
+  const At matrix(9, 0, 0);
   aside.transform = matrix;
   const Handle post = s.add_obstacle(block.soup(), aside);
   EXPECT_TRUE(s.grab({{0.1f, 2, 0.1f}, {0, -1, 0}}));

@@ -12,7 +12,7 @@ namespace souple::host::test_host_session_rigid_bodies {
 
 TEST(SessionRigidBodies, MoveAsInAPureRunToTheBit) {
   const Corners crate(box({0.3, 0.2, 0.3}, {2, 2, 2}));
-  const float above[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0.125f, 0.5f, 0, 1};
+  const At above(0.125f, 0.5f, 0);
   Player host;
   MeshOptions options;
   options.transform = above;

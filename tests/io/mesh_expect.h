@@ -1,30 +1,14 @@
 #pragma once
 
-#include "souple/error.h"
+#include "tests/expect_error.h"
 
 #include <algorithm>
 #include <cstring>
-#include <initializer_list>
 #include <string>
 
 #include <gtest/gtest.h>
 
 namespace souple {
-
-/// Calls `read` and expects an Error whose message contains all `parts`.
-template <class Read>
-void expect_error(Read read, std::initializer_list<const char*> parts) {
-  try {
-    read();
-  } catch (const Error& error) {
-    for (const char* part : parts) {
-      EXPECT_NE(std::string(error.what()).find(part), std::string::npos)
-          << error.what() << "\nlacks " << part;
-    }
-    return;
-  }
-  ADD_FAILURE() << "no Error was thrown";
-}
 
 /// The bytes of numbers in the given order.
 template <class... T>

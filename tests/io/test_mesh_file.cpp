@@ -1,46 +1,29 @@
 #include "mesh_expect.h"
 #include "souple/mesh_files/mesh_file.h"
+#include "tests/folder_test.h"
 
 #include <cmath>
-#include <fstream>
 #include <set>
 #include <utility>
 #include <vector>
 
 namespace souple::test_io_mesh_file {
 
-/// A folder of its own for each test, gone behind it.
-class MeshFile : public testing::Test {
- protected:
-  void SetUp() override {
-    const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::temp_directory_path() / (std::string("souple_mesh_file_") + test.name());
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  std::filesystem::path write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return folder_ / name;
-  }
-
-  std::filesystem::path folder_;
-};
+using MeshFile = test::FolderTest;
 
 const std::string triangle = "v 1 2 3\nv 0 0 0\nv 0 1 0\nf 1 2 3\n";
 
 TEST_F(MeshFile, ChoosesTheFormatByItsExtensionInAnyCase) {
-  EXPECT_EQ(read_triangle_mesh(write("a.OBJ", triangle)).positions[0], Vec3d(1, 2, 3));
-  expect_error([&] { read_triangle_mesh(write("a.Ply", triangle)); }, {"a.Ply:1:", "\"ply\""});
-  expect_error([&] { read_triangle_mesh(write("a.txt", triangle)); },
+  EXPECT_EQ(read_triangle_mesh(put("a.OBJ", triangle)).positions[0], Vec3d(1, 2, 3));
+  expect_error([&] { read_triangle_mesh(put("a.Ply", triangle)); }, {"a.Ply:1:", "\"ply\""});
+  expect_error([&] { read_triangle_mesh(put("a.txt", triangle)); },
                {"a.txt", "\".txt\"", ".obj, .ply, .stl"});
-  expect_error([&] { read_triangle_mesh(write("a.msh", triangle)); }, {"a.msh", "tet mesh"});
-  expect_error([&] { read_tet_mesh(write("a.obj", triangle)); }, {"a.obj", ".msh", ".node", ".vtk"});
+  expect_error([&] { read_triangle_mesh(put("a.msh", triangle)); }, {"a.msh", "tet mesh"});
+  expect_error([&] { read_tet_mesh(put("a.obj", triangle)); }, {"a.obj", ".msh", ".node", ".vtk"});
 }
 
 TEST_F(MeshFile, ScalesAndTurnsUpright) {
-  const auto path = write("a.obj", triangle);
+  const auto path = put("a.obj", triangle);
   EXPECT_EQ(read_triangle_mesh(path, {.scale = 2.0}).positions[0], Vec3d(2, 4, 6));
   // Up becomes Y; a right-handed file stays right-handed.
   EXPECT_EQ(read_triangle_mesh(path, {.up = UpAxis::z}).positions[0], Vec3d(1, 3, -2));
@@ -52,25 +35,25 @@ TEST_F(MeshFile, ScalesAndTurnsUpright) {
 
 TEST_F(MeshFile, TurnsEveryFormatAndItsNormalsUpright) {
   const auto ply =
-      write("a.ply",
-            "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-            "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
-            "1 2 3\n0 0 0\n0 1 0\n3 0 1 2\n");
-  const auto stl = write("a.stl",
-                         "solid s\nfacet normal 0 0 1\nouter loop\nvertex 1 2 3\nvertex 0 0 0\nvertex 0 1 0\n"
-                         "endloop\nendfacet\nendsolid s\n");
+      put("a.ply",
+          "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+          "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+          "1 2 3\n0 0 0\n0 1 0\n3 0 1 2\n");
+  const auto stl = put("a.stl",
+                       "solid s\nfacet normal 0 0 1\nouter loop\nvertex 1 2 3\nvertex 0 0 0\nvertex 0 1 0\n"
+                       "endloop\nendfacet\nendsolid s\n");
   for (const auto& path : {ply, stl})
     EXPECT_EQ(read_triangle_mesh(path, {.scale = 2, .up = UpAxis::z}).positions[0], Vec3d(2, 6, -4)) << path;
-  const auto obj = write("n.obj", triangle + "vn 0 0 1\nf 1//1 2//1 3//1\n");
+  const auto obj = put("n.obj", triangle + "vn 0 0 1\nf 1//1 2//1 3//1\n");
   const std::vector<Vec3f> up{{0, 1, 0}};
   EXPECT_EQ(read_triangle_mesh(obj, {.scale = 2, .up = UpAxis::z}).appearance.normals, up);
 }
 
 TEST_F(MeshFile, ReadsOneObjectOfSeveral) {
-  const auto path = write("two.obj",
-                          "o Body\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n"
-                          "o Shirt\nv 5 0 0\nv 6 0 0\nv 5 1 0\nv 6 1 0\nvt 1 1\n"
-                          "g hem\nf 4/2 5/2 7/2 6/2\n");
+  const auto path = put("two.obj",
+                        "o Body\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n"
+                        "o Shirt\nv 5 0 0\nv 6 0 0\nv 5 1 0\nv 6 1 0\nvt 1 1\n"
+                        "g hem\nf 4/2 5/2 7/2 6/2\n");
   EXPECT_EQ(read_triangle_mesh(path).positions.size(), 7u);
   const TriangleMesh shirt = read_triangle_mesh(path, {.scale = 2, .node = "Shirt"});
   EXPECT_EQ(shirt.positions, (std::vector<Vec3d>{{10, 0, 0}, {12, 0, 0}, {10, 2, 0}, {12, 2, 0}}));
@@ -80,27 +63,27 @@ TEST_F(MeshFile, ReadsOneObjectOfSeveral) {
   EXPECT_EQ(shirt.groups.count("Body"), 0u);
   expect_error([&] { read_triangle_mesh(path, {.node = "Shrit"}); },
                {"two.obj", "\"Shrit\"", "\"Body\", \"Shirt\""});
-  expect_error([&] { read_triangle_mesh(write("a.obj", triangle), {.node = "Shirt"}); },
+  expect_error([&] { read_triangle_mesh(put("a.obj", triangle), {.node = "Shirt"}); },
                {"a.obj", "names no objects"});
 }
 
 TEST_F(MeshFile, FindsMaterialFilesBesideIt) {
-  const auto path = write("m.obj", "mtllib sub/m.mtl\n" + triangle);
+  const auto path = put("m.obj", "mtllib sub/m.mtl\n" + triangle);
   EXPECT_EQ(read_triangle_mesh(path).appearance.material_files,
-            std::vector<std::string>{(folder_ / "sub/m.mtl").string()});
+            std::vector<std::string>{(folder / "sub/m.mtl").string()});
 }
 
 TEST_F(MeshFile, NamesAFileThatIsNotThere) {
-  expect_error([&] { read_triangle_mesh(folder_ / "none.obj"); }, {"none.obj", "no such file"});
-  std::filesystem::create_directory(folder_ / "b.obj");
-  expect_error([&] { read_triangle_mesh(folder_ / "b.obj"); }, {"b.obj", "is a folder"});
-  expect_error([&] { read_triangle_mesh(write("c.obj", "")); }, {"c.obj:1:", "no vertex"});
+  expect_error([&] { read_triangle_mesh(folder / "none.obj"); }, {"none.obj", "no such file"});
+  std::filesystem::create_directory(folder / "b.obj");
+  expect_error([&] { read_triangle_mesh(folder / "b.obj"); }, {"b.obj", "is a folder"});
+  expect_error([&] { read_triangle_mesh(put("c.obj", "")); }, {"c.obj:1:", "no vertex"});
 }
 
 TEST_F(MeshFile, ReadsTetgenByEitherName) {
-  const auto node = write("a.node", "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 2\n");
+  const auto node = put("a.node", "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 2\n");
   expect_error([&] { read_tet_mesh(node); }, {"a.ele", "no such file"});
-  const auto ele = write("a.ele", "1 4 0\n0 0 1 2 3\n");
+  const auto ele = put("a.ele", "1 4 0\n0 0 1 2 3\n");
   for (const auto& path : {node, ele}) {
     const TetMesh mesh = read_tet_mesh(path, {.scale = 0.5});
     EXPECT_EQ(mesh.tets, (std::vector<Tet>{{0, 1, 2, 3}}));

@@ -85,7 +85,7 @@ TEST(ObjReader, ReadsVertexColors) {
 TEST(ObjReader, NamesFileAndLineOfBadInput) {
   const struct {
     std::string text;
-    std::initializer_list<const char*> parts;
+    std::initializer_list<std::string> parts;
   } cases[] = {{"v 0 0\n", {"a.obj:1:", "2 numbers"}},
                {"v 0 0 0\nv 0 zero 0\n", {"a.obj:2:", "\"zero\"", "a number"}},
                {"v 0 0 nan\n", {"a.obj:1:", "\"nan\""}},

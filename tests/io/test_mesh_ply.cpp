@@ -66,7 +66,7 @@ TEST(PlyReader, NamesFileAndPlaceOfBadInput) {
   const std::string positions = bytes_of(false, 0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 1.f, 0.f);
   const struct {
     std::string bytes;
-    std::initializer_list<const char*> parts;
+    std::initializer_list<std::string> parts;
   } cases[] = {
       {"", {"a.ply:1:", "\"ply\""}},
       {"ply\nformat ascii 2.0\n", {"a.ply:2:", "2.0"}},

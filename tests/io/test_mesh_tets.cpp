@@ -64,7 +64,7 @@ TEST(MshReader, NamesFileAndLineOfBadInput) {
   };
   const struct {
     std::string text;
-    std::initializer_list<const char*> parts;
+    std::initializer_list<std::string> parts;
   } cases[] = {
       {"", {"a.msh:1:", "$MeshFormat"}},
       {"$MeshFormat\n3.0 0 8\n", {"a.msh:2:", "3.0", "2.2 or 4.1"}},
@@ -160,7 +160,7 @@ TEST(VtkReader, NamesFileAndPlaceOfBadInput) {
   const auto cells = [](const std::string& rest) { return vtk("ASCII", points_text + rest); };
   const struct {
     std::string text;
-    std::initializer_list<const char*> parts;
+    std::initializer_list<std::string> parts;
   } cases[] = {{"hello", {"a.vtk:1:", "# vtk DataFile"}},
                {"# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\n", {"a.vtk:4:", "POLYDATA"}},
                {vtk("ASCII", "POINTS 1000000000 float\n0 0 0\n"), {"a.vtk:5:", "1000000000", "long enough"}},

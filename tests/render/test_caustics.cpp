@@ -13,11 +13,6 @@ namespace souple::render::test_render_caustics {
 constexpr float spacing = 0.025f, depth = 0.4f, half = 0.7f;
 constexpr int width = 160, height = 120;
 
-double linear(int byte) {
-  const double c = byte / 255.0;
-  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-}
-
 /// Particles below a surface at this height, in a square pool.
 template <class Height>
 std::vector<Vec3f> pool(Height surface) {
@@ -58,10 +53,7 @@ class Caustics : public GlTest {
     list.light.sky = list.light.horizon = list.light.floor = {0, 0, 0, 1};
     list.ground.color = list.ground.second = srgb(0xb0b0b0);
     list.ground.tile = 100;
-    Camera camera;
-    camera.from = {0, 3, 0.01f};
-    camera.to = {};
-    camera.fov = 14;
+    const Camera camera = camera_at({0, 3, 0.01f}, {}, 14);
     RenderOptions options{.ambient_occlusion = false, .samples = 4, .exposure = 0.25f, .tone_curve = false};
     const Image without = renderer().picture(list, camera, options, width, height);
     list.light.caustics = true;
@@ -78,17 +70,6 @@ class Caustics : public GlTest {
     std::vector<double> values;
     for (const auto& row : rows) values.insert(values.end(), row.begin(), row.end());
     return values;
-  }
-  static double mean(const std::vector<double>& values) {
-    double sum = 0;
-    for (const double value : values) sum += value;
-    return sum / double(values.size());
-  }
-  static double deviation(const std::vector<double>& values) {
-    const double middle = mean(values);
-    double sum = 0;
-    for (const double value : values) sum += (value - middle) * (value - middle);
-    return std::sqrt(sum / double(values.size()));
   }
 
  private:

@@ -1,5 +1,6 @@
 // Light from panoramas: the file format, and pictures of balls in surroundings of known radiance.
 #include "../expect_error.h"
+#include "../folder_test.h"
 #include "gl_test.h"
 #include "render/environment.h"
 #include "render/hdr.h"
@@ -7,28 +8,17 @@
 
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <memory>
 #include <random>
-#include <stdlib.h>  // NOLINT(modernize-deprecated-headers): mkdtemp
 #include <string>
 #include <vector>
 
 namespace souple::render::test_render_environment {
 
-namespace fs = std::filesystem;
-
 using Rgbe = std::array<std::uint8_t, 4>;
 
-class HdrFile : public ::testing::Test {
+class HdrFile : public test::FolderTest {
  protected:
-  HdrFile() {
-    std::string pattern = (fs::temp_directory_path() / "souple_hdr_XXXXXX").string();
-    folder_ = mkdtemp(pattern.data());
-  }
-  ~HdrFile() override { fs::remove_all(folder_); }
-
   static std::string header(int width, int height, const std::string& more = "") {
     return "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n" + more + "\n-Y " + std::to_string(height) + " +X " +
            std::to_string(width) + "\n";
@@ -52,13 +42,7 @@ class HdrFile : public ::testing::Test {
       }
     return bytes;
   }
-  Panorama read(const std::string& bytes) const {
-    const fs::path file = folder_ / "a.hdr";
-    std::ofstream(file, std::ios::binary) << bytes;
-    return read_hdr(file);
-  }
-
-  fs::path folder_;
+  Panorama read(const std::string& bytes) const { return read_hdr(put("a.hdr", bytes)); }
 };
 
 TEST_F(HdrFile, PixelsAreMantissasTimesAPowerOfTwo) {
@@ -121,7 +105,7 @@ TEST_F(HdrFile, DamagedFilesGiveASentence) {
   expect_error([&] { read(start + "\x09too many"); }, {"a.hdr", "run lengths"});
   expect_error([&] { read(header(8, 1) + std::string("\x02\x02\0\x09", 4)); }, {"a.hdr", "length"});
   expect_error([&] { read(header(4, 1) + "\x01\x01\x01\x03"); }, {"a.hdr", "run lengths"});
-  expect_error([&] { read_hdr(folder_ / "missing.hdr"); }, {"missing.hdr", "opened"});
+  expect_error([&] { read_hdr(folder / "missing.hdr"); }, {"missing.hdr", "opened"});
   // Any byte may be wrong: a sentence, or a picture.
   std::mt19937 random(5);
   for (int i = 0; i < 1000; ++i) {
@@ -136,11 +120,6 @@ TEST_F(HdrFile, DamagedFilesGiveASentence) {
 }
 
 constexpr int side = 120;
-
-double linear(int byte) {
-  const double c = byte / 255.0;
-  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-}
 
 /// A panorama of 64 x 32 pixels, by a function of the direction.
 template <class Radiance>
@@ -182,13 +161,9 @@ class EnvironmentPicture : public GlTest {
     list_.light.environment = std::make_shared<Environment>(panorama, options);
   }
   Image picture() {
-    Camera camera;
-    camera.from = {0, 0, 6};
-    camera.to = {};
-    camera.fov = 30;
     RenderOptions options = plain();
     options.tone_curve = false;
-    return renderer().picture(list_, camera, options, side, side);
+    return renderer().picture(list_, camera_at({0, 0, 6}, {}, 30), options, side, side);
   }
   /// Green light at a point of the picture; 0 is its middle, 1 the ball's outline.
   double light(float x, float y) {

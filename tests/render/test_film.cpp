@@ -1,5 +1,6 @@
 #include "render/film.h"
 #include "tests/expect_error.h"
+#include "tests/folder_test.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +11,6 @@
 #include <set>
 #include <sstream>
 #include <string>
-#include <unistd.h>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -22,34 +22,31 @@ namespace souple::render::test_render_film {
 
 namespace fs = std::filesystem;
 
-class Films : public ::testing::Test {
+class Films : public test::FolderTest {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("souple-film-" + std::to_string(getpid()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+    FolderTest::SetUp();
     path_before_ = std::getenv("PATH");
   }
   void TearDown() override {
     setenv("PATH", path_before_.c_str(), 1);
-    fs::remove_all(folder_);
+    FolderTest::TearDown();
   }
 
   std::set<std::string> names() const {
     std::set<std::string> found;
-    for (const auto& entry : fs::directory_iterator(folder_)) found.insert(entry.path().filename().string());
+    for (const auto& entry : fs::directory_iterator(folder)) found.insert(entry.path().filename().string());
     return found;
   }
 
   /// Creates a program of that name, and puts it first on the PATH.
   void put_first_on_path(const std::string& name, const std::string& script) {
-    fs::create_directories(folder_ / "bin");
-    std::ofstream(folder_ / "bin" / name) << "#!/bin/sh\n" << script << "\n";
-    fs::permissions(folder_ / "bin" / name, fs::perms::owner_all);
-    setenv("PATH", ((folder_ / "bin").string() + ":" + path_before_).c_str(), 1);
+    fs::create_directories(folder / "bin");
+    std::ofstream(folder / "bin" / name) << "#!/bin/sh\n" << script << "\n";
+    fs::permissions(folder / "bin" / name, fs::perms::owner_all);
+    setenv("PATH", ((folder / "bin").string() + ":" + path_before_).c_str(), 1);
   }
 
-  fs::path folder_;
   std::string path_before_;
 };
 
@@ -81,12 +78,6 @@ std::string probe(const fs::path& film) {
 /// The pixels of all frames as a player shows them.
 std::string decoded(const fs::path& film) {
   return output_of("ffmpeg -v error -i '" + film.string() + "' -f rawvideo -pix_fmt rgba pipe:1");
-}
-
-std::string bytes_of(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
 }
 
 /// Four fields of one color each, which are permuted at every step.
@@ -131,10 +122,10 @@ int worst_in_fields(const std::uint8_t* pixels, int width, const Image& expected
 
 TEST_F(Films, Mp4HasEveryPictureInItsColors) {
   NEEDS_FFMPEG;
-  make_film(folder_ / "a.mp4", 24, 10);
-  EXPECT_EQ(probe(folder_ / "a.mp4"), "64,48,24/1,10\n");
+  make_film(folder / "a.mp4", 24, 10);
+  EXPECT_EQ(probe(folder / "a.mp4"), "64,48,24/1,10\n");
   EXPECT_EQ(names(), std::set<std::string>{"a.mp4"});
-  const std::string pixels = decoded(folder_ / "a.mp4");
+  const std::string pixels = decoded(folder / "a.mp4");
   ASSERT_EQ(pixels.size(), 10u * 4 * 64 * 48);
   for (int i = 0; i < 10; ++i) {
     const std::uint8_t* const frame = frame_of(pixels, static_cast<std::size_t>(i), 64, 48);
@@ -144,22 +135,22 @@ TEST_F(Films, Mp4HasEveryPictureInItsColors) {
 
 TEST_F(Films, Mp4OfOddSizesRepeatsTheEdge) {
   NEEDS_FFMPEG;
-  make_film(folder_ / "odd.mp4", 30, 3, 63, 47);
-  EXPECT_EQ(probe(folder_ / "odd.mp4"), "64,48,30/1,3\n");
-  const std::string pixels = decoded(folder_ / "odd.mp4");
+  make_film(folder / "odd.mp4", 30, 3, 63, 47);
+  EXPECT_EQ(probe(folder / "odd.mp4"), "64,48,30/1,3\n");
+  const std::string pixels = decoded(folder / "odd.mp4");
   ASSERT_EQ(pixels.size(), 3u * 4 * 64 * 48);
   const std::uint8_t* const corner = frame_of(pixels, 1, 64, 48) - 4;
   EXPECT_NEAR(corner[0], 230, 8);  // not black
-  make_film(folder_ / "dot.mp4", 30, 2, 1, 1);
-  EXPECT_EQ(probe(folder_ / "dot.mp4"), "2,2,30/1,2\n");
+  make_film(folder / "dot.mp4", 30, 2, 1, 1);
+  EXPECT_EQ(probe(folder / "dot.mp4"), "2,2,30/1,2\n");
 }
 
 TEST_F(Films, GifShowsTheVeryColors) {
   NEEDS_FFMPEG;
-  make_film(folder_ / "a.gif", 25, 8, 63, 47);
-  EXPECT_EQ(probe(folder_ / "a.gif"), "63,47,25/1,8\n");
+  make_film(folder / "a.gif", 25, 8, 63, 47);
+  EXPECT_EQ(probe(folder / "a.gif"), "63,47,25/1,8\n");
   EXPECT_EQ(names(), std::set<std::string>{"a.gif"});
-  const std::string pixels = decoded(folder_ / "a.gif");
+  const std::string pixels = decoded(folder / "a.gif");
   ASSERT_EQ(pixels.size(), 8u * 4 * 63 * 47);
   for (int i = 0; i < 8; ++i) {
     const std::uint8_t* const frame = frame_of(pixels, static_cast<std::size_t>(i), 63, 47);
@@ -169,11 +160,11 @@ TEST_F(Films, GifShowsTheVeryColors) {
 
 TEST_F(Films, FastGifKeepsItsSpeed) {
   NEEDS_FFMPEG;
-  make_film(folder_ / "a.gif", 60, 9);  // every second picture: 30 per second for 5/30 s
-  const std::string found = probe(folder_ / "a.gif");
+  make_film(folder / "a.gif", 60, 9);  // every second picture: 30 per second for 5/30 s
+  const std::string found = probe(folder / "a.gif");
   EXPECT_EQ(found.substr(found.rfind(',')), ",5\n");
-  make_film(folder_ / "b.gif", 120, 9);
-  EXPECT_EQ(probe(folder_ / "b.gif").substr(found.rfind(',')), ",3\n");
+  make_film(folder / "b.gif", 120, 9);
+  EXPECT_EQ(probe(folder / "b.gif").substr(found.rfind(',')), ",3\n");
 }
 
 /// Output of webpinfo for a film.
@@ -217,14 +208,14 @@ std::string decoded_webp(const fs::path& film, int frame) {
 TEST_F(Films, WebpHasEveryPictureAndRepeatsForever) {
   NEEDS_FFMPEG;
   NEEDS_WEBP;
-  make_film(folder_ / "a.webp", 20, 7, 63, 47);
-  const WebpInfo info = webp_info(folder_ / "a.webp");
+  make_film(folder / "a.webp", 20, 7, 63, 47);
+  const WebpInfo info = webp_info(folder / "a.webp");
   EXPECT_FALSE(info.errors);
   EXPECT_EQ(info.canvas, "63 x 47");
   EXPECT_EQ(info.loops, "0");
   EXPECT_EQ(info.durations, std::vector<int>(7, 50));
   EXPECT_EQ(names(), std::set<std::string>{"a.webp"});
-  const std::string pixels = decoded_webp(folder_ / "a.webp", 1);
+  const std::string pixels = decoded_webp(folder / "a.webp", 1);
   ASSERT_EQ(pixels.size(), 4u * 63 * 47);
   EXPECT_LE(worst_in_fields(frame_of(pixels, 0, 63, 47), 63, fields(63, 47, 0)), 12);
 }
@@ -232,8 +223,8 @@ TEST_F(Films, WebpHasEveryPictureAndRepeatsForever) {
 TEST_F(Films, FastWebpKeepsItsSpeed) {
   NEEDS_FFMPEG;
   NEEDS_WEBP;
-  make_film(folder_ / "a.webp", 120, 9);  // every second picture: 60 per second
-  const std::vector<int> durations = webp_info(folder_ / "a.webp").durations;
+  make_film(folder / "a.webp", 120, 9);  // every second picture: 60 per second
+  const std::vector<int> durations = webp_info(folder / "a.webp").durations;
   ASSERT_EQ(durations.size(), 5u);
   for (const int duration : durations) EXPECT_NEAR(duration, 1000.0 / 60, 1);
 }
@@ -259,10 +250,10 @@ Image stripes(int step) {
 TEST_F(Films, WebpFitsIntoItsBytesAtTheHighestQuality) {
   NEEDS_FFMPEG;
   const auto make = [&](const char* name, std::uint64_t bytes) {
-    Film film(folder_ / name, 10, {}, bytes);
+    Film film(folder / name, 10, {}, bytes);
     for (int i = 0; i < 6; ++i) film.add(stripes(i));
     film.finish();
-    return fs::file_size(folder_ / name);
+    return fs::file_size(folder / name);
   };
   const std::uint64_t any = make("any.webp", 0);
   std::uint64_t before = 0;
@@ -273,16 +264,16 @@ TEST_F(Films, WebpFitsIntoItsBytesAtTheHighestQuality) {
     EXPECT_GT(found, before);
     before = found;
   }
-  fs::remove(folder_ / "a.webp");
+  fs::remove(folder / "a.webp");
   expect_error([&] { make("a.webp", 500); },
                {"a.webp", "6 pictures of 160x120", "lowest quality", "500 allowed"});
-  expect_error([&] { Film(folder_ / "a.mp4", 10, {}, 500); }, {"a.mp4", ".webp"});
+  expect_error([&] { Film(folder / "a.mp4", 10, {}, 500); }, {"a.mp4", ".webp"});
   EXPECT_EQ(names(), std::set<std::string>{"any.webp"});
 }
 
 TEST_F(Films, WithoutItsEncoderAWebpIsRefusedAtOnce) {
   put_first_on_path("ffmpeg", "cat > /dev/null; echo \"Unknown encoder 'libwebp_anim'\" >&2; exit 1");
-  expect_error([&] { Film(folder_ / "a.webp", 30); },
+  expect_error([&] { Film(folder / "a.webp", 30); },
                {"a.webp", "no working encoder libwebp_anim", "Unknown encoder", "Debian package ffmpeg"});
   EXPECT_EQ(names(), std::set<std::string>{"bin"});
 }
@@ -290,11 +281,9 @@ TEST_F(Films, WithoutItsEncoderAWebpIsRefusedAtOnce) {
 TEST_F(Films, TwiceTheSameBytes) {
   NEEDS_FFMPEG;
   for (const char* extension : {".mp4", ".gif", ".webp"}) {
-    make_film(folder_ / (std::string("a") + extension), 30, 12);
-    make_film(folder_ / (std::string("b") + extension), 30, 12);
-    EXPECT_EQ(bytes_of(folder_ / (std::string("a") + extension)),
-              bytes_of(folder_ / (std::string("b") + extension)))
-        << extension;
+    make_film(folder / (std::string("a") + extension), 30, 12);
+    make_film(folder / (std::string("b") + extension), 30, 12);
+    EXPECT_EQ(get(std::string("a") + extension), get(std::string("b") + extension)) << extension;
   }
 }
 
@@ -302,29 +291,29 @@ TEST_F(Films, NamesAreNotReadByAnyShell) {
   NEEDS_FFMPEG;
   for (const std::string name :
        {"-y.mp4", "a:b.mp4", "a b'$(touch x)\";%03d.mp4", "CAPITALS.MP4", "%d.gif"}) {
-    make_film(folder_ / name, 30, 2);
+    make_film(folder / name, 30, 2);
     EXPECT_EQ(names(), std::set<std::string>{name});
-    fs::rename(folder_ / name, folder_ / "plain");
-    EXPECT_NE(probe(folder_ / "plain").find(",2\n"), std::string::npos) << name;
-    fs::remove(folder_ / "plain");
+    fs::rename(folder / name, folder / "plain");
+    EXPECT_NE(probe(folder / "plain").find(",2\n"), std::string::npos) << name;
+    fs::remove(folder / "plain");
   }
 }
 
 TEST_F(Films, OtherNamesAreFoldersOfPictures) {
   EXPECT_FALSE(is_film("film"));
   EXPECT_FALSE(is_film("mp4"));
-  make_film(folder_ / "way/film", 60, 3);
+  make_film(folder / "way/film", 60, 3);
   for (int i = 0; i < 3; ++i) {
-    const fs::path file = folder_ / "way/film" / ("film_000" + std::to_string(i + 1) + ".png");
+    const fs::path file = folder / "way/film" / ("film_000" + std::to_string(i + 1) + ".png");
     EXPECT_EQ(read_png(file), fields(64, 48, i));
   }
-  make_film(folder_ / "slash/", 60, 1);
-  EXPECT_TRUE(fs::exists(folder_ / "slash/slash_0001.png"));
+  make_film(folder / "slash/", 60, 1);
+  EXPECT_TRUE(fs::exists(folder / "slash/slash_0001.png"));
 }
 
 TEST_F(Films, SizesMayNotChange) {
   NEEDS_FFMPEG;
-  Film film(folder_ / "a.mp4", 30);
+  Film film(folder / "a.mp4", 30);
   film.add(fields(64, 48, 0));
   expect_error([&] { film.add(fields(64, 50, 0)); }, {"64x48", "64x50"});
 }
@@ -332,14 +321,14 @@ TEST_F(Films, SizesMayNotChange) {
 TEST_F(Films, AnUnfinishedFilmIsFinishedAndAnEmptyOneIsNot) {
   NEEDS_FFMPEG;
   {
-    Film film(folder_ / "a.mp4", 30);
+    Film film(folder / "a.mp4", 30);
     film.add(fields(64, 48, 0));
-    EXPECT_FALSE(fs::exists(folder_ / "a.mp4"));
+    EXPECT_FALSE(fs::exists(folder / "a.mp4"));
   }
-  EXPECT_EQ(probe(folder_ / "a.mp4"), "64,48,30/1,1\n");
-  { Film film(folder_ / "b.gif", 30); }
+  EXPECT_EQ(probe(folder / "a.mp4"), "64,48,30/1,1\n");
+  { Film film(folder / "b.gif", 30); }
   {
-    Film film(folder_ / "c.mp4", 30);
+    Film film(folder / "c.mp4", 30);
     expect_error([&] { film.finish(); }, {"c.mp4"});
   }
   EXPECT_EQ(names(), std::set<std::string>{"a.mp4"});
@@ -350,7 +339,7 @@ TEST_F(Films, WithoutFfmpegThePackageIsNamed) {
     setenv("PATH", path, 1);
     EXPECT_FALSE(has_ffmpeg());
     for (const char* name : {"a.mp4", "a.webp"})
-      expect_error([&] { Film(folder_ / name, 30); }, {"Debian package ffmpeg"});
+      expect_error([&] { Film(folder / name, 30); }, {"Debian package ffmpeg"});
   }
   EXPECT_TRUE(names().empty());
 }
@@ -358,9 +347,9 @@ TEST_F(Films, WithoutFfmpegThePackageIsNamed) {
 TEST_F(Films, WhatFfmpegComplainsOfIsPassedOn) {
   put_first_on_path("ffmpeg", "echo first >&2; echo Unknown encoder libx264 >&2; exit 1");
   const std::string old = "an older film";
-  std::ofstream(folder_ / "a.mp4") << old;
+  std::ofstream(folder / "a.mp4") << old;
   {
-    Film film(folder_ / "a.mp4", 30);
+    Film film(folder / "a.mp4", 30);
     // The pipe may accept some pictures before the failure is detected.
     expect_error(
         [&] {
@@ -369,22 +358,22 @@ TEST_F(Films, WhatFfmpegComplainsOfIsPassedOn) {
         {"a.mp4", "ffmpeg failed", "Unknown encoder libx264"});
   }
   EXPECT_EQ(names(), (std::set<std::string>{"a.mp4", "bin"}));
-  EXPECT_EQ(bytes_of(folder_ / "a.mp4"), old);
+  EXPECT_EQ(get("a.mp4"), old);
 }
 
 TEST_F(Films, AnFfmpegThatIsKilledIsNotSilent) {
   put_first_on_path("ffmpeg", "cat > /dev/null; kill -9 $$");
-  Film film(folder_ / "a.mp4", 30);
+  Film film(folder / "a.mp4", 30);
   film.add(fields(64, 48, 0));
   expect_error([&] { film.finish(); }, {"signal 9"});
-  EXPECT_FALSE(fs::exists(folder_ / "a.mp4"));
+  EXPECT_FALSE(fs::exists(folder / "a.mp4"));
 }
 
 /// A user interrupts the program while ffmpeg neither reads nor ends: it is ended, and nothing of the film is left.
 TEST_F(Films, AnFfmpegThatHangsIsEndedAfterAnInterrupt) {
   put_first_on_path("ffmpeg", "sleep 1000");
   {
-    Film film(folder_ / "a.mp4", 30, [] { return true; });
+    Film film(folder / "a.mp4", 30, [] { return true; });
     expect_error(
         [&] {
           for (int i = 0; i < 1000; ++i) film.add(fields(640, 480, i));
@@ -394,7 +383,7 @@ TEST_F(Films, AnFfmpegThatHangsIsEndedAfterAnInterrupt) {
   put_first_on_path("ffmpeg", "cat > /dev/null; sleep 1000");
   {
     bool stopped = false;
-    Film film(folder_ / "a.gif", 30, [&] { return stopped; });
+    Film film(folder / "a.gif", 30, [&] { return stopped; });
     for (int i = 0; i < 20; ++i) film.add(fields(640, 480, i));
     stopped = true;
     expect_error([&] { film.finish(); }, {"a.gif", "did nothing"});
@@ -408,21 +397,21 @@ TEST_F(Films, AnFfmpegThatWorksIsWaitedForAfterAnInterrupt) {
       "ffmpeg",
       "cat > /dev/null; for i in 1 2 3 4 5 6; do sleep 0.5; : $(seq 1000); done; for f; do :; done; "
       "echo film > ${f#file:}");
-  Film film(folder_ / "a.mp4", 30, [] { return true; });
+  Film film(folder / "a.mp4", 30, [] { return true; });
   film.add(fields(64, 48, 0));
   film.finish();
-  EXPECT_EQ(bytes_of(folder_ / "a.mp4"), "film\n");
+  EXPECT_EQ(get("a.mp4"), "film\n");
 }
 
 TEST_F(Films, WhereNothingCanBeWrittenIsSaidAtOnce) {
   NEEDS_FFMPEG;
-  std::ofstream(folder_ / "file") << "mine";
-  expect_error([&] { Film(folder_ / "file/a.mp4", 30); }, {"file"});
-  expect_error([&] { Film(folder_ / "file/pictures", 30); }, {"file"});
-  fs::create_directories(folder_ / "folder.mp4");
-  expect_error([&] { Film(folder_ / "folder.mp4", 30); }, {"folder.mp4", "is a folder"});
-  expect_error([&] { Film(folder_ / "a.mp4", 0); }, {"frame rate"});
-  expect_error([&] { Film(folder_ / "a.mp4", std::nan("")); }, {"frame rate"});
+  std::ofstream(folder / "file") << "mine";
+  expect_error([&] { Film(folder / "file/a.mp4", 30); }, {"file"});
+  expect_error([&] { Film(folder / "file/pictures", 30); }, {"file"});
+  fs::create_directories(folder / "folder.mp4");
+  expect_error([&] { Film(folder / "folder.mp4", 30); }, {"folder.mp4", "is a folder"});
+  expect_error([&] { Film(folder / "a.mp4", 0); }, {"frame rate"});
+  expect_error([&] { Film(folder / "a.mp4", std::nan("")); }, {"frame rate"});
 }
 
 }  // namespace souple::render::test_render_film

@@ -17,26 +17,17 @@ double brightness(const Image& image, int x, int y) {
 }
 
 /// A box as a surface, which this object stores.
-class Block {
+class Block : Solid {
  public:
-  explicit Block(const Vec3d& half_extents) : mesh_(box(half_extents * 2)), key_(++blocks_) {
-    for (const Vec3d& x : mesh_.positions) positions_.emplace_back(Vec3f(x));
-  }
+  explicit Block(const Vec3d& half_extents) : Solid(box(half_extents * 2)), key_(++blocks_) {}
   Surface surface(const Vec3d& at, double turn, const Color& color, bool glass) const {
-    Surface result;
-    result.key = key_;
-    result.positions = positions_;
-    result.triangles = mesh_.triangles;
-    result.pose.translation = at;
+    Surface result = Solid::surface(key_, false, at, color);
     result.pose.rotation = Quatd::from_axis_angle({0, 1, 0}, turn);
-    result.look.color = result.look.second = color;
     result.look.glass = glass;
     return result;
   }
 
  private:
-  TriangleMesh mesh_;
-  std::vector<Vec3f> positions_;
   std::uint64_t key_;
   static inline std::uint64_t blocks_ = 0;  // the renderer keeps the buffers of a key
 };
@@ -44,13 +35,7 @@ class Block {
 class GlassTest : public GlTest {
  protected:
   /// From far away: rays are parallel within 2 degrees. A pixel is 1 / `pixels_per_meter` wide at the origin.
-  static Camera far_camera() {
-    Camera camera;
-    camera.from = {0, 0, 30};
-    camera.to = {};
-    camera.fov = 4;
-    return camera;
-  }
+  static Camera far_camera() { return camera_at({0, 0, 30}, {}, 4); }
   /// A white wall at x < 0 and a black one at x > 0, behind the origin.
   DrawList edge() const {
     DrawList list = without_ground();
@@ -146,10 +131,7 @@ TEST_F(GlassTest, ThrowsALightShadow) {
   DrawList list;
   list.ground = Ground{.height = 0, .tile = 100};
   list.light.to_sun = {0, 1, 0.01f};
-  Camera camera;
-  camera.from = {0, 3, 6};
-  camera.to = {0, 0.3f, 0};
-  camera.fov = 30;
+  const Camera camera = camera_at({0, 3, 6}, {0, 0.3f, 0}, 30);
   RenderOptions options;
   options.ambient_occlusion = false;
   options.tone_curve = false;
@@ -177,11 +159,7 @@ TEST_F(GlassTest, PicturesAreTheSameEachTime) {
 }
 
 TEST(Walls, OfSolidsHaveAThickness) {
-  const auto wall = [](const TriangleMesh& mesh) {
-    std::vector<Vec3f> positions;
-    for (const Vec3d& x : mesh.positions) positions.emplace_back(Vec3f(x));
-    return wall_of(positions, mesh.triangles);
-  };
+  const auto wall = [](const TriangleMesh& mesh) { return wall_of(Solid(mesh).positions(), mesh.triangles); };
   // A plate of 2 x 2 x 0.02 m: 2 V / A = 0.16 / 8.16.
   const Wall plate = wall(box({2, 2, 0.02}));
   EXPECT_TRUE(plate.closed);

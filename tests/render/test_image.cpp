@@ -1,14 +1,13 @@
+#include "../expect_error.h"
+#include "../folder_test.h"
 #include "render/color.h"
 #include "render/contact_sheet.h"
 #include "render/image.h"
-#include "souple/error.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <functional>
 #include <limits>
 #include <set>
 #include <string>
@@ -21,20 +20,6 @@ namespace souple::render {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A temporary folder for a test.
-class Folder {
- public:
-  Folder() {
-    std::string pattern = (fs::temp_directory_path() / "souple_image_XXXXXX").string();
-    path = mkdtemp(pattern.data());
-  }
-  ~Folder() { fs::remove_all(path); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
-  fs::path path;
-};
 
 /// A picture like a rendered one: smooth gradients, a shaded ball, edges.
 Image sample_picture(int width, int height) {
@@ -51,20 +36,6 @@ Image sample_picture(int width, int height) {
     }
   }
   return image;
-}
-
-std::vector<char> bytes_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-std::string message_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
 }
 
 float luminance(const Color& c) {
@@ -109,43 +80,41 @@ TEST(Color, PaletteRepeatsAfterEight) {
   EXPECT_EQ(palette(3), palette(11));
 }
 
-TEST(Png, ComesBackAsItWasWritten) {
-  const Folder folder;
+using Png = test::FolderTest;
+
+TEST_F(Png, ComesBackAsItWasWritten) {
   const Image image = sample_picture(123, 77);
-  write_png(folder.path / "a.png", image);
-  EXPECT_EQ(read_png(folder.path / "a.png"), image);
-  write_png(folder.path / "b.png", image);
-  EXPECT_EQ(bytes_of(folder.path / "a.png"), bytes_of(folder.path / "b.png"));
-  EXPECT_FALSE(fs::exists(folder.path / "a.png.part"));
+  write_png(folder / "a.png", image);
+  EXPECT_EQ(read_png(folder / "a.png"), image);
+  write_png(folder / "b.png", image);
+  EXPECT_EQ(get("a.png"), get("b.png"));
+  EXPECT_FALSE(has("a.png.part"));
 }
 
-TEST(Png, OfOnePixel) {
-  const Folder folder;
+TEST_F(Png, OfOnePixel) {
   Image image(1, 1);
   image.pixels = {1, 2, 3, 255};
   for (const int palette : {0, 1, 256}) {
-    write_png(folder.path / "a.png", image, palette);
-    EXPECT_EQ(read_png(folder.path / "a.png"), image);
+    write_png(folder / "a.png", image, palette);
+    EXPECT_EQ(read_png(folder / "a.png"), image);
   }
 }
 
-TEST(Png, AlphaIsDropped) {
-  const Folder folder;
+TEST_F(Png, AlphaIsDropped) {
   Image image(1, 1);
   image.pixels = {10, 20, 30, 40};
-  write_png(folder.path / "a.png", image);
-  EXPECT_EQ(read_png(folder.path / "a.png").pixels, (std::vector<std::uint8_t>{10, 20, 30, 255}));
+  write_png(folder / "a.png", image);
+  EXPECT_EQ(read_png(folder / "a.png").pixels, (std::vector<std::uint8_t>{10, 20, 30, 255}));
 }
 
-TEST(Png, APaletteMakesItSmallAndKeepsItsColors) {
-  const Folder folder;
+TEST_F(Png, APaletteMakesItSmallAndKeepsItsColors) {
   const Image image = sample_picture(480, 320);
-  write_png(folder.path / "full.png", image);
-  write_png(folder.path / "small.png", image, 128);
-  write_png(folder.path / "again.png", image, 128);
-  EXPECT_EQ(bytes_of(folder.path / "small.png"), bytes_of(folder.path / "again.png"));
-  EXPECT_LT(fs::file_size(folder.path / "small.png"), 60'000u);
-  const Image reduced = read_png(folder.path / "small.png");
+  write_png(folder / "full.png", image);
+  write_png(folder / "small.png", image, 128);
+  write_png(folder / "again.png", image, 128);
+  EXPECT_EQ(get("small.png"), get("again.png"));
+  EXPECT_LT(fs::file_size(folder / "small.png"), 60'000u);
+  const Image reduced = read_png(folder / "small.png");
   std::set<std::uint32_t> colors;
   for (std::size_t i = 0; i < reduced.pixels.size(); i += 4) {
     colors.insert(
@@ -165,41 +134,41 @@ TEST(Png, APaletteMakesItSmallAndKeepsItsColors) {
   EXPECT_NEAR(sum / double(a.pixels.size()), 0, 0.5);
 }
 
-TEST(Png, FewColorsStayExact) {
-  const Folder folder;
+TEST_F(Png, FewColorsStayExact) {
   Image image(64, 64);
   const std::vector<PackedColor> colors{0xff102030, 0xffa0b0c0, 0xff00ff80};
   for (std::size_t i = 0; i < 4096; ++i) {
     for (std::size_t c = 0; c < 4; ++c) image.pixels[4 * i + c] = std::uint8_t(colors[i * i % 3] >> (8 * c));
   }
-  write_png(folder.path / "a.png", image, 16);
-  EXPECT_EQ(read_png(folder.path / "a.png"), image);
+  write_png(folder / "a.png", image, 16);
+  EXPECT_EQ(read_png(folder / "a.png"), image);
 }
 
-TEST(Png, SaysWhatIsWrong) {
-  const Folder folder;
+TEST_F(Png, SaysWhatIsWrong) {
   const Image image = sample_picture(8, 8);
-  const fs::path nowhere = folder.path / "missing" / "a.png";
-  EXPECT_NE(message_of([&] { write_png(nowhere, image); }).find("missing does not exist"), std::string::npos);
-  EXPECT_NE(message_of([&] { write_png(folder.path / "a.png", Image{}); }).find("0 x 0"), std::string::npos);
-  EXPECT_NE(message_of([&] { write_png(folder.path / "a.png", image, 300); }).find("300"), std::string::npos);
-  EXPECT_TRUE(fs::is_empty(folder.path)) << "no partial file is left";
-  EXPECT_NE(message_of([&] { read_png(folder.path / "none.png"); }).find("none.png"), std::string::npos);
-  std::ofstream(folder.path / "text.png") << "this is no picture";
-  EXPECT_NE(message_of([&] { read_png(folder.path / "text.png"); }).find("not a PNG"), std::string::npos);
+  const fs::path nowhere = folder / "missing" / "a.png";
+  expect_error([&] { write_png(nowhere, image); }, {"missing does not exist"});
+  expect_error([&] { write_png(folder / "a.png", Image{}); }, {"0 x 0"});
+  expect_error([&] { write_png(folder / "a.png", image, 300); }, {"300"});
+  EXPECT_TRUE(fs::is_empty(folder)) << "no partial file is left";
+  expect_error([&] { read_png(folder / "none.png"); }, {"none.png"});
+  put("text.png", "this is no picture");
+  expect_error([&] { read_png(folder / "text.png"); }, {"not a PNG"});
 }
 
-TEST(Png, DamageAnywhereIsAnErrorOrAPicture) {
-  const Folder folder;
-  write_png(folder.path / "a.png", sample_picture(40, 30));
-  const std::vector<char> good = bytes_of(folder.path / "a.png");
+TEST_F(Png, DamageAnywhereIsAnErrorOrAPicture) {
+  write_png(folder / "a.png", sample_picture(40, 30));
+  const std::string good = get("a.png");
   int errors = 0;
   for (std::size_t i = 0; i < good.size(); i += 7) {
-    std::vector<char> bad = good;
+    std::string bad = good;
     bad[i] = char(bad[i] ^ 0x55);
     if (i % 2 == 0) bad.resize(i);
-    std::ofstream(folder.path / "bad.png", std::ios::binary).write(bad.data(), std::streamsize(bad.size()));
-    if (!message_of([&] { read_png(folder.path / "bad.png"); }).empty()) ++errors;
+    try {
+      read_png(put("bad.png", bad));
+    } catch (const Error&) {
+      ++errors;
+    }
   }
   EXPECT_GT(errors, int(good.size() / 7 / 2));
 }

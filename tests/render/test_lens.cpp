@@ -11,11 +11,6 @@ namespace souple::render::test_render_lens {
 
 constexpr int width = 480, height = 120;
 
-double linear(std::uint8_t value) {
-  const double c = value / 255.0;
-  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-}
-
 /// Light of a small object before black: where it is, and how far it is spread across. [pixels]
 struct Spot {
   double sum = 0, x = 0, variance = 0;
@@ -38,13 +33,7 @@ Spot spot_in(const Image& image) {
 
 class LensTest : public GlTest {
  protected:
-  static Camera camera() {
-    Camera result;
-    result.from = {0, 0, 4};
-    result.to = {};
-    result.fov = 20;
-    return result;
-  }
+  static Camera camera() { return camera_at({0, 0, 4}, {}, 20); }
   static double pixels_per_meter(double depth) { return height / (2 * depth * std::tan(10 * pi / 180)); }
   /// Only the sun shines, from the eye.
   static void make_dark(DrawList& list) {

@@ -2,7 +2,6 @@
 #include "render/font.h"
 #include "render/gl/framebuffer.h"
 #include "render/passes/labels.h"
-#include "render/srgb.h"
 #include "souple/error.h"
 
 #include <algorithm>
@@ -48,11 +47,7 @@ Box difference(const Image& a, const Image& b) {
 
 /// A view along -z at a plane through the origin, where one unit is `height` pixels high.
 Camera front() {
-  Camera camera;
-  camera.from = {0, 0, 2};
-  camera.to = {0, 0, 0};
-  camera.fov = float(2 * std::atan(0.25) * 180 / pi);
-  return camera;
+  return camera_at({0, 0, 2}, {}, float(2 * std::atan(0.25) * 180 / pi));
 }
 
 /// The point of that plane under a position in the picture.
@@ -76,26 +71,17 @@ class OverlayTest : public GlTest {
 
 /// Coverage of a pixel by an element of this color, from the light in its red channel.
 float coverage(const Image& with, const Image& without, int x, int y, float red) {
-  const auto light = [&](const Image& image) { return linear_of_srgb(float(image.at(x, y)[0]) / 255); };
+  const auto light = [&](const Image& image) { return float(linear(image.at(x, y)[0])); };
   return (light(with) - light(without)) / (red - light(without));
 }
 
 /// A wall in the plane z = 0.
-class Wall {
- public:
-  Surface surface(float z) const {
-    Surface surface;
-    surface.key = 1;
-    surface.positions = corners_;
-    surface.triangles = triangles_;
-    surface.pose.translation = {0, 0, double(z)};
-    return surface;
-  }
-
- private:
-  std::array<Vec3f, 4> corners_{Vec3f{-9, -9, 0}, Vec3f{9, -9, 0}, Vec3f{9, 9, 0}, Vec3f{-9, 9, 0}};
-  std::array<Triangle, 2> triangles_{Triangle{0, 1, 2}, Triangle{0, 2, 3}};
-};
+Solid wall() {
+  TriangleMesh mesh;
+  mesh.positions = {{-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  return Solid(mesh);
+}
 
 /// Labels alone, over black.
 class Page {
@@ -170,10 +156,10 @@ TEST_F(OverlayTest, LinesLieWhereTheyAre) {
 }
 
 TEST_F(OverlayTest, LinesKeepTheirColor) {
-  const Wall wall;
+  const Solid solid = wall();
   for (const std::uint32_t hex : {0xff0000u, 0xffffffu, 0x3366ccu, 0x102030u, 0xf0f921u}) {
     DrawList list = without_ground();
-    list.surfaces.push_back(wall.surface(-0.1f));
+    list.surfaces.push_back(solid.surface(1, false, {0, 0, double(-0.1f)}, Look().color));
     list.lines.push_back({under(0, 80), under(width, 80), pack(srgb(hex)), 6});
     const std::uint8_t* pixel = picture(list).at(width / 2, 80);
     const std::uint32_t seen = std::uint32_t(pixel[0]) << 16 | std::uint32_t(pixel[1]) << 8 | pixel[2];
@@ -184,10 +170,10 @@ TEST_F(OverlayTest, LinesKeepTheirColor) {
 }
 
 TEST_F(OverlayTest, LinesAreHiddenByWhatLiesBeforeThemAndTopLinesAreNot) {
-  const Wall wall;
+  const Solid solid = wall();
   const auto changed = [&](float wall_z, bool top) {
     DrawList list = without_ground();
-    list.surfaces.push_back(wall.surface(wall_z));
+    list.surfaces.push_back(solid.surface(1, false, {0, 0, double(wall_z)}, Look().color));
     const Image without = picture(list);
     (top ? list.top_lines : list.lines).push_back({under(20, 30), under(220, 130), 0xff2020ff, 2});
     const Box box = difference(picture(list), without);
@@ -200,9 +186,9 @@ TEST_F(OverlayTest, LinesAreHiddenByWhatLiesBeforeThemAndTopLinesAreNot) {
 }
 
 TEST_F(OverlayTest, ALineOnASlantedSurfaceShowsAllAlong) {
-  const Wall wall;
+  const Solid solid = wall();
   DrawList list = without_ground();
-  Surface slanted = wall.surface(0);
+  Surface slanted = solid.surface(1, false, {0, 0, double(0)}, Look().color);
   slanted.pose.rotation = Quatd::from_axis_angle({0, 1, 0}, 1.2);
   list.surfaces.push_back(slanted);
   const Image without = picture(list);

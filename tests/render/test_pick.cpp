@@ -17,11 +17,7 @@ constexpr int width = 320, height = 240;
 class PickTest : public GlTest {};
 
 Camera a_camera() {
-  Camera camera;
-  camera.from = {1.2f, 1.5f, 2.8f};
-  camera.to = {0, 0.1f, 0};
-  camera.fov = 50;
-  return camera;
+  return camera_at({1.2f, 1.5f, 2.8f}, {0, 0.1f, 0}, 50);
 }
 
 /// A wavy sheet at a position.

@@ -41,12 +41,10 @@ class Printed : public GlTest {
     square.print = four_colors();
     list_.surfaces.push_back(square);
   }
+  static Camera front() { return camera_at({0.5f, 0.5f, 3}, {0.5f, 0.5f, 0}, 22); }
   /// The color at a point of the square, as the nearest of the four and black.
   Bytes seen(float x, float y) {
-    Camera camera;
-    camera.from = {0.5f, 0.5f, 3};
-    camera.to = {0.5f, 0.5f, 0};
-    camera.fov = 22;
+    const Camera camera = front();
     list_.surfaces[0].uvs = uvs_;
     list_.surfaces[0].topology = ++version_;
     const Image image = renderer().picture(list_, camera, plain(), side, side);
@@ -104,13 +102,9 @@ TEST_F(Printed, IsAveragedWhereTexelsAreSmallerThanPixels) {
       for (int c = 0; c < 4; ++c) fine->at(x, y)[c] = c == 3 || (x + y) % 2 == 0 ? 255 : 0;
   list_.surfaces[0].print = fine;
   list_.surfaces[0].uvs = uvs_;
-  Camera camera;
-  camera.from = {0.5f, 0.5f, 3};
-  camera.to = {0.5f, 0.5f, 0};
-  camera.fov = 22;
   RenderOptions options = plain();
   options.tone_curve = false;
-  const Image image = renderer().picture(list_, camera, options, side, side);
+  const Image image = renderer().picture(list_, front(), options, side, side);
   for (int x = 40; x < 60; ++x) EXPECT_NEAR(image.at(x, 50)[1], 180, 8) << "half of 0.9, as sRGB";
 }
 

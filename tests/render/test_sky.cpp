@@ -11,21 +11,9 @@ namespace souple::render::test_render_sky {
 
 constexpr int width = 120, height = 80;
 
-double linear(int byte) {
-  const double c = byte / 255.0;
-  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
-}
-
 Vec3f color_at(const Image& image, int x, int y) {
   const std::uint8_t* p = image.at(x, y);
   return Vec3f(Vec3d{linear(p[0]), linear(p[1]), linear(p[2])});
-}
-
-Camera looking(const Vec3f& from, const Vec3f& to) {
-  Camera camera;
-  camera.from = from;
-  camera.to = to;
-  return camera;
 }
 
 /// Irradiance / pi at a normal, by summing a fine grid of directions.
@@ -73,7 +61,8 @@ TEST_F(SkyPicture, ShowsTheRadianceOfEachDirection) {
   options.tone_curve = false;
   for (const Vec3f& direction :
        {Vec3f{0, 0, -1}, Vec3f{1, 0.3f, 0}, Vec3f{0.2f, 1, 0.4f}, Vec3f{1, -0.5f, 1}}) {
-    const Image image = renderer().picture(list, looking({}, direction), options, width + 1, height + 1);
+    const Image image =
+        renderer().picture(list, camera_at({}, direction, 40), options, width + 1, height + 1);
     const Vec3f seen = color_at(image, width / 2, height / 2),
                 expected = sky_radiance(sky, normalized(direction));
     EXPECT_LT(length(seen - expected), 0.02f) << direction.x << ' ' << direction.y << ' ' << direction.z;
@@ -85,7 +74,7 @@ TEST_F(SkyPicture, BlacksAreBlackAndMiddleGrayStays) {
   const auto shown = [&](float radiance) {
     list.light.sky = list.light.horizon = list.light.floor = {radiance, radiance, radiance};
     return static_cast<double>(
-        color_at(renderer().picture(list, looking({}, {0, 0.1f, 1}), plain(), 9, 9), 4, 4).y);
+        color_at(renderer().picture(list, camera_at({}, {0, 0.1f, 1}, 40), plain(), 9, 9), 4, 4).y);
   };
   EXPECT_EQ(shown(0), 0);
   EXPECT_LT(shown(0.01f), 0.007) << "a toe";
@@ -104,20 +93,13 @@ TEST_F(SkyPicture, GlassShowsWhatIsBehindIt) {
   ball.radius = 1;
   ball.look.color = srgb(0xc02020);
   list.spheres.push_back(ball);
-  const TriangleMesh mesh = box({1.0, 1.0, 0.05});
-  std::vector<Vec3f> positions;
-  for (const Vec3d& x : mesh.positions) positions.emplace_back(Vec3f(x));
-  Surface pane;
-  pane.key = 2;
-  pane.positions = positions;
-  pane.triangles = mesh.triangles;
-  pane.look.color = srgb(0xd0e8e0);
+  const Solid pane(box({1.0, 1.0, 0.05}));
   const auto middle = [&] {
-    return color_at(renderer().picture(list, looking({0, 0, 4}, {}), plain(), width, height), width / 2,
+    return color_at(renderer().picture(list, camera_at({0, 0, 4}, {}, 40), plain(), width, height), width / 2,
                     height / 2);
   };
   const Vec3f bare = middle();
-  list.surfaces.push_back(pane);
+  list.surfaces.push_back(pane.surface(2, false, {}, srgb(0xd0e8e0)));
   const Vec3f hidden = middle();
   EXPECT_LT(hidden.x, 2 * hidden.y) << "an opaque pane is not red";
   list.surfaces[0].look.glass = true;
@@ -131,17 +113,11 @@ TEST_F(SkyPicture, GlassShowsWhatIsBehindIt) {
 TEST_F(SkyPicture, TranslucentBodiesAreLitBeyondTheTerminator) {
   DrawList list = without_ground();
   list.light.to_sun = {1, 0, 0};
-  const TriangleMesh mesh = sphere(4, 1.0);
-  std::vector<Vec3f> positions;
-  for (const Vec3d& x : mesh.positions) positions.emplace_back(Vec3f(x));
-  Surface jelly;
-  jelly.key = 3;
-  jelly.positions = jelly.normals = positions;
-  jelly.triangles = mesh.triangles;
-  jelly.look.color = srgb(0xd0d0d0);
-  list.surfaces.push_back(jelly);
+  const Solid jelly(sphere(4, 1.0));
+  list.surfaces.push_back(jelly.surface(3, true, {}, srgb(0xd0d0d0)));
   const auto brightness = [&](int x) {
-    return color_at(renderer().picture(list, looking({0, 0, 6}, {}), plain(), width, height), x, height / 2)
+    return color_at(renderer().picture(list, camera_at({0, 0, 6}, {}, 40), plain(), width, height), x,
+                    height / 2)
         .y;
   };
   const float beyond = brightness(width / 2 - 3), facing = brightness(width / 2 + 15);
@@ -155,21 +131,15 @@ TEST_F(SkyPicture, VelvetShinesAtTheRimAndSatinInTheMiddle) {
   DrawList list = without_ground();
   list.light.to_sun = {0, 0, 1};
   list.light.sky = list.light.horizon = list.light.floor = {0, 0, 0, 1};
-  const TriangleMesh mesh = sphere(4, 1.0);
-  std::vector<Vec3f> positions;
-  for (const Vec3d& x : mesh.positions) positions.emplace_back(Vec3f(x));
-  Surface ball;
-  ball.key = 31;
-  ball.positions = ball.normals = positions;
-  ball.triangles = mesh.triangles;
-  list.surfaces.push_back(ball);
+  const Solid ball(sphere(4, 1.0));
+  list.surfaces.push_back(ball.surface(31, true, {}, {}));
   struct Seen {
     float middle, side, rim;
   };
   const auto seen = [&](Fabric fabric) {
     list.surfaces[0].look = finished(body_look(ObjectKind::cloth, 0, srgb(0x803040)), fabric, Print::plain);
     list.surfaces[0].look.checker_size = 0;
-    const Image image = renderer().picture(list, looking({0, 0, 6}, {}), plain(), width, height);
+    const Image image = renderer().picture(list, camera_at({0, 0, 6}, {}, 40), plain(), width, height);
     int right = width - 1;
     while (right > width / 2 && color_at(image, right, height / 2).x < 0.01f) --right;
     const int radius = right - width / 2;

@@ -56,14 +56,6 @@ std::vector<Ball> random_balls(std::size_t count, unsigned seed, std::vector<Vec
   return balls;
 }
 
-Camera camera_at(const Vec3f& from, float fov) {
-  Camera camera;
-  camera.from = from;
-  camera.to = {};
-  camera.fov = fov;
-  return camera;
-}
-
 }  // namespace
 
 TEST_F(SpheresTest, SilhouetteIsWhereTheConeOfTangentsCutsThePicture) {
@@ -77,7 +69,7 @@ TEST_F(SpheresTest, SilhouetteIsWhereTheConeOfTangentsCutsThePicture) {
                         Case{{-2.4f, 1.6f, 0.3f}, 0.7f, 100, 3}, Case{{1.5f, -0.2f, 0.1f}, 0.5f, 40, 3},
                         Case{{3.6f, 0.3f, 1.9f}, 0.6f, 120, 3}, Case{{0.6f, 0.1f, 2.0f}, 0.7f, 80, 3},
                         Case{{0.3f, -0.2f, 0}, 0.01f, 1, 60}}) {
-    const Camera camera = camera_at({0.1f, 0.2f, c.distance}, c.fov);
+    const Camera camera = camera_at({0.1f, 0.2f, c.distance}, {}, c.fov);
     const std::array<Ball, 1> ball{Ball{Vec3d(c.center), double(c.radius)}};
     DrawList list = without_ground();
     list.spheres.push_back(one_ball(c.center, c.radius));
@@ -104,7 +96,7 @@ TEST_F(SpheresTest, SilhouetteIsWhereTheConeOfTangentsCutsThePicture) {
 
 TEST_F(SpheresTest, WideAngleStretchesABallIntoItsEllipse) {
   // On the horizontal axis, 1 rad (57.3 degrees) off the view direction: edges at tan(1 -+ asin(r / d)).
-  const Camera camera = camera_at({0, 0, 2}, 110);
+  const Camera camera = camera_at({0, 0, 2}, {}, 110);
   const float radius = 0.5f, distance = 4;
   DrawList list = without_ground();
   list.spheres.push_back(one_ball({distance * std::sin(1.0f), 0, 2 - distance * std::cos(1.0f)}, radius));
@@ -135,7 +127,7 @@ TEST_F(SpheresTest, NearestOfInterpenetratingBallsIsSeenAtEveryPixel) {
   spheres.radii = radii;
   spheres.pick = 9;
   list.spheres.push_back(spheres);
-  const Camera camera = camera_at({0.5f, 0.8f, 3}, 45);
+  const Camera camera = camera_at({0.5f, 0.8f, 3}, {}, 45);
   const PickImage image = renderer().pick_image(list, camera, width, height);
   int wrong = 0, seen = 0;
   float worst = 0;
@@ -168,7 +160,7 @@ TEST_F(SpheresTest, CutASurfaceWhereTheyMeetIt) {
   wall.triangles = triangles;
   list.surfaces.push_back(wall);
   list.spheres.push_back(one_ball({0.2f, 0.1f, -0.3f}, 0.5f));
-  const Camera camera = camera_at({0, 0, 2}, 40);
+  const Camera camera = camera_at({0, 0, 2}, {}, 40);
   const PickImage image = renderer().pick_image(list, camera, width, height);
   const float rim = 0.4f;  // sqrt(0.5^2 - 0.3^2)
   for (int y = 0; y < height; ++y) {
@@ -192,7 +184,7 @@ TEST_F(SpheresTest, EachHasItsOwnColor) {
   spheres.colors = colors;
   DrawList list = without_ground();
   list.spheres.push_back(spheres);
-  const Camera camera = camera_at({0, 0, 3}, 45);
+  const Camera camera = camera_at({0, 0, 3}, {}, 45);
   const Image image = renderer().picture(list, camera, plain(), width, height);
   for (std::size_t i = 0; i < 3; ++i) {
     const auto at = camera.project(centers[i], width, height);
@@ -206,7 +198,7 @@ TEST_F(SpheresTest, EachHasItsOwnColor) {
 }
 
 TEST_F(SpheresTest, AreSeenFromInside) {
-  const Camera camera = camera_at({0, 0, 0.1f}, 60);
+  const Camera camera = camera_at({0, 0, 0.1f}, {}, 60);
   DrawList list = without_ground();
   list.spheres.push_back(one_ball({}, 0.5f));
   const PickImage image = renderer().pick_image(list, camera, width, height);
@@ -217,7 +209,7 @@ TEST_F(SpheresTest, AreSeenFromInside) {
 TEST_F(SpheresTest, BadOnesAreNotDrawn) {
   const float nan = std::numeric_limits<float>::quiet_NaN(),
               infinity = std::numeric_limits<float>::infinity();
-  const Camera camera = camera_at({0, 0, 3}, 45);
+  const Camera camera = camera_at({0, 0, 3}, {}, 45);
   for (const auto& [center, radius] :
        {std::pair{Vec3f{nan, 0, 0}, 0.3f}, std::pair{Vec3f{0, infinity, 0}, 0.3f}, std::pair{Vec3f{}, 0.0f},
         std::pair{Vec3f{}, -1.0f}, std::pair{Vec3f{}, nan}, std::pair{Vec3f{0, 0, 5}, 0.5f}}) {
@@ -237,7 +229,7 @@ TEST_F(SpheresTest, FollowTheirVersion) {
   spheres.key = 4;
   spheres.radius = 0.2f;
   spheres.pick = 1;
-  const Camera camera = camera_at({0, 0, 3}, 45);
+  const Camera camera = camera_at({0, 0, 3}, {}, 45);
   const auto middle = [&] {
     DrawList list = without_ground();
     spheres.centers = centers;

@@ -3,6 +3,7 @@
 #include "souple/io/mdd.h"
 #include "souple/io/pc2.h"
 #include "souple/world/world.h"
+#include "tests/folder_test.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,22 +14,10 @@ namespace fs = std::filesystem;
 
 constexpr double g = 9.81;
 
-class Behavior : public testing::Test {
+class Behavior : public test::FolderTest {
  protected:
-  void SetUp() override {
-    const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / (std::string("souple_behavior_") + test.name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  World built(const std::string& text) const { return build_world(parse_scene(text, folder_, "test.json")); }
-
-  fs::path file(const std::string& name) const { return folder_ / name; }
-
- private:
-  fs::path folder_;
+  World built(const std::string& text) const { return build_world(parse_scene(text, folder, "test.json")); }
+  fs::path file(const std::string& name) const { return folder / name; }
 };
 
 constexpr int strip_rows = 17;

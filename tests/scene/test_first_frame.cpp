@@ -5,8 +5,8 @@
 #include "souple/io/recorder.h"
 #include "souple/scene/first_frame.h"
 #include "souple/world/world.h"
+#include "tests/folder_test.h"
 
-#include <filesystem>
 #include <fstream>
 
 namespace souple::test_scene_first_frame {
@@ -69,11 +69,10 @@ TEST(FirstFrame, OfOtherVerticesIsRemarkedOn) {
   EXPECT_NE(first_frame_remark(body(), shuffled, {}).find("does not resemble the mesh"), std::string::npos);
 }
 
-class SequenceScene : public testing::Test {
+class SequenceScene : public test::FolderTest {
  protected:
   void SetUp() override {
-    folder = std::filesystem::path(testing::TempDir()) / "souple_first_frame";
-    std::filesystem::create_directories(folder);
+    FolderTest::SetUp();
     std::ofstream obj(folder / "body.obj");
     for (const Vec3d& x : body()) obj << "v " << x.x << ' ' << x.y << ' ' << x.z << '\n';
     for (const Triangle& t : box({0.3, 1.8, 0.5}, {2, 6, 3}).triangles)
@@ -84,7 +83,6 @@ class SequenceScene : public testing::Test {
     mdd.append(1, frame);
     mdd.finish();
   }
-  void TearDown() override { std::filesystem::remove_all(folder); }
 
   /// The world of an object with this text beside its mesh; `warnings` gets what the builder warns of.
   World build(const std::string& text) {
@@ -95,7 +93,6 @@ class SequenceScene : public testing::Test {
     });
   }
 
-  std::filesystem::path folder;
   std::vector<std::string> warnings;
 };
 

@@ -7,6 +7,7 @@
 #include "souple/io/recorder.h"
 #include "souple/world/world.h"
 #include "tests/expect_error.h"
+#include "tests/folder_test.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,17 +30,9 @@ std::vector<Vec3f> breathing(int frame) {
   return points;
 }
 
-class ObstacleScene : public testing::Test {
+class ObstacleScene : public test::FolderTest {
  protected:
-  void SetUp() override {
-    const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / (std::string("souple_obstacle_") + test.name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path file(const std::string& name) const { return folder_ / name; }
+  fs::path file(const std::string& name) const { return folder / name; }
 
   void write_pc2(int count = frames) const {
     Pc2Writer writer(file("breath.pc2"), breathing(0).size());
@@ -70,12 +63,7 @@ class ObstacleScene : public testing::Test {
       "sequence": {"file": ")" +
            sequence + R"(", "frame_rate": 24, "loop": true}})" + more + "]}";
   }
-  World built(const std::string& scene) const {
-    return build_world(parse_scene(scene, folder_, "test.json"));
-  }
-
- private:
-  fs::path folder_;
+  World built(const std::string& scene) const { return build_world(parse_scene(scene, folder, "test.json")); }
 };
 
 double radius_at(double time) {

@@ -35,7 +35,7 @@ std::string mended(std::string_view bytes) {
 
 }  // namespace
 
-void parse_checkpoint_bytes(std::string_view bytes) {
+void read_checkpoint_bytes(std::string_view bytes) {
   try {
     read_and_write(bytes);
   } catch (const Error&) {
