@@ -47,27 +47,33 @@ foreach(set sse avx2 avx512 neon wasm)
 endforeach()
 configure_file(${PROJECT_SOURCE_DIR}/souple/compiled_sets.h.in ${PROJECT_BINARY_DIR}/include/souple/compiled_sets.h)
 
-# souple_add_kernels(NAME...) adds the translation units NAME.cpp of the current folder to the library, one per
-# instruction set of SOUPLE_INSTRUCTION_SETS. All other code is compiled for any processor of its architecture. A NAME
-# is an instruction set, or one and a part, such as avx2_meshes.
-function(souple_add_kernels)
+# souple_add_kernels(HEADER SET...) compiles HEADER.h once for each SET of SOUPLE_INSTRUCTION_SETS, and for scalar; all else is
+# compiled for any processor of its architecture. SOUPLE_ISA is the tag of the set.
+function(souple_add_kernels header)
   set(avx2 -mavx2)
   # g++ 12 takes the "undefined" registers of its own AVX-512 header for mistakes (GCC bug 105593).
   set(avx512 -mavx512f -mavx512dq $<$<CXX_COMPILER_ID:GNU>:-Wno-uninitialized>
              $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
+  cmake_path(GET header PARENT_PATH folder)
+  cmake_path(GET header FILENAME name)
   foreach(set IN LISTS souple_sets_)
     list(APPEND ${set} ${SOUPLE_FEWER_CHECKS})
   endforeach()
-  foreach(name IN LISTS ARGN)
-    string(REGEX REPLACE "_.*" "" set ${name})
-    if(NOT set IN_LIST souple_sets_)
+  foreach(set IN LISTS ARGN)
+    if(NOT set IN_LIST souple_sets_ AND NOT set STREQUAL scalar)
       continue()
     endif()
-    target_sources(souple PRIVATE ${name}.cpp)
+    string(SUBSTRING ${set} 0 1 first)
+    string(SUBSTRING ${set} 1 -1 rest)
+    string(TOUPPER ${first} first)
+    set(source ${CMAKE_CURRENT_BINARY_DIR}/${folder}/${set}_${name}.cpp)
+    file(CONFIGURE OUTPUT ${source}
+         CONTENT "#define SOUPLE_ISA souple::simd::${first}${rest}\n#include \"souple/${header}.h\"\n")
+    target_sources(souple PRIVATE ${source})
     # A header compiled for another instruction set is of no use here.
-    set_source_files_properties(${name}.cpp TARGET_DIRECTORY souple PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
+    set_source_files_properties(${source} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
     if(DEFINED ${set})
-      set_source_files_properties(${name}.cpp TARGET_DIRECTORY souple PROPERTIES COMPILE_OPTIONS "${${set}}")
+      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "${${set}}")
     endif()
   endforeach()
 endfunction()

@@ -1,7 +1,0 @@
-#include "souple/surface/kernels/compile_surface.h"
-
-namespace souple::kernels {
-
-template const SurfaceKernels& surface_kernels<simd::Sse>();
-
-}  // namespace souple::kernels
