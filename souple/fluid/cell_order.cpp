@@ -22,9 +22,8 @@ std::size_t chunks_of(std::size_t n) {
 
 template <class Function>
 void for_chunks(std::size_t n, Threads& threads, const Function& f) {
-  threads.for_each(chunks_of(n), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t c = first; c < last; ++c) f(c, c * chunk_size, std::min(n, (c + 1) * chunk_size));
-  });
+  threads.each(chunks_of(n), 1,
+               [&](std::size_t c) { f(c, c * chunk_size, std::min(n, (c + 1) * chunk_size)); });
 }
 
 template <class Item>

@@ -43,10 +43,9 @@ void CoarsePressure::begin_step(std::span<const Vec4f> positions, float cell_siz
   order_.build(positions, cell_size, threads);
   find_nodes();
   cell_of_.resize(positions.size());
-  threads.for_each(order_.cell_count(), 16, [&](std::size_t first, std::size_t last) {
-    for (std::size_t c = first; c < last; ++c)
-      for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k)
-        cell_of_[order_.order()[k]] = static_cast<std::uint32_t>(c);
+  threads.each(order_.cell_count(), 16, [&](std::size_t c) {
+    for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k)
+      cell_of_[order_.order()[k]] = static_cast<std::uint32_t>(c);
   });
   mover_count_ = 0;
 }
@@ -189,25 +188,23 @@ void CoarsePressure::sum_cells(std::span<const Vec4f> positions, std::span<const
   cell_sums_.resize(count);
   cell_diagonals_.resize(count);
   stiffness_.resize(count);
-  threads.for_each(count, 16, [&](std::size_t first, std::size_t last) {
-    for (std::size_t c = first; c < last; ++c) {
-      Eight b{}, diagonal{};
-      double w = 0;
-      for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k) {
-        const std::uint32_t index = order_.order()[k];
-        const Sample& sample = samples[index];
-        const std::array<float, 8> n = weights(c, positions[index]);
-        const float pushed = sample.c > -surface ? sample.c : 0;
-        w += static_cast<double>(positions[index].w);
-        for (std::size_t e = 0; e < 8; ++e) {
-          b[e] -= static_cast<double>(n[e] * pushed);
-          diagonal[e] += static_cast<double>(n[e] * sample.diagonal);
-        }
+  threads.each(count, 16, [&](std::size_t c) {
+    Eight b{}, diagonal{};
+    double w = 0;
+    for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k) {
+      const std::uint32_t index = order_.order()[k];
+      const Sample& sample = samples[index];
+      const std::array<float, 8> n = weights(c, positions[index]);
+      const float pushed = sample.c > -surface ? sample.c : 0;
+      w += static_cast<double>(positions[index].w);
+      for (std::size_t e = 0; e < 8; ++e) {
+        b[e] -= static_cast<double>(n[e] * pushed);
+        diagonal[e] += static_cast<double>(n[e] * sample.diagonal);
       }
-      cell_sums_[c] = b;
-      cell_diagonals_[c] = diagonal;
-      stiffness_[c] = w / (static_cast<double>(size_) * static_cast<double>(size_));
     }
+    cell_sums_[c] = b;
+    cell_diagonals_[c] = diagonal;
+    stiffness_[c] = w / (static_cast<double>(size_) * static_cast<double>(size_));
   });
 }
 
@@ -279,15 +276,13 @@ void CoarsePressure::solve(std::span<const Vec4f> positions, std::span<const Sam
 
 void CoarsePressure::interpolate(std::span<const Vec4f> positions, std::span<const Sample> samples,
                                  float surface, std::span<float> lambda, Threads& threads) const {
-  threads.for_each(order_.cell_count(), 16, [&](std::size_t first, std::size_t last) {
-    for (std::size_t c = first; c < last; ++c) {
-      for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k) {
-        const std::uint32_t index = order_.order()[k];
-        const std::array<float, 8> n = weights(c, positions[index]);
-        float sum = 0;
-        for (std::size_t e = 0; e < 8; ++e) sum += n[e] * static_cast<float>(y_[corners_[c][e]]);
-        lambda[index] = samples[index].c > -surface ? sum : 0;
-      }
+  threads.each(order_.cell_count(), 16, [&](std::size_t c) {
+    for (std::uint32_t k = order_.cells()[c].begin; k < order_.cells()[c + 1].begin; ++k) {
+      const std::uint32_t index = order_.order()[k];
+      const std::array<float, 8> n = weights(c, positions[index]);
+      float sum = 0;
+      for (std::size_t e = 0; e < 8; ++e) sum += n[e] * static_cast<float>(y_[corners_[c][e]]);
+      lambda[index] = samples[index].c > -surface ? sum : 0;
     }
   });
 }

@@ -54,13 +54,11 @@ void DensitySolver::for_lists(Threads& threads, const Function& f) const {
 void DensitySolver::set_positions(std::span<const Vec4f> positions, Threads& threads) {
   if (!lists_are_valid(positions, threads)) find_neighbors(positions, threads);
   const auto order = order_.order();
-  threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      x_[k] = positions[order[k]];
-      boundary_[k] = {};
-      lambda_[k] = 0;
-      moved_[k] = {};
-    }
+  threads.each(size(), 256, [&](std::size_t k) {
+    x_[k] = positions[order[k]];
+    boundary_[k] = {};
+    lambda_[k] = 0;
+    moved_[k] = {};
   });
 }
 
@@ -80,9 +78,7 @@ void DensitySolver::find_neighbors(std::span<const Vec4f> positions, Threads& th
   const std::size_t n = positions.size();
   x_.resize(n + 1);
   q_.resize(n + 1);
-  threads.for_each(n, 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) x_[k] = positions[order_.order()[k]];
-  });
+  threads.each(n, 256, [&](std::size_t k) { x_[k] = positions[order_.order()[k]]; });
   x_[n] = q_[n] = far_away;
   boundary_.resize(n);
   denominator_.resize(n);
@@ -122,13 +118,11 @@ void DensitySolver::start_from_coarse_level(Threads& threads) {
   // Artificial pressure is scaled to W at q = 0.2.
   if (options_.artificial_pressure > 0)
     repulsion_ = {-options_.artificial_pressure * V * V * h_ * h_, 1 / value_at(options_.shape, 0.2f)};
-  threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const float smooth = coarse_share * lambda_[k];
-      const float wanted = smooth - added * (samples_[k].c + soft * smooth) / denominator_[k];
-      lambda_[k] = change_[k] = min(wanted, 0.0f);
-      q_[k] = {x_[k].x, x_[k].y, x_[k].z, lambda_[k] * V};
-    }
+  threads.each(size(), 256, [&](std::size_t k) {
+    const float smooth = coarse_share * lambda_[k];
+    const float wanted = smooth - added * (samples_[k].c + soft * smooth) / denominator_[k];
+    lambda_[k] = change_[k] = min(wanted, 0.0f);
+    q_[k] = {x_[k].x, x_[k].y, x_[k].z, lambda_[k] * V};
   });
 }
 
@@ -140,16 +134,13 @@ double DensitySolver::mean_error() const {
 
 void DensitySolver::relax(Threads& threads) {
   const float soft = softness();
-  threads.for_each(size(), 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const float wanted =
-          lambda_[k] - options_.omega * (samples_[k].c + soft * lambda_[k]) / denominator_[k];
-      const float next = min(wanted, 0.0f);
-      SOUPLE_ASSERT(!(next > 0), "fluids do not pull");
-      change_[k] = next - lambda_[k];
-      lambda_[k] = next;
-      q_[k] = {x_[k].x, x_[k].y, x_[k].z, change_[k] * smoothing_.volume()};
-    }
+  threads.each(size(), 256, [&](std::size_t k) {
+    const float wanted = lambda_[k] - options_.omega * (samples_[k].c + soft * lambda_[k]) / denominator_[k];
+    const float next = min(wanted, 0.0f);
+    SOUPLE_ASSERT(!(next > 0), "fluids do not pull");
+    change_[k] = next - lambda_[k];
+    lambda_[k] = next;
+    q_[k] = {x_[k].x, x_[k].y, x_[k].z, change_[k] * smoothing_.volume()};
   });
 }
 

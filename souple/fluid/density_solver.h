@@ -23,9 +23,7 @@ struct BoundarySums {
 struct FixedBoundary {
   template <class Function>
   void for_near(std::size_t count, Threads& threads, const Function& f) const {
-    threads.for_each(count, 256, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) f(k);
-    });
+    threads.each(count, 256, [&](std::size_t k) { f(k); });
   }
   void after_sampling(std::span<const Vec4f>, CoarsePressure&) const {}
   void add_response(std::size_t, BoundarySums&) const {}

@@ -104,13 +104,9 @@ void FluidBodies::find_candidates(std::span<const Vec4f> positions, float search
     for (std::uint32_t t = 0; t < meshes_[s].triangles.size(); ++t)
       find_candidates_of(s, t, positions, search_radius + listed_margin_ + meshes_[s].half_thickness);
   }
-  first_.assign(positions.size() + 1, 0);
-  for (const Candidate& candidate : found_) ++first_[candidate.particle + 1];
-  for (std::size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
-  candidates_.resize(found_.size());
-  for (const Candidate& candidate : found_) candidates_[first_[candidate.particle]++] = candidate;
-  for (std::size_t i = first_.size() - 1; i > 0; --i) first_[i] = first_[i - 1];
-  first_[0] = 0;
+  candidates_.fill(positions.size(), [&](const auto& add) {
+    for (const Candidate& candidate : found_) add(candidate.particle, candidate);
+  });
 }
 
 // Cells of the triangle's box, grown by the search radius; then the triangle's bounding ball.
@@ -143,11 +139,11 @@ void FluidBodies::find_candidates_of(std::uint32_t mesh, std::uint32_t triangle,
 void FluidBodies::find(std::size_t i, std::size_t fluid, const Vec3f& x, const Vec3f& start,
                        float search_radius, std::vector<BoundaryPlane>& planes) const {
   static thread_local SurfacePlanes surface;
-  for (std::uint32_t c = first_[i]; c < first_[i + 1];) {
-    const std::uint32_t s = candidates_[c].mesh;
+  const std::span<const Candidate> candidates = candidates_[i];
+  for (auto c = candidates.begin(); c != candidates.end();) {
+    const std::uint32_t s = c->mesh;
     surface.begin(search_radius + meshes_[s].half_thickness, search_radius);
-    for (; c < first_[i + 1] && candidates_[c].mesh == s; ++c)
-      add_triangle(s, candidates_[c].triangle, x, start, surface);
+    for (; c != candidates.end() && c->mesh == s; ++c) add_triangle(s, c->triangle, x, start, surface);
     if (collides_[fluid * meshes_.size() + s] == 0) continue;
     for (const SurfacePlane& found : surface.select()) add_plane(s, found, x, search_radius, planes);
   }

@@ -5,6 +5,7 @@
 #include "souple/fluid/coarse_pressure.h"
 #include "souple/fluid/local_boundary.h"
 #include "souple/fluid/surface_planes.h"
+#include "souple/math/lists.h"
 #include "souple/objects/fluid_boundary.h"
 #include "souple/solver/projector.h"
 
@@ -126,10 +127,10 @@ class FluidBodies {
   struct Candidate {
     std::uint32_t particle, mesh, triangle;
   };
-  std::vector<Candidate> found_, candidates_;  // in order of search; sorted by particle
-  std::vector<std::uint32_t> first_;           // per particle: its first candidate
-  std::vector<Vec4f> listed_;                  // particle positions at the last search
-  float listed_margin_ = 0;  // motion of particles and vertices that requires a new search [m]
+  std::vector<Candidate> found_;  // in order of search
+  Lists<Candidate> candidates_;   // per particle
+  std::vector<Vec4f> listed_;     // particle positions at the last search
+  float listed_margin_ = 0;       // motion of particles and vertices that requires a new search [m]
   std::vector<std::vector<Vec3f>> listed_vertices_;
   LargestMotion largest_motion_;  // since the last search
 };

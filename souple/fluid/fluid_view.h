@@ -21,10 +21,9 @@ struct FluidView {
   template <class Function>
   void for_lists(Threads& threads, const Function& f) const {
     const auto blocks = neighbors.blocks();
-    threads.for_each(blocks.size(), 1, [&](std::size_t first, std::size_t last) {
-      for (std::size_t b = first; b < last; ++b)
-        for (std::uint32_t index = blocks[b].begin; index < blocks[b].end; ++index)
-          f(index, blocks[b].padded(index));
+    threads.each(blocks.size(), 1, [&](std::size_t b) {
+      for (std::uint32_t index = blocks[b].begin; index < blocks[b].end; ++index)
+        f(index, blocks[b].padded(index));
     });
   }
 };
@@ -32,9 +31,7 @@ struct FluidView {
 /// f(k) for k in [0, n), in parallel.
 template <class Function>
 void for_each_index(std::size_t n, Threads& threads, const Function& f) {
-  threads.for_each(n, 256, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) f(k);
-  });
+  threads.each(n, 256, [&](std::size_t k) { f(k); });
 }
 
 }  // namespace souple

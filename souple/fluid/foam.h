@@ -3,6 +3,7 @@
 #include "souple/fluid/cell_order.h"
 #include "souple/fluid/fluid_view.h"
 #include "souple/fluid/foam_parameters.h"
+#include "souple/fluid/kernels/find_kernels.h"
 
 #include <cstdint>
 #include <utility>

@@ -80,10 +80,9 @@ void FoamBodies::keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, Thre
   if (none()) return;
   const std::size_t chunks = (x.size() + chunk_size - 1) / chunk_size;
   if (near_.size() < chunks) near_.resize(chunks);
-  threads.for_each(chunks, 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c)
-      for (std::size_t k = c * chunk_size; k < std::min(x.size(), (c + 1) * chunk_size); ++k)
-        if (is_finite(x[k])) x[k] = stopped(start[k], x[k], near_[c]);
+  threads.each(chunks, 1, [&](std::size_t c) {
+    for (std::size_t k = c * chunk_size; k < std::min(x.size(), (c + 1) * chunk_size); ++k)
+      if (is_finite(x[k])) x[k] = stopped(start[k], x[k], near_[c]);
   });
 }
 

@@ -70,11 +70,9 @@ void ImplicitViscosity::apply_matrix(const System& system) {
 template <class Term>
 double ImplicitViscosity::sum(const System& system, const Term& term) {
   const std::size_t n = system.fluid.size();
-  system.threads.for_each(chunks_.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t c = first; c < last; ++c) {
-      chunks_[c] = 0;
-      for (std::size_t k = c * chunk; k < std::min(n, (c + 1) * chunk); ++k) chunks_[c] += term(k);
-    }
+  system.threads.each(chunks_.size(), 1, [&](std::size_t c) {
+    chunks_[c] = 0;
+    for (std::size_t k = c * chunk; k < std::min(n, (c + 1) * chunk); ++k) chunks_[c] += term(k);
   });
   double total = 0;
   for (const double part : chunks_) total += part;

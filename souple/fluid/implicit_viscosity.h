@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/fluid/kernels/find_kernels.h"
 #include "souple/fluid/xsph.h"
 
 namespace souple {

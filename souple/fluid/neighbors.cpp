@@ -68,9 +68,7 @@ class Windows {
 void Neighbors::find(const CellOrder& order, float radius, Threads& threads) {
   if (kernels_ == nullptr) kernels_ = &kernels::find_neighbor_kernels(instruction_set());
   make_blocks(order);
-  threads.for_each(block_count_, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t b = first; b < last; ++b) find_in(order, b, radius);
-  });
+  threads.each(block_count_, 1, [&](std::size_t b) { find_in(order, b, radius); });
 }
 
 // Blocks of whole cells, with about 1024 particles each.

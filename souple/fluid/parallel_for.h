@@ -25,12 +25,11 @@ void parallel_for(std::size_t n, Threads& threads, const Function& f) {
     part[t].next.store(n * t / parts, std::memory_order_relaxed);
     part[t].end = n * (t + 1) / parts;
   }
-  threads.for_each(parts, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t t = first; t < last; ++t)
-      for (std::size_t k = 0; k < parts; ++k) {
-        Part& from = part[(t + k) % parts];
-        for (std::size_t i; (i = from.next.fetch_add(1, std::memory_order_relaxed)) < from.end;) f(i);
-      }
+  threads.each(parts, 1, [&](std::size_t t) {
+    for (std::size_t k = 0; k < parts; ++k) {
+      Part& from = part[(t + k) % parts];
+      for (std::size_t i; (i = from.next.fetch_add(1, std::memory_order_relaxed)) < from.end;) f(i);
+    }
   });
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/fluid/kernels/density_kernels.h"
-#include "souple/fluid/kernels/find_kernels.h"
+#include "souple/fluid/smoothing_shape.h"
 
 #include <array>
 

@@ -17,9 +17,8 @@ constexpr float ball_drag = 0.47f, across_drag = 1.2f, along_drag = 0.03f;
 
 template <class Function>
 void SubResolutionBodies::for_bodies(Threads& threads, const Function& f) {
-  threads.for_each(blocks_.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t k = first; k < last; ++k)
-      for (std::size_t b = k * block_size; b < std::min(bodies_.size(), (k + 1) * block_size); ++b) f(b);
+  threads.each(blocks_.size(), 1, [&](std::size_t k) {
+    for (std::size_t b = k * block_size; b < std::min(bodies_.size(), (k + 1) * block_size); ++b) f(b);
   });
 }
 

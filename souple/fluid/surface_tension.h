@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/fluid/fluid_view.h"
+#include "souple/fluid/kernels/find_kernels.h"
 
 #include <vector>
 

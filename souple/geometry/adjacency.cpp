@@ -1,10 +1,10 @@
 #include "souple/geometry/adjacency.h"
 
 #include "souple/error.h"
+#include "souple/math/disjoint_sets.h"
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <string>
 
 #include <fmt/core.h>
@@ -44,14 +44,11 @@ void for_each_use(std::span<const Triangle> triangles, const Function& f) {
 std::vector<EdgeUse> sorted_uses(std::span<const Triangle> triangles) {
   std::uint32_t vertices = 0;
   for (const Triangle& t : triangles) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
-  std::vector<std::uint32_t> begin(std::size_t{vertices} + 1);
-  for_each_use(triangles, [&](const EdgeUse& use) { ++begin[use.low + std::size_t{1}]; });
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<EdgeUse> uses(begin.back());
-  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-  for_each_use(triangles, [&](const EdgeUse& use) { uses[next[use.low]++] = use; });
-  for (std::size_t v = 0; v < vertices; ++v) std::sort(uses.data() + begin[v], uses.data() + begin[v + 1]);
-  return uses;
+  Lists<EdgeUse> uses(vertices, [&](const auto& add) {
+    for_each_use(triangles, [&](const EdgeUse& use) { add(use.low, use); });
+  });
+  for (std::size_t v = 0; v < vertices; ++v) std::sort(uses[v].begin(), uses[v].end());
+  return std::move(uses).items();
 }
 
 // End of the run of uses of one edge that starts at `first`.
@@ -84,28 +81,15 @@ void check_range(std::span<const Element> elements, std::size_t vertex_count, co
       if (v >= vertex_count) throw_out_of_range(name, kind, e, v, vertex_count);
 }
 
-// Union by lowest root with path halving: the root of a component is its lowest vertex.
-std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t v) {
-  while (parent[v] != v) {
-    parent[v] = parent[parent[v]];
-    v = parent[v];
-  }
-  return v;
-}
-
 template <class Element>
 Components components_of(std::span<const Element> elements, std::size_t vertex_count) {
-  std::vector<std::uint32_t> parent(vertex_count);
-  std::iota(parent.begin(), parent.end(), 0u);
+  DisjointSets sets(vertex_count);
   for (const Element& element : elements)
-    for (std::size_t i = 1; i < element.size(); ++i) {
-      const std::uint32_t a = find_root(parent, element[0]), b = find_root(parent, element[i]);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
+    for (std::size_t i = 1; i < element.size(); ++i) sets.join(element[0], element[i]);
   Components result;
   result.of_vertex.resize(vertex_count);
   for (std::uint32_t v = 0; v < vertex_count; ++v) {
-    const std::uint32_t root = find_root(parent, v);
+    const std::uint32_t root = sets.root(v);
     result.of_vertex[v] = root == v ? result.count++ : result.of_vertex[root];
   }
   return result;
@@ -202,24 +186,17 @@ std::vector<Edge> boundary_edges(std::span<const Triangle> triangles) {
   return edges;
 }
 
-VertexTriangles vertex_triangles(std::span<const Triangle> triangles, std::size_t vertex_count) {
+Lists<std::uint32_t> vertex_triangles(std::span<const Triangle> triangles, std::size_t vertex_count) {
   check_range(triangles, vertex_count, "mesh", "triangle");
   // Counts a repeated corner of a triangle once.
   const auto is_new = [](const Triangle& t, std::size_t i) {
     return i == 0 || (t[i] != t[0] && (i == 1 || t[i] != t[1]));
   };
-  VertexTriangles result;
-  result.begin.assign(vertex_count + 1, 0);
-  for (const Triangle& t : triangles)
-    for (std::size_t i = 0; i < 3; ++i)
-      if (is_new(t, i)) ++result.begin[t[i] + std::size_t(1)];
-  std::partial_sum(result.begin.begin(), result.begin.end(), result.begin.begin());
-  result.items.resize(result.begin.back());
-  std::vector<std::uint32_t> next(result.begin.begin(), result.begin.end() - 1);
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (std::size_t i = 0; i < 3; ++i)
-      if (is_new(triangles[t], i)) result.items[next[triangles[t][i]]++] = static_cast<std::uint32_t>(t);
-  return result;
+  return Lists<std::uint32_t>(vertex_count, [&](const auto& add) {
+    for (std::uint32_t t = 0; t < triangles.size(); ++t)
+      for (std::size_t i = 0; i < 3; ++i)
+        if (is_new(triangles[t], i)) add(triangles[t][i], t);
+  });
 }
 
 Components connected_components(std::span<const Edge> edges, std::size_t vertex_count) {

@@ -2,6 +2,7 @@
 
 #include "souple/geometry/tet_mesh.h"
 #include "souple/geometry/triangle_mesh.h"
+#include "souple/math/lists.h"
 
 #include <array>
 #include <cstddef>
@@ -42,16 +43,8 @@ std::vector<Hinge> interior_edges(std::span<const Triangle> triangles);
 /// Edges of exactly one triangle, in the direction of its winding.
 std::vector<Edge> boundary_edges(std::span<const Triangle> triangles);
 
-/// The triangles around each vertex, ascending: those of v are items[begin[v]] up to items[begin[v + 1]].
-struct VertexTriangles {
-  std::vector<std::uint32_t> begin;  ///< vertex count + 1 entries
-  std::vector<std::uint32_t> items;
-  std::span<const std::uint32_t> of(std::size_t vertex) const {
-    return std::span(items).subspan(begin[vertex], begin[vertex + 1] - begin[vertex]);
-  }
-};
-/// Throws Error if a triangle has a vertex index >= vertex_count.
-VertexTriangles vertex_triangles(std::span<const Triangle> triangles, std::size_t vertex_count);
+/// The triangles around each vertex, ascending. Throws Error if a triangle has a vertex index >= vertex_count.
+Lists<std::uint32_t> vertex_triangles(std::span<const Triangle> triangles, std::size_t vertex_count);
 
 /// Connected components, numbered by their lowest vertex. An unused vertex is a component of its own.
 struct Components {

@@ -60,10 +60,10 @@ std::vector<std::uint32_t> smooth_parts(std::span<const Triangle> triangles, std
 CreasedSurface::CreasedSurface(std::span<const Vec3d> rest, std::span<const Triangle> triangles)
     : vertices_(rest.size()), triangles_(triangles.begin(), triangles.end()) {
   const std::vector<Vec3d> normals = face_normals(rest, triangles);
-  const VertexTriangles around = vertex_triangles(triangles, rest.size());
+  const Lists<std::uint32_t> around = vertex_triangles(triangles, rest.size());
   for (std::uint32_t v = 0; v < rest.size(); ++v) source_.push_back(v);
   for (std::uint32_t v = 0; v < rest.size(); ++v) {
-    const std::span<const std::uint32_t> fan = around.of(v);
+    const std::span<const std::uint32_t> fan = around[v];
     const std::vector<std::uint32_t> part = smooth_parts(triangles, normals, fan, v);
     const auto first_copy = static_cast<std::uint32_t>(source_.size());
     for (std::size_t i = 0; i < fan.size(); ++i) {

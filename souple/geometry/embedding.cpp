@@ -4,6 +4,7 @@
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/measures.h"
 #include "souple/math/elementary.h"
+#include "souple/math/lists.h"
 #include "souple/math/mat3.h"
 
 #include <algorithm>
@@ -94,10 +95,7 @@ class TetGrid {
     return c;
   }
 
-  std::span<const std::uint32_t> tets_at(const std::array<int, 3>& c) const {
-    const std::size_t at = flat(c);
-    return std::span(items_).subspan(begin_[at], begin_[at + 1] - begin_[at]);
-  }
+  std::span<const std::uint32_t> tets_at(const std::array<int, 3>& c) const { return tets_[flat(c)]; }
 
   // Calls visit(cell) for the cells of the shell at `ring` cells around `center`; returns false if the whole
   // shell is outside the grid.
@@ -159,21 +157,17 @@ class TetGrid {
   }
 
   void fill(const TetMesh& mesh, const std::vector<std::uint32_t>& usable) {
-    begin_.assign(std::size_t(count_[0]) * std::size_t(count_[1]) * std::size_t(count_[2]) + 1, 0);
-    for (const std::uint32_t t : usable)
-      for_cells_of(mesh, mesh.tets[t], [&](std::size_t c) { ++begin_[c + 1]; });
-    for (std::size_t c = 1; c < begin_.size(); ++c) begin_[c] += begin_[c - 1];
-    items_.resize(begin_.back());
-    std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
-    for (const std::uint32_t t : usable)
-      for_cells_of(mesh, mesh.tets[t], [&](std::size_t c) { items_[next[c]++] = t; });
+    const std::size_t cells = std::size_t(count_[0]) * std::size_t(count_[1]) * std::size_t(count_[2]);
+    tets_.fill(cells, [&](const auto& add) {
+      for (const std::uint32_t t : usable)
+        for_cells_of(mesh, mesh.tets[t], [&](std::size_t c) { add(c, t); });
+    });
   }
 
   Vec3d lo_;
   double cell_{};
   std::array<int, 3> count_{};
-  std::vector<std::size_t> begin_;
-  std::vector<std::uint32_t> items_;
+  Lists<std::uint32_t> tets_;  // per cube
 };
 
 struct Host {

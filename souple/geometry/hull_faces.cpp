@@ -1,6 +1,7 @@
 #include "souple/geometry/hull_faces.h"
 
 #include "souple/geometry/measures.h"
+#include "souple/math/lists.h"
 #include "souple/math/sentinels.h"
 
 #include <algorithm>
@@ -38,25 +39,6 @@ double distance_to_segment(const Vec3d& v, const Vec3d& a, const Vec3d& b) {
   return length(v - (a + ab * t));
 }
 
-// The vertices joined to each by a side of a triangle: those of v are items[begin[v]] up to items[begin[v + 1]].
-struct VertexNeighbors {
-  std::vector<std::uint32_t> begin, items;
-
-  VertexNeighbors(std::span<const Triangle> triangles, std::size_t vertex_count) {
-    begin.assign(vertex_count + 1, 0);
-    for (const Triangle& t : triangles)
-      for (const std::uint32_t v : t) ++begin[v + std::size_t(1)];
-    for (std::size_t v = 0; v < vertex_count; ++v) begin[v + 1] += begin[v];
-    items.resize(begin.back());
-    std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-    for (const Triangle& t : triangles)
-      for (std::size_t i = 0; i < 3; ++i) items[next[t[i]]++] = t[(i + 1) % 3];
-  }
-  std::span<const std::uint32_t> of(std::uint32_t v) const {
-    return std::span(items).subspan(begin[v], begin[v + std::size_t(1)] - begin[v]);
-  }
-};
-
 // How triangles are joined: within the tolerance, within rounding, not at all.
 enum Level : std::uint8_t { coplanar, exactly_coplanar, separate };
 
@@ -65,7 +47,11 @@ class FaceMerger {
   FaceMerger(std::span<const Vec3d> positions, const HullTriangles& hull, double tolerance)
       : x_(positions),
         hull_(hull),
-        vertex_neighbors_(hull.triangles, positions.size()),
+        vertex_neighbors_(positions.size(),
+                          [&](const auto& add) {
+                            for (const Triangle& t : hull.triangles)
+                              for (std::size_t i = 0; i < 3; ++i) add(t[i], t[(i + 1) % 3]);
+                          }),
         tolerance_(tolerance),
         rounding_(1e-15 * bounding_box(positions).diagonal()) {
     level_.assign(hull.triangles.size(), coplanar);
@@ -102,7 +88,7 @@ class FaceMerger {
 
   std::span<const Vec3d> x_;
   const HullTriangles& hull_;
-  VertexNeighbors vertex_neighbors_;
+  Lists<std::uint32_t> vertex_neighbors_;  // per vertex: those joined to it by a side of a triangle
   double tolerance_, rounding_;
   Indices seeds_;
   std::vector<Level> level_;  // per triangle: the loosest that it takes part in
@@ -244,7 +230,7 @@ double FaceMerger::support(const Vec3d& n, std::uint32_t start) const {
   double height = dot(n, x_[best]);
   for (bool higher = true; higher;) {
     higher = false;
-    for (const std::uint32_t v : vertex_neighbors_.of(best)) {
+    for (const std::uint32_t v : vertex_neighbors_[best]) {
       const double h = dot(n, x_[v]);
       if (!(h > height + rounding_)) continue;
       best = v;

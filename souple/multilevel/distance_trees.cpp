@@ -1,9 +1,10 @@
 #include "souple/multilevel/distance_trees.h"
 
 #include "souple/assert.h"
+#include "souple/math/disjoint_sets.h"
+#include "souple/math/lists.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace souple {
 namespace {
@@ -15,45 +16,16 @@ constexpr std::size_t shortest_path = 3;
 constexpr std::size_t shortest_ring = 8;
 
 /// The links of each particle, ascending.
-class LinksOf {
- public:
-  LinksOf(std::span<const TreeLink> links, std::span<const std::uint32_t> chosen, std::size_t particles)
-      : begin_(particles + 1), items_(2 * chosen.size()) {
-    for (const std::uint32_t e : chosen) ++begin_[links[e].a + 1], ++begin_[links[e].b + 1];
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    for (const std::uint32_t e : chosen) items_[next[links[e].a]++] = items_[next[links[e].b]++] = e;
-  }
-  std::span<const std::uint32_t> operator()(std::uint32_t i) const {
-    return std::span(items_).subspan(begin_[i], begin_[i + 1] - begin_[i]);
-  }
-
- private:
-  std::vector<std::uint32_t> begin_, items_;
-};
+Lists<std::uint32_t> list_links(std::span<const TreeLink> links, std::span<const std::uint32_t> chosen,
+                                std::size_t particles) {
+  return {particles, [&](const auto& add) {
+            for (const std::uint32_t e : chosen) add(links[e].a, e), add(links[e].b, e);
+          }};
+}
 
 std::uint32_t other_end(const TreeLink& link, std::uint32_t i) {
   return link.a == i ? link.b : link.a;
 }
-
-/// Joins particles to pieces.
-class Pieces {
- public:
-  explicit Pieces(std::size_t particles) : root_(particles) { std::iota(root_.begin(), root_.end(), 0u); }
-  /// False if the two were joined already.
-  bool join(std::uint32_t a, std::uint32_t b) {
-    a = root(a), b = root(b);
-    root_[std::max(a, b)] = std::min(a, b);
-    return a != b;
-  }
-
- private:
-  std::uint32_t root(std::uint32_t i) {
-    while (root_[i] != i) i = root_[i] = root_[root_[i]];
-    return i;
-  }
-  std::vector<std::uint32_t> root_;
-};
 
 /// Chooses the links of find_trees: they form no cycle.
 class Chooser {
@@ -61,7 +33,7 @@ class Chooser {
   Chooser(std::span<const TreeLink> links, std::size_t particles)
       : links_(links),
         all_(all_of(links)),
-        links_of_(links, all_, particles),
+        links_of_(list_links(links, all_, particles)),
         degree_(particles),
         removed_(links.size()),
         pieces_(particles) {
@@ -87,7 +59,7 @@ class Chooser {
     return all;
   }
   std::uint32_t remaining_link(std::uint32_t i) const {
-    for (const std::uint32_t e : links_of_(i))
+    for (const std::uint32_t e : links_of_[i])
       if (!removed_[e]) return e;
     return none;
   }
@@ -107,7 +79,7 @@ class Chooser {
   }
   // The unbranched paths that begin at particle i.
   void walk_from(std::uint32_t i) {
-    for (const std::uint32_t first : links_of_(i)) {
+    for (const std::uint32_t first : links_of_[i]) {
       if (removed_[first]) continue;
       path_.clear();
       std::uint32_t e = first, at = i;
@@ -124,20 +96,20 @@ class Chooser {
 
   std::span<const TreeLink> links_;
   std::vector<std::uint32_t> all_;
-  LinksOf links_of_;
+  Lists<std::uint32_t> links_of_;
   std::vector<std::uint32_t> degree_;
   std::vector<bool> removed_;
-  Pieces pieces_;
+  DisjointSets pieces_;
   std::vector<std::uint32_t> chosen_, path_;
 };
 
 /// Fills `tree`, root first, breadth first.
-void grow(std::uint32_t root, std::span<const TreeLink> links, const LinksOf& links_of,
+void grow(std::uint32_t root, std::span<const TreeLink> links, const Lists<std::uint32_t>& links_of,
           std::vector<bool>& seen, std::vector<TreeNode>& tree) {
   tree.assign(1, {.particle = root});
   seen[root] = true;
   for (std::uint32_t k = 0; k < tree.size(); ++k) {
-    for (const std::uint32_t e : links_of(tree[k].particle)) {
+    for (const std::uint32_t e : links_of[tree[k].particle]) {
       const std::uint32_t child = other_end(links[e], tree[k].particle);
       if (seen[child]) continue;
       seen[child] = true;
@@ -152,13 +124,13 @@ DistanceTrees find_trees(std::span<const TreeLink> links, std::size_t particle_c
   const std::vector<std::uint32_t> chosen = Chooser(links, particle_count).choose();
   DistanceTrees trees;
   if (chosen.empty()) return trees;
-  const LinksOf links_of(links, chosen, particle_count);
+  const Lists<std::uint32_t> links_of = list_links(links, chosen, particle_count);
   std::vector<bool> seen(particle_count);
   std::vector<TreeNode> tree;
   for (std::uint32_t root = 0; root < particle_count; ++root) {
-    if (seen[root] || links_of(root).empty()) continue;
+    if (seen[root] || links_of[root].empty()) continue;
     grow(root, links, links_of, seen, tree);
-    if (tree.size() == 2 && !links[links_of(root)[0]].has_length) continue;
+    if (tree.size() == 2 && !links[links_of[root][0]].has_length) continue;
     const auto last = static_cast<std::uint32_t>(trees.nodes.size() + tree.size() - 1);
     for (auto node = tree.rbegin(); node != tree.rend(); ++node) {
       trees.nodes.push_back(*node);

@@ -1,5 +1,6 @@
 #include "souple/multilevel/hierarchical.h"
 
+#include "souple/math/lists.h"
 #include "souple/multilevel/pieces.h"
 #include "souple/solver/facets.h"
 
@@ -37,22 +38,18 @@ constexpr std::size_t grain = 256;
 
 /// Merges the links of each pair of particles into one as strong as all of them together; sorts them.
 void merge(std::vector<Link>& links, std::size_t particles) {
-  std::vector<std::uint32_t> begin(particles + 1);
-  for (const Link& link : links) ++begin[link.a + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Link> by_a(links.size());
-  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-  for (const Link& link : links) by_a[next[link.a]++] = link;
+  Lists<Link> by_a(particles, [&](const auto& add) {
+    for (const Link& link : links) add(link.a, link);
+  });
   const auto key = [](const Link& link) { return std::tuple(link.b, link.length, link.energy); };
   std::size_t count = 0;
   for (std::size_t a = 0; a < particles; ++a) {
-    std::sort(by_a.data() + begin[a], by_a.data() + begin[a + 1],
-              [&](const Link& p, const Link& q) { return key(p) < key(q); });
-    for (std::size_t e = begin[a]; e < begin[a + 1]; ++e) {
-      if (count > 0 && links[count - 1].a == by_a[e].a && links[count - 1].b == by_a[e].b) {
-        links[count - 1].energy += by_a[e].energy;
+    std::sort(by_a[a].begin(), by_a[a].end(), [&](const Link& p, const Link& q) { return key(p) < key(q); });
+    for (const Link& link : by_a[a]) {
+      if (count > 0 && links[count - 1].a == link.a && links[count - 1].b == link.b) {
+        links[count - 1].energy += link.energy;
       } else {
-        links[count++] = by_a[e];
+        links[count++] = link;
       }
     }
   }
@@ -81,13 +78,12 @@ std::vector<std::uint32_t> linked(std::span<const Link> links, std::size_t parti
 /// Finds how many links lie between the ends of pieces.
 class Extents {
  public:
-  Extents(std::span<const Link> links, std::size_t particles) : begin_(particles + 1), reached_(particles) {
-    for (const Link& link : links) ++begin_[link.a + 1], ++begin_[link.b + 1];
-    for (std::size_t i = 0; i < particles; ++i) begin_[i + 1] += begin_[i];
-    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-    neighbor_.resize(2 * links.size());
-    for (const Link& link : links) neighbor_[next[link.a]++] = link.b, neighbor_[next[link.b]++] = link.a;
-  }
+  Extents(std::span<const Link> links, std::size_t particles)
+      : neighbors_(particles,
+                   [&](const auto& add) {
+                     for (const Link& link : links) add(link.a, link.b), add(link.b, link.a);
+                   }),
+        reached_(particles) {}
   /// Links from the particle farthest from i to that farthest from there.
   std::size_t across(std::uint32_t i) { return farthest(farthest(i).first).second; }
 
@@ -99,12 +95,13 @@ class Extents {
     for (std::size_t links = 0;; ++links, std::swap(front, next)) {
       next.clear();
       for (const std::uint32_t i : front)
-        for (std::uint32_t k = begin_[i]; k < begin_[i + 1]; ++k)
-          if (std::exchange(reached_[neighbor_[k]], search_) != search_) next.push_back(neighbor_[k]);
+        for (const std::uint32_t j : neighbors_[i])
+          if (std::exchange(reached_[j], search_) != search_) next.push_back(j);
       if (next.empty()) return {front.front(), links};
     }
   }
-  std::vector<std::uint32_t> begin_, neighbor_, reached_;
+  Lists<std::uint32_t> neighbors_;  // per particle
+  std::vector<std::uint32_t> reached_;
   std::uint32_t search_ = 0;
 };
 
@@ -112,7 +109,7 @@ class Extents {
 /// `masses`: per particle.
 void remove_small(std::vector<Link>& links, std::span<const float> masses) {
   const std::size_t particles = masses.size();
-  Components components(links, particles);
+  LinkedPieces components(links, particles);
   std::vector<std::size_t> count(particles);  // of links, per piece, at its root
   for (const Link& link : links) ++count[components.root(link.a)];
   std::vector<bool> loaded(particles);  // per piece, at its root
@@ -426,13 +423,11 @@ void Hierarchical::measure(const ParticleView& particles, Threads& threads) {
 void Hierarchical::measure_paths(std::size_t l, Threads& threads) {
   Level& level = levels_[l];
   const std::span<const float> finer = levels_[l - 1].stretch;
-  threads.for_each(level.stretch.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      float stretch = 0;
-      for (std::uint32_t k = level.path_begin[s]; k < level.path_begin[s + 1]; ++k)
-        stretch += finer[level.path[k]];
-      level.stretch[s] = stretch;
-    }
+  threads.each(level.stretch.size(), grain, [&](std::size_t s) {
+    float stretch = 0;
+    for (std::uint32_t k = level.path_begin[s]; k < level.path_begin[s + 1]; ++k)
+      stretch += finer[level.path[k]];
+    level.stretch[s] = stretch;
   });
 }
 
@@ -520,10 +515,10 @@ void Hierarchical::project_levels(const ParticleView& particles, Threads& thread
     if (l + 1 < levels_.size()) prolong(levels_[l + 1], level.position, level.moving, threads);
     level.near.sweep(near_sweeps, over_relaxation, level.moving, threads);
     level.all.sweep(sweeps_of(l), over_relaxation, level.moving, threads);
-    threads.for_each(level.moving.size(), 4 * grain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)  // whole records: w becomes 0
-        level.correction[i] = {level.moving[i].x - level.before[i].x, level.moving[i].y - level.before[i].y,
-                               level.moving[i].z - level.before[i].z, 0};
+    threads.each(level.moving.size(), 4 * grain, [&](std::size_t i) {
+      // whole records: w becomes 0
+      level.correction[i] = {level.moving[i].x - level.before[i].x, level.moving[i].y - level.before[i].y,
+                             level.moving[i].z - level.before[i].z, 0};
     });
   }
   prolong(levels_.front(), particles.position, particles.moving, threads);

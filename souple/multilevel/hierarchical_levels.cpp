@@ -1,6 +1,7 @@
 #include "souple/multilevel/hierarchical_levels.h"
 
 #include "souple/assert.h"
+#include "souple/math/lists.h"
 #include "souple/multilevel/marching.h"
 
 #include <algorithm>
@@ -125,8 +126,7 @@ class Near {
  public:
   /// `coarse`: particle of each coarse particle.
   Near(const LinkEnds& ends, const LinkTriangles& triangles, std::span<const std::uint32_t> coarse,
-       std::span<const char> is_coarse, Threads& threads)
-      : begin_(triangles.size() + 1) {
+       std::span<const char> is_coarse, Threads& threads) {
     std::vector<March> marches((coarse.size() + chunk - 1) / chunk);
     threads.for_each(marches.size(), 1, [&](std::size_t begin, std::size_t end) {
       Marcher marcher(triangles);
@@ -141,17 +141,14 @@ class Near {
           marches[c].end.push_back(marches[c].reached.size());
         }
     });
-    transpose(marches);
+    reached_.fill(triangles.size(), [&](const auto& add) { transpose(marches, add); });
     threads.for_each(triangles.size(), grain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        std::sort(reached_.data() + begin_[i], reached_.data() + begin_[i + 1], nearer);
+      for (std::size_t i = begin; i < end; ++i) std::sort(reached_[i].begin(), reached_[i].end(), nearer);
     });
   }
 
   /// Numbers of coarse particles.
-  std::span<const Reached> of(std::uint32_t i) const {
-    return {reached_.data() + begin_[i], reached_.data() + begin_[i + 1]};
-  }
+  std::span<const Reached> of(std::uint32_t i) const { return reached_[i]; }
   /// The nearest coarse particle.
   std::uint32_t cluster(std::uint32_t i) const { return of(i).front().particle; }
   /// Length from particle i to coarse particle j; infinite if i was not reached from there.
@@ -168,24 +165,19 @@ class Near {
     std::vector<Reached> reached;
     std::vector<std::size_t> end;  // per source
   };
-  void transpose(std::span<const March> marches) {
-    for (const March& march : marches)
-      for (const Reached& r : march.reached) ++begin_[r.particle + 1];
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    reached_.resize(begin_.back());
-    std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+  template <class Add>
+  static void transpose(std::span<const March> marches, const Add& add) {
     std::uint32_t source = 0;
     for (const March& march : marches) {
       std::size_t k = 0;
       for (const std::size_t end : march.end) {
-        for (; k < end; ++k) reached_[next[march.reached[k].particle]++] = {source, march.reached[k].length};
+        for (; k < end; ++k) add(march.reached[k].particle, {source, march.reached[k].length});
         ++source;
       }
     }
   }
 
-  std::vector<std::uint32_t> begin_;
-  std::vector<Reached> reached_;
+  Lists<Reached> reached_;  // per particle
 };
 
 /// Lengths between coarse particles: as marched, and of paths straight across two triangles of such lengths.
@@ -196,9 +188,7 @@ class CoarseLengths {
     for (std::uint32_t j = 0; j < coarse.size(); ++j)
       for (const Reached& n : near.of(coarse[j]))
         if (n.particle != j) marched_[j].push_back(n), marched_[n.particle].push_back({j, n.length});
-    threads.for_each(coarse.size(), grain / 4, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t j = begin; j < end; ++j) keep_shortest(marched_[j]);
-    });
+    threads.each(coarse.size(), grain / 4, [&](std::size_t j) { keep_shortest(marched_[j]); });
     threads.for_each(coarse.size(), grain / 4, [&](std::size_t begin, std::size_t end) {
       Marks from_j(coarse.size(), {none, 0}), from_p(from_j);
       for (auto j = static_cast<std::uint32_t>(begin); j < end; ++j) unfold(j, from_j, from_p);
@@ -356,32 +346,21 @@ void LevelBuilder::collapse(const Near& near, const CoarseLengths& lengths) {
     float length;
   };
   const std::size_t count = level_.finer.size();
-  std::vector<std::uint32_t> begin(count + 1);
-  const auto clusters = [&](const Link& link) {
-    return std::minmax({near.cluster(link.a), near.cluster(link.b)});
-  };
-  for (const Link& link : links_) {
-    const auto [a, b] = clusters(link);
-    if (a != b) ++begin[a + 1];
-  }
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Candidate> candidates(begin.back());
-  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-  for (std::uint32_t e = 0; e < links_.size(); ++e) {
-    const auto [a, b] = clusters(links_[e]);
-    if (a != b)
-      candidates[next[a]++] = {
-          a, b, e,
-          near.of(links_[e].a).front().length + links_[e].length + near.of(links_[e].b).front().length};
-  }
+  const Lists<Candidate> candidates(count, [&](const auto& add) {
+    for (std::uint32_t e = 0; e < links_.size(); ++e) {
+      const Link& link = links_[e];
+      const auto [a, b] = std::minmax({near.cluster(link.a), near.cluster(link.b)});
+      if (a != b)
+        add(a, {a, b, e, near.of(link.a).front().length + link.length + near.of(link.b).front().length});
+    }
+  });
   std::vector<std::uint32_t> place(count, none);
   level_.energy_to.assign(links_.size(), none);
   std::vector<Candidate> best;
   level_.path_begin.push_back(0);
   for (std::uint32_t a = 0; a < count; ++a) {
     best.clear();
-    for (std::uint32_t c = begin[a]; c < begin[a + 1]; ++c) {
-      const Candidate& candidate = candidates[c];
+    for (const Candidate& candidate : candidates[a]) {
       const std::uint32_t at = place[candidate.b];
       if (at >= best.size() || best[at].b != candidate.b) {
         place[candidate.b] = static_cast<std::uint32_t>(best.size());
@@ -402,8 +381,8 @@ void LevelBuilder::collapse(const Near& near, const CoarseLengths& lengths) {
       level_.path_begin.push_back(static_cast<std::uint32_t>(level_.path.size()));
       level_.links.push_back({a, best[k].b, std::min(length, lengths(a, best[k].b))});
     }
-    for (std::uint32_t c = begin[a]; c < begin[a + 1]; ++c)
-      level_.energy_to[candidates[c].link] = static_cast<std::uint32_t>(first + place[candidates[c].b]);
+    for (const Candidate& candidate : candidates[a])
+      level_.energy_to[candidate.link] = static_cast<std::uint32_t>(first + place[candidate.b]);
   }
   for (std::uint32_t e = 0; e < links_.size(); ++e)
     if (level_.energy_to[e] == none)

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numeric>
 
 namespace souple {
 namespace {
@@ -48,46 +47,37 @@ float unfolded_length(float d_u, float d_w, float c, float a, float b) {
 }
 
 LinkEnds::LinkEnds(std::span<const Link> links, std::size_t particles, Threads& threads)
-    : begin_(particles + 1), ends_(2 * links.size()) {
-  for (const Link& link : links) ++begin_[link.a + 1], ++begin_[link.b + 1];
-  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-  std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-  for (std::uint32_t e = 0; e < links.size(); ++e) {
-    const Link& link = links[e];
-    ends_[next[link.a]++] = {link.b, link.length, e};
-    ends_[next[link.b]++] = {link.a, link.length, e};
-  }
+    : ends_(particles, [&](const auto& add) {
+        for (std::uint32_t e = 0; e < links.size(); ++e)
+          add(links[e].a, {links[e].b, links[e].length, e}),
+              add(links[e].b, {links[e].a, links[e].length, e});
+      }) {
   threads.for_each(particles, grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      End *const first = ends_.data() + begin_[i], *const last = ends_.data() + begin_[i + 1];
-      if (last - first > static_cast<std::ptrdiff_t>(max_shortest))
-        std::nth_element(first, first + max_shortest, last, [](const End& p, const End& q) {
-          return std::pair(p.length, p.to) < std::pair(q.length, q.to);
-        });
+      const std::span<End> ends = ends_[i];
+      if (ends.size() > max_shortest)
+        std::nth_element(
+            ends.begin(), ends.begin() + max_shortest, ends.end(),
+            [](const End& p, const End& q) { return std::pair(p.length, p.to) < std::pair(q.length, q.to); });
     }
   });
 }
 
 LinkTriangles::LinkTriangles(std::span<const Link> links, const LinkEnds& ends, Threads& threads)
-    : begin_(ends.size() + 1), triangles_((ends.size() + chunk - 1) / chunk) {
+    : triangles_((ends.size() + chunk - 1) / chunk) {
   std::vector<char> kept(links.size());
   for (std::uint32_t i = 0; i < ends.size(); ++i)
     for (const LinkEnds::End& end : ends.shortest(i)) kept[end.link] = 1;
-  for (std::size_t e = 0; e < links.size(); ++e)
-    if (kept[e] != 0) ++begin_[links[e].a + 1], ++begin_[links[e].b + 1];
-  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-  neighbors_.resize(begin_.back());
-  std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-  for (std::uint32_t e = 0; e < links.size(); ++e) {
-    if (kept[e] == 0) continue;
-    const Link& link = links[e];
-    neighbors_[next[link.a]++] = {link.b, link.length, e};
-    neighbors_[next[link.b]++] = {link.a, link.length, e};
-  }
-  threads.for_each(triangles_.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c)
-      find_triangles(static_cast<std::uint32_t>(c * chunk),
-                     static_cast<std::uint32_t>(std::min((c + 1) * chunk, size())), triangles_[c]);
+  neighbors_.fill(ends.size(), [&](const auto& add) {
+    for (std::uint32_t e = 0; e < links.size(); ++e) {
+      if (kept[e] == 0) continue;
+      const Link& link = links[e];
+      add(link.a, {link.b, link.length, e}), add(link.b, {link.a, link.length, e});
+    }
+  });
+  threads.each(triangles_.size(), 1, [&](std::size_t c) {
+    find_triangles(static_cast<std::uint32_t>(c * chunk),
+                   static_cast<std::uint32_t>(std::min((c + 1) * chunk, size())), triangles_[c]);
   });
 }
 
@@ -97,8 +87,7 @@ void LinkTriangles::find_triangles(std::uint32_t first, std::uint32_t last,
   triangles.reserve(std::size_t{24} * (last - first));
   for (std::uint32_t u = first; u < last; ++u) {
     for (const Neighbor& n : of(u)) to_w[n.to] = {u, n.length};
-    for (std::size_t k = begin_[u]; k < begin_[u + 1]; ++k) {
-      Neighbor& n = neighbors_[k];
+    for (Neighbor& n : neighbors_[u]) {
       n.triangle_begin = static_cast<std::uint32_t>(triangles.size());
       for (const Neighbor& m : of(n.to)) {
         Triangle t{m.to};

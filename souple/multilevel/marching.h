@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/lists.h"
 #include "souple/multilevel/hierarchical_levels.h"
 #include "souple/threads/threads.h"
 
@@ -24,17 +25,14 @@ class LinkEnds {
 
   LinkEnds(std::span<const Link> links, std::size_t particles, Threads& threads);
 
-  std::size_t size() const { return begin_.size() - 1; }
-  std::span<const End> of(std::uint32_t i) const {
-    return {ends_.data() + begin_[i], ends_.data() + begin_[i + 1]};
-  }
+  std::size_t size() const { return ends_.size(); }
+  std::span<const End> of(std::uint32_t i) const { return ends_[i]; }
   std::span<const End> shortest(std::uint32_t i) const {
     return of(i).first(std::min(max_shortest, of(i).size()));
   }
 
  private:
-  std::vector<std::uint32_t> begin_;
-  std::vector<End> ends_;
+  Lists<End> ends_;
 };
 
 /// Graph for lengths along the material: the shortest links of each particle, and the triangles of these.
@@ -56,10 +54,8 @@ class LinkTriangles {
 
   LinkTriangles(std::span<const Link> links, const LinkEnds& ends, Threads& threads);
 
-  std::size_t size() const { return begin_.size() - 1; }
-  std::span<const Neighbor> of(std::uint32_t u) const {
-    return {neighbors_.data() + begin_[u], neighbors_.data() + begin_[u + 1]};
-  }
+  std::size_t size() const { return neighbors_.size(); }
+  std::span<const Neighbor> of(std::uint32_t u) const { return neighbors_[u]; }
   /// The triangles that the neighbors of u refer to.
   const Triangle* triangles_of(std::uint32_t u) const { return triangles_[u / chunk].data(); }
 
@@ -68,8 +64,7 @@ class LinkTriangles {
 
   void find_triangles(std::uint32_t first, std::uint32_t last, std::vector<Triangle>& triangles);
 
-  std::vector<std::uint32_t> begin_;
-  std::vector<Neighbor> neighbors_;
+  Lists<Neighbor> neighbors_;
   std::vector<std::vector<Triangle>> triangles_;  // per chunk of particles
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/disjoint_sets.h"
 #include "souple/multilevel/hierarchical_levels.h"
 
 #include <cstddef>
@@ -10,16 +11,17 @@
 namespace souple {
 
 /// The pieces that links connect particles to.
-class Components {
+class LinkedPieces {
  public:
-  Components(std::span<const Link> links, std::size_t particles);
+  LinkedPieces(std::span<const Link> links, std::size_t particles);
   /// The lowest particle of the piece of particle i.
-  std::uint32_t root(std::uint32_t i);
+  std::uint32_t root(std::uint32_t i) { return sets_.root(i); }
   /// Number of particles in the piece of particle i.
   std::size_t size(std::uint32_t i) { return size_[root(i)]; }
 
  private:
-  std::vector<std::uint32_t> root_, size_;
+  DisjointSets sets_;
+  std::vector<std::uint32_t> size_;  // per root
 };
 
 /// Per particle: whether it is at most `radius` links away from an isolated pinned particle. Isolated ones are few and

@@ -290,9 +290,7 @@ bool StiffBending::begin_substep(const Substep& substep) {
 }
 
 void StiffBending::solve(const ParticleView& particles, int iteration, Threads& threads) {
-  threads.for_each(pieces_.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) pieces_[i]->solve(particles, iteration == 0);
-  });
+  threads.each(pieces_.size(), grain, [&](std::size_t i) { pieces_[i]->solve(particles, iteration == 0); });
 }
 
 }  // namespace souple

@@ -139,20 +139,17 @@ void StretchedLinks::build(std::span<const Link> of_level, const TiedParticles& 
   const Coloring colors = color_constraints(ends, 2, count);
   color_begin_.assign(colors.color_begin.begin(), colors.color_begin.end());
   links_.clear();
-  neighbors_begin_.assign(count + 1, 0);
   for (const std::uint32_t e : colors.order) {
     const Link& link = of_level[counted[e]];
     links_.push_back({4 * link.a, 4 * link.b, link.length * (1 + threshold), compliance_of(link),
                       particles.inverse_mass(link.a) + particles.inverse_mass(link.b), counted[e]});
-    ++neighbors_begin_[link.a + 1], ++neighbors_begin_[link.b + 1];
   }
-  for (std::size_t i = 0; i < count; ++i) neighbors_begin_[i + 1] += neighbors_begin_[i];
-  neighbors_.resize(2 * links_.size());
-  std::vector<std::uint32_t> next(neighbors_begin_.begin(), neighbors_begin_.end() - 1);
-  for (std::uint32_t e = 0; e < links_.size(); ++e) {
-    const std::uint32_t i = links_[e].a / 4, j = links_[e].b / 4;
-    neighbors_[next[i]++] = {j, e}, neighbors_[next[j]++] = {i, e};
-  }
+  neighbors_.fill(count, [&](const auto& add) {
+    for (std::uint32_t e = 0; e < links_.size(); ++e) {
+      const std::uint32_t i = links_[e].a / 4, j = links_[e].b / 4;
+      add(i, {j, e}), add(j, {i, e});
+    }
+  });
   barred_.assign(count, 0);
   number_.assign(count, ContactFacet::unchosen);
   chosen_.reserve(count);
@@ -208,8 +205,7 @@ bool StretchedLinks::choose_particles(std::span<const Link> of_level, float h2, 
   for (int step = 0; step < radius; ++step) {
     for (const std::size_t last = chosen_.size(); next < last; ++next) {
       const std::uint32_t i = chosen_[next];
-      for (std::uint32_t k = neighbors_begin_[i]; k < neighbors_begin_[i + 1]; ++k)
-        choose(neighbors_[k].particle);
+      for (const Neighbor& neighbor : neighbors_[i]) choose(neighbor.particle);
     }
   }
   return !chosen_.empty();
@@ -218,8 +214,7 @@ bool StretchedLinks::choose_particles(std::span<const Link> of_level, float h2, 
 void StretchedLinks::mark_links() {
   std::fill(marked_.begin(), marked_.end(), 0);
   for (const std::uint32_t i : chosen_) {
-    for (std::uint32_t k = neighbors_begin_[i]; k < neighbors_begin_[i + 1]; ++k) {
-      const auto [j, e] = neighbors_[k];
+    for (const auto& [j, e] : neighbors_[i]) {
       if (j > i && number_[j] != ContactFacet::unchosen) marked_[e / word] |= std::uint64_t{1} << (e % word);
     }
   }

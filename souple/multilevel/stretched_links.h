@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/lists.h"
 #include "souple/multilevel/hierarchical_levels.h"
 #include "souple/multilevel/tied_particles.h"
 #include "souple/solver/kernels/links.h"
@@ -86,8 +87,7 @@ class StretchedLinks {
   std::vector<float> counted_;  ///< sum of the ends' inverse masses [1/kg]; 0: does not count as stretched
   std::vector<Swept> links_;    ///< color after color
   std::vector<std::size_t> color_begin_;  ///< in links_
-  std::vector<Neighbor> neighbors_;  ///< of particle i: from neighbors_begin_[i] to neighbors_begin_[i + 1]
-  std::vector<std::uint32_t> neighbors_begin_;
+  Lists<Neighbor> neighbors_;             ///< of each particle
   // Data of the current substep:
   std::vector<std::uint16_t> stretched_;  ///< per block of links of the level: a bit for each
   std::vector<std::uint32_t> found_;      ///< stretched links of the level

@@ -1,11 +1,12 @@
 #include "souple/multilevel/tet_lattice.h"
 
+#include "souple/math/disjoint_sets.h"
 #include "souple/math/elementary.h"
+#include "souple/math/lists.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 namespace souple {
@@ -22,23 +23,6 @@ using Place = std::array<int, 3>;
 int bit(std::size_t corner, std::size_t axis) {
   return static_cast<int>(corner >> axis & 1);
 }
-
-/// Sets of numbers that are merged.
-class Sets {
- public:
-  explicit Sets(std::size_t n) : root_(n) { std::iota(root_.begin(), root_.end(), 0u); }
-  std::uint32_t root(std::uint32_t i) {
-    while (root_[i] != i) i = root_[i] = root_[root_[i]];
-    return i;
-  }
-  void merge(std::uint32_t i, std::uint32_t j) {
-    const std::uint32_t a = root(i), b = root(j);
-    root_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> root_;
-};
 
 class Builder {
  public:
@@ -117,23 +101,20 @@ void Builder::find_particles() {
 // From tet to tet: B^-1 holds the rest edges of each.
 void Builder::find_rest_positions() {
   const std::size_t n = lattice_.particle.size();
-  std::vector<std::uint32_t> begin(n + 1), around(4 * corners_.size());
-  for (const Corners& tet : corners_)
-    for (const std::uint32_t i : tet) ++begin[i + 1];
-  for (std::size_t i = 0; i < n; ++i) begin[i + 1] += begin[i];
-  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
-  for (std::uint32_t t = 0; t < corners_.size(); ++t)
-    for (const std::uint32_t i : corners_[t]) around[next[i]++] = t;
+  const Lists<std::uint32_t> around(n, [&](const auto& add) {
+    for (std::uint32_t t = 0; t < corners_.size(); ++t)
+      for (const std::uint32_t i : corners_[t]) add(i, t);
+  });
   rest_.resize(n);
   std::vector<bool> known(n);
   std::vector<std::uint32_t> queue{0};
   known[0] = true;
   for (std::size_t q = 0; q < queue.size(); ++q) {
     const std::uint32_t i = queue[q];
-    for (std::uint32_t k = begin[i]; k < begin[i + 1]; ++k) {
-      const Corners& tet = corners_[around[k]];
+    for (const std::uint32_t t : around[i]) {
+      const Corners& tet = corners_[t];
       if (std::all_of(tet.begin(), tet.end(), [&](std::uint32_t j) { return known[j]; })) continue;
-      const Mat3d edges = inverse(Mat3d(set_.params(tets_[around[k]]).rest_inverse));
+      const Mat3d edges = inverse(Mat3d(set_.params(tets_[t]).rest_inverse));
       const std::array<Vec3d, 4> at{Vec3d{}, edges.column[0], edges.column[1], edges.column[2]};
       const auto own = static_cast<std::size_t>(std::find(tet.begin(), tet.end(), i) - tet.begin());
       for (std::size_t c = 0; c < 4; ++c) {
@@ -214,14 +195,14 @@ void Builder::connect() {
   const std::size_t n = rest_.size();
   place_.resize(n);
   for (std::size_t i = 0; i < n; ++i) place_[i] = place_of(rest_[i]);
-  Sets together(n);
+  DisjointSets together(n);
   const auto for_each_edge = [&](const auto& f) {
     for (const Corners& tet : corners_)
       for (std::size_t a = 0; a < 4; ++a)
         for (std::size_t b = a + 1; b < 4; ++b) f(tet[a], tet[b]);
   };
   for_each_edge([&](std::uint32_t i, std::uint32_t j) {
-    if (place_[i] == place_[j]) together.merge(i, j);
+    if (place_[i] == place_[j]) together.join(i, j);
   });
   piece_.assign(n, none);
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -230,7 +211,7 @@ void Builder::connect() {
       piece_[i] = static_cast<std::uint32_t>(piece_place_.size()), piece_place_.push_back(place_[i]);
     piece_[i] = piece_[root];
   }
-  Sets same(piece_place_.size() * corners);
+  DisjointSets same(piece_place_.size() * corners);
   std::vector<std::uint64_t> neighbors;
   for_each_edge([&](std::uint32_t i, std::uint32_t j) {
     const std::uint32_t a = piece_[i], b = piece_[j];
@@ -249,8 +230,8 @@ void Builder::connect() {
         other |= static_cast<std::size_t>(at & 1) << axis;
       }
       if (shared)
-        same.merge(static_cast<std::uint32_t>(a * corners + c),
-                   static_cast<std::uint32_t>(b * corners + other));
+        same.join(static_cast<std::uint32_t>(a * corners + c),
+                  static_cast<std::uint32_t>(b * corners + other));
     }
   }
   piece_node_.assign(piece_place_.size() * corners, none);
@@ -354,15 +335,14 @@ void Builder::integrate(std::size_t cell, const std::array<float, points * point
 }
 
 void Builder::add_samples() {
-  std::vector<std::uint32_t> begin(lattice_.cells.size() + 1), order(tets_.size());
-  for (const std::uint32_t cell : tet_cell_) ++begin[cell + 1];
-  for (std::size_t c = 0; c + 1 < begin.size(); ++c) begin[c + 1] += begin[c];
-  std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1), seen(rest_.size(), none), candidates;
-  for (std::uint32_t t = 0; t < tets_.size(); ++t) order[next[tet_cell_[t]]++] = t;
+  const Lists<std::uint32_t> tets_of(lattice_.cells.size(), [&](const auto& add) {
+    for (std::uint32_t t = 0; t < tets_.size(); ++t) add(tet_cell_[t], t);
+  });
+  std::vector<std::uint32_t> seen(rest_.size(), none), candidates;
   for (std::uint32_t c = 0; c < lattice_.cells.size(); ++c) {
     candidates.clear();
-    for (std::uint32_t k = begin[c]; k < begin[c + 1]; ++k)
-      for (const std::uint32_t i : corners_[order[k]])
+    for (const std::uint32_t t : tets_of[c])
+      for (const std::uint32_t i : corners_[t])
         if (std::exchange(seen[i], c) != c) candidates.push_back(i);
     choose_samples(c, candidates);
   }

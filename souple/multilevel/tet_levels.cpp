@@ -1,5 +1,6 @@
 #include "souple/multilevel/tet_levels.h"
 
+#include "souple/math/disjoint_sets.h"
 #include "souple/math/polar_decomposition.h"
 #include "souple/multilevel/weighted_sums.h"
 #include "souple/simd/instruction_set.h"
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace souple {
 namespace {
@@ -127,31 +127,21 @@ void TetLevels::prepare(SetProjector<NeoHookean>* tets, const ParticleView& part
 
 void TetLevels::find_bodies(const ParticleView& particles) {
   const auto& set = std::as_const(*tets_).set();
-  std::vector<std::uint32_t> root(particles.position.size());
-  std::iota(root.begin(), root.end(), 0u);
-  const auto find = [&](std::uint32_t i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
-  for (std::size_t t = 0; t < set.size(); ++t) {
-    const auto indices = set.indices(t);
-    for (std::size_t k = 1; k < 4; ++k) {
-      const std::uint32_t a = find(indices[0]), b = find(indices[k]);
-      root[std::max(a, b)] = std::min(a, b);
-    }
-  }
+  DisjointSets connected(particles.position.size());
+  for (std::size_t t = 0; t < set.size(); ++t)
+    for (const std::uint32_t i : set.indices(t)) connected.join(set.indices(t)[0], i);
   std::vector<std::uint32_t> number(particles.position.size(), none);
   std::vector<std::vector<std::uint32_t>> tets;
   body_of_.resize(set.size());
   for (std::uint32_t t = 0; t < set.size(); ++t) {
-    std::uint32_t& body = number[find(set.indices(t)[0])];
+    std::uint32_t& body = number[connected.root(set.indices(t)[0])];
     if (body == none) body = static_cast<std::uint32_t>(tets.size()), tets.emplace_back();
     body_of_[t] = body;
     tets[body].push_back(t);
   }
   std::vector<std::uint32_t> size(tets.size());
-  for (std::uint32_t i = 0; i < root.size(); ++i)
-    if (const std::uint32_t body = number[find(i)]; body != none) ++size[body];
+  for (std::uint32_t i = 0; i < number.size(); ++i)
+    if (const std::uint32_t body = number[connected.root(i)]; body != none) ++size[body];
   bodies_.resize(tets.size());
   find_softness(particles);
   for (std::size_t b = 0; b < tets.size(); ++b) {
@@ -353,31 +343,27 @@ void TetLevels::find_forces(const ParticleView& particles, const Substep& subste
 void TetLevels::measure_cells(Body& body, const ParticleView& particles, float h2, Threads& threads) {
   const TetLattice& lattice = body.lattice;
   const std::size_t slots = body.cell.size();
-  threads.for_each(slots, grain / 8, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      if (body.cell[s] == none) continue;
-      const TetLattice::Cell& cell = lattice.cells[body.cell[s]];
-      const std::uint32_t first = lattice.particle[lattice.sample[cell.sample_begin]];
-      Mat3f F{};
-      for (std::uint32_t k = cell.sample_begin; k < cell.sample_end; ++k)
-        F = F + outer(particles.difference(lattice.particle[lattice.sample[k]], first), lattice.gradient[k]);
-      const Mat3f R = rotation_of(F);
-      for (std::size_t k = 0; k < 9; ++k)
-        body.rotation[kernels::cell_entry(s, 9, k)] = R.column[k / 3][static_cast<int>(k % 3)];
-      body.scale[s] = h2 * margin * stiffening(F);
-    }
+  threads.each(slots, grain / 8, [&](std::size_t s) {
+    if (body.cell[s] == none) return;
+    const TetLattice::Cell& cell = lattice.cells[body.cell[s]];
+    const std::uint32_t first = lattice.particle[lattice.sample[cell.sample_begin]];
+    Mat3f F{};
+    for (std::uint32_t k = cell.sample_begin; k < cell.sample_end; ++k)
+      F = F + outer(particles.difference(lattice.particle[lattice.sample[k]], first), lattice.gradient[k]);
+    const Mat3f R = rotation_of(F);
+    for (std::size_t k = 0; k < 9; ++k)
+      body.rotation[kernels::cell_entry(s, 9, k)] = R.column[k / 3][static_cast<int>(k % 3)];
+    body.scale[s] = h2 * margin * stiffening(F);
   });
 }
 
 // r = P^T f.
 void TetLevels::restrict_forces(Body& body, std::span<const Vec4f> force, Threads& threads) {
-  threads.for_each(body.mass.size(), grain / 4, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t j = begin; j < end; ++j) {
-      FourFloats sum{};
-      for (std::uint32_t k = body.child_begin[j]; k < body.child_begin[j + 1]; ++k)
-        sum += load(force[body.lattice.particle[body.child[k]]]) * body.child_weight[k];
-      store(body.r[j], sum);
-    }
+  threads.each(body.mass.size(), grain / 4, [&](std::size_t j) {
+    FourFloats sum{};
+    for (std::uint32_t k = body.child_begin[j]; k < body.child_begin[j + 1]; ++k)
+      sum += load(force[body.lattice.particle[body.child[k]]]) * body.child_weight[k];
+    store(body.r[j], sum);
   });
 }
 
@@ -450,12 +436,10 @@ void TetLevels::limit_moves(Body& body) {
 // x += P dX.
 void TetLevels::prolong(const Body& body, const ParticleView& particles, Threads& threads) {
   const TetLattice& lattice = body.lattice;
-  threads.for_each(lattice.particle.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::uint32_t particle = lattice.particle[i];
-      if (!(particles.inverse_mass(particle) > 0)) continue;
-      particles.correct(particle, node_move(body, static_cast<std::uint32_t>(i)));
-    }
+  threads.each(lattice.particle.size(), grain, [&](std::size_t i) {
+    const std::uint32_t particle = lattice.particle[i];
+    if (!(particles.inverse_mass(particle) > 0)) return;
+    particles.correct(particle, node_move(body, static_cast<std::uint32_t>(i)));
   });
 }
 

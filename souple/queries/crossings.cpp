@@ -25,8 +25,7 @@ std::size_t count_crossings(const QueryView& view, const Object& object) {
   const std::lock_guard<std::mutex> lock(view.caches.lock);  // queries share the threads
   std::unique_ptr<Threads> own;
   if (view.threads == nullptr) own = make_threads(Threading::serial, 1);
-  IntersectionFinder finder;
-  finder.set_surfaces({&surface, 1});
+  IntersectionFinder finder({&surface, 1});
   finder.find(particles, own ? *own : *view.threads);
   std::size_t count = 0;
   std::uint32_t last = std::numeric_limits<std::uint32_t>::max();

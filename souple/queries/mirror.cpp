@@ -29,34 +29,36 @@ void for_each(Threads* threads, std::size_t n, RangeFunction f) {
   if (threads) return threads->for_each(n, grain, f);
   f(0, n);
 }
+template <class Function>
+void each(Threads* threads, std::size_t n, const Function& f) {
+  for_each(threads, n, [&f](std::size_t begin, std::size_t end) {
+    for (std::size_t k = begin; k < end; ++k) f(k);
+  });
+}
 
 /// Fills `out` with a value for each user vertex: f(i) of its particle i, or the blend over a tet. f returns
 /// Vec3d.
 template <class Function>
 void fill(Threads* threads, const Object& object, KeptPoints& out, const Function& f) {
   resize(out, object.vertex_count(), object.capacity);
-  for_each(threads, out.size(), [&](std::size_t v, std::size_t end) {
-    for (; v < end; ++v) {
-      if (!object.embedding) {
-        SOUPLE_ASSERT(object.begin + object.particle_of[v] < object.end, "a particle of the object");
-        out[v] = Vec3f(f(object.begin + object.particle_of[v]));
-        continue;
-      }
-      const Tet& tet = object.embedding->vertices[v];
-      const std::array<double, 4>& weights = object.embedding->weights[v];
-      Vec3d sum;
-      for (std::size_t k = 0; k < 4; ++k) sum += f(object.begin + tet[k]) * weights[k];
-      out[v] = Vec3f(sum);
+  each(threads, out.size(), [&](std::size_t v) {
+    if (!object.embedding) {
+      SOUPLE_ASSERT(object.begin + object.particle_of[v] < object.end, "a particle of the object");
+      out[v] = Vec3f(f(object.begin + object.particle_of[v]));
+      return;
     }
+    const Tet& tet = object.embedding->vertices[v];
+    const std::array<double, 4>& weights = object.embedding->weights[v];
+    Vec3d sum;
+    for (std::size_t k = 0; k < 4; ++k) sum += f(object.begin + tet[k]) * weights[k];
+    out[v] = Vec3f(sum);
   });
 }
 
 // Per triangle: cross product of two sides; its length is twice the area.
 void fill_area_normals(Threads* threads, std::span<const Triangle> triangles, Mirror& mirror) {
   const KeptPoints& x = mirror.positions;
-  for_each(threads, x.size(), [&](std::size_t v, std::size_t end) {
-    for (; v < end; ++v) mirror.position_records[v].set_xyz(x[v]);
-  });
+  each(threads, x.size(), [&](std::size_t v) { mirror.position_records[v].set_xyz(x[v]); });
   const kernels::TriangleKernels* kernels = find_triangle_kernels(instruction_set());
   const float* records = &mirror.position_records.data()->x;
   const kernels::TriangleArrays arrays{records,          records, records,
@@ -73,18 +75,15 @@ void fill_area_normals(Threads* threads, std::span<const Triangle> triangles, Mi
 // Sums equal to those of vertex_normals (geometry/measures.h), gathered per vertex.
 void fill_normals(Threads* threads, std::span<const Triangle> triangles, Mirror& mirror) {
   const std::size_t vertices = mirror.positions.size();
-  if (mirror.triangles_of.begin.size() != vertices + 1)
-    mirror.triangles_of = vertex_triangles(triangles, vertices);
+  if (mirror.triangles_of.size() != vertices) mirror.triangles_of = vertex_triangles(triangles, vertices);
   resize(mirror.normals, vertices, vertices);
   mirror.position_records.resize(vertices);
   mirror.area_normals.resize(triangles.size());
   fill_area_normals(threads, triangles, mirror);
-  for_each(threads, vertices, [&](std::size_t v, std::size_t end) {
-    for (; v < end; ++v) {
-      Vec3f sum;
-      for (const std::uint32_t t : mirror.triangles_of.of(v)) sum += mirror.area_normals[t].xyz();
-      mirror.normals[v] = unit_normal(sum);
-    }
+  each(threads, vertices, [&](std::size_t v) {
+    Vec3f sum;
+    for (const std::uint32_t t : mirror.triangles_of[v]) sum += mirror.area_normals[t].xyz();
+    mirror.normals[v] = unit_normal(sum);
   });
 }
 

@@ -18,7 +18,7 @@ struct Mirror {
   KeptPoints positions, velocities, normals, angular_velocities;
 
   // Data for the normals, built on first use.
-  VertexTriangles triangles_of;
+  Lists<std::uint32_t> triangles_of;  // per vertex
   std::vector<Vec4f> position_records, area_normals;
 };
 

@@ -185,26 +185,20 @@ void ContactFinder::begin_step(const RigidBodies& bodies, std::span<const RigidS
   find_pairs(bodies, shapes, materials, dt, gravity);
   std::swap(contacts_, last_contacts_);
   contacts_.assign(pairs_.size(), {});
-  threads.for_each(pairs_.size(), 8, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) take_over(p);
+  threads.each(pairs_.size(), 8, [&](std::size_t p) { take_over(p); });
+  threads.each(pairs_.size(), 8, [&](std::size_t p) {
+    const Pair& pair = pairs_[p];
+    contacts_[p].a = pair.a, contacts_[p].b = pair.b;
+    contacts_[p].material = materials.at(pair.a, pair.b);
   });
-  threads.for_each(pairs_.size(), 8, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      const Pair& pair = pairs_[p];
-      contacts_[p].a = pair.a, contacts_[p].b = pair.b;
-      contacts_[p].material = materials.at(pair.a, pair.b);
-    }
-  });
-  threads.for_each(pairs_.size(), 8, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      const Pair& pair = pairs_[p];
-      if (pair.fast) {
-        search(p, bodies, shapes);
-      } else {
-        const double margin =
-            motion_[pair.a] + motion_[pair.b] + margin_ratio * min(inner_[pair.a], inner_[pair.b]);
-        find_contact(p, bodies, shapes, margin, margin);
-      }
+  threads.each(pairs_.size(), 8, [&](std::size_t p) {
+    const Pair& pair = pairs_[p];
+    if (pair.fast) {
+      search(p, bodies, shapes);
+    } else {
+      const double margin =
+          motion_[pair.a] + motion_[pair.b] + margin_ratio * min(inner_[pair.a], inner_[pair.b]);
+      find_contact(p, bodies, shapes, margin, margin);
     }
   });
 }

@@ -8,24 +8,15 @@
 
 namespace souple {
 
-std::uint32_t ContactIslands::root(std::uint32_t body) {
-  while (parent_[body] != body) body = parent_[body] = parent_[parent_[body]];
-  return body;
-}
-
 void ContactIslands::find(std::span<const ContactBlock> blocks, std::size_t bodies) {
   constexpr std::uint32_t none = ~std::uint32_t{0};
-  parent_.resize(bodies);
-  for (std::uint32_t i = 0; i < bodies; ++i) parent_[i] = i;
-  for (const ContactBlock& block : blocks) {
-    if (!block.moves_a || !block.moves_b) continue;
-    const std::uint32_t a = root(block.a), b = root(block.b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
+  connected_.reset(bodies);
+  for (const ContactBlock& block : blocks)
+    if (block.moves_a && block.moves_b) connected_.join(block.a, block.b);
   island_of_.assign(bodies, none);
   islands_.clear(), colors_.clear();
   const auto island_at = [&](const ContactBlock& block) -> std::uint32_t& {
-    return island_of_[root(block.moves_a ? block.a : block.b)];
+    return island_of_[connected_.root(block.moves_a ? block.a : block.b)];
   };
   for (const ContactBlock& block : blocks) {
     std::uint32_t& island = island_at(block);
@@ -69,7 +60,7 @@ void ContactIslands::color(Island& island, std::span<const ContactBlock> blocks)
 }
 
 std::size_t ContactIslands::bytes() const {
-  return bytes_of(parent_, island_of_, taken_, order_, sorted_, color_, islands_, colors_);
+  return bytes_of(island_of_, taken_, order_, sorted_, color_, islands_, colors_) + connected_.bytes();
 }
 
 }  // namespace souple

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/disjoint_sets.h"
 #include "souple/rigid/contact_block.h"
 
 #include <cstddef>
@@ -36,13 +37,13 @@ class ContactIslands {
   std::size_t bytes() const;
 
  private:
-  std::uint32_t root(std::uint32_t body);
   void color(Island& island, std::span<const ContactBlock> blocks);
 
-  std::vector<std::uint32_t> parent_, island_of_;  // per body
-  std::vector<std::uint64_t> taken_;               // per body: colors of its contacts
-  std::vector<std::uint32_t> order_, sorted_;      // contacts, by island and color
-  std::vector<std::uint8_t> color_;                // per contact
+  DisjointSets connected_;                     // bodies
+  std::vector<std::uint32_t> island_of_;       // per body
+  std::vector<std::uint64_t> taken_;           // per body: colors of its contacts
+  std::vector<std::uint32_t> order_, sorted_;  // contacts, by island and color
+  std::vector<std::uint8_t> color_;            // per contact
   std::vector<Island> islands_;
   std::vector<Range> colors_;
 };

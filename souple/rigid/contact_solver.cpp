@@ -58,9 +58,8 @@ void ContactSolver::begin(std::span<RigidContact> contacts, const RigidBodies& b
   for (std::uint32_t c = 0; c < contacts.size(); ++c)
     if (contacts[c].count > 0) blocks_.emplace_back().contact = c;
   const Depenetration depenetration{recovery, substep.depenetration_speed * substep.h};
-  threads.for_each(blocks_.size(), 16, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      start_block(contacts[blocks_[i].contact], blocks_[i], bodies, states_, depenetration);
+  threads.each(blocks_.size(), 16, [&](std::size_t i) {
+    start_block(contacts[blocks_[i].contact], blocks_[i], bodies, states_, depenetration);
   });
   islands_.find(blocks_, states_.size());
   changes_.resize(blocks_.size());
@@ -170,17 +169,15 @@ void ContactSolver::solve(std::span<RigidContact> contacts, RigidBodies& bodies,
   if (first) begin(contacts, bodies, substep, threads);
   begun_ = true;
   before_ = states_;
-  threads.for_each(blocks_.size(), 16, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      measure_block(contacts[blocks_[i].contact], blocks_[i], bodies, states_);
+  threads.each(blocks_.size(), 16, [&](std::size_t i) {
+    measure_block(contacts[blocks_[i].contact], blocks_[i], bodies, states_);
   });
   if (first) apply_last_impulses();
   const std::span<const ContactIslands::Island> islands = islands_.islands();
   for (std::size_t i = 0; i < islands.size(); ++i)
     if (islands[i].colors.size() > 0) solve_island(i, substep, threads);
-  threads.for_each(islands.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      if (islands[i].colors.size() == 0) solve_island(i, substep, threads);
+  threads.each(islands.size(), 1, [&](std::size_t i) {
+    if (islands[i].colors.size() == 0) solve_island(i, substep, threads);
   });
   for (const ContactBlock& block : blocks_) keep_block(block, contacts[block.contact]);
   for (std::size_t i = 0; i < bodies.size(); ++i) {

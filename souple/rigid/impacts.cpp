@@ -112,18 +112,11 @@ double restitution_speed(double e, const Impact& impact, const RigidContact& con
 }  // namespace
 
 void Impacts::prepare(std::span<const RigidContact> contacts, const RigidBodies& bodies) {
-  side_begin_.assign(bodies.size() + 1, 0);
-  const auto for_each_side = [&](const auto& f) {
-    for (std::uint32_t c = 0; c < contacts.size(); ++c) {
+  contacts_of_.fill(bodies.size(), [&](const auto& add) {
+    for (std::uint32_t c = 0; c < contacts.size(); ++c)
       for (const std::uint32_t body : {contacts[c].a, contacts[c].b})
-        if (moves(bodies, body)) f(body, c);
-    }
-  };
-  for_each_side([&](std::uint32_t body, std::uint32_t) { ++side_begin_[body + 1]; });
-  for (std::size_t i = 0; i < bodies.size(); ++i) side_begin_[i + 1] += side_begin_[i];
-  sides_.resize(side_begin_.back());
-  next_side_.assign(side_begin_.begin(), side_begin_.end());
-  for_each_side([&](std::uint32_t body, std::uint32_t c) { sides_[next_side_[body]++] = c; });
+        if (moves(bodies, body)) add(body, c);
+  });
 }
 
 bool Impacts::collide(const RigidContact& contact, RigidBodies& bodies, const RigidSubstep& substep) {
@@ -180,14 +173,12 @@ void Impacts::bounce(std::span<const RigidContact> contacts, RigidBodies& bodies
 }
 
 void Impacts::look_again(std::uint32_t body) {
-  for (std::uint32_t s = side_begin_[body]; s < side_begin_[body + 1]; ++s) {
-    const std::uint32_t contact = sides_[s];
+  for (const std::uint32_t contact : contacts_of_[body])
     if (waits_[contact] == 0) next_impacts_.push_back(contact), waits_[contact] = 1;
-  }
 }
 
 std::size_t Impacts::bytes() const {
-  return bytes_of(side_begin_, sides_, next_side_, impacts_, next_impacts_, waits_);
+  return bytes_of(impacts_, next_impacts_, waits_) + contacts_of_.bytes();
 }
 
 }  // namespace souple

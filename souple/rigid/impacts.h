@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/lists.h"
 #include "souple/rigid/impulse.h"
 #include "souple/rigid/rigid_contact.h"
 
@@ -35,8 +36,7 @@ class Impacts {
   static bool collide(const RigidContact& contact, RigidBodies& bodies, const RigidSubstep& substep);
   void look_again(std::uint32_t body);
 
-  std::vector<std::uint32_t> side_begin_;              // per body: into sides_
-  std::vector<std::uint32_t> sides_, next_side_;       // contacts with restitution
+  Lists<std::uint32_t> contacts_of_;                   // per body that moves
   std::vector<std::uint32_t> impacts_, next_impacts_;  // contacts to look at
   std::vector<std::uint8_t> waits_;                    // per contact: is in next_impacts_
 };

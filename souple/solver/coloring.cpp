@@ -1,6 +1,7 @@
 #include "souple/solver/coloring.h"
 
 #include "souple/assert.h"
+#include "souple/math/lists.h"
 
 #include <algorithm>
 #include <bit>
@@ -61,8 +62,7 @@ class Palette {
   std::vector<Bits> used_colors_;    // per particle: bit mask of its colors in this round
   std::vector<std::uint32_t> size_;  // per color: its constraints; the last colors of a round may be empty
 
-  // Constraints of particle p: constraints_[begin_[p] .. begin_[p + 1]).
-  std::vector<std::uint32_t> begin_, constraints_;
+  Lists<std::uint32_t> constraints_;  // per particle
   struct Move {
     std::uint32_t constraint, from;
   };
@@ -99,13 +99,10 @@ void Palette::move(std::uint32_t i, std::uint32_t color) {
 }
 
 void Palette::list_constraints_of_particles() {
-  begin_.assign(used_colors_.size() + 1, 0);
-  for (const std::uint32_t particle : indices_) ++begin_[particle + 1];
-  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-  constraints_.resize(indices_.size());
-  std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
-  for (std::uint32_t i = 0; i < color_of_.size(); ++i)
-    for (const std::uint32_t particle : particles(i)) constraints_[next[particle]++] = i;
+  constraints_.fill(used_colors_.size(), [&](const auto& add) {
+    for (std::uint32_t i = 0; i < color_of_.size(); ++i)
+      for (const std::uint32_t particle : particles(i)) add(particle, i);
+  });
 }
 
 // Iterated greedy (Culberson 1992): first-fit over the colors of the last fit in reverse order. It never
@@ -126,10 +123,10 @@ bool Palette::evict_conflicts(std::uint32_t i, std::uint32_t color, Bits allowed
   conflicts_.clear();
   for (const std::uint32_t particle : particles(i)) {
     if (!(used_colors_[particle] & bit(color))) continue;
-    std::uint32_t k = begin_[particle];
-    while (color_of_[constraints_[k]] != color) ++k;
-    if ((allowed & ~used_around(constraints_[k])) == 0) return false;
-    conflicts_.push_back(constraints_[k]);
+    const std::uint32_t* k = constraints_[particle].data();
+    while (color_of_[*k] != color) ++k;
+    if ((allowed & ~used_around(*k)) == 0) return false;
+    conflicts_.push_back(*k);
   }
   for (const std::uint32_t conflict : conflicts_) {
     if (color_of_[conflict] != color) continue;  // it shares two particles with i and has moved already
@@ -187,9 +184,9 @@ void Palette::fill_small() {
 void Palette::improve() {
   if (color_of_.empty()) return;
   list_constraints_of_particles();
-  std::uint32_t min_colors = 0;
+  std::size_t min_colors = 0;
   for (std::size_t particle = 0; particle < used_colors_.size(); ++particle)
-    min_colors = std::max(min_colors, begin_[particle + 1] - begin_[particle]);
+    min_colors = std::max(min_colors, constraints_[particle].size());
   constexpr int passes = 4;  // more passes rarely save another color
   for (int pass = 0; count() > min_colors; ++pass) {
     while (count() > min_colors && dissolve_smallest()) {

@@ -24,18 +24,15 @@ float part_of_motion(int round, int rounds) {
 
 void take_back_motion(const ParticleView& particles, Threads& threads, std::vector<Vec4f>& motion) {
   motion.resize(particles.moving.size());
-  threads.for_each(motion.size(), motion_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      motion[i].set_xyz(particles.moved(i));
-      particles.moving[i].set_xyz(particles.start[i].xyz());
-    }
+  threads.each(motion.size(), motion_grain, [&](std::size_t i) {
+    motion[i].set_xyz(particles.moved(i));
+    particles.moving[i].set_xyz(particles.start[i].xyz());
   });
 }
 
 void add_motion(std::span<const Vec4f> motion, float part, const ParticleView& particles, Threads& threads) {
-  threads.for_each(motion.size(), motion_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      particles.moving[i].set_xyz(particles.moving[i].xyz() + motion[i].xyz() * part);
+  threads.each(motion.size(), motion_grain, [&](std::size_t i) {
+    particles.moving[i].set_xyz(particles.moving[i].xyz() + motion[i].xyz() * part);
   });
 }
 

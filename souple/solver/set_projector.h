@@ -247,10 +247,8 @@ class SetProjector final : public Projector,
       return result;
     }
     partial_.resize(chunk_count());
-    threads->for_each(chunk_count(), 8, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t chunk = begin; chunk < end; ++chunk)
-        partial_[chunk] = residual_of(chunk, particles, false);
-    });
+    threads->each(chunk_count(), 8,
+                  [&](std::size_t chunk) { partial_[chunk] = residual_of(chunk, particles, false); });
     for (const Residual& partial : partial_) result.add(partial);
     return result;
   }

@@ -19,7 +19,7 @@ bool touch(const Body& a, const Body& b) {
 void Stacks::resize(std::size_t bodies) {
   bodies_.resize(bodies);
   if (by_x_.size() == bodies) return;
-  by_x_.resize(bodies), root_.resize(bodies), groups_.resize(bodies);
+  by_x_.resize(bodies), groups_.resize(bodies);
   std::iota(by_x_.begin(), by_x_.end(), 0u);
 }
 
@@ -27,16 +27,11 @@ void Stacks::set(std::size_t body, const Vec3f& lo, const Vec3f& hi, double mass
   bodies_[body] = {lo, hi, mass};
 }
 
-std::uint32_t Stacks::root(std::uint32_t body) {
-  while (root_[body] != body) body = root_[body] = root_[root_[body]];
-  return body;
-}
-
 Stacks::Size Stacks::find() {
   const auto x = [&](std::size_t k) { return bodies_[by_x_[k]].lo.x; };
   for (std::size_t k = 1; k < by_x_.size(); ++k)
     for (std::size_t j = k; j > 0 && x(j) < x(j - 1); --j) std::swap(by_x_[j], by_x_[j - 1]);
-  std::iota(root_.begin(), root_.end(), 0u);
+  connected_.reset(bodies_.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) groups_[i] = {1, bodies_[i].mass, bodies_[i].mass};
   Size size;
   for (std::size_t k = 0; k < by_x_.size(); ++k) {
@@ -44,12 +39,11 @@ Stacks::Size Stacks::find() {
     for (std::size_t j = k + 1; j < by_x_.size() && !(x(j) > bodies_[a].hi.x); ++j) {
       const std::uint32_t b = by_x_[j];
       if (!(bodies_[a].mass > 0) || !(bodies_[b].mass > 0) || !touch(bodies_[a], bodies_[b])) continue;
-      const std::uint32_t p = root(a), q = root(b);
-      if (p == q) continue;
-      root_[q] = p;
-      Group& group = groups_[p];
-      group = {group.bodies + groups_[q].bodies, std::min(group.lightest, groups_[q].lightest),
-               std::max(group.heaviest, groups_[q].heaviest)};
+      const Group one = groups_[connected_.root(a)], other = groups_[connected_.root(b)];
+      if (!connected_.join(a, b)) continue;
+      const Group group{one.bodies + other.bodies, std::min(one.lightest, other.lightest),
+                        std::max(one.heaviest, other.heaviest)};
+      groups_[connected_.root(a)] = group;
       size = {std::max(size.bodies, group.bodies),
               std::max(size.mass_ratio, group.heaviest / group.lightest)};
     }

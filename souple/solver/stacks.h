@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/disjoint_sets.h"
 #include "souple/math/vec3.h"
 
 #include <cstddef>
@@ -33,10 +34,9 @@ class Stacks {
     std::size_t bodies;
     double lightest, heaviest;
   };
-  std::uint32_t root(std::uint32_t body);
-
   std::vector<Body> bodies_;
-  std::vector<std::uint32_t> by_x_, root_;
+  std::vector<std::uint32_t> by_x_;
+  DisjointSets connected_;
   std::vector<Group> groups_;  // at the roots
 };
 

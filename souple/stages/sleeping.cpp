@@ -179,11 +179,10 @@ float max_displacement(const SleepView& step, const StartOfStep& before, const O
   const std::size_t count = object.particle_count(), chunks = (count + chunk - 1) / chunk;
   std::vector<float>& squared = step.sleep.chunk_displacement_squared;
   squared.assign(chunks, 0);
-  step.stage.threads.for_each(chunks, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t c = first; c < last; ++c)
-      for (std::size_t i = object.begin + c * chunk; i < object.begin + std::min(count, (c + 1) * chunk); ++i)
-        squared[c] = max(squared[c], length_squared((p.position[i].xyz() - before.position[i].xyz()) +
-                                                    (p.offset[i].xyz() - before.offset[i].xyz())));
+  step.stage.threads.each(chunks, 1, [&](std::size_t c) {
+    for (std::size_t i = object.begin + c * chunk; i < object.begin + std::min(count, (c + 1) * chunk); ++i)
+      squared[c] = max(squared[c], length_squared((p.position[i].xyz() - before.position[i].xyz()) +
+                                                  (p.offset[i].xyz() - before.offset[i].xyz())));
   });
   return std::sqrt(*std::max_element(squared.begin(), squared.end()));
 }
@@ -237,25 +236,13 @@ void find_sleepless(const SleepView& step, bool has_force_fields) {
   }
 }
 
-std::uint32_t root(std::vector<std::uint32_t>& parent, std::uint32_t a) {
-  while (parent[a] != a) a = parent[a] = parent[parent[a]];
-  return a;
-}
-
-// The lower index is the root: islands do not depend on the order of pairs.
-void unite(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
-  a = root(parent, a), b = root(parent, b);
-  parent[std::max(a, b)] = std::min(a, b);
-}
-
 // Islands of objects that are in contact, joined, or asleep together. Obstacles do not connect objects.
 void find_islands(const SleepView& step) {
   const ObjectsView& view = step.stage.objects;
-  std::vector<std::uint32_t>& parent = step.sleep.parent;
+  DisjointSets& islands = step.sleep.islands;
   ProximityQuery& proximity = step.sleep.proximity;
   const auto n = static_cast<std::uint32_t>(view.objects.size());
-  parent.resize(n);
-  for (std::uint32_t a = 0; a < n; ++a) parent[a] = a;
+  islands.reset(n);
   proximity.reset(view);
   for (std::uint32_t a = 0; a < n; ++a) {
     const Object& object = *view.objects[a];
@@ -264,33 +251,33 @@ void find_islands(const SleepView& step) {
     proximity.active[a] = object.sleep.island == 0 ? 1 : 0;
     proximity.passive[a] = 1;
     for (std::uint32_t b = 0; object.sleep.island != 0 && b < a; ++b)
-      if (view.objects[b]->sleep.island == object.sleep.island) unite(parent, a, b);
+      if (view.objects[b]->sleep.island == object.sleep.island) islands.join(a, b);
   }
   find_close_objects(view, step.tables, proximity, step.stage.threads);
-  for (const auto& [a, b] : proximity.found) unite(parent, a, b);
-  for (const auto& [a, b] : step.sleep.joined.pairs) unite(parent, a, b);
+  for (const auto& [a, b] : proximity.found) islands.join(a, b);
+  for (const auto& [a, b] : step.sleep.joined.pairs) islands.join(a, b);
   for (const UserConstraint& user_constraint : step.constraints)
     for (std::size_t k = 0; user_constraint.distance_joint && user_constraint.is_active &&
                             k < user_constraint.distance_joint->set().size();
          ++k) {
       const auto ends = user_constraint.distance_joint->set().indices(k);
-      unite(parent, view.object_of[ends[0]], view.object_of[ends[1]]);
+      islands.join(view.object_of[ends[0]], view.object_of[ends[1]]);
     }
 }
 
 void put_islands_to_sleep(const SleepView& step) {
   const ObjectsView& view = step.stage.objects;
-  std::vector<std::uint32_t>& parent = step.sleep.parent;
+  DisjointSets& islands = step.sleep.islands;
   std::vector<std::uint8_t>& cannot_sleep = step.sleep.cannot_sleep;
   const auto n = static_cast<std::uint32_t>(view.objects.size());
   const auto seconds = static_cast<double>(step.stage.settings.sleeping.seconds);
   for (std::uint32_t a = n; a-- > 0;) {  // roots have the lowest index: they come last
     const Object& object = *view.objects[a];
     if (object.sleep.island == 0 && object.sleep.rest_time < seconds) cannot_sleep[a] = 1;
-    if (cannot_sleep[a] != 0) cannot_sleep[root(parent, a)] = 1;
+    if (cannot_sleep[a] != 0) cannot_sleep[islands.root(a)] = 1;
   }
   for (std::uint32_t a = 0; a < n; ++a) {
-    const std::uint32_t first = root(parent, a);
+    const std::uint32_t first = islands.root(a);
     if (cannot_sleep[first] != 0 || is_obstacle(*view.objects[a])) continue;
     if (view.objects[a]->sleep.island == 0) step.sleep.changed = true;
     set_asleep(view.particles, *view.objects[a], view.objects[first]->id.value);

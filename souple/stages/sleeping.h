@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/disjoint_sets.h"
 #include "souple/solver/left_out.h"
 #include "souple/stages/proximity.h"
 #include "souple/stages/stage_view.h"
@@ -33,7 +34,7 @@ struct SleepScratch {
   LeftOut constraints;  ///< of sleeping objects, which move nothing; see leave_out_asleep
   JoinedObjects joined;
   ProximityQuery proximity;
-  std::vector<std::uint32_t> parent;  ///< per object: parent in its island (union-find)
+  DisjointSets islands;  ///< of objects
   /// Per object: 1 if it must not sleep; for an island: of its first object.
   std::vector<std::uint8_t> cannot_sleep;
   /// Per chunk of an object's particles: max squared displacement in the step [m^2].

@@ -63,9 +63,8 @@ void ConjugateGradient::prepare_system(LinearSystem& system, const ParticleView&
 
 // Copies the gradients so that the entries of one particle are contiguous.
 void ConjugateGradient::gather_entries(const LinearSystem& system, Threads& threads) {
-  threads.for_each(entries_.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) entries_[i].gradient = system.gradient[gradient_of_[i]];
-  });
+  threads.each(entries_.size(), grain,
+               [&](std::size_t i) { entries_[i].gradient = system.gradient[gradient_of_[i]]; });
 }
 
 // J^T force at one unknown.
@@ -79,12 +78,10 @@ Vec3d ConjugateGradient::constraint_force(std::size_t unknown) const {
 template <class Term>
 double ConjugateGradient::sum(Threads& threads, const Term& term) {
   const std::size_t n = residual_.size();
-  threads.for_each(partial_.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) {
-      double part = 0;
-      for (std::size_t u = c * chunk; u < std::min(n, (c + 1) * chunk); ++u) part += term(u);
-      partial_[c] = part;
-    }
+  threads.each(partial_.size(), 1, [&](std::size_t c) {
+    double part = 0;
+    for (std::size_t u = c * chunk; u < std::min(n, (c + 1) * chunk); ++u) part += term(u);
+    partial_[c] = part;
   });
   double total = 0;
   for (const double part : partial_) total += part;
@@ -103,12 +100,10 @@ void ConjugateGradient::begin(LinearSystem& system, Threads& threads) {
       }
     }
   });
-  threads.for_each(system.unknowns(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t u = begin; u < end; ++u) {
-      residual_[u] = constraint_force(u);
-      direction_[u] = residual_[u] / system.mass[u];
-      system.dx[u] = {};
-    }
+  threads.each(system.unknowns(), grain, [&](std::size_t u) {
+    residual_[u] = constraint_force(u);
+    direction_[u] = residual_[u] / system.mass[u];
+    system.dx[u] = {};
   });
 }
 
@@ -134,10 +129,8 @@ void ConjugateGradient::multiply(LinearSystem& system, const StepCoefficients& l
       apply_inverse_compliance(system, block, y, &force_[block.row]);
     }
   });
-  threads.for_each(system.unknowns(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t u = begin; u < end; ++u)
-      product_[u] = direction_[u] * system.mass[u] + constraint_force(u);
-  });
+  threads.each(system.unknowns(), grain,
+               [&](std::size_t u) { product_[u] = direction_[u] * system.mass[u] + constraint_force(u); });
 }
 
 bool ConjugateGradient::solve_system(LinearSystem& system, Threads& threads) {

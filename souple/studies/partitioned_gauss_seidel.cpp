@@ -117,12 +117,10 @@ void PartitionedGaussSeidel::prepare(std::span<Projector* const> projectors, con
 }
 
 void PartitionedGaussSeidel::copy_in(const ParticleView& particles, Threads& threads) {
-  threads.for_each(particle_count_, copy_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      all_.position[i] = particles.position[i];
-      all_.moving[i] = particles.moving[i];
-      all_.start[i] = particles.start[i];
-    }
+  threads.each(particle_count_, copy_grain, [&](std::size_t i) {
+    all_.position[i] = particles.position[i];
+    all_.moving[i] = particles.moving[i];
+    all_.start[i] = particles.start[i];
   });
   all_.view = {all_.position, all_.moving, all_.start};
   ++all_.substep;
@@ -139,9 +137,7 @@ void PartitionedGaussSeidel::solve(std::span<Projector* const>, const ParticleVi
   const ParticleView real{all.position.first(particle_count_), all.moving.first(particle_count_),
                           all.start.first(particle_count_)};
   gauss_seidel_.solve(projectors_, real, substep, threads);
-  threads.for_each(particle_count_, copy_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) particles.moving[i] = real.moving[i];
-  });
+  threads.each(particle_count_, copy_grain, [&](std::size_t i) { particles.moving[i] = real.moving[i]; });
 }
 
 std::string PartitionedGaussSeidel::diagnostic() const {

@@ -240,9 +240,7 @@ Vec3f CutEdges::position(std::size_t k) const {
 
 template <class Function>
 void for_bricks(std::size_t count, Threads& threads, const Function& f) {
-  threads.for_each(count, 64, [&](std::size_t first, std::size_t last) {
-    for (std::size_t b = first; b < last; ++b) f(static_cast<std::uint32_t>(b));
-  });
+  threads.each(count, 64, [&](std::size_t b) { f(static_cast<std::uint32_t>(b)); });
 }
 
 }  // namespace

@@ -27,13 +27,11 @@ void MeshSmoothing::smooth(SurfaceMesh& mesh, std::span<const float> weights, in
   before_.resize(mesh.positions.size());
   for (int pass = 0; pass < passes; ++pass) {
     std::swap(before_, mesh.positions);
-    threads.for_each(before_.size(), 4096, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t v = begin; v < end; ++v) {
-        Vec3f sum;
-        for (std::uint32_t k = first_[v]; k < first_[v + 1]; ++k) sum += before_[neighbor_[k]];
-        const auto count = static_cast<float>(first_[v + 1] - first_[v]);
-        mesh.positions[v] = before_[v] + (sum / count - before_[v]) * (factor * weights[v]);
-      }
+    threads.each(before_.size(), 4096, [&](std::size_t v) {
+      Vec3f sum;
+      for (std::uint32_t k = first_[v]; k < first_[v + 1]; ++k) sum += before_[neighbor_[k]];
+      const auto count = static_cast<float>(first_[v + 1] - first_[v]);
+      mesh.positions[v] = before_[v] + (sum / count - before_[v]) * (factor * weights[v]);
     });
   }
   vertex_normals<float>(mesh.positions, mesh.triangles, mesh.normals);

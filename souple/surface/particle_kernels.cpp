@@ -63,23 +63,18 @@ void ParticleKernels::find(const CellOrder& order, const Neighbors& neighbors, T
   shift_.resize(n);
   at_surface_.resize(n);
   records_[n] = {far, far, far, 0};
-  threads.for_each(n, 4096, [&](std::size_t first, std::size_t last) {
-    for (std::size_t i = first; i < last; ++i)
-      records_[i] = {order.component(0)[i], order.component(1)[i], order.component(2)[i], 0};
+  threads.each(n, 4096, [&](std::size_t i) {
+    records_[i] = {order.component(0)[i], order.component(1)[i], order.component(2)[i], 0};
   });
-  threads.for_each(neighbors.blocks().size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t b = first; b < last; ++b) {
-      const Neighbors::Block& block = neighbors.blocks()[b];
-      for (std::uint32_t i = block.begin; i < block.end; ++i) find_at(i, block.padded(i), block.of(i).size());
-    }
+  threads.each(neighbors.blocks().size(), 1, [&](std::size_t b) {
+    const Neighbors::Block& block = neighbors.blocks()[b];
+    for (std::uint32_t i = block.begin; i < block.end; ++i) find_at(i, block.padded(i), block.of(i).size());
   });
   if (options_.method == SurfaceMethod::isotropic) return;
-  threads.for_each(neighbors.blocks().size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t b = first; b < last; ++b) {
-      const Neighbors::Block& block = neighbors.blocks()[b];
-      for (std::uint32_t i = block.begin; i < block.end; ++i)
-        if (at_surface_[i] != 0) smooth_shift(i, block.of(i));
-    }
+  threads.each(neighbors.blocks().size(), 1, [&](std::size_t b) {
+    const Neighbors::Block& block = neighbors.blocks()[b];
+    for (std::uint32_t i = block.begin; i < block.end; ++i)
+      if (at_surface_[i] != 0) smooth_shift(i, block.of(i));
   });
 }
 

@@ -47,15 +47,13 @@ void SplatShapes::build(std::span<const Vec3f> positions, Threads& threads) {
   particles_.find(order_, neighbors_, threads);
   centers_.assign(positions.begin(), positions.end());
   axes_.assign(positions.size(), Mat3f{});
-  threads.for_each(neighbors_.blocks().size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t b = first; b < last; ++b) {
-      const Neighbors::Block& block = neighbors_.blocks()[b];
-      for (std::uint32_t sorted_index = block.begin; sorted_index < block.end; ++sorted_index) {
-        const kernels::ParticleKernel& kernel = particles_.kernels()[sorted_index];
-        const std::uint32_t i = particle_[order_.order()[sorted_index]];
-        for (int a = 0; a < 3; ++a) centers_[i][a] = kernel.center[a] - kernel.shift[a];
-        axes_[i] = axes_at(sorted_index, block.of(sorted_index).size());
-      }
+  threads.each(neighbors_.blocks().size(), 1, [&](std::size_t b) {
+    const Neighbors::Block& block = neighbors_.blocks()[b];
+    for (std::uint32_t sorted_index = block.begin; sorted_index < block.end; ++sorted_index) {
+      const kernels::ParticleKernel& kernel = particles_.kernels()[sorted_index];
+      const std::uint32_t i = particle_[order_.order()[sorted_index]];
+      for (int a = 0; a < 3; ++a) centers_[i][a] = kernel.center[a] - kernel.shift[a];
+      axes_[i] = axes_at(sorted_index, block.of(sorted_index).size());
     }
   });
 }

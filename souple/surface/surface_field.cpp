@@ -78,15 +78,13 @@ void SurfaceField::find_boxes(const CellOrder& order, const ParticleKernels& par
   const std::size_t count = order.cell_count();
   cell_boxes_.resize(count);
   surface_boxes_.resize(count);
-  threads.for_each(count, 256, [&](std::size_t first, std::size_t last) {
-    for (std::size_t c = first; c < last; ++c) {
-      KernelBox all = KernelBox::none(), surface = KernelBox::none();
-      for (std::uint32_t i = order.cells()[c].begin; i < order.cells()[c + 1].begin; ++i) {
-        all.add(particles.boxes()[i]);
-        if (particles.at_surface()[i] != 0) surface.add(particles.boxes()[i]);
-      }
-      cell_boxes_[c] = all, surface_boxes_[c] = surface;
+  threads.each(count, 256, [&](std::size_t c) {
+    KernelBox all = KernelBox::none(), surface = KernelBox::none();
+    for (std::uint32_t i = order.cells()[c].begin; i < order.cells()[c + 1].begin; ++i) {
+      all.add(particles.boxes()[i]);
+      if (particles.at_surface()[i] != 0) surface.add(particles.boxes()[i]);
     }
+    cell_boxes_[c] = all, surface_boxes_[c] = surface;
   });
   furthest_ = {};
   for (std::size_t row = 0; row < order.row_count(); ++row) {
@@ -148,9 +146,8 @@ void SurfaceField::evaluate(const CellOrder& order, const ParticleKernels& parti
   const std::size_t first_block = evaluated_count_ / block_size;
   const std::size_t blocks = (list_.size() + block_size - 1) / block_size;
   if (gathered_.size() < blocks) gathered_.resize(blocks);
-  threads.for_each(blocks - first_block, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t b = first; b < last; ++b) evaluate_block(order, particles, first_block + b);
-  });
+  threads.each(blocks - first_block, 1,
+               [&](std::size_t b) { evaluate_block(order, particles, first_block + b); });
 }
 
 void SurfaceField::evaluate_block(const CellOrder& order, const ParticleKernels& particles,

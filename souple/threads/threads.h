@@ -36,6 +36,13 @@ class Threads {
   /// parts; see WorkPartition. If f throws, throws that exception after all parts that began have ended; of
   /// several exceptions one. Allocates nothing once the threads have started.
   virtual void for_each(std::size_t n, std::size_t grain, RangeFunction f) = 0;
+  /// Calls f(k) for each k in [0, n), in order within a part.
+  template <class Function>
+  void each(std::size_t n, std::size_t grain, const Function& f) {
+    for_each(n, grain, [&f](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) f(k);
+    });
+  }
   /// `wake` and `rest` enclose many for_each calls in close succession: between these calls, workers may spin
   /// instead of sleeping. A for_each with a single part wakes no worker.
   virtual void wake() {}

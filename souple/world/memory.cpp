@@ -77,9 +77,8 @@ void add_objects(const WorldState& world, MemoryReport& report) {
     maps += sizeof(Object) + bytes_of_maps(*object);
   }
   for (const auto& [id, mirror] : world.caches->mirrors)
-    mirrors += sizeof mirror +
-               bytes_of(mirror.triangles_of.begin, mirror.triangles_of.items, mirror.position_records,
-                        mirror.area_normals) +
+    mirrors += sizeof mirror + mirror.triangles_of.bytes() +
+               bytes_of(mirror.position_records, mirror.area_normals) +
                (mirror.positions.capacity() + mirror.velocities.capacity() + mirror.normals.capacity() +
                 mirror.angular_velocities.capacity()) *
                    sizeof(Vec3f);

@@ -64,11 +64,11 @@ TEST(Edges, DegenerateTrianglesGiveNoLoop) {
 
 TEST(VertexTriangles, AreThoseAroundAVertex) {
   const TriangleMesh sheet = grid(3, 3, 1);
-  const VertexTriangles around = vertex_triangles(sheet.triangles, 9);
-  EXPECT_EQ(around.of(4).size(), 8u);  // the diagonals of a 3 x 3 grid meet in the center
+  const Lists<std::uint32_t> around = vertex_triangles(sheet.triangles, 9);
+  EXPECT_EQ(around[4].size(), 8u);  // the diagonals of a 3 x 3 grid meet in the center
   std::size_t sum = 0;
   for (std::size_t v = 0; v < 9; ++v)
-    for (const std::uint32_t t : around.of(v)) {
+    for (const std::uint32_t t : around[v]) {
       ++sum;
       const Triangle& triangle = sheet.triangles[t];
       EXPECT_TRUE(triangle[0] == v || triangle[1] == v || triangle[2] == v);

@@ -25,21 +25,19 @@ FluidStatistics::ChunkSums FluidStatistics::sum_chunks(const DensitySolver& solv
   const float V = solver.smoothing().volume(), factor = -1 / (V * h * h);
   chunk_sums_.assign(chunks, {});
   push_sums_.assign(chunks * colliders, {});
-  threads.for_each(chunks, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t chunk = first; chunk < last; ++chunk) {
-      ChunkSums& sums = chunk_sums_[chunk];
-      for (std::size_t k = chunk * chunk_size; k < std::min(count, (chunk + 1) * chunk_size); ++k) {
-        const float p = lambda[k] * factor;
-        pressure_[order[k]] += p;
-        sums.pressure = std::max(sums.pressure, p);
-        sums.coarsest = std::max(sums.coarsest, p * V * x[k].w);
-        const float error = std::max(0.0f, solver.density_error(k));
-        sums.errors += static_cast<double>(error);
-        sums.largest_error = std::max(sums.largest_error, error);
-        for (const BoundaryPlane& plane : local_boundary.of(k))
-          if (plane.collider != BoundaryPlane::none)
-            push_sums_[chunk * colliders + plane.collider] += Vec3d(plane.push_sum);
-      }
+  threads.each(chunks, 1, [&](std::size_t chunk) {
+    ChunkSums& sums = chunk_sums_[chunk];
+    for (std::size_t k = chunk * chunk_size; k < std::min(count, (chunk + 1) * chunk_size); ++k) {
+      const float p = lambda[k] * factor;
+      pressure_[order[k]] += p;
+      sums.pressure = std::max(sums.pressure, p);
+      sums.coarsest = std::max(sums.coarsest, p * V * x[k].w);
+      const float error = std::max(0.0f, solver.density_error(k));
+      sums.errors += static_cast<double>(error);
+      sums.largest_error = std::max(sums.largest_error, error);
+      for (const BoundaryPlane& plane : local_boundary.of(k))
+        if (plane.collider != BoundaryPlane::none)
+          push_sums_[chunk * colliders + plane.collider] += Vec3d(plane.push_sum);
     }
   });
   ChunkSums all;

@@ -80,15 +80,13 @@ void apply_corrections(FluidState& fluids, const ParticleView& particles, Thread
   const auto moved = solver.moved();
   const auto body_pushes =
       small.none() ? std::span<const Vec3f>{} : small.apply_pressure(solver.positions(), moved, particles);
-  threads.for_each(order.size(), density_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      if (fluids.inflow.is_inflow(order[k])) continue;
-      const std::uint32_t i = fluids.registry.particle[order[k]];
-      const Vec3f at = solver.positions()[k].xyz();
-      particles.correct(
-          i, moved[k] + wall_correction(at, local_boundary.of(k), min_wall_distance * fluids.spacing));
-      if (!body_pushes.empty()) particles.correct(i, body_pushes[k] * -solver.positions()[k].w);
-    }
+  threads.each(order.size(), density_grain, [&](std::size_t k) {
+    if (fluids.inflow.is_inflow(order[k])) return;
+    const std::uint32_t i = fluids.registry.particle[order[k]];
+    const Vec3f at = solver.positions()[k].xyz();
+    particles.correct(
+        i, moved[k] + wall_correction(at, local_boundary.of(k), min_wall_distance * fluids.spacing));
+    if (!body_pushes.empty()) particles.correct(i, body_pushes[k] * -solver.positions()[k].w);
   });
   if (fluids.boundary.bodies.mesh_count() == 0) return;
   fluids.boundary.bodies.apply(local_boundary, particles);
@@ -107,18 +105,16 @@ void Incompressibility::set_positions(const FluidInput& input, float h, FluidSta
   const ParticleView view = input.objects.view();
   const Vec3d origin = fluids.origin;
   const float radius = min_wall_distance * fluids.spacing;
-  input.threads.for_each(particle.size(), density_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const Vec4f& x = particles.position[particle[k]];
-      const Vec3f at = Vec3f(Vec3d(x.xyz()) - origin) + particles.offset[particle[k]].xyz();
-      start_[k] = Vec3f(view.exact_start(particle[k]) - origin);
-      const Vec3d velocity(particles.velocity[particle[k]].xyz());
-      const bool is_inflow = inflow.update(k, Vec3d(start_[k]) + origin, velocity);
-      const Vec3f aim = is_inflow ? start_[k] + inflow.velocity(k) * h : at;
-      const Vec3f kept = fluids.boundary.walls.keep_out(k, fluids.registry.fluid[k], start_[k], aim, radius);
-      view.correct(particle[k], kept - at);
-      positions_[k] = {kept.x, kept.y, kept.z, x.w};
-    }
+  input.threads.each(particle.size(), density_grain, [&](std::size_t k) {
+    const Vec4f& x = particles.position[particle[k]];
+    const Vec3f at = Vec3f(Vec3d(x.xyz()) - origin) + particles.offset[particle[k]].xyz();
+    start_[k] = Vec3f(view.exact_start(particle[k]) - origin);
+    const Vec3d velocity(particles.velocity[particle[k]].xyz());
+    const bool is_inflow = inflow.update(k, Vec3d(start_[k]) + origin, velocity);
+    const Vec3f aim = is_inflow ? start_[k] + inflow.velocity(k) * h : at;
+    const Vec3f kept = fluids.boundary.walls.keep_out(k, fluids.registry.fluid[k], start_[k], aim, radius);
+    view.correct(particle[k], kept - at);
+    positions_[k] = {kept.x, kept.y, kept.z, x.w};
   });
   fluids.solver->set_positions(positions_, input.threads);
 }

@@ -1,9 +1,9 @@
 #include "souple/rigid/joints/joint_solver.h"
 
 #include "souple/assert.h"
+#include "souple/math/disjoint_sets.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace souple::joint {
@@ -61,11 +61,6 @@ void add_diagonal(const PreparedJoint& joint, double damping, double* block) {
     block[r * n + r] += joint.solved[r] ? joint.target[r].alpha + damping * joint.K[r] : 1;
 }
 
-std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 }  // namespace
 
 bool JointSolver::is_current(const Joints& joints, const RigidBodies& bodies) const {
@@ -84,22 +79,19 @@ void JointSolver::find_islands(const Joints& joints, const RigidBodies& bodies) 
   movable_.resize(bodies.size()), stiffness_.assign(bodies.size(), {}), response_.assign(bodies.size(), {});
   impulse_.assign(bodies.size(), {}), saved_.assign(bodies.size(), {});
   for (std::uint32_t i = 0; i < bodies.size(); ++i) movable_[i] = is_movable(bodies, i);
-  std::vector<std::uint32_t> parent(bodies.size());
-  std::iota(parent.begin(), parent.end(), 0u);
+  DisjointSets connected(bodies.size());
   key_.clear();
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const auto [a, b] = std::pair{joints.joint[j].a, joints.joint[j].b};
     key_.push_back({a, b, static_cast<std::uint32_t>(prepared_[j].rows.count)});
-    if (!moves(a) || !moves(b)) continue;
-    const std::uint32_t p = root_of(parent, a), q = root_of(parent, b);
-    parent[std::max(p, q)] = std::min(p, q);
+    if (moves(a) && moves(b)) connected.join(a, b);
   }
   islands_.clear();
   std::vector<std::size_t> island_of(bodies.size(), ~std::size_t{0});
   for (std::uint32_t j = 0; j < joints.size(); ++j) {
     const std::uint32_t body = moves(joints.joint[j].a) ? joints.joint[j].a : joints.joint[j].b;
     if (!moves(body)) continue;
-    std::size_t& island = island_of[root_of(parent, body)];
+    std::size_t& island = island_of[connected.root(body)];
     if (island == ~std::size_t{0}) island = islands_.size(), islands_.emplace_back();
     islands_[island].joints.push_back(j);
   }
