@@ -1,16 +1,24 @@
 #include "souple/broad_phase/contact_surface.h"
 
 #include <tuple>
+#include <utility>
 
 namespace souple {
 namespace {
 
 // Properties on which a collision of two surfaces depends, except single pairs.
 auto kind_of(const ContactSurface& surface) {
-  return std::tuple(surface.groups, surface.mask, surface.particles_only, surface.immovable, surface.rigid);
+  return std::tuple(surface.filter.groups, surface.filter.mask, surface.particles_only, surface.immovable,
+                    surface.rigid);
 }
 
 }  // namespace
+
+ParticlePairs::ParticlePairs(std::vector<Edge> pairs) : pairs_(std::move(pairs)) {
+  for (Edge& pair : pairs_)
+    if (pair[0] > pair[1]) std::swap(pair[0], pair[1]);
+  std::sort(pairs_.begin(), pairs_.end());
+}
 
 // Most of many surfaces are alike, so a few representatives tell that no pair can collide. Otherwise one of the first
 // pairs does.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/broad_phase/collision_filter.h"
 #include "souple/geometry/adjacency.h"
 #include "souple/math/vec3.h"
 
@@ -21,8 +22,7 @@ struct ContactSurface {
   bool particles_only = false;  ///< no triangles or edges: every particle is a ball of its radius
   bool self_collision = false;  ///< between triangles and edges of this object
   bool vertex_balls = false;    ///< between balls at its vertices instead (vertex_balls.h)
-  std::uint32_t groups = 1;     ///< bits; objects a and b collide when a.groups & b.mask and
-  std::uint32_t mask = ~0u;     ///<   b.groups & a.mask are both non-zero
+  CollisionFilter filter{};     ///< with which other objects
   bool immovable = false;       ///< an obstacle: no contact can move it, so two of them are not compared
   int layer = 0;  ///< the surface with the higher layer lies outside of the lower one; 0: no order (layers.h)
   std::vector<std::uint32_t> ignored_surfaces{};  ///< indices of surfaces it never collides with, ascending
@@ -31,6 +31,22 @@ struct ContactSurface {
   std::span<const Vec3d> rest{};
   bool rolls = false;  ///< its particles are solid balls that rotate; only with particles_only
   float radius = 1;    ///< of the object at rest, see ContactStep::depenetration_speed [m]
+};
+
+/// Pairs of particles that never touch, such as those of a distance joint.
+class ParticlePairs {
+ public:
+  ParticlePairs() = default;
+  explicit ParticlePairs(std::vector<Edge> pairs);
+  bool empty() const { return pairs_.empty(); }
+  bool contains(std::uint32_t i, std::uint32_t j) const {
+    return !empty() && std::binary_search(pairs_.begin(), pairs_.end(), Edge{std::min(i, j), std::max(i, j)});
+  }
+  /// Ascending, and so is each pair.
+  const std::vector<Edge>& sorted() const { return pairs_; }
+
+ private:
+  std::vector<Edge> pairs_;
 };
 
 /// Whether any of them collides with another one or with itself.
@@ -43,7 +59,7 @@ inline bool may_collide(std::span<const ContactSurface> surfaces, std::size_t a,
   if (one.particles_only && other.particles_only) return false;  // see ParticleContacts
   if ((one.immovable && other.immovable) || (one.rigid && other.rigid)) return false;
   if (std::binary_search(one.ignored_surfaces.begin(), one.ignored_surfaces.end(), b)) return false;
-  return (one.groups & other.mask) != 0 && (other.groups & one.mask) != 0;
+  return may_collide(one.filter, other.filter);
 }
 
 }  // namespace souple

@@ -45,9 +45,8 @@ class LargestMotion {
   }
   template <class Function>
   static void for_each_chunk(std::size_t count, Threads& threads, const Function& f) {
-    threads.for_each((count + chunk - 1) / chunk, 2, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t c = begin; c < end; ++c) f(c, c * chunk, std::min(count, (c + 1) * chunk));
-    });
+    threads.each((count + chunk - 1) / chunk, 2,
+                 [&](std::size_t c) { f(c, c * chunk, std::min(count, (c + 1) * chunk)); });
   }
   template <class Motion>
   float largest(std::size_t count, const Motion& motion, Threads& threads) {

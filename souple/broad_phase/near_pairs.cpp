@@ -236,9 +236,7 @@ void NearPairFinder::make_boxes(std::span<const Bounds> boxes, std::span<const V
                                 Threads& threads) {
   const std::size_t particles = elements_->particle_end(), patches = elements_->patches().size();
   clean_boxes_.resize(particles);
-  threads.for_each(particles, box_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) clean_boxes_[i] = finite_or_infinite(boxes[i]);
-  });
+  threads.each(particles, box_grain, [&](std::size_t i) { clean_boxes_[i] = finite_or_infinite(boxes[i]); });
   vertex_boxes_.resize(elements_->vertices().size());
   edge_boxes_.resize(elements_->edges().size());
   triangle_boxes_.resize(elements_->triangles().size());
@@ -246,13 +244,11 @@ void NearPairFinder::make_boxes(std::span<const Bounds> boxes, std::span<const V
   moves_.resize(patches);
   chunks_.resize((patches + patches_per_chunk - 1) / patches_per_chunk);
   left_out_of_.resize(chunks_.size());
-  threads.for_each(chunks_.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      std::size_t left_out = 0;
-      for (std::size_t a = k * patches_per_chunk; a < std::min(patches, (k + 1) * patches_per_chunk); ++a)
-        left_out += make_boxes_of(a, position_w);
-      left_out_of_[k] = left_out;
-    }
+  threads.each(chunks_.size(), 1, [&](std::size_t k) {
+    std::size_t left_out = 0;
+    for (std::size_t a = k * patches_per_chunk; a < std::min(patches, (k + 1) * patches_per_chunk); ++a)
+      left_out += make_boxes_of(a, position_w);
+    left_out_of_[k] = left_out;
   });
   left_out_ = std::accumulate(left_out_of_.begin(), left_out_of_.end(), std::size_t{0});
   vertices_ = vertex_boxes_.columns();

@@ -104,9 +104,7 @@ void SpatialHash::build(std::span<const Bounds> boxes, float cell_size, Threads&
   assign_grids(threads);
   lay_out_table();
   sort_by_parts(threads);
-  threads.for_each(parts_, 1, [this](std::size_t begin, std::size_t end) {
-    for (std::size_t part = begin; part < end; ++part) sort_part(part);
-  });
+  threads.each(parts_, 1, [this](std::size_t part) { sort_part(part); });
 }
 
 void SpatialHash::lay_out_grids(float cell_size) {
@@ -125,9 +123,7 @@ void SpatialHash::lay_out_grids(float cell_size) {
 void SpatialHash::assign_grids(Threads& threads) {
   grid_.resize(boxes_.size());
   boxes_in_.resize(chunks_);
-  threads.for_each(chunks_, 1, [this](std::size_t begin, std::size_t end) {
-    for (std::size_t chunk = begin; chunk < end; ++chunk) assign_grids_of(chunk);
-  });
+  threads.each(chunks_, 1, [this](std::size_t chunk) { assign_grids_of(chunk); });
   for (const auto& counts : boxes_in_)
     for (std::size_t g = 0; g < grid_count; ++g) grids_[g].boxes += counts[g];
 }
@@ -175,26 +171,22 @@ void SpatialHash::for_each_entry(std::size_t chunk, const Function& function) co
 // chunk) then give each chunk its offsets, so entries are in order of part, chunk, box.
 void SpatialHash::sort_by_parts(Threads& threads) {
   resize_with_spare(offset_, parts_ * chunks_);
-  threads.for_each(chunks_, 1, [this](std::size_t begin, std::size_t end) {
-    for (std::size_t chunk = begin; chunk < end; ++chunk) {
-      std::array<std::uint32_t, max_parts> counts{};
-      for_each_entry(chunk, [&](std::uint32_t bucket, std::uint32_t) { ++counts[bucket >> part_shift_]; });
-      for (std::size_t part = 0; part < parts_; ++part) offset_[part * chunks_ + chunk] = counts[part];
-    }
+  threads.each(chunks_, 1, [this](std::size_t chunk) {
+    std::array<std::uint32_t, max_parts> counts{};
+    for_each_entry(chunk, [&](std::uint32_t bucket, std::uint32_t) { ++counts[bucket >> part_shift_]; });
+    for (std::size_t part = 0; part < parts_; ++part) offset_[part * chunks_ + chunk] = counts[part];
   });
   entry_count_ = sum_offsets();
   resize_with_spare(keyed_, entry_count_);
   resize_with_spare(entries_, entry_count_ + kernels::BoxGroup::max_items);
   for (auto* columns : {&lo_, &hi_})
     for (auto& column : *columns) resize_with_spare(column, entry_count_ + kernels::BoxGroup::max_items);
-  threads.for_each(chunks_, 1, [this](std::size_t begin, std::size_t end) {
-    for (std::size_t chunk = begin; chunk < end; ++chunk) {
-      std::array<std::uint32_t, max_parts> next{};
-      for (std::size_t part = 0; part < parts_; ++part) next[part] = offset_[part * chunks_ + chunk];
-      for_each_entry(chunk, [&](std::uint32_t bucket, std::uint32_t entry) {
-        keyed_[next[bucket >> part_shift_]++] = {bucket, entry};
-      });
-    }
+  threads.each(chunks_, 1, [this](std::size_t chunk) {
+    std::array<std::uint32_t, max_parts> next{};
+    for (std::size_t part = 0; part < parts_; ++part) next[part] = offset_[part * chunks_ + chunk];
+    for_each_entry(chunk, [&](std::uint32_t bucket, std::uint32_t entry) {
+      keyed_[next[bucket >> part_shift_]++] = {bucket, entry};
+    });
   });
 }
 

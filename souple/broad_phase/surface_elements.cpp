@@ -243,21 +243,15 @@ void SurfaceElements::add_particles(std::uint32_t begin, std::uint32_t end, std:
 }
 
 void SurfaceElements::index_particles() {
-  patches_begin_.assign(std::size_t{particle_end_} + 1, 0);
-  std::vector<std::uint32_t> last(particle_end_, no_particle), next;
-  const auto for_each_use = [&](const auto& function) {
+  std::vector<std::uint32_t> last(particle_end_);
+  patches_of_.fill(particle_end_, [&](const auto& add) {
     std::fill(last.begin(), last.end(), no_particle);
     for (std::uint32_t p = 0; p < patches_.size(); ++p)
       for_each_particle(patches_[p], [&](std::uint32_t i) {
-        if (last[i] != p) function(i, p);
+        if (last[i] != p) add(i, p);
         last[i] = p;
       });
-  };
-  for_each_use([&](std::uint32_t i, std::uint32_t) { ++patches_begin_[i + 1]; });
-  for (std::size_t i = 0; i < particle_end_; ++i) patches_begin_[i + 1] += patches_begin_[i];
-  next.assign(patches_begin_.begin(), patches_begin_.end() - 1);
-  patches_of_.resize(patches_begin_.back());
-  for_each_use([&](std::uint32_t i, std::uint32_t p) { patches_of_[next[i]++] = p; });
+  });
 }
 
 void SurfaceElements::clear() {
@@ -266,8 +260,9 @@ void SurfaceElements::clear() {
 
 std::size_t SurfaceElements::bytes() const {
   return bytes_of(elements_, triangles_, edges_, edge_objects_, vertices_, vertex_objects_, patches_,
-                  patches_begin_, patches_of_, vertex_particles_, edge_particles_[0], edge_particles_[1],
-                  triangle_particles_[0], triangle_particles_[1], triangle_particles_[2]);
+                  vertex_particles_, edge_particles_[0], edge_particles_[1], triangle_particles_[0],
+                  triangle_particles_[1], triangle_particles_[2]) +
+         patches_of_.bytes();
 }
 
 }  // namespace souple

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/geometry/adjacency.h"
+#include "souple/math/lists.h"
 
 #include <array>
 #include <cstdint>
@@ -60,10 +61,7 @@ class SurfaceElements {
   /// Builds the ascending lists of patches_of. Call after the last add.
   void index_particles();
   /// Patches with elements that have the particle.
-  std::span<const std::uint32_t> patches_of(std::uint32_t particle) const {
-    return std::span(patches_of_)
-        .subspan(patches_begin_[particle], patches_begin_[particle + 1] - patches_begin_[particle]);
-  }
+  std::span<const std::uint32_t> patches_of(std::uint32_t particle) const { return patches_of_[particle]; }
   /// Calls function(particle) for all corners of the elements of a patch; some particles occur several times.
   template <class Function>
   void for_each_particle(const SurfacePatch& patch, const Function& function) const;
@@ -91,7 +89,7 @@ class SurfaceElements {
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> edge_objects_, vertices_, vertex_objects_;
   std::vector<SurfacePatch> patches_;
-  std::vector<std::uint32_t> patches_begin_, patches_of_;  // per particle: the lists of patches_of
+  Lists<std::uint32_t> patches_of_;  // per particle
   std::vector<std::uint32_t> vertex_particles_;
   std::array<std::vector<std::uint32_t>, 2> edge_particles_;
   std::array<std::vector<std::uint32_t>, 3> triangle_particles_;

@@ -55,23 +55,21 @@ void BallCells::sort(const SearchedBalls& balls, float cell_size) {
   ball_.resize(inside);
   for (std::size_t m = n; m-- > 0;)
     if (cells_[m].x != nowhere) ball_[--bucket_begin_[bucket_of(cells_[m])]] = static_cast<std::uint32_t>(m);
-  for (auto& column : columns_) column.resize(n + widest_register);
+  columns_.resize(n + widest_register);
+  compares_rest_ = !balls.rest.empty();
 }
 
 void BallCells::gather(const SearchedBalls& balls, std::size_t begin, std::size_t end) {
+  const kernels::BallCellColumns columns = columns_.columns();
   for (std::size_t slot = begin; slot < std::min(end, size()); ++slot) {
     const std::uint32_t m = ball_[slot];
-    const Vec3f &x = balls.place[m], &rest = balls.rest[m];
-    const float values[] = {x.x,
-                            x.y,
-                            x.z,
-                            rest.x,
-                            rest.y,
-                            rest.z,
-                            balls.radius[m],
-                            balls.radius[m] + balls.margin[m],
-                            row_number(cells_[m].y, cells_[m].z)};
-    for (std::size_t k = 0; k < columns_.size(); ++k) columns_[k][slot] = values[k];
+    for (int axis = 0; axis < 3; ++axis) {
+      columns.place[axis][slot] = balls.place[m][axis];
+      if (compares_rest_) columns.rest[axis][slot] = balls.rest[m][axis];
+    }
+    columns.radius[slot] = balls.radius[m];
+    columns.reach[slot] = balls.radius[m] + balls.margin[m];
+    columns.row[slot] = row_number(cells_[m].y, cells_[m].z);
   }
 }
 
@@ -107,17 +105,14 @@ std::span<const std::uint32_t> BallCells::find_near(std::size_t slot, float rest
   if (!same) find_runs(slot, search);
   search.runs[0].begin = slot + 1;
   if (search.near.size() < search.size) resize_with_spare(search.near, search.size, 1);
-  const auto column = [&](std::size_t k) { return columns_[k].data(); };
-  const kernels::BallCellColumns columns{
-      {column(0), column(1), column(2)}, {column(3), column(4), column(5)}, column(6), column(7), column(8)};
+  kernels::BallCellColumns columns = columns_.columns();
+  if (!compares_rest_) columns.rest[0] = nullptr;
   return {search.near.data(), kernels.find_in_runs(columns, slot, rest_part, search.runs.data(),
                                                    search.run_count, search.near.data())};
 }
 
 std::size_t BallCells::bytes() const {
-  std::size_t sum = bytes_of(cells_, bucket_begin_, ball_);
-  for (const auto& column : columns_) sum += bytes_of(column);
-  return sum;
+  return bytes_of(cells_, bucket_begin_, ball_) + columns_.bytes();
 }
 
 }  // namespace souple

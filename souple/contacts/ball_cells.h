@@ -2,6 +2,7 @@
 
 #include "souple/contacts/kernels/vertex_balls.h"
 #include "souple/math/vec3.h"
+#include "souple/state/columns.h"
 
 #include <array>
 #include <cstddef>
@@ -13,13 +14,13 @@ namespace souple {
 
 /// Balls as they are searched.
 struct SearchedBalls {
-  std::span<const Vec3f> place, rest;     ///< now and at rest [m]
+  std::span<const Vec3f> place, rest;     ///< now and at rest [m]; no rest: all that are near count
   std::span<const float> radius, margin;  ///< m
 };
 
-/// Balls of one set in the cells of a uniform grid, by counting sort. It is like BallGrid, but in columns, so that
-/// kernels compare a ball with a register of others. Each pair is met once: from the ball whose cell comes first. A
-/// slot is the position of a ball in the order of cells.
+/// Balls of one set in the cells of a uniform grid, by counting sort, as columns: kernels compare a ball with a register of
+/// others. Each pair is met once, from the ball whose cell comes first. A slot is the position of a ball in the order of
+/// cells.
 class BallCells {
  public:
   /// Balls near one, as the kernels search them; balls of one cell share most of it.
@@ -52,10 +53,11 @@ class BallCells {
   std::uint32_t bucket_of(const Cell& cell) const;
   void find_runs(std::size_t slot, Search& search) const;
 
-  std::vector<Cell> cells_;                    // per ball
-  std::vector<std::uint32_t> bucket_begin_;    // first slot of each bucket
-  std::vector<std::uint32_t> ball_;            // per slot
-  std::array<std::vector<float>, 9> columns_;  // per slot: places, places at rest, radius, reach, row
+  std::vector<Cell> cells_;                        // per ball
+  std::vector<std::uint32_t> bucket_begin_;        // first slot of each bucket
+  std::vector<std::uint32_t> ball_;                // per slot
+  ColumnStore<kernels::BallCellColumns> columns_;  // per slot
+  bool compares_rest_ = false;
 };
 
 }  // namespace souple

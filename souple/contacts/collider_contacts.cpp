@@ -4,7 +4,6 @@
 #include "souple/contacts/contact_law.h"
 #include "souple/contacts/element_clearance.h"
 #include "souple/contacts/kernels/find_kernels.h"
-#include "souple/contacts/packed_collider.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 
@@ -42,34 +41,6 @@ void copy_plane_contacts(const kernels::ColliderContactColumns& from, std::span<
 
 }  // namespace
 
-void ColliderContacts::Contacts::resize(std::size_t size) {
-  resize_with_spare(particle_, size, 1);
-  for (auto& column : floats_) resize_with_spare(column, size, 1);
-}
-
-kernels::ColliderContactColumns ColliderContacts::Contacts::columns() {
-  kernels::ColliderContactColumns result;
-  std::size_t next = 0;
-  const auto set = [&](float*& column) { column = floats_[next++].data(); };
-  const auto set3 = [&](float*(&columns)[3]) {
-    for (float*& column : columns) set(column);
-  };
-  result.particle = particle_.data();
-  set(result.distance), set(result.static_friction), set(result.kinetic_friction), set(result.restitution);
-  set(result.end_distance), set(result.fixed_plane), set3(result.start_normal), set(result.plane_offset);
-  set(result.slop), set3(result.predicted), set(result.normal_sum), set3(result.tangent_sum);
-  set3(result.normal), set3(result.surface_motion), set(result.restitution_velocity), set(result.depth);
-  set(result.plane_gap);
-  set(result.share), set(result.radius), set(result.rolling_friction), set3(result.moment_sum);
-  return result;
-}
-
-std::size_t ColliderContacts::Contacts::bytes() const {
-  std::size_t sum = bytes_of(particle_);
-  for (const auto& column : floats_) sum += bytes_of(column);
-  return sum;
-}
-
 void ColliderContacts::begin_step(const ContactInput& input, Threads& threads) {
   const std::vector<ContactObject>& objects = input.tables.objects;
   const std::vector<Collider>& colliders = input.tables.colliders;
@@ -96,12 +67,9 @@ void ColliderContacts::find_bodies() {
   for (std::uint32_t c = 0; c < colliders_.size(); ++c) {
     const Collider& collider = colliders_[c];
     if (!collider.enabled) continue;
-    Body body;
-    body.collider = c;
-    body.curvature_radius = curvature_radius(collider.shape);
-    body.packed.shape = packed_shape(collider.shape);
-    body.packed.moves = !collider.motion.is_static();
+    Body body(c, collider);
     body.before = body.after = pose_at(collider.motion, step_.time);
+    body.curvature_radius = curvature_radius(collider.shape);
     bodies_.push_back(body);
   }
 }
@@ -119,7 +87,7 @@ void ColliderContacts::find_members() {
 void ColliderContacts::find_frames(const ParticleView& particles) {
   for (Body& body : bodies_) {
     find_frame(body, particles);
-    set_pose(body, body.before, body.after);
+    body.set_pose(body.before, body.after);
   }
 }
 
@@ -136,11 +104,6 @@ void ColliderContacts::find_frame(Body& body, const ParticleView& particles) con
   const SurfaceDistance below = surface_distance(shape, near);
   body.origin = near - below.normal * below.distance;
   body.axes = axes_around(below.normal);
-}
-
-void ColliderContacts::set_pose(Body& body, const RigidPose& before, const RigidPose& after) const {
-  body.before = before, body.after = after;
-  set_poses(body.packed, body.origin, body.axes, before, after);
 }
 
 void ColliderContacts::find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity,
@@ -230,9 +193,7 @@ bool ColliderContacts::needs_search(const ParticleView& particles, Threads& thre
     find_frames(particles);
     return true;
   }
-  return std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) {
-    return body.packed.moves && body.margin.left(body.before, body.after);
-  });
+  return std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.leaves(); });
 }
 
 void ColliderContacts::refresh(const ParticleView& particles, const Substep& substep, double time,
@@ -241,12 +202,7 @@ void ColliderContacts::refresh(const ParticleView& particles, const Substep& sub
   contacts_.resize(0);
   for (Body& body : bodies_) body.contact_begin = body.contact_end = 0;
   if (bodies_.empty()) return;
-  for (Body& body : bodies_) {
-    if (!body.packed.moves) continue;
-    const auto [before, after] =
-        poses_between(colliders_[body.collider].motion, time, time + double(substep.h));
-    set_pose(body, before, after);
-  }
+  for (Body& body : bodies_) body.follow(colliders_[body.collider].motion, time, substep.h);
   if (needs_search(particles, threads)) find_candidates(particles, {}, substep.h, threads);
   for (Body& body : bodies_) find_contacts(body, particles, threads);
 }

@@ -1,11 +1,10 @@
 #pragma once
 
-#include "souple/collision/rigid_pose.h"
 #include "souple/contacts/contact_projector.h"
 #include "souple/contacts/kernels/collider_contacts.h"
-#include "souple/contacts/motion_margins.h"
+#include "souple/contacts/packed_collider.h"
+#include "souple/state/columns.h"
 
-#include <array>
 #include <span>
 #include <vector>
 
@@ -62,15 +61,9 @@ class ColliderContacts final : public ContactProjector {
 
  private:
   /// An enabled collider during the step.
-  struct Body {
-    std::uint32_t collider = 0;
+  struct Body : PackedCollider {
+    using PackedCollider::PackedCollider;
     double curvature_radius = 0;  // see element_clearance.h [m]
-    // The frame that kernels use, in the collider's own: see kernels/collider_contacts.h.
-    Vec3d origin{};
-    Mat3d axes{};
-    RigidPose before, after;  // at the start and end of the substep
-    kernels::ColliderBody packed;
-    ColliderMargin margin;  // if it moves
     std::size_t candidate_begin = 0, candidate_end = 0;
     std::size_t contact_begin = 0, contact_end = 0;
   };
@@ -91,25 +84,12 @@ class ColliderContacts final : public ContactProjector {
     std::vector<std::uint32_t> particle, object;
     std::vector<float> keeps;  // distance that the particle keeps from the surface [m]
   };
-  /// Contacts as columns, body by body.
-  class Contacts {
-   public:
-    std::size_t size() const { return particle_.size(); }
-    void resize(std::size_t size);
-    kernels::ColliderContactColumns columns();
-    std::size_t bytes() const;
-
-   private:
-    std::vector<std::uint32_t> particle_;
-    std::array<std::vector<float>, 33> floats_;
-  };
 
   const Shape& shape_of(const Body& body) const { return colliders_[body.collider].shape; }
   void find_bodies();
   void find_members();
   void find_frames(const ParticleView& particles);
   void find_frame(Body& body, const ParticleView& particles) const;
-  void set_pose(Body& body, const RigidPose& before, const RigidPose& after) const;
   void find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity, float h,
                        Threads& threads);
   void find_groups(const ParticleView& particles);
@@ -139,8 +119,7 @@ class ColliderContacts final : public ContactProjector {
   std::vector<float> distance_;      // per member or candidate: to the body's surface [m]
   std::vector<std::uint32_t> near_;  // candidates in contact with the body
   std::vector<std::uint32_t> some_;  // contacts that take_some took
-  Contacts taken_;                   // copies of them
-  mutable Contacts contacts_;  // kernels take its columns, which only project and apply_restitution change
+  ColumnStore<kernels::ColliderContactColumns> contacts_, taken_;  // body by body; copies of some
 };
 
 }  // namespace souple

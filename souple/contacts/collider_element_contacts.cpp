@@ -2,7 +2,6 @@
 
 #include "souple/contacts/element_clearance.h"
 #include "souple/contacts/kernels/find_kernels.h"
-#include "souple/contacts/packed_collider.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
@@ -30,62 +29,7 @@ bool is_edge(const ContactElement& element) {
   return element.particle[1] == element.particle[2];
 }
 
-void set3(float* (&out)[3], std::vector<float>* first) {
-  for (int k = 0; k < 3; ++k) out[k] = first[k].data();
-}
-
 }  // namespace
-
-void ColliderElementContacts::Candidates::clear() {
-  element.clear(), radius.clear(), reach.clear();
-  for (auto& column : corner) column.clear();
-}
-
-void ColliderElementContacts::Candidates::append(std::uint32_t of_element,
-                                                 const std::array<std::uint32_t, 3>& first_float, float r,
-                                                 float may_move) {
-  element.push_back(of_element), radius.push_back(r), reach.push_back(may_move);
-  for (std::size_t k = 0; k < 3; ++k) corner[k].push_back(first_float[k]);
-}
-
-void ColliderElementContacts::Candidates::keep_near(std::size_t begin) {
-  std::size_t kept = begin;
-  for (std::size_t c = begin; c < element.size(); ++c) {
-    if (!(near[c] > 0)) continue;
-    element[kept] = element[c], radius[kept] = radius[c], reach[kept] = reach[c];
-    for (auto& column : corner) column[kept] = column[c];
-    ++kept;
-  }
-  element.resize(kept), radius.resize(kept), reach.resize(kept);
-  for (auto& column : corner) column.resize(kept);
-}
-
-void ColliderElementContacts::Candidates::prepare_search() {
-  search[0].assign(element.size(), 1 / 3.f), search[1].assign(element.size(), 1 / 3.f);
-  search[2].resize(element.size()), search[3].resize(element.size());
-  travel.assign(element.size(), std::numeric_limits<float>::infinity());
-  clear_for.assign(element.size(), 0);
-  for (auto& column : touch) column.resize(element.size());
-}
-
-kernels::ColliderElements ColliderElementContacts::Candidates::columns(float clearance_part) const {
-  kernels::ColliderElements result;
-  for (std::size_t k = 0; k < 3; ++k) result.corner[k] = corner[k].data();
-  result.radius = radius.data(), result.clearance_part = clearance_part;
-  return result;
-}
-
-kernels::ColliderFieldSearch ColliderElementContacts::Candidates::field_search(const Body& body) {
-  return {search[0].data(), search[1].data(), search[2].data(), search[3].data(), body.parts, body.gap};
-}
-
-kernels::ColliderElementTouches ColliderElementContacts::Candidates::touches() {
-  kernels::ColliderElementTouches result;
-  result.touches = touch[0].data(), result.start_distance = touch[1].data();
-  result.plane_offset = touch[2].data();
-  set3(result.weight, &touch[3]), set3(result.normal, &touch[6]);
-  return result;
-}
 
 void ColliderElementContacts::set_elements(std::vector<Element> elements) {
   elements_ = std::move(elements);
@@ -179,8 +123,7 @@ void ColliderElementContacts::find_bodies() {
   for (std::uint32_t c = 0; c < colliders_.size(); ++c) {
     const Collider& collider = colliders_[c];
     if (!collider.enabled || std::holds_alternative<Plane>(collider.shape)) continue;
-    Body body;
-    body.collider = c;
+    Body body(c, collider);
     body.is_field = std::holds_alternative<SignedDistanceField>(collider.shape);
     const double curvature = curvature_radius(collider.shape);
     const double smallest =
@@ -188,8 +131,6 @@ void ColliderElementContacts::find_bodies() {
     if (double(largest_radius_) < smallest) continue;
     body.smallest_radius = float(smallest);
     body.origin = center_of(collider.shape);
-    body.packed.shape = packed_shape(collider.shape);
-    body.packed.moves = !collider.motion.is_static();
     if (body.is_field) {
       body.packed.shape.sample = nullptr;  // the grid reaches farther than any contact
       const float side = 2 * largest_radius_, spacing = body.packed.shape.grid.spacing;
@@ -198,15 +139,10 @@ void ColliderElementContacts::find_bodies() {
     }
     if (!body.packed.moves) {
       const RigidPose pose = pose_at(collider.motion, step_.time);
-      set_pose(body, pose, pose);
+      body.set_pose(pose, pose);
     }
     bodies_.push_back(body);
   }
-}
-
-void ColliderElementContacts::set_pose(Body& body, const RigidPose& before, const RigidPose& after) const {
-  body.before = before, body.after = after;
-  set_poses(body.packed, body.origin, Mat3d::identity(), before, after);
 }
 
 float ColliderElementContacts::radius_of(const Element& element) const {
@@ -227,7 +163,7 @@ void ColliderElementContacts::find_candidates(const ParticleView& particles, std
                                               float h, Threads& threads) {
   corners_.margins.begin(corners_.particle, radius_, {velocity, h, step_.dt, step_.gravity}, particles,
                          threads);
-  candidates_.clear();
+  candidates_.resize(0);
   corners_.rows.clear();
   corners_.near.clear(), corners_.near_particle.clear();
   for (Body& body : bodies_) {
@@ -240,15 +176,22 @@ void ColliderElementContacts::find_candidates(const ParticleView& particles, std
     find_candidates_of(body, particles, threads);
     find_rows(body);
   }
-  candidates_.prepare_search();
+  const Candidates all = candidates_.columns();
+  for (std::size_t c = 0; c < candidates_.size(); ++c) {
+    all.u[c] = all.v[c] = 1 / 3.f;
+    all.travel[c] = std::numeric_limits<float>::infinity(), all.clear_for[c] = 0;
+  }
 }
 
 void ColliderElementContacts::find_candidates_of(Body& body, const ParticleView& particles,
                                                  Threads& threads) {
-  const std::size_t first = candidates_.element.size();
+  const std::size_t first = candidates_.size(), count = body.is_field ? given_ : elements_.size();
+  candidates_.resize(first + count);
+  const Candidates all = candidates_.columns();
+  std::size_t last = first;
   const float body_margin = body.packed.moves ? body.margin.margin() : 0;
   body.candidate_begin = first;
-  for (std::uint32_t e = 0; e < (body.is_field ? given_ : elements_.size()); ++e) {
+  for (std::uint32_t e = 0; e < count; ++e) {
     const Element& element = elements_[e];
     if (element.radius < body.smallest_radius) continue;
     if (!materials_->collide(element.object, body.collider)) continue;
@@ -258,40 +201,48 @@ void ColliderElementContacts::find_candidates_of(Body& body, const ParticleView&
     const auto& row = corners_.first_float[e];
     const MotionMargins& margins = corners_.margins;
     const float margin = max(margins[row[0] / 4], max(margins[row[1] / 4], margins[row[2] / 4]));
-    candidates_.append(e, row, radius_of(element), 3 * (margin + body_margin));
+    all.element[last] = e, all.radius[last] = radius_of(element),
+    all.reach[last] = 3 * (margin + body_margin);
+    for (std::size_t n = 0; n < 3; ++n) all.corner[n][last] = row[n];
+    ++last;
   }
+  candidates_.resize(last);
   if (body_margin < std::numeric_limits<float>::infinity()) {
     place(body, corners_.all_rows, particles, threads);
-    candidates_.near.resize(candidates_.element.size());
-    const auto columns = candidates_.columns(0);
     const kernels::ColliderFrameRecords records{&corners_.from.data()->x, &corners_.to.data()->x};
     const auto test = [&](auto kernel, std::size_t from, std::size_t to) {
       threads.for_each(to - from, element_grain, [&](std::size_t begin, std::size_t end) {
-        kernel(body.packed, records, columns, candidates_.reach.data(), from + begin, from + end,
-               candidates_.near.data());
+        kernel(body.packed, records, all.elements(0), all.reach, from + begin, from + end, all.near);
       });
     };
-    const std::size_t last = candidates_.element.size();
     const std::size_t middle = body.is_field ? last : first_edge(first);
     test(kernels_->near_triangles, first, middle);
     test(kernels_->near_edges, middle, last);
-    candidates_.keep_near(first);
+    keep_near(first);
   }
   body.triangle_end = first_edge(first);
-  body.candidate_end = candidates_.element.size();
+  body.candidate_end = candidates_.size();
+}
+
+void ColliderElementContacts::keep_near(std::size_t begin) {
+  const Candidates all = candidates_.columns();
+  std::size_t kept = begin;
+  for (std::size_t c = begin; c < candidates_.size(); ++c)
+    if (all.near[c] > 0) candidates_.copy(c, kept++);
+  candidates_.resize(kept);
 }
 
 std::size_t ColliderElementContacts::first_edge(std::size_t candidate) const {
-  const auto begin = candidates_.element.begin();
-  const auto edge = std::lower_bound(begin + static_cast<std::ptrdiff_t>(candidate),
-                                     candidates_.element.end(), static_cast<std::uint32_t>(triangles_));
-  return static_cast<std::size_t>(edge - begin);
+  const std::uint32_t* const element = candidates_.columns().element;
+  return static_cast<std::size_t>(
+      std::lower_bound(element + candidate, element + candidates_.size(), triangles_) - element);
 }
 
 void ColliderElementContacts::find_rows(Body& body) {
+  const Candidates all = candidates_.columns();
   body.row_begin = corners_.rows.size();
   for (std::size_t c = body.candidate_begin; c < body.candidate_end; ++c) {
-    for (const auto& column : candidates_.corner) {
+    for (const std::uint32_t* const column : all.corner) {
       const std::uint32_t row = column[c] / 4;
       if (corners_.is_row[row] != 0) continue;
       corners_.is_row[row] = 1;
@@ -320,9 +271,7 @@ void ColliderElementContacts::find_near_corners(Body& body, const ParticleView& 
 bool ColliderElementContacts::needs_search(const ParticleView& particles, Threads& threads) {
   if (!std::exchange(searched_, true)) return true;
   return corners_.margins.any_left(corners_.particle, *particle_kernels_, particles, threads) ||
-         std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) {
-           return body.packed.moves && body.margin.left(body.before, body.after);
-         });
+         std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return body.leaves(); });
 }
 
 void ColliderElementContacts::refresh(const ParticleView& particles, const Substep& substep, double time,
@@ -330,12 +279,7 @@ void ColliderElementContacts::refresh(const ParticleView& particles, const Subst
   contacts_.clear();
   last_h_ = substep.h;
   if (bodies_.empty()) return;
-  for (Body& body : bodies_) {
-    if (!body.packed.moves) continue;
-    const auto [before, after] =
-        poses_between(colliders_[body.collider].motion, time, time + double(substep.h));
-    set_pose(body, before, after);
-  }
+  for (Body& body : bodies_) body.follow(colliders_[body.collider].motion, time, substep.h);
   if (needs_search(particles, threads)) find_candidates(particles, {}, substep.h, threads);
   for (Body& body : bodies_) {
     if (body.packed.moves) {
@@ -376,85 +320,80 @@ void ColliderElementContacts::find_contacts(Body& body, const ParticleView& part
   place(body, std::span(corners_.rows).subspan(body.row_begin, body.row_end - body.row_begin), particles,
         threads);
   find_touches(body, threads);
-  const kernels::ColliderElementTouches found = candidates_.touches();
+  const Candidates all = candidates_.columns();
   std::uint8_t* const depenetrating = depenetrating_of(body);
   for (std::size_t c = body.candidate_begin; c < body.candidate_end; ++c) {
-    const Element& element = elements_[candidates_.element[c]];
-    const float depth = max(candidates_.radius[c], deep_part * element.radius);
-    if (found.start_distance[c] < -depth) depenetrating[element.object] = 1;
+    const Element& element = elements_[all.element[c]];
+    const float depth = max(all.radius[c], deep_part * element.radius);
+    if (all.touch.start_distance[c] < -depth) depenetrating[element.object] = 1;
   }
   for (std::size_t c = body.candidate_begin; c < body.candidate_end; ++c) {
-    if (!(found.touches[c] > 0) || depenetrating[elements_[candidates_.element[c]].object] != 0) continue;
+    if (!(all.touch.touches[c] > 0) || depenetrating[elements_[all.element[c]].object] != 0) continue;
     Contact contact{};
-    if (contact_of(body, found, c, particles, h, contact)) contacts_.push_back(contact);
+    if (contact_of(body, all, c, particles, h, contact)) contacts_.push_back(contact);
   }
   body.contact_end = contacts_.size();
 }
 
 void ColliderElementContacts::find_touches(const Body& body, Threads& threads) {
-  const auto columns = candidates_.columns(float(element_clearance_part));
+  const Candidates all = candidates_.columns();
+  const auto elements = all.elements(float(element_clearance_part));
   const kernels::ColliderFrameRecords records{&corners_.from.data()->x, &corners_.to.data()->x};
-  const kernels::ColliderElementTouches out = candidates_.touches();
   const std::size_t first = body.candidate_begin, middle = body.triangle_end, last = body.candidate_end;
   if (body.is_field) {
     find_touches_of_field(body, threads);
     return;
   }
   threads.for_each(middle - first, element_grain, [&](std::size_t begin, std::size_t end) {
-    kernels_->find_triangles(body.packed, records, columns, first + begin, first + end, out);
+    kernels_->find_triangles(body.packed, records, elements, first + begin, first + end, all.touch);
   });
   threads.for_each(last - middle, element_grain, [&](std::size_t begin, std::size_t end) {
-    kernels_->find_edges(body.packed, records, columns, middle + begin, middle + end, out);
+    kernels_->find_edges(body.packed, records, elements, middle + begin, middle + end, all.touch);
   });
-}
-
-float ColliderElementContacts::path_of(std::size_t candidate) const {
-  const auto path = [&](std::size_t k) { return corners_.from[candidates_.corner[k][candidate] / 4].w; };
-  return max(path(0), max(path(1), path(2)));
 }
 
 // A field's surface has bumps, so an element is sampled at about the field's spacing, when it is new or has moved by
 // that since. Otherwise the search starts at the deepest point of the last substep. An element whose lowest sample is
 // far from the surface is left out until it has moved as far.
 void ColliderElementContacts::find_touches_of_field(const Body& body, Threads& threads) {
-  Candidates& all = candidates_;
+  const Candidates all = candidates_.columns();
   const float spacing = body.packed.shape.grid.spacing;
-  std::fill(all.touch[0].begin() + std::ptrdiff_t(body.candidate_begin),
-            all.touch[0].begin() + std::ptrdiff_t(body.candidate_end), 0.0f);
+  for (float* const column : {all.touch.touches, all.touch.start_distance})
+    std::fill(column + body.candidate_begin, column + body.candidate_end, 0.0f);
   stale_.clear(), near_.clear();
   for (std::size_t c = body.candidate_begin; c < body.candidate_end; ++c) {
-    const float path = path_of(c);
+    const auto path_of = [&](std::size_t k) { return corners_.from[all.corner[k][c] / 4].w; };
+    const float path = max(path_of(0), max(path_of(1), path_of(2)));
     all.clear_for[c] -= path;
     if (all.clear_for[c] > 0) continue;
     near_.push_back(static_cast<std::uint32_t>(c));
     all.travel[c] += path;
-    all.search[3][c] = all.radius[c] + path;
+    all.limit[c] = all.radius[c] + path;
     if (!(all.travel[c] <= spacing)) stale_.push_back(static_cast<std::uint32_t>(c));
   }
-  const auto columns = all.columns(float(element_clearance_part));
+  const auto elements = all.elements(float(element_clearance_part));
   const kernels::ColliderFrameRecords records{&corners_.from.data()->x, &corners_.to.data()->x};
-  const kernels::ColliderFieldSearch search = all.field_search(body);
+  const kernels::ColliderFieldSearch search{all.u, all.v, all.lower, all.limit, body.parts, body.gap};
   threads.for_each(stale_.size(), element_grain, [&](std::size_t begin, std::size_t end) {
-    kernels_->sample_field_elements(body.packed, records, columns, search, stale_.data(), begin, end);
+    kernels_->sample_field_elements(body.packed, records, elements, search, stale_.data(), begin, end);
   });
   for (const std::uint32_t c : stale_) {
-    all.clear_for[c] = all.search[2][c] - all.search[3][c];
+    all.clear_for[c] = all.lower[c] - all.limit[c];
     all.travel[c] = all.clear_for[c] > 0 ? std::numeric_limits<float>::infinity() : 0;
   }
   std::erase_if(near_, [&](std::uint32_t c) { return all.clear_for[c] > 0; });
   threads.for_each(near_.size(), element_grain, [&](std::size_t begin, std::size_t end) {
-    kernels_->find_in_field(body.packed, records, columns, search, near_.data(), begin, end, all.touches());
+    kernels_->find_in_field(body.packed, records, elements, search, near_.data(), begin, end, all.touch);
   });
 }
 
-bool ColliderElementContacts::contact_of(const Body& body, const kernels::ColliderElementTouches& found,
-                                         std::size_t candidate, const ParticleView& particles, float h,
-                                         Contact& contact) const {
-  const Element& element = elements_[candidates_.element[candidate]];
+bool ColliderElementContacts::contact_of(const Body& body, const Candidates& all, std::size_t candidate,
+                                         const ParticleView& particles, float h, Contact& contact) const {
+  const Element& element = elements_[all.element[candidate]];
   contact.anchor.particle = element.particle;
   Vec3d start, end;
   for (std::size_t k = 0; k < 3; ++k) {
-    const float w = found.weight[k][candidate];
+    const float w = all.touch.weight[k][candidate];
     const std::uint32_t i = element.particle[k];
     contact.anchor.weight[k] = w;
     start += particles.exact_start(i) * double(w);
@@ -462,9 +401,9 @@ bool ColliderElementContacts::contact_of(const Body& body, const kernels::Collid
   }
   contact.inverse_mass = contact.anchor.inverse_mass(particles);
   Vec3d n;
-  for (int axis = 0; axis < 3; ++axis) n[axis] = double(found.normal[axis][candidate]);
-  const double offset = double(found.plane_offset[candidate]) + dot(n, body.origin);
-  const double target = element_clearance_part * double(candidates_.radius[candidate]);
+  for (int axis = 0; axis < 3; ++axis) n[axis] = double(all.touch.normal[axis][candidate]);
+  const double offset = double(all.touch.plane_offset[candidate]) + dot(n, body.origin);
+  const double target = element_clearance_part * double(all.radius[candidate]);
   contact.target = float(target);
   contact.material = materials_->at(element.object, body.collider);
   contact.normal = Vec3f(body.after.rotation * n);
@@ -473,7 +412,7 @@ bool ColliderElementContacts::contact_of(const Body& body, const kernels::Collid
   if (body.packed.moves) contact.surface_motion = Vec3f(end - body.before.to_world(body.after.to_local(end)));
   contact.material.kinetic_friction = kinetic_friction_at(
       contact.material, Vec3f(end - start) - contact.surface_motion, step_.sliding_threshold(h));
-  const double overlap = double(found.start_distance[candidate]) - target;
+  const double overlap = double(all.touch.start_distance[candidate]) - target;
   contact.slop =
       overlap < 0 ? float(min(0.0, overlap + double(step_.depenetration_speed(contact.material.radius) * h)))
                   : 0.0f;
@@ -550,14 +489,6 @@ void ColliderElementContacts::visit(const ParticleView& particles, const Constra
     const std::size_t corners = particle[1] == particle[2] ? 2 : 3;
     visitor({{particle.data(), corners}, 0, 0, max(0.0f, -gap(contact, particles))});
   }
-}
-
-std::size_t ColliderElementContacts::Candidates::bytes() const {
-  std::size_t sum = bytes_of(element, radius, reach, near, travel, clear_for);
-  for (const auto& column : corner) sum += bytes_of(column);
-  for (const auto& column : search) sum += bytes_of(column);
-  for (const auto& column : touch) sum += bytes_of(column);
-  return sum;
 }
 
 std::size_t ColliderElementContacts::bytes() const {

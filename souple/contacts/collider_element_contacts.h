@@ -1,12 +1,12 @@
 #pragma once
 
-#include "souple/collision/rigid_pose.h"
 #include "souple/contacts/anchor.h"
 #include "souple/contacts/contact_law.h"
 #include "souple/contacts/contact_projector.h"
 #include "souple/contacts/kernels/collider_contacts.h"
 #include "souple/contacts/kernels/collider_elements.h"
-#include "souple/contacts/motion_margins.h"
+#include "souple/contacts/packed_collider.h"
+#include "souple/state/columns.h"
 
 #include <array>
 #include <cstdint>
@@ -63,16 +63,12 @@ class ColliderElementContacts final : public ContactProjector {
  private:
   using Element = ContactElement;
   /// A collider during the step.
-  struct Body {
-    std::uint32_t collider = 0;
+  struct Body : PackedCollider {
+    using PackedCollider::PackedCollider;
     bool is_field = false;
-    RigidPose before, after;  // at the substep's start and end
-    Vec3d origin{};           // of the kernels' frame, in the collider's
-    kernels::ColliderBody packed;
     float smallest_radius = 0;  // of the elements that get contacts [m]
     int parts = 1;              // see kernels::ColliderFieldSearch
     float gap = 0;              // of samples, see there [m]
-    ColliderMargin margin;      // if it moves
     std::size_t row_begin = 0, row_end = 0;
     std::size_t near_corner_begin = 0, near_corner_end = 0;
     std::size_t candidate_begin = 0, triangle_end = 0, candidate_end = 0;
@@ -94,24 +90,16 @@ class ColliderElementContacts final : public ContactProjector {
   };
   /// Elements that may touch a body in this step, body by body, triangles first.
   struct Candidates {
-    std::vector<std::uint32_t> element;
-    std::array<std::vector<std::uint32_t>, 3> corner;
-    std::vector<float> radius, reach, near;
-    std::array<std::vector<float>, 4> search;  // columns of kernels::ColliderFieldSearch
-    std::vector<float> travel;                 // in a field: motion since it was sampled [m]
-    std::vector<float> clear_for;              // in a field: motion that it needs to come near [m]
-    std::array<std::vector<float>, 9> touch;   // kernels::ColliderElementTouches
+    std::uint32_t *element, *corner[3];  ///< corner: first float of its record
+    float *radius, *reach, *near;
+    float *u, *v, *lower, *limit;  ///< see kernels::ColliderFieldSearch
+    float* travel;                 ///< in a field: motion since it was sampled [m]
+    float* clear_for;              ///< in a field: motion that it needs to come near [m]
+    kernels::ColliderElementTouches touch;
 
-    void clear();
-    void append(std::uint32_t of_element, const std::array<std::uint32_t, 3>& first_float, float r,
-                float may_move);
-    /// Keeps those from `begin` on that are near.
-    void keep_near(std::size_t begin);
-    void prepare_search();
-    kernels::ColliderElements columns(float clearance_part) const;
-    kernels::ColliderFieldSearch field_search(const Body& body);
-    kernels::ColliderElementTouches touches();
-    std::size_t bytes() const;
+    kernels::ColliderElements elements(float clearance_part) const {
+      return {{corner[0], corner[1], corner[2]}, radius, clearance_part};
+    }
   };
 
   struct Corner {
@@ -137,7 +125,6 @@ class ColliderElementContacts final : public ContactProjector {
   void append_edges_of_triangles();
   void find_corners();
   void find_bodies();
-  void set_pose(Body& body, const RigidPose& before, const RigidPose& after) const;
   void place(const Body& body, std::span<const std::uint32_t> rows, const ParticleView& particles,
              Threads& threads);
   void find_candidates(const ParticleView& particles, std::span<const Vec4f> velocity, float h,
@@ -145,6 +132,7 @@ class ColliderElementContacts final : public ContactProjector {
   void find_candidates_of(Body& body, const ParticleView& particles, Threads& threads);
   /// The first candidate from this one on that is an edge.
   std::size_t first_edge(std::size_t candidate) const;
+  void keep_near(std::size_t begin);
   void find_rows(Body& body);
   void find_near_corners(Body& body, const ParticleView& particles, Threads& threads);
   bool needs_search(const ParticleView& particles, Threads& threads);
@@ -155,8 +143,7 @@ class ColliderElementContacts final : public ContactProjector {
   void find_contacts(Body& body, const ParticleView& particles, float h, Threads& threads);
   void find_touches(const Body& body, Threads& threads);
   void find_touches_of_field(const Body& body, Threads& threads);
-  float path_of(std::size_t candidate) const;
-  bool contact_of(const Body& body, const kernels::ColliderElementTouches& found, std::size_t candidate,
+  bool contact_of(const Body& body, const Candidates& all, std::size_t candidate,
                   const ParticleView& particles, float h, Contact& contact) const;
   std::uint8_t* depenetrating_of(const Body& body) {
     return depenetrating_.data() + static_cast<std::size_t>(&body - bodies_.data()) * objects_;
@@ -181,7 +168,7 @@ class ColliderElementContacts final : public ContactProjector {
   float last_h_ = 0;  // [s]
   std::vector<Body> bodies_;
   bool searched_ = false;  // in this step: candidates are known
-  Candidates candidates_;
+  ColumnStore<Candidates> candidates_;
   std::vector<std::uint32_t> stale_, near_;  // candidates in a field: to be sampled, and that may touch
   std::vector<std::uint8_t> depenetrating_;  // [body][object]: a part of the object started inside
   std::vector<Contact> contacts_;            // body by body

@@ -3,8 +3,11 @@
 #include "souple/collision/contact_step.h"
 #include "souple/math/vec3.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <tuple>
+#include <vector>
 
 // Types that all contact projectors share.
 
@@ -18,8 +21,7 @@ struct ContactObject {
   bool moves = true;  ///< pairs of objects that do not move are skipped; so is such an object with itself
   bool collides_with_colliders = true;
   bool self_collision = false;  ///< between particles of this object
-  std::uint32_t groups = 1;     ///< bits; two objects a and b collide when a.groups & b.mask
-  std::uint32_t mask = 0;       ///<   and b.groups & a.mask are both non-zero
+  bool are_balls = false;       ///< its particles collide with those of other objects of balls
   bool rolls = false;           ///< its particles are solid balls that rotate, such as grains
 };
 
@@ -51,6 +53,16 @@ struct ShortenedMotion {
   float speed = 0;           ///< [m/s]; 0: no motion was shortened
   float limit = 0;           ///< speed that remained, relative to what moves with it [m/s]; 0: it was stopped
 };
+
+/// Sorts the pushes from `first` on by particles. A stable sort would allocate: pushes of the same particles are in order of
+/// their points.
+inline void sort_pushes(std::vector<ContactPush>& pushes, std::size_t first) {
+  const auto key = [](const ContactPush& push) {
+    return std::tie(push.particle, push.other, push.point.x, push.point.y, push.point.z, push.impulse);
+  };
+  std::sort(pushes.begin() + static_cast<std::ptrdiff_t>(first), pushes.end(),
+            [&](const ContactPush& a, const ContactPush& b) { return key(a) < key(b); });
+}
 
 struct ContactReport {
   std::size_t count = 0;  ///< contacts with a normal impulse in the last substep

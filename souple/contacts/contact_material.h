@@ -1,5 +1,7 @@
 #pragma once
 
+#include "souple/broad_phase/collision_filter.h"
+
 #include <algorithm>
 #include <cstdint>
 #include <limits>
@@ -40,18 +42,6 @@ void validate(const ContactMaterialPair& pair, std::string_view where);
 /// Default rule for two materials: geometric mean of the frictions and of the rolling frictions, the larger
 /// restitution. Where only one material has a rolling friction, it counts.
 ContactMaterialPair combine(const ContactMaterial& a, const ContactMaterial& b);
-
-/// Collision groups of an object or a collider, one bit for each of 32. `groups` are those that it belongs to, `mask`
-/// those that it collides with.
-struct CollisionFilter {
-  std::uint32_t groups = 1;
-  std::uint32_t mask = ~0u;
-};
-
-/// True when each side belongs to a group in the mask of the other side.
-inline bool may_collide(const CollisionFilter& a, const CollisionFilter& b) {
-  return (a.groups & b.mask) != 0 && (b.groups & a.mask) != 0;
-}
 
 /// A material with the name and filter of its object or collider.
 struct NamedContactMaterial {

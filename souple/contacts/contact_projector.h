@@ -38,8 +38,7 @@ struct ContactGeometry {
   std::vector<ContactSurface> surfaces;  ///< per object
   /// Triangles and edges of objects that may touch colliders. Their order determines the order of contacts.
   std::vector<ContactElement> elements;
-  std::vector<std::array<std::uint32_t, 2>>
-      joined;  ///< pairs of particles that never collide: distance joints
+  ParticlePairs joined;  ///< never collide: distance joints
 };
 
 /// Input of contacts when a step begins.

@@ -23,8 +23,7 @@ Contacts::Contacts() : intersection_resolver_(std::make_unique<IntersectionResol
 Contacts::~Contacts() = default;
 
 void Contacts::build(const ContactGeometry& geometry) {
-  intersection_resolver_->exclude(geometry.joined);
-  intersection_resolver_->set_surfaces(geometry.surfaces);
+  *intersection_resolver_ = IntersectionResolver(geometry.surfaces, geometry.joined);
   for (const auto& kind : kinds_) kind->build(geometry);
 }
 

@@ -21,15 +21,13 @@ void MotionMargins::begin(std::span<const std::uint32_t> particle, std::span<con
   for (auto& axis : at_) axis.resize(particle.size());
   margin_.resize(particle.size());
   const float t = speeds.dt;
-  threads.for_each(particle.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) {
-      const std::uint32_t i = particle[k];
-      const Vec3f x(particles.exact_position(i));
-      for (int axis = 0; axis < 3; ++axis) at_[static_cast<std::size_t>(axis)][k] = x[axis];
-      const float speed =
-          speeds.h > 0 ? length(particles.moved(i)) / speeds.h : length(speeds.velocity[i].xyz());
-      margin_[k] = 2 * t * (speed + speeds.gravity * t) + radius[i];
-    }
+  threads.each(particle.size(), grain, [&](std::size_t k) {
+    const std::uint32_t i = particle[k];
+    const Vec3f x(particles.exact_position(i));
+    for (int axis = 0; axis < 3; ++axis) at_[static_cast<std::size_t>(axis)][k] = x[axis];
+    const float speed =
+        speeds.h > 0 ? length(particles.moved(i)) / speeds.h : length(speeds.velocity[i].xyz());
+    margin_[k] = 2 * t * (speed + speeds.gravity * t) + radius[i];
   });
 }
 

@@ -78,18 +78,29 @@ Vec3d center_of(const Shape& shape) {
   return std::visit(Center{}, shape);
 }
 
-void set_poses(kernels::ColliderBody& body, const Vec3d& origin, const Mat3d& axes, const RigidPose& before,
-               const RigidPose& after) {
+PackedCollider::PackedCollider(std::uint32_t index, const Collider& of) : collider(index) {
+  packed.shape = packed_shape(of.shape);
+  packed.moves = !of.motion.is_static();
+}
+
+void PackedCollider::follow(const ColliderMotion& motion, double time, float h) {
+  if (!packed.moves) return;
+  const auto [start, end] = poses_between(motion, time, time + double(h));
+  set_pose(start, end);
+}
+
+void PackedCollider::set_pose(const RigidPose& at_start, const RigidPose& at_end) {
+  before = at_start, after = at_end;
   const Mat3d axes_before = before.rotation * axes, axes_after = after.rotation * axes;
   const Vec3d origin_before = before.to_world(origin), origin_after = after.to_world(origin);
-  body.before = packed_frame(axes_before, origin_before);
-  body.after = packed_frame(axes_after, origin_after);
-  for (int k = 0; k < 3; ++k) store(axes_after.column[k] - axes_before.column[k], body.turn[k]);
-  store(origin_after - origin_before, body.shift);
+  packed.before = packed_frame(axes_before, origin_before);
+  packed.after = packed_frame(axes_after, origin_after);
+  for (int k = 0; k < 3; ++k) store(axes_after.column[k] - axes_before.column[k], packed.turn[k]);
+  store(origin_after - origin_before, packed.shift);
   // sum_k a_k x (phi x a_k) = 2 phi for three perpendicular unit vectors.
   Vec3d rotation;
   for (int k = 0; k < 3; ++k) rotation += cross(axes_before.column[k], axes_after.column[k]) / 2.0;
-  store(rotation, body.rotation);
+  store(rotation, packed.rotation);
 }
 
 kernels::ColliderParticles packed_particles(const ParticleView& particles) {

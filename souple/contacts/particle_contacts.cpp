@@ -1,5 +1,6 @@
 #include "souple/contacts/particle_contacts.h"
 
+#include "souple/contacts/kernels/find_kernels.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 
@@ -34,14 +35,14 @@ bool ParticleContacts::interact(std::uint32_t object_a, std::uint32_t object_b) 
   const ContactObject &a = objects_[object_a], &b = objects_[object_b];
   if (!(a.moves || b.moves) || !materials_->collide(object_a, object_b)) return false;
   if (object_a == object_b) return a.self_collision;
-  return (a.groups & b.mask) != 0 && (b.groups & a.mask) != 0;
+  return a.are_balls && b.are_balls;
 }
 
 // Bounds of each object's motion within the step: its box, with margins for its fastest particle and for
 // being dragged along. A position or velocity that is not finite makes the box infinite.
 void ParticleContacts::find_boxes(const ParticleView& particles, std::span<const Vec4f> velocity) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
-  boxes_.clear();
+  boxes_.bounds.clear(), boxes_.are_near.clear();
   for (const ContactObject& object : objects_) {
     Vec3f lo{infinity, infinity, infinity}, hi = -lo, sum;
     float fastest = 0;
@@ -58,25 +59,9 @@ void ParticleContacts::find_boxes(const ParticleView& particles, std::span<const
                          (1 + max_margin) * largest_diameter_ +
                          box_margin_part * max(size.x, max(size.y, size.z));
     const Vec3f margins{margin, margin, margin};
-    const auto index = static_cast<std::uint32_t>(boxes_.size());
-    boxes_.push_back({lo - margins, hi + margins, index, object.self_collision && object.moves});
+    boxes_.bounds.push_back({lo - margins, hi + margins});
+    boxes_.are_near.push_back(object.self_collision && object.moves ? 1 : 0);
   }
-}
-
-// Marks objects whose box overlaps that of an object they interact with. Boxes are sorted by their lower
-// corners along x; each is compared with those that begin before it ends (sort and sweep).
-void ParticleContacts::find_near_objects() {
-  std::sort(boxes_.begin(), boxes_.end(), [](const Box& a, const Box& b) {
-    return a.lo.x < b.lo.x || (a.lo.x == b.lo.x && a.object < b.object);
-  });
-  for (std::size_t a = 0; a < boxes_.size(); ++a)
-    for (std::size_t b = a + 1; b < boxes_.size() && boxes_[b].lo.x <= boxes_[a].hi.x; ++b) {
-      Box &one = boxes_[a], &other = boxes_[b];
-      const bool apart =
-          one.lo.y > other.hi.y || other.lo.y > one.hi.y || one.lo.z > other.hi.z || other.lo.z > one.hi.z;
-      if (!apart && interact(one.object, other.object)) one.near = other.near = true;
-    }
-  std::sort(boxes_.begin(), boxes_.end(), [](const Box& a, const Box& b) { return a.object < b.object; });
 }
 
 // Particles of objects that may collide with another object, or with themselves, within the step.
@@ -88,12 +73,11 @@ void ParticleContacts::find_members(const ParticleView& particles, std::span<con
     for (std::uint32_t i = object.begin; i < object.end; ++i)
       largest_diameter_ = max(largest_diameter_, 2 * radius_[i]);
   find_boxes(particles, velocity);
-  find_near_objects();
-  for (const Box& box : boxes_) {
-    if (!box.near) continue;
-    const ContactObject& object = objects_[box.object];
-    for (std::uint32_t i = object.begin; i < object.end; ++i) members_.push_back({i, box.object});
-  }
+  for (const auto& [a, b] : boxes_.sweep.find(boxes_.bounds))
+    if (interact(a, b)) boxes_.are_near[a] = boxes_.are_near[b] = 1;
+  for (std::uint32_t a = 0; a < objects_.size(); ++a)
+    for (std::uint32_t i = objects_[a].begin; boxes_.are_near[a] != 0 && i < objects_[a].end; ++i)
+      members_.push_back({i, a});
   if (members_.empty()) largest_diameter_ = 0;  // no pair is possible
 }
 
@@ -117,8 +101,8 @@ void ParticleContacts::find_pairs(const ParticleView& particles, float wanted_ma
   save_friction();
   if (!(largest_diameter_ > 0)) return;
   margin_ = max(min_margin * largest_diameter_, min(wanted_margin, max_margin * largest_diameter_));
-  fill_grid(particles);
-  for (std::uint32_t m = 0; m < members_.size(); ++m) append_pairs_of(m);
+  sort_into_cells(particles);
+  list_pairs();
   restore_friction();
 }
 
@@ -182,44 +166,50 @@ void ParticleContacts::load(std::span<const std::byte>& in) {
   set_friction_cache(cache);
 }
 
-void ParticleContacts::fill_grid(const ParticleView& particles) {
+void ParticleContacts::sort_into_cells(const ParticleView& particles) {
   constexpr float infinity = std::numeric_limits<float>::infinity();
-  Vec3f corner{infinity, infinity, infinity};
+  auto& [corner, place, radius, half_margin, cells, search] = places_;
+  corner = {infinity, infinity, infinity};
   for (const Member& member : members_) {
     const Vec3f x = particles.relative(member.particle, {});
     if (!is_finite(x)) continue;
     corner = {min(corner.x, x.x), min(corner.y, x.y), min(corner.z, x.z)};
   }
-  grid_.fill(
-      members_.size(), corner, largest_diameter_ + margin_,
-      [&](std::size_t m) { return particles.relative(members_[m].particle, corner); },
-      [&](std::size_t m) { return radius_[members_[m].particle]; });
+  place.clear(), radius.clear();
+  for (const Member& member : members_) {
+    place.push_back(particles.relative(member.particle, corner));
+    radius.push_back(radius_[member.particle]);
+  }
+  half_margin.assign(members_.size(), margin_ / 2);
+  const SearchedBalls balls{place, {}, radius, half_margin};
+  cells.sort(balls, largest_diameter_ + margin_);
+  cells.gather(balls, 0, cells.size());
 }
 
-// Appends the pairs of `member` with later members within the margin, in their order.
-void ParticleContacts::append_pairs_of(std::uint32_t member) {
-  const std::size_t first = pairs_.size();
-  grid_.for_each_near(member, margin_, [&](std::uint32_t other) {
-    if (interact(members_[member].object, members_[other].object) &&
-        !is_excluded(members_[member].particle, members_[other].particle))
-      pairs_.push_back({member, other});
+// Pairs of members within the margin that interact.
+void ParticleContacts::list_pairs() {
+  const kernels::VertexBallKernels& kernels = kernels::find_vertex_ball_kernels(instruction_set());
+  pairs_.clear();
+  for (std::size_t slot = 0; slot < places_.cells.size(); ++slot)
+    for (const std::uint32_t other : places_.cells.find_near(slot, 0, kernels, places_.search)) {
+      const auto [i, j] = std::minmax({places_.cells.ball(slot), places_.cells.ball(other)});
+      if (interact(members_[i].object, members_[j].object) &&
+          !joined_.contains(members_[i].particle, members_[j].particle))
+        pairs_.push_back({i, j});
+    }
+  later_.fill(members_.size(), [&](const auto& add) {
+    for (const Pair& pair : pairs_) add(pair.i, pair.j);
   });
-  std::sort(pairs_.begin() + static_cast<std::ptrdiff_t>(first), pairs_.end(),
-            [](const Pair& a, const Pair& b) { return a.j < b.j; });
+  pairs_.clear();
+  for (std::uint32_t i = 0; i < members_.size(); ++i) {
+    std::sort(later_[i].begin(), later_[i].end());
+    for (const std::uint32_t j : later_[i]) pairs_.push_back({i, j});
+  }
 }
 
 void ParticleContacts::build(const ContactGeometry& geometry) {
-  excluded_ = geometry.joined;
-  for (auto& pair : excluded_)
-    if (pair[0] > pair[1]) std::swap(pair[0], pair[1]);
-  std::sort(excluded_.begin(), excluded_.end());
+  joined_ = geometry.joined;
   clear_contacts();
-}
-
-bool ParticleContacts::is_excluded(std::uint32_t i, std::uint32_t j) const {
-  if (excluded_.empty()) return false;
-  return std::binary_search(excluded_.begin(), excluded_.end(),
-                            std::array<std::uint32_t, 2>{std::min(i, j), std::max(i, j)});
 }
 
 void ParticleContacts::clear_contacts() {
@@ -235,24 +225,22 @@ void ParticleContacts::refresh(const ParticleView& particles, const Substep& sub
     return;
   }
   const auto displacement = [&](std::size_t m) {
-    return particles.relative(members_[m].particle, grid_.corner()) - grid_.position(m);
+    return particles.relative(members_[m].particle, places_.corner) - places_.place[m];
   };
   if (2 * largest_motion_.from_mean(members_.size(), displacement, threads) > margin_) {
     const auto moved = [&](std::size_t m) { return particles.moved(members_[m].particle); };
     find_pairs(particles, 2.2f * largest_motion_.from_mean(members_.size(), moved, threads));
   }
   is_contact_.resize(pairs_.size());
-  threads.for_each(pairs_.size(), pair_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p)
-      is_contact_[p] = may_touch(static_cast<std::uint32_t>(p), particles) ? 1 : 0;
+  threads.each(pairs_.size(), pair_grain, [&](std::size_t p) {
+    is_contact_[p] = may_touch(static_cast<std::uint32_t>(p), particles) ? 1 : 0;
   });
   color_contacts(particles);
   if (contacts_.capacity() < sorted_.size()) contacts_.reserve(2 * sorted_.size());
   contacts_.resize(sorted_.size());
   sweeps_.begin_sweep(contacts_.size());
-  threads.for_each(contacts_.size(), grain(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) contacts_[c] = contact_of(sorted_[c], particles, substep.h);
-  });
+  threads.each(contacts_.size(), grain(),
+               [&](std::size_t c) { contacts_[c] = contact_of(sorted_[c], particles, substep.h); });
 }
 
 // False for pairs that did not touch during the substep and that other constraints are unlikely to push
@@ -562,7 +550,7 @@ void ParticleContacts::update_friction_displacement(const Contact& contact, floa
 
 void ParticleContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
   const float inverse_h = last_h_ > 0 ? 1 / last_h_ : 0.0f;
-  const auto first = static_cast<std::ptrdiff_t>(out.size());
+  const std::size_t first = out.size();
   for (const Contact& contact : contacts_) {
     if (!(contact.sums.normal_sum > 0)) continue;
     const std::uint32_t i = contact.i, j = contact.j;
@@ -571,9 +559,7 @@ void ParticleContacts::events(const ParticleView& particles, std::vector<Contact
     const Vec3f point = particles.relative(i, {}) - contact.normal * radius_[i];
     out.push_back({i, j, point, contact.normal, impulse});
   }
-  std::sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
-    return a.particle != b.particle ? a.particle < b.particle : a.other < b.other;
-  });
+  sort_pushes(out, first);
 }
 
 void ParticleContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
@@ -608,14 +594,14 @@ void ParticleContacts::clear() {
 
 void ParticleContacts::forget_members() {
   members_.clear();
-  grid_.clear();
   clear_contacts();
   largest_diameter_ = 0;
 }
 
 std::size_t ParticleContacts::bytes() const {
-  return bytes_of(excluded_, boxes_, members_, pairs_, displacement_, friction_cache_, contacts_) +
-         grid_.bytes();
+  return bytes_of(joined_.sorted(), boxes_.bounds, members_, places_.place, pairs_, displacement_,
+                  friction_cache_, contacts_) +
+         places_.cells.bytes() + later_.bytes();
 }
 
 }  // namespace souple

@@ -1,10 +1,12 @@
 #pragma once
 
-#include "souple/broad_phase/ball_grid.h"
 #include "souple/broad_phase/largest_motion.h"
+#include "souple/broad_phase/object_pairs.h"
 #include "souple/contacts/anchor.h"
+#include "souple/contacts/ball_cells.h"
 #include "souple/contacts/contact_law.h"
 #include "souple/contacts/contact_projector.h"
+#include "souple/math/lists.h"
 
 #include <array>
 #include <atomic>
@@ -81,18 +83,23 @@ class ParticleContacts final : public ContactProjector {
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
 
  private:
-  std::vector<std::array<std::uint32_t, 2>> excluded_;  // never collide; sorted, each pair ascending
-  bool is_excluded(std::uint32_t i, std::uint32_t j) const;
-
   /// A particle in the broad phase.
   struct Member {
     std::uint32_t particle, object;
   };
-  /// Bounds of an object's motion within the step.
-  struct Box {
-    Vec3f lo, hi;
-    std::uint32_t object;
-    bool near;  ///< the box overlaps that of an object it interacts with
+  /// Bounds of each object's motion within the step.
+  struct Boxes {
+    std::vector<Bounds> bounds;
+    std::vector<std::uint8_t> are_near;  // those of an object that it interacts with overlap
+    BoxSweep sweep;
+  };
+  /// Members as balls.
+  struct Places {
+    Vec3f corner{};
+    std::vector<Vec3f> place;  // relative to the corner [m]
+    std::vector<float> radius, half_margin;
+    BallCells cells;
+    BallCells::Search search;
   };
   /// Members i < j that may touch before the next broad phase.
   struct Pair {
@@ -161,8 +168,8 @@ class ParticleContacts final : public ContactProjector {
   void find_pairs(const ParticleView& particles, float wanted_margin);
   void save_friction();
   void restore_friction();
-  void fill_grid(const ParticleView& particles);
-  void append_pairs_of(std::uint32_t member);
+  void sort_into_cells(const ParticleView& particles);
+  void list_pairs();
   bool may_touch(std::uint32_t pair, const ParticleView& particles) const;
   void color_contacts(const ParticleView& particles);
   Contact contact_of(std::uint32_t pair, const ParticleView& particles, float h) const;
@@ -183,6 +190,7 @@ class ParticleContacts final : public ContactProjector {
   void turn(const Contact& contact, const BallRotation& balls, const Vec3f& friction,
             const Vec3f& moment) const;
 
+  ParticlePairs joined_;  // never collide
   std::span<const ContactObject> objects_;
   std::span<const float> radius_;
   const ContactMaterialTable* materials_ = nullptr;
@@ -191,10 +199,11 @@ class ParticleContacts final : public ContactProjector {
   float largest_diameter_ = 0;
   float margin_ = 0;  // of the last broad phase: how far two members may approach each other [m]
   Sweeps sweeps_;     // of this step; odd sweeps run in reverse order
-  std::vector<Box> boxes_;
+  Boxes boxes_;
   std::vector<Member> members_;
-  BallGrid grid_;  // of members, in the last broad phase
+  Places places_;  // of members, in the last broad phase
   std::vector<Pair> pairs_;
+  Lists<std::uint32_t> later_;                      // per member: the later ones of its pairs
   std::vector<FrictionDisplacement> displacement_;  // per pair
   std::vector<CachedFriction> friction_cache_;      // from one broad phase to the next
   LargestMotion largest_motion_;                    // of members since the last broad phase

@@ -15,21 +15,21 @@ namespace {
 constexpr std::uint32_t colors_at_once = 64;  // bits of a word
 constexpr std::size_t most_pairs =
     64;  // of a ball with later ones: a surface crushed to a point must not stop the world
-constexpr double spare = 1;  // part of a size that is reserved beyond it: the number of pairs changes fast
 
 }  // namespace
 
-VertexBallPairs::VertexBallPairs(const ContactSurface& surface,
-                                 std::span<const std::array<std::uint32_t, 2>> joined)
+VertexBallPairs::VertexBallPairs(const ContactSurface& surface, const ParticlePairs& joined)
     : begin_(surface.begin), end_(surface.end) {
   for (const Vec3d& x : surface.rest) rest_.push_back(Vec3f(x - surface.rest[0]));
   std::vector<Edge> links;
   for (const auto& t : surface.triangles)
     for (std::size_t k = 0; k < 3; ++k) links.push_back({t[k], t[(k + 1) % 3]});
   find_radii(links);
-  for (const auto& [i, j] : joined)
-    if (i >= begin_ && j < end_) joined_.push_back({i - begin_, j - begin_});
-  for (const Edge& pair : joined_) links.push_back(pair);
+  std::vector<Edge> own;
+  for (const auto& [i, j] : joined.sorted())
+    if (i >= begin_ && j < end_) own.push_back({i - begin_, j - begin_});
+  links.insert(links.end(), own.begin(), own.end());
+  joined_ = ParticlePairs(std::move(own));
   blocks_.resize((count() + block_size - 1) / block_size);
   colors_.assign(count(), 0), place_.assign(count(), {}), margin_.assign(count(), 0);
   has_pair_.assign(count(), 0);
@@ -80,8 +80,7 @@ void VertexBallPairs::search(std::size_t block, const kernels::VertexBallKernels
     const std::span<const std::uint32_t> found = cells_.find_near(slot, rest_part, kernels, cells);
     for (const std::uint32_t other : found.first(std::min(found.size(), most_pairs))) {
       const auto [i, j] = std::minmax({cells_.ball(slot), cells_.ball(other)});
-      if (joined_.empty() || !std::binary_search(joined_.begin(), joined_.end(), Edge{i, j}))
-        pairs.push_back({i, j, radius_[i] + radius_[j], 0});
+      if (!joined_.contains(i, j)) pairs.push_back({i, j, radius_[i] + radius_[j], 0});
     }
   }
   if (block == 0) append_near_at_rest(pairs);
@@ -122,15 +121,14 @@ void VertexBallPairs::end_search() {
   for (std::size_t color = 1; color < color_begin_.size(); ++color)
     color_begin_[color] += color_begin_[color - 1];
   next_slot_ = color_begin_;
-  const std::size_t size = color_begin_.back();
-  for (auto& column : first_float_) resize_with_spare(column, size, spare);
-  resize_with_spare(distance_, size, spare);
+  columns_.resize(color_begin_.back());
+  const kernels::BallPairColumns columns = columns_.columns();
   for (const Block& block : blocks_)
     for (const Pair& pair : block.pairs) {
       const std::size_t slot = next_slot_[pair.color]++;
-      first_float_[0][slot] = 4 * (begin_ + pair.i);
-      first_float_[1][slot] = 4 * (begin_ + pair.j);
-      distance_[slot] = pair.distance;
+      columns.first_float[0][slot] = 4 * (begin_ + pair.i);
+      columns.first_float[1][slot] = 4 * (begin_ + pair.j);
+      columns.distance[slot] = pair.distance;
     }
 }
 
@@ -141,9 +139,9 @@ void VertexBallPairs::clear() {
 }
 
 std::size_t VertexBallPairs::bytes() const {
-  std::size_t sum = bytes_of(rest_, radius_, near_at_rest_, joined_, blocks_, colors_, has_pair_,
-                             color_begin_, next_slot_, first_float_[0], first_float_[1], distance_) +
-                    bytes_of(place_, margin_) + cells_.bytes();
+  std::size_t sum = bytes_of(rest_, radius_, near_at_rest_, joined_.sorted(), blocks_, colors_, has_pair_,
+                             color_begin_, next_slot_, place_, margin_) +
+                    columns_.bytes() + cells_.bytes();
   for (const Block& block : blocks_) sum += bytes_of(block.pairs, block.cells.near);
   return sum;
 }

@@ -23,8 +23,7 @@ class VertexBallPairs {
  public:
   static constexpr float radius_part = 0.5f, rest_part = 0.8f;
 
-  /// `joined`: pairs of particles that never touch, sorted, each ascending.
-  VertexBallPairs(const ContactSurface& surface, std::span<const std::array<std::uint32_t, 2>> joined);
+  VertexBallPairs(const ContactSurface& surface, const ParticlePairs& joined);
 
   std::uint32_t begin() const { return begin_; }
   std::uint32_t end() const { return end_; }
@@ -65,9 +64,7 @@ class VertexBallPairs {
   std::array<std::size_t, 2> pairs_of(std::size_t color) const {
     return {color_begin_[color], color_begin_[color + 1]};
   }
-  kernels::BallPairColumns columns() const {
-    return {{first_float_[0].data(), first_float_[1].data()}, distance_.data()};
-  }
+  kernels::BallPairColumns columns() const { return columns_.columns(); }
   std::size_t bytes() const;
 
  private:
@@ -90,7 +87,7 @@ class VertexBallPairs {
   std::vector<float> radius_;  // [m]
   float largest_radius_ = 0;
   std::vector<Pair> near_at_rest_;  // whose distance is that at rest
-  std::vector<Edge> joined_;        // pairs that never touch; sorted, each ascending
+  ParticlePairs joined_;            // that never touch
   Vec3f corner_{};
   std::vector<Vec3f> place_;  // relative to the corner, in the last search [m]
   std::vector<float> margin_;
@@ -103,8 +100,7 @@ class VertexBallPairs {
   std::vector<std::uint64_t> colors_;   // per ball: bits of the colors of its pairs
   std::vector<std::uint8_t> has_pair_;  // per ball
   std::vector<std::size_t> color_begin_{0}, next_slot_;
-  std::array<std::vector<std::uint32_t>, 2> first_float_;  // per pair, by color: of the world's records
-  std::vector<float> distance_;                            // [m]
+  ColumnStore<kernels::BallPairColumns> columns_;  // by color, of the world's records
 };
 
 }  // namespace souple

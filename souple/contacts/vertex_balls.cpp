@@ -24,14 +24,11 @@ constexpr std::size_t part_of_leavers = 64;
 
 void VertexBalls::build(const ContactGeometry& geometry) {
   clear();
-  std::vector<std::array<std::uint32_t, 2>> joined = geometry.joined;
-  for (auto& pair : joined)
-    if (pair[0] > pair[1]) std::swap(pair[0], pair[1]);
   std::size_t end = 0;
   for (std::uint32_t a = 0; a < geometry.surfaces.size(); ++a) {
     const ContactSurface& surface = geometry.surfaces[a];
     if (!surface.vertex_balls) continue;
-    sheets_.push_back({VertexBallPairs(surface, joined), a, surface.radius});
+    sheets_.push_back({VertexBallPairs(surface, geometry.joined), a, surface.radius});
     end = std::max<std::size_t>(end, surface.end);
   }
   place_.assign(end, {});
@@ -52,9 +49,7 @@ void VertexBalls::list_chunks() {
 // Sums of chunks are added in order: the same bits for any number of threads.
 template <class Function>
 void VertexBalls::for_each_chunk(Threads& threads, const Function& f) {
-  threads.for_each(chunks_.size(), 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t c = first; c < last; ++c) f(chunks_[c], sheets_[chunks_[c].sheet]);
-  });
+  threads.each(chunks_.size(), 1, [&](std::size_t c) { f(chunks_[c], sheets_[chunks_[c].sheet]); });
 }
 
 void VertexBalls::begin_step(const ContactInput& input, Threads& threads) {
@@ -121,14 +116,10 @@ void VertexBalls::search(Threads& threads) {
     for (std::uint32_t block = 0; block < sheets_[s].pairs.block_count(); ++block)
       blocks_.push_back({s, block});
   const auto for_each_due = [&](const auto& f) {
-    threads.for_each(due_.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) f(sheets_[due_[k]].pairs);
-    });
+    threads.each(due_.size(), 1, [&](std::size_t k) { f(sheets_[due_[k]].pairs); });
   };
   const auto for_each_block = [&](const auto& f) {
-    threads.for_each(blocks_.size(), 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t k = begin; k < end; ++k) f(sheets_[blocks_[k][0]].pairs, blocks_[k][1]);
-    });
+    threads.each(blocks_.size(), 1, [&](std::size_t k) { f(sheets_[blocks_[k][0]].pairs, blocks_[k][1]); });
   };
   for_each_due([](VertexBallPairs& pairs) { pairs.sort(); });
   for_each_block([](VertexBallPairs& pairs, std::size_t block) { pairs.gather(block); });
@@ -251,23 +242,8 @@ void VertexBalls::give_back_momentum(const ParticleView& particles, Threads& thr
 }
 
 void VertexBalls::clear_contacts() {
-  contact_count_ = 0;
+  contacts_.resize(0);
   std::fill(color_begin_.begin(), color_begin_.end(), 0);
-}
-
-void VertexBalls::resize_columns(std::size_t size) {
-  for (auto& column : first_float_) resize_with_spare(column, size, 1);
-  for (auto& column : floats_) resize_with_spare(column, size, 1);
-  std::size_t next = 0;
-  const auto column = [&] { return floats_[next++].data(); };
-  for (std::size_t k = 0; k < 2; ++k)
-    columns_.first_float[k] = first_float_[k].data(), columns_.share[k] = column();
-  for (float*& axis : columns_.normal) axis = column();
-  columns_.gap = column();
-  for (float*& axis : columns_.start) axis = column();
-  columns_.kinetic_friction = column();
-  columns_.normal_sum = column();
-  for (float*& axis : columns_.tangent_sum) axis = column();
 }
 
 kernels::BallRecords VertexBalls::records(const ParticleView& particles) const {
@@ -287,25 +263,25 @@ void VertexBalls::find_contacts(const ParticleView& particles, Threads& threads)
                                         speculative_part, batch.begin, batch.end, &found_[batch.slot]);
     }
   });
+  std::size_t count = 0;
   for (std::size_t color = 0; color + 1 < color_batch_.size(); ++color) {
-    color_begin_[color] = contact_count_;
+    color_begin_[color] = count;
     for (std::size_t b = color_batch_[color]; b < color_batch_[color + 1]; ++b) {
-      batches_[b].contact = contact_count_;
-      contact_count_ += batches_[b].found;
+      batches_[b].contact = count;
+      count += batches_[b].found;
     }
   }
-  color_begin_.back() = contact_count_;
-  resize_columns(contact_count_);
-  threads.for_each(batches_.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t b = begin; b < end; ++b) {
-      const Batch& batch = batches_[b];
-      const Sheet& sheet = sheets_[batch.sheet];
-      const kernels::BallLaw law{sheet.material.static_friction, sheet.material.kinetic_friction,
-                                 step_.sliding_threshold(last_h_),
-                                 step_.depenetration_speed(sheet.release_radius) * last_h_};
-      kernels_->describe(records(particles), sheet.pairs.columns(), law, &found_[batch.slot], columns_,
-                         batch.contact, batch.contact + batch.found);
-    }
+  color_begin_.back() = count;
+  contacts_.resize(count);
+  columns_ = contacts_.columns();
+  threads.each(batches_.size(), 1, [&](std::size_t b) {
+    const Batch& batch = batches_[b];
+    const Sheet& sheet = sheets_[batch.sheet];
+    const kernels::BallLaw law{sheet.material.static_friction, sheet.material.kinetic_friction,
+                               step_.sliding_threshold(last_h_),
+                               step_.depenetration_speed(sheet.release_radius) * last_h_};
+    kernels_->describe(records(particles), sheet.pairs.columns(), law, &found_[batch.slot], columns_,
+                       batch.contact, batch.contact + batch.found);
   });
 }
 
@@ -339,13 +315,12 @@ void VertexBalls::project(int color, std::size_t begin, std::size_t end, const P
 
 ContactReport VertexBalls::report() const {
   return summarize(
-      contact_count_, [&](std::size_t c) { return columns_.normal_sum[c]; },
-      [](std::size_t) { return 0.0f; });
+      size(), [&](std::size_t c) { return columns_.normal_sum[c]; }, [](std::size_t) { return 0.0f; });
 }
 
 void VertexBalls::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
-  const auto first = static_cast<std::ptrdiff_t>(out.size());
-  for (std::size_t c = 0; c < contact_count_; ++c) {
+  const std::size_t first = out.size();
+  for (std::size_t c = 0; c < size(); ++c) {
     if (!(columns_.normal_sum[c] > 0)) continue;
     const std::uint32_t i = columns_.first_float[0][c] / 4, j = columns_.first_float[1][c] / 4;
     const Vec3f normal{columns_.normal[0][c], columns_.normal[1][c], columns_.normal[2][c]};
@@ -354,9 +329,7 @@ void VertexBalls::events(const ParticleView& particles, std::vector<ContactPush>
     const Vec3f point = particles.relative(i, {}) + particles.difference(j, i) * 0.5f;
     out.push_back({i, j, point, normal, impulse});
   }
-  std::sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
-    return a.particle != b.particle ? a.particle < b.particle : a.other < b.other;
-  });
+  sort_pushes(out, first);
 }
 
 void VertexBalls::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
@@ -373,14 +346,14 @@ void VertexBalls::visit(const ParticleView& particles, const ConstraintVisitor& 
 void VertexBalls::clear() {
   sheets_.clear(), chunks_.clear(), batches_.clear();
   color_begin_.assign(1, 0), color_batch_.assign(1, 0);
-  contact_count_ = 0;
+  contacts_.resize(0);
 }
 
 std::size_t VertexBalls::bytes() const {
-  std::size_t sum = bytes_of(sheets_, chunks_, place_, due_, blocks_, batches_, found_, color_begin_,
-                             color_batch_, first_float_[0], first_float_[1]);
+  std::size_t sum =
+      bytes_of(sheets_, chunks_, place_, due_, blocks_, batches_, found_, color_begin_, color_batch_) +
+      contacts_.bytes();
   for (const Sheet& sheet : sheets_) sum += sheet.pairs.bytes();
-  for (const auto& column : floats_) sum += bytes_of(column);
   return sum;
 }
 

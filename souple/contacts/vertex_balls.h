@@ -38,7 +38,7 @@ class VertexBalls final : public ContactProjector {
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const override;
 
   std::string_view kind() const override { return "self contact"; }
-  std::size_t size() const override { return contact_count_; }
+  std::size_t size() const override { return contacts_.size(); }
   int color_count() const override { return static_cast<int>(color_begin_.size()) - 1; }
   std::size_t color_size(int color) const override {
     const auto c = static_cast<std::size_t>(color);
@@ -98,7 +98,6 @@ class VertexBalls final : public ContactProjector {
   void bound_motion(const ParticleView& particles, Threads& threads);
   void give_back_momentum(const ParticleView& particles, Threads& threads);
   void find_contacts(const ParticleView& particles, Threads& threads);
-  void resize_columns(std::size_t size);
   kernels::BallRecords records(const ParticleView& particles) const;
   template <class Function>
   void for_each_sheet_of(std::size_t begin, std::size_t end, std::size_t first_batch,
@@ -117,10 +116,8 @@ class VertexBalls final : public ContactProjector {
   std::vector<Batch> batches_;                                // by color, then sheet
   std::vector<std::uint32_t> found_;                          // pairs of each batch, from its slot on
   std::vector<std::size_t> color_begin_{0}, color_batch_{0};  // per color: its first contact, its first batch
-  std::size_t contact_count_ = 0;
-  std::array<std::vector<std::uint32_t>, 2> first_float_;
-  std::array<std::vector<float>, 14> floats_;
-  kernels::BallContactColumns columns_{};
+  ColumnStore<kernels::BallContactColumns> contacts_;
+  kernels::BallContactColumns columns_{};  // of contacts_
 };
 
 }  // namespace souple

@@ -58,13 +58,11 @@ bool shares_particle(const Edge& edge, const SurfaceElement& triangle) {
 
 // --- surfaces
 
-void IntersectionFinder::set_surfaces(std::span<const ContactSurface> surfaces) {
-  auto excluded = std::move(excluded_);
-  *this = {};
-  excluded_ = std::move(excluded);
+IntersectionFinder::IntersectionFinder(std::span<const ContactSurface> surfaces, ParticlePairs joined)
+    : surfaces_(surfaces.begin(), surfaces.end()),
+      any_pair_(any_may_collide(surfaces)),
+      joined_(std::move(joined)) {
   const std::size_t n = surfaces.size();
-  surfaces_.assign(surfaces.begin(), surfaces.end());
-  any_pair_ = any_may_collide(surfaces);
   std::uint32_t end = 0;
   for (const ContactSurface& surface : surfaces) end = std::max(end, surface.end);
   closed_.assign(n, 0);
@@ -83,13 +81,6 @@ void IntersectionFinder::set_surfaces(std::span<const ContactSurface> surfaces) 
   }
   find_opposite();
   find_closed(surfaces);
-}
-
-void IntersectionFinder::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
-  const std::size_t n = pairs.size();
-  for (std::size_t k = 0; k < n; ++k) pairs.push_back({pairs[k][1], pairs[k][0]});
-  std::sort(pairs.begin(), pairs.end());
-  excluded_ = std::move(pairs);
 }
 
 void IntersectionFinder::find_opposite() {
@@ -130,11 +121,11 @@ void IntersectionFinder::find_closed(std::span<const ContactSurface> surfaces) {
   }
 }
 
-bool IntersectionFinder::is_excluded(const EdgeIntersection& pair) const {
-  if (excluded_.empty()) return false;
+bool IntersectionFinder::is_joined(const EdgeIntersection& pair) const {
+  if (joined_.empty()) return false;
   for (std::size_t a = 0; a < 2; ++a)
     for (std::size_t b = 2; b < 5; ++b)
-      if (are_excluded(pair.particle[a], pair.particle[b])) return true;
+      if (are_joined(pair.particle[a], pair.particle[b])) return true;
   return false;
 }
 
@@ -164,13 +155,11 @@ void IntersectionFinder::find_active(const ParticleView& particles, const Object
 void IntersectionFinder::find_boxes(const ParticleView& particles, Threads& threads) {
   const std::span<const SurfaceElement> triangles = elements_.triangles();
   resize_with_spare(boxes_, triangles.size());
-  threads.for_each(triangles.size(), box_grain, [&](std::size_t t, std::size_t end) {
-    for (; t < end; ++t) {
-      boxes_[t] = empty_bounds;
-      if (active_[triangles[t].object] == 0) continue;
-      for (const std::uint32_t i : triangles[t].particle)
-        boxes_[t] = united(boxes_[t], around_rounded(particles.relative(i, {})));
-    }
+  threads.each(triangles.size(), box_grain, [&](std::size_t t) {
+    boxes_[t] = empty_bounds;
+    if (active_[triangles[t].object] == 0) return;
+    for (const std::uint32_t i : triangles[t].particle)
+      boxes_[t] = united(boxes_[t], around_rounded(particles.relative(i, {})));
   });
 }
 
@@ -189,9 +178,7 @@ void IntersectionFinder::find(const ParticleView& particles, const ObjectFilter&
   hash_.build(boxes_, cell_size_, threads);
   const std::size_t chunks = (elements_.edges().size() + chunk_size - 1) / chunk_size;
   if (chunks_.size() < chunks) chunks_.resize(chunks);
-  threads.for_each(chunks, 1, [&](std::size_t c, std::size_t end) {
-    for (; c < end; ++c) find_chunk(particles, enabled, c);
-  });
+  threads.each(chunks, 1, [&](std::size_t c) { find_chunk(particles, enabled, c); });
   for (std::size_t c = 0; c < chunks; ++c)
     found_.insert(found_.end(), chunks_[c].edges.begin(), chunks_[c].edges.end());
 }
@@ -242,7 +229,7 @@ void IntersectionFinder::find_chunk(const ParticleView& particles, const ObjectF
           triangle.object,
           {edge[0], edge[1], triangle.particle[0], triangle.particle[1], triangle.particle[2]},
           {1 - s, s, -w.x, -w.y, -w.z}};
-      if (!is_excluded(pair)) chunk.edges.push_back(pair);
+      if (!is_joined(pair)) chunk.edges.push_back(pair);
     }
     const auto only_touches = [&](const EdgeIntersection& pair) {
       return std::find(chunk.crossed_opposite.begin(), chunk.crossed_opposite.end(), pair.surface) ==
@@ -337,8 +324,8 @@ Bounds IntersectionFinder::box_of(const ParticleView& particles, const Edge& edg
 }
 
 std::size_t IntersectionFinder::bytes() const {
-  std::size_t sum = bytes_of(excluded_, ranges_, own_triangles_, surface_of_, opposite_, closed_, active_,
-                             surface_bounds_, widened_, partners_, boxes_, found_);
+  std::size_t sum = bytes_of(joined_.sorted(), ranges_, own_triangles_, surface_of_, opposite_, closed_,
+                             active_, surface_bounds_, widened_, partners_, boxes_, found_);
   for (const Chunk& chunk : chunks_) sum += bytes_of(chunk.edges, chunk.near, chunk.crossed_opposite);
   return sum + elements_.bytes() + hash_.bytes() + sweep_.bytes();
 }

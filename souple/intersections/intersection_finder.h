@@ -32,14 +32,13 @@ struct SurfaceHit {
 };
 
 /// Finds intersections: edges that pass through triangles. It ignores surfaces that do not collide, elements
-/// that share a particle, and excluded pairs. An edge that only touches a triangle, or lies in its plane,
+/// that share a particle, and joined pairs. An edge that only touches a triangle, or lies in its plane,
 /// does not intersect it.
 class IntersectionFinder {
  public:
-  /// As ElementPairs::set_surfaces; what the spans of `surfaces` refer to is not kept.
-  void set_surfaces(std::span<const ContactSurface> surfaces);
-  /// As ElementPairs::exclude.
-  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
+  IntersectionFinder() = default;
+  /// The spans of `surfaces` may end before the finder.
+  explicit IntersectionFinder(std::span<const ContactSurface> surfaces, ParticlePairs joined = {});
 
   /// Searches at the current positions. The result is sorted by edge, then triangle, and does not depend on
   /// the number of threads. Repeated calls allocate nothing.
@@ -59,10 +58,8 @@ class IntersectionFinder {
   const std::array<std::uint32_t, 2>& opposite(std::size_t edge) const { return opposite_[edge]; }
   /// Whether any pair of surfaces can collide.
   bool any_pair() const { return any_pair_; }
-  /// Whether two particles are an excluded pair.
-  bool are_excluded(std::uint32_t i, std::uint32_t j) const {
-    return std::binary_search(excluded_.begin(), excluded_.end(), std::array<std::uint32_t, 2>{i, j});
-  }
+  /// Whether two particles are joined.
+  bool are_joined(std::uint32_t i, std::uint32_t j) const { return joined_.contains(i, j); }
   std::uint32_t surface_of(std::size_t particle) const { return surface_of_[particle]; }
 
   /// Casts a ray from x_i + shift along a unit vector, to the end of the surface. The direction is accurate
@@ -89,14 +86,14 @@ class IntersectionFinder {
   bool may_intersect(const Bounds& box, std::uint32_t surface, const ObjectFilter& enabled) const;
   void find_boxes(const ParticleView& particles, Threads& threads);
   void find_chunk(const ParticleView& particles, const ObjectFilter& enabled, std::size_t chunk);
-  bool is_excluded(const EdgeIntersection& pair) const;
+  bool is_joined(const EdgeIntersection& pair) const;
   Vec3f perturbation(std::uint32_t edge_surface, std::uint32_t surface) const;
   Bounds box_of(const ParticleView& particles, const Edge& edge, std::uint32_t edge_surface) const;
 
   SurfaceElements elements_;
   std::vector<ContactSurface> surfaces_;
   bool any_pair_ = false;
-  std::vector<std::array<std::uint32_t, 2>> excluded_;  // in both orders, sorted
+  ParticlePairs joined_;
   std::vector<std::array<std::uint32_t, 2>> ranges_;    // per surface: first and end particle
   std::vector<SpatialHash::Skip> own_triangles_;        // per surface
   std::vector<std::uint32_t> surface_of_;               // per particle

@@ -70,12 +70,8 @@ bool any_movable(const ParticleView& particles, const Function& particle, std::s
 
 }  // namespace
 
-void IntersectionResolver::set_surfaces(std::span<const ContactSurface> surfaces) {
-  IntersectionFinder finder = std::move(finder_);
-  *this = {};
-  finder_ = std::move(finder);
-  finder_.set_surfaces(surfaces);
-  layers_.set_surfaces(surfaces);
+IntersectionResolver::IntersectionResolver(std::span<const ContactSurface> surfaces, ParticlePairs joined)
+    : finder_(surfaces, std::move(joined)), layers_(surfaces) {
   if (!finder_.any_pair()) return;
   for (const ContactSurface& surface : surfaces) radius_.push_back(surface.radius);
   std::uint32_t end = 0;
@@ -142,18 +138,8 @@ void IntersectionResolver::find_components(const ParticleView& particles) {
   sort_by_components();
 }
 
-std::uint32_t IntersectionResolver::root(std::uint32_t k) {
-  while (root_[k] != k) {
-    root_[k] = root_[root_[k]];
-    k = root_[k];
-  }
-  return k;
-}
-
-// root_: union-find forest of intersections, one tree for each component, with its first intersection as the
-// root.
 void IntersectionResolver::join_intersections() {
-  root_.resize(order_.size());
+  connected_.reset(order_.size());
   std::uint32_t first_of_pair = 0;
   const auto reset = [&](std::uint32_t begin, std::uint32_t end) {
     for (; begin < end; ++begin)
@@ -165,12 +151,8 @@ void IntersectionResolver::join_intersections() {
       reset(first_of_pair, k);
       first_of_pair = k;
     }
-    root_[k] = k;
     for (const std::uint32_t i : intersection(k).particle) {
-      if (last_of_[i] != no_index) {
-        const std::uint32_t p = root(k), q = root(last_of_[i]);
-        root_[std::max(p, q)] = std::min(p, q);
-      }
+      if (last_of_[i] != no_index) connected_.join(k, last_of_[i]);
       last_of_[i] = k;
     }
   }
@@ -182,7 +164,7 @@ void IntersectionResolver::number_components(const ParticleView& particles) {
   components_.clear();
   component_of_.assign(order_.size(), no_index);
   for (std::uint32_t k = 0; k < order_.size(); ++k) {
-    const std::uint32_t first = root(k);
+    const std::uint32_t first = connected_.root(k);
     if (first == k) {
       const auto pair = pair_of(intersection(k));
       component_of_[k] = static_cast<std::uint32_t>(components_.size());
@@ -204,10 +186,10 @@ void IntersectionResolver::sort_by_components() {
   std::size_t begin = 0;
   for (Component& component : components_)
     component.first = begin, begin += component.count, component.count = 0;
-  std::swap(root_, order_);  // root_: the old order
-  for (std::size_t k = 0; k < root_.size(); ++k) {
+  old_order_ = order_;
+  for (std::size_t k = 0; k < old_order_.size(); ++k) {
     Component& component = components_[component_of_[k]];
-    order_[component.first + component.count++] = root_[k];
+    order_[component.first + component.count++] = old_order_[k];
   }
 }
 
@@ -453,14 +435,12 @@ void IntersectionResolver::constrain_inside(const Component& component, const Pa
   const SurfaceElements& elements = finder_.elements();
   const Bounds bounds = finder_.bounds(other);
   hits_.assign(elements.vertices().size(), {});
-  threads.for_each(hits_.size(), vertex_grain, [&](std::size_t v, std::size_t end) {
-    for (; v < end; ++v) {
-      const std::uint32_t i = elements.vertices()[v];
-      if (elements.vertex_objects()[v] != own || inside_[i] != no_index) continue;
-      if (!overlap(around(particles.relative(i, {}), particles.relative(i, {}), 0), bounds)) continue;
-      hits_[v] = finder_.cast_ray(particles, i, {}, n, other, 1);
-      if (!is_odd(hits_[v].count)) hits_[v] = finder_.cast_ray(particles, i, {}, n, other, -1);
-    }
+  threads.each(hits_.size(), vertex_grain, [&](std::size_t v) {
+    const std::uint32_t i = elements.vertices()[v];
+    if (elements.vertex_objects()[v] != own || inside_[i] != no_index) return;
+    if (!overlap(around(particles.relative(i, {}), particles.relative(i, {}), 0), bounds)) return;
+    hits_[v] = finder_.cast_ray(particles, i, {}, n, other, 1);
+    if (!is_odd(hits_[v].count)) hits_[v] = finder_.cast_ray(particles, i, {}, n, other, -1);
   });
   for (std::size_t v = 0; v < hits_.size(); ++v) {
     const SurfaceHit& hit = hits_[v];
@@ -587,7 +567,7 @@ bool IntersectionResolver::exempts(const NearPair& pair, bool edges) const {
 
 std::size_t IntersectionResolver::bytes() const {
   return finder_.bytes() + layers_.bytes() +
-         bytes_of(radius_, order_, pairs_, components_, old_components_, root_, last_of_, component_of_,
+         bytes_of(radius_, order_, pairs_, components_, old_components_, old_order_, last_of_, component_of_,
                   old_component_of_, is_intersecting_, inside_, edges_a_, edges_b_, hits_, constraints_);
 }
 

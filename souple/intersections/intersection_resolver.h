@@ -4,6 +4,7 @@
 #include "souple/intersections/intersecting_pair.h"
 #include "souple/intersections/intersection_finder.h"
 #include "souple/intersections/layers.h"
+#include "souple/math/disjoint_sets.h"
 
 #include <cstdint>
 #include <span>
@@ -39,8 +40,8 @@ namespace souple {
 class IntersectionResolver {
  public:
   /// As SurfaceContacts.
-  void set_surfaces(std::span<const ContactSurface> surfaces);
-  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs) { finder_.exclude(std::move(pairs)); }
+  IntersectionResolver() = default;
+  explicit IntersectionResolver(std::span<const ContactSurface> surfaces, ParticlePairs joined = {});
 
   /// Searches for intersections and layer violations: in all objects if `search_all`; else only between the
   /// objects that had some at the last search.
@@ -102,7 +103,6 @@ class IntersectionResolver {
   void sort_by_pairs();
   void count_pairs(const ParticleView& particles);
   void find_components(const ParticleView& particles);
-  std::uint32_t root(std::uint32_t k);
   void join_intersections();
   void number_components(const ParticleView& particles);
   void sort_by_components();
@@ -130,11 +130,13 @@ class IntersectionResolver {
 
   IntersectionFinder finder_;
   Layers layers_;
-  std::vector<float> radius_;         // per surface, at rest [m]
-  std::vector<std::uint32_t> order_;  // indices of finder_.intersections(), by pair, then component
+  std::vector<float> radius_;  // per surface, at rest [m]
+  std::vector<std::uint32_t> order_,
+      old_order_;  // indices of finder_.intersections(), by pair, then component
   std::vector<IntersectingPair> pairs_;
   std::vector<Component> components_, old_components_;  // of this step, of the last search
-  std::vector<std::uint32_t> root_, component_of_;      // per intersection
+  DisjointSets connected_;                       // intersections; the root of a component is its first one
+  std::vector<std::uint32_t> component_of_;      // per intersection
   std::vector<std::uint32_t> last_of_;           // per particle: last intersection, in join_intersections
   std::vector<std::uint32_t> old_component_of_;  // per particle: index in old_components_, or none
   std::vector<std::uint8_t> is_intersecting_;    // per particle: part of an intersecting edge or triangle

@@ -19,9 +19,9 @@ float size_of(const Bounds& box) {
   return length(box.hi - box.lo);
 }
 
-bool are_excluded(std::uint32_t vertex, const SurfaceElement& triangle, const IntersectionFinder& finder) {
+bool are_joined(std::uint32_t vertex, const SurfaceElement& triangle, const IntersectionFinder& finder) {
   return std::any_of(std::begin(triangle.particle), std::end(triangle.particle),
-                     [&](std::uint32_t i) { return finder.are_excluded(vertex, i); });
+                     [&](std::uint32_t i) { return finder.are_joined(vertex, i); });
 }
 
 Vec3f area_normal(const ParticleView& particles, const SurfaceElement& t) {
@@ -31,8 +31,7 @@ Vec3f area_normal(const ParticleView& particles, const SurfaceElement& t) {
 
 }  // namespace
 
-void Layers::set_surfaces(std::span<const ContactSurface> surfaces) {
-  *this = {};
+Layers::Layers(std::span<const ContactSurface> surfaces) {
   std::vector<std::uint32_t> layered;
   for (std::uint32_t a = 0; a < surfaces.size(); ++a)
     if (surfaces[a].layer != 0) layered.push_back(a);
@@ -184,7 +183,7 @@ bool Layers::test_upper(const Pair& pair, std::uint32_t i, const ParticleView& p
   const Nearest on = nearest(particles, finder, i, {}, pair.lower, range, near);
   Vec3f normal;
   if (!is_under(on, particles, finder, size, normal)) return false;
-  if (are_excluded(i, finder.elements().triangles()[on.triangle], finder)) return false;
+  if (are_joined(i, finder.elements().triangles()[on.triangle], finder)) return false;
   const float depth = length(on.offset);
   const auto& corner = finder.elements().triangles()[on.triangle].particle;
   found = {i,
@@ -204,7 +203,7 @@ bool Layers::test_lower(const Pair& pair, std::uint32_t i, const ParticleView& p
   const Vec3f x = particles.relative(i, {});
   if (!overlap(widened(surfaces_[pair.upper].bounds, range), {x, x})) return false;
   const Nearest above = nearest(particles, finder, i, {}, pair.upper, range, near);
-  if (above.triangle == no_index || are_excluded(i, finder.elements().triangles()[above.triangle], finder))
+  if (above.triangle == no_index || are_joined(i, finder.elements().triangles()[above.triangle], finder))
     return false;
   const Nearest on = nearest(particles, finder, i, -above.offset, pair.lower, range, near);
   Vec3f normal;

@@ -39,8 +39,8 @@ struct LayerViolation {
 /// their direction.
 class Layers {
  public:
-  /// As IntersectionFinder::set_surfaces.
-  void set_surfaces(std::span<const ContactSurface> surfaces);
+  Layers() = default;
+  explicit Layers(std::span<const ContactSurface> surfaces);
   /// Whether any pair of surfaces has an order.
   bool any() const { return !pairs_.empty(); }
   /// Whether surfaces a and b have an order.

@@ -28,12 +28,11 @@ bool is_particle_only(const Object& object) {
 
 // Balls collide with balls as particles; all other pairs collide as surfaces.
 ContactObject contact_object(const Object& object) {
-  constexpr std::uint32_t balls = 1;
-  ContactObject result{.begin = object.begin, .end = object.end, .groups = 0};
+  ContactObject result{.begin = object.begin, .end = object.end};
   const KindTraits& kind = object.traits();
   result.self_collision = result.rolls = kind.rolls;
   result.collides_with_colliders = !kind.flows && !kind.rigid;
-  if (is_particle_only(object) && !kind.flows) result.groups = result.mask = balls;
+  result.are_balls = is_particle_only(object) && !kind.flows;
   return result;
 }
 
@@ -73,8 +72,7 @@ ContactSurface contact_surface(const Object& object, std::uint32_t index, std::s
       .self_collision = object.collision.itself == SelfCollision::surfaces && !is_particle_only(object) &&
                         matrix.collide(index, index),
       .vertex_balls = object.collision.itself == SelfCollision::particles && matrix.collide(index, index),
-      .groups = object.collision.filter.groups,
-      .mask = object.collision.filter.mask,
+      .filter = object.collision.filter,
       .immovable = object.is_driven(),
       .layer = object.collision.layer,
       .rigid = kind.rigid,

@@ -97,6 +97,24 @@ SOUPLE_INLINE inline void store(Numbers<Isa> a, float* column, int count) {
 }
 
 template <class Isa>
+SOUPLE_INLINE inline Vectors<Isa> load3(float* const (&column)[3], std::size_t i, int count) {
+  return {load<Isa>(column[0] + i, count), load<Isa>(column[1] + i, count), load<Isa>(column[2] + i, count)};
+}
+template <class Isa>
+SOUPLE_INLINE inline void store3(const Vectors<Isa>& v, float* const (&column)[3], std::size_t i, int count) {
+  for (int axis = 0; axis < 3; ++axis) store<Isa>(v[axis], column[axis] + i, count);
+}
+/// Adds to the first three floats of records.
+template <class Isa>
+SOUPLE_INLINE inline void add_to_records(float* base, const std::uint32_t (&first_float)[Isa::lanes],
+                                         const Vectors<Isa>& change) {
+  Records<Isa> records(base, first_float);
+  records.transpose();
+  for (int axis = 0; axis < 3; ++axis) records.r[axis] = (Numbers<Isa>(records.r[axis]) + change[axis]).v;
+  records.write(base, first_float);
+}
+
+template <class Isa>
 SOUPLE_INLINE inline Vectors<Isa> selected(typename Numbers<Isa>::Mask mask, const Vectors<Isa>& a,
                                            const Vectors<Isa>& b) {
   return {select(mask, a.x, b.x), select(mask, a.y, b.y), select(mask, a.z, b.z)};

@@ -50,16 +50,14 @@ RigidSums rigid_sums(const Particles& particles, const Object& object, const Vec
                      std::vector<RigidSums>& of_chunk) {
   const std::size_t count = object.particle_count(), chunks = (count + chunk_size - 1) / chunk_size;
   of_chunk.resize(std::max(of_chunk.size(), chunks));
-  threads.for_each(chunks, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t chunk = first; chunk < last; ++chunk) {
-      RigidSums sums;
-      const std::size_t end = object.begin + std::min((chunk + 1) * chunk_size, count);
-      for (std::size_t i = object.begin + chunk * chunk_size; i < end; ++i)
-        if (particles.position[i].w != 0)
-          add(sums, static_cast<double>(particles.mass[i]), Vec3d(particles.position[i].xyz()) - origin,
-              Vec3d(particles.velocity[i].xyz()));
-      of_chunk[chunk] = sums;
-    }
+  threads.each(chunks, 1, [&](std::size_t chunk) {
+    RigidSums sums;
+    const std::size_t end = object.begin + std::min((chunk + 1) * chunk_size, count);
+    for (std::size_t i = object.begin + chunk * chunk_size; i < end; ++i)
+      if (particles.position[i].w != 0)
+        add(sums, static_cast<double>(particles.mass[i]), Vec3d(particles.position[i].xyz()) - origin,
+            Vec3d(particles.velocity[i].xyz()));
+    of_chunk[chunk] = sums;
   });
   RigidSums all;
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) add(all, of_chunk[chunk]);

@@ -125,14 +125,10 @@ bool any_touch(const ParticleView& particles, const ProximityQuery& t,
   return false;
 }
 
-bool are_balls(const ContactObject& a, const ContactObject& b) {
-  return (a.groups & b.mask) != 0 && (b.groups & a.mask) != 0;
-}
-
 void check_balls(const ObjectsView& objects, const ContactTables& tables, ProximityQuery& t) {
   const ParticleView view = objects.view();
   for (const auto& [a, b] : t.candidates) {
-    if (t.is_found.contains(a, b) || !are_balls(tables.objects[a], tables.objects[b])) continue;
+    if (t.is_found.contains(a, b) || !tables.objects[a].are_balls || !tables.objects[b].are_balls) continue;
     list_balls(objects, t, a, t.bounds[b], t.balls_a);
     list_balls(objects, t, b, t.bounds[a], t.balls_b);
     if (any_touch(view, t, t.balls_a, t.balls_b) || any_touch(view, t, t.balls_b, t.balls_a))

@@ -154,9 +154,8 @@ bool RigidStage::is_awake(std::size_t body) const {
 template <class F>
 void RigidStage::for_each_awake(const StageView& stage, F&& f) {
   constexpr std::size_t grain = 16;
-  stage.threads.for_each(records_.size(), grain, [&](std::size_t k, std::size_t end) {
-    for (; k < end; ++k)
-      if (is_awake(k)) f(k);
+  stage.threads.each(records_.size(), grain, [&](std::size_t k) {
+    if (is_awake(k)) f(k);
   });
 }
 

@@ -32,14 +32,14 @@
 namespace souple {
 namespace {
 
-std::vector<std::array<std::uint32_t, 2>> joined_particles(const WorldState& world) {
-  std::vector<std::array<std::uint32_t, 2>> joined;
+ParticlePairs joined_particles(const WorldState& world) {
+  std::vector<Edge> joined;
   for (const UserConstraint& user_constraint : world.constraints.users)
     for (std::size_t i = 0; user_constraint.distance_joint && user_constraint.is_active &&
                             i < user_constraint.distance_joint->size();
          ++i)
       joined.push_back(user_constraint.distance_joint->set().indices(i));
-  return joined;
+  return ParticlePairs(std::move(joined));
 }
 
 // Reads world.contact->tables. Elements concern solid colliders only.

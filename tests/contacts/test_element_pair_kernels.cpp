@@ -1,5 +1,5 @@
-#include "souple/contacts/contact_arrays.h"
 #include "souple/contacts/kernels/find_kernels.h"
+#include "souple/state/columns.h"
 #include "souple/state/particles.h"
 #include "tests/collision/random.h"
 #include "tests/instruction_sets.h"
@@ -87,7 +87,7 @@ void project_one(const ElementPairKernels& kernels, Crowd& crowd, int kind) {
                                             crowd.distance_bound.data()};
   const std::uint32_t found = 0;
   const float part = 1;
-  ContactArrays arrays;
+  ColumnStore<kernels::ContactColumns> arrays;
   arrays.resize(1);
   const kernels::ContactColumns contacts = arrays.columns();
   contacts.slop[0] = 0;

@@ -210,13 +210,11 @@ TEST(ParticleContacts, TheGridFindsEveryTouchingPair) {
   for (int object = 0; object < 3; ++object) {
     for (int k = 0; k < 700; ++k)
       world.add(random.point(-0.5, 0.5) + Vec3d{0, 0, -3}, float(random.uniform(0.004, 0.05)), 1);
-    ContactObject& added = world.end_object({0.3f, std::nullopt, 0});
-    added.groups = 1u << object;
+    ContactObject& added = world.end_object({0.3f, std::nullopt, 0}, std::to_string(object));
+    added.are_balls = true;
     added.self_collision = object == 1;
   }
-  world.objects[0].mask = 2 | 4;
-  world.objects[1].mask = 1 | 4;
-  world.objects[2].mask = 1;  // object 1 has 2 in its mask, object 2 does not have 1: they do not collide
+  world.table.set_collide("1", "2", false);
   // Every pair nearer than 1.1 times the sum of its radii must become exactly one contact of the first
   // substep.
   std::size_t expected = 0;

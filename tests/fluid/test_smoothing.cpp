@@ -1,3 +1,4 @@
+#include "souple/fluid/kernels/find_kernels.h"
 #include "souple/fluid/kernels/shapes.h"
 #include "souple/fluid/smoothing.h"
 #include "souple/simd/instruction_set.h"

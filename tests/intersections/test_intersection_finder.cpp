@@ -59,8 +59,7 @@ TEST(IntersectionFinder, FindsWhatTheCheckerCounts) {
   for (const double far : {0.0, 1000.0}) {
     CrumpledSheets sheets(3, 20, 2, {far, -far, far / 2});
     for (ContactSurface& surface : sheets.surfaces()) surface.self_collision = true;
-    IntersectionFinder finder;
-    finder.set_surfaces(sheets.surfaces());
+    IntersectionFinder finder(sheets.surfaces());
     finder.find(sheets.view(), *threads);
     EXPECT_GT(finder.intersections().size(), 1000u);
     EXPECT_EQ(finder.intersections().size(), sheets.checker().crossings()) << far;
@@ -80,9 +79,8 @@ TEST(IntersectionFinder, FindsWhatTheCheckerCounts) {
 TEST(IntersectionFinder, SearchesOnlyCollidingSurfaces) {
   const auto threads = make_threads(Threading::serial, 1);
   CrumpledSheets sheets(2, 12, 2, {});
-  IntersectionFinder finder;
   const auto found = [&] {
-    finder.set_surfaces(sheets.surfaces());
+    IntersectionFinder finder(sheets.surfaces());
     finder.find(sheets.view(), *threads);
     return count(finder);
   };
@@ -93,20 +91,19 @@ TEST(IntersectionFinder, SearchesOnlyCollidingSurfaces) {
   EXPECT_EQ(found().first, between);
   EXPECT_GT(found().second, 100u);
   // With different groups the sheets do not collide.
-  sheets.surfaces()[0].mask = 2, sheets.surfaces()[0].groups = 2, sheets.surfaces()[1].mask = 1;
+  sheets.surfaces()[0].filter = {2, 2}, sheets.surfaces()[1].filter.mask = 1;
   EXPECT_EQ(found().first, 0u);
   EXPECT_GT(found().second, 100u);
 }
 
-TEST(IntersectionFinder, IgnoresExcludedPairs) {
+TEST(IntersectionFinder, IgnoresJoinedPairs) {
   const auto threads = make_threads(Threading::serial, 1);
   CrumpledSheets sheets(2, 12, 2, {});
-  IntersectionFinder finder;
-  finder.set_surfaces(sheets.surfaces());
+  IntersectionFinder finder(sheets.surfaces());
   finder.find(sheets.view(), *threads);
   const std::size_t before = finder.intersections().size();
   const EdgeIntersection first = finder.intersections()[0];
-  finder.exclude({{first.particle[3], first.particle[0]}});
+  finder = IntersectionFinder(sheets.surfaces(), ParticlePairs({{first.particle[3], first.particle[0]}}));
   finder.find(sheets.view(), *threads);
   EXPECT_LT(finder.intersections().size(), before);
   for (const EdgeIntersection& e : finder.intersections())
@@ -127,8 +124,7 @@ TEST(IntersectionFinder, TouchingSurfacesDoNotIntersect) {
     for (std::uint32_t k = 0; k < 2; ++k)
       surfaces[k].begin = k * n, surfaces[k].end = (k + 1) * n, surfaces[k].triangles = mesh.triangles,
       surfaces[k].rest = mesh.positions;
-    IntersectionFinder finder;
-    finder.set_surfaces(surfaces);
+    IntersectionFinder finder(surfaces);
     finder.find({position, still, still}, *threads);
     EXPECT_EQ(finder.intersections().empty(), offset == 1.0) << offset;
     EXPECT_TRUE(finder.is_closed(0));
@@ -138,8 +134,7 @@ TEST(IntersectionFinder, TouchingSurfacesDoNotIntersect) {
 TEST(IntersectionFinder, AWarmFindAllocatesNothing) {
   const auto threads = make_threads(Threading::pool, 2);
   CrumpledSheets sheets(2, 30, 1.5, {});
-  IntersectionFinder finder;
-  finder.set_surfaces(sheets.surfaces());
+  IntersectionFinder finder(sheets.surfaces());
   for (int k = 0; k < 3; ++k) finder.find(sheets.view(), *threads);
   const long before = test::allocations();
   finder.find(sheets.view(), *threads);

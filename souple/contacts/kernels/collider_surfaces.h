@@ -274,13 +274,4 @@ SOUPLE_INLINE inline Surface<Isa> surface_at(const ColliderShape& shape, const V
   return field_surface<Isa>(shape, w, count);
 }
 
-template <class Isa>
-SOUPLE_INLINE inline Vectors<Isa> load3(float* const (&column)[3], std::size_t i, int count) {
-  return {load<Isa>(column[0] + i, count), load<Isa>(column[1] + i, count), load<Isa>(column[2] + i, count)};
-}
-template <class Isa>
-SOUPLE_INLINE inline void store3(const Vectors<Isa>& v, float* const (&column)[3], std::size_t i, int count) {
-  for (int axis = 0; axis < 3; ++axis) store<Isa>(v[axis], column[axis] + i, count);
-}
-
 }  // namespace souple::kernels

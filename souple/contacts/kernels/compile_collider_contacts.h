@@ -172,7 +172,7 @@ template <class Isa>
     const Motion<Isa> motion(particles, body, pack);
     const Gap<Isa> gap(body, columns, motion.to, i, count);
     const T slop = load<Isa>(columns.slop + i, count);
-    ContactSums<T> sums{load<Isa>(columns.normal_sum + i, count), load3<Isa>(columns.tangent_sum, i, count)};
+    ContactSums<T> sums = load_sums<Isa>(columns, i, count);
     const Vectors<Isa> n = product<Isa>(body.after.axis, gap.normal);
     Vectors<Isa> moved = motion.moved;
     store3<Isa>(n, columns.normal, i, count);
@@ -186,32 +186,12 @@ template <class Isa>
                   columns.surface_motion, i, count);
     }
     const ContactSums<T> before = sums;
-    const T static_friction = load<Isa>(columns.static_friction + i, count);
-    const T kinetic_friction = load<Isa>(columns.kinetic_friction + i, count);
-    Vectors<Isa> change = solve_contact(sums, gap.C, slop, n, moved, static_friction, kinetic_friction);
-    if (particles.turn) {
-      const RollingBalls<Isa> balls(particles.turn, columns, pack.first_float, i, count);
-      const auto rolls = balls.rolls && acts;
-      if (any_lane(rolls)) {
-        ContactSums<T> rolling_sums = before;
-        Vectors<Isa> moment_sum = balls.moment_sum;
-        const auto rolling =
-            solve_rolling_contact(rolling_sums, moment_sum, gap.C, slop, n, balls.slip(moved, n),
-                                  relative_rotation<Isa>(balls, body, columns, i, count), balls.response(),
-                                  static_friction, kinetic_friction, balls.rolling_friction);
-        change = selected<Isa>(rolls, rolling.position, change);
-        sums.tangent_sum = selected<Isa>(rolls, rolling_sums.tangent_sum, sums.tangent_sum);
-        balls.store_sum(moment_sum, rolls, columns, i, count);
-        balls.turn(rolling.friction, rolling.moment, rolls, particles.turn, pack.first_float, count);
-      }
-    }
-    store<Isa>(select(acts, sums.normal_sum, before.normal_sum), columns.normal_sum + i, count);
-    store3<Isa>(selected<Isa>(acts, sums.tangent_sum, before.tangent_sum), columns.tangent_sum, i, count);
-    Records<Isa> records(particles.corrected, pack.first_float);
-    records.transpose();
-    for (int axis = 0; axis < 3; ++axis)
-      records.r[axis] = (Numbers<Isa>(records.r[axis]) + select(acts, change[axis], zero)).v;
-    records.write(particles.corrected, pack.first_float);
+    const Vectors<Isa> change = solve_pack<Isa>(
+        sums, acts, gap.C, slop, n, moved, particles.turn, columns, pack.first_float, i, count,
+        [&](const auto& balls) { return relative_rotation<Isa>(balls, body, columns, i, count); });
+    store_sums<Isa>(selected_sums<Isa>(acts, sums, before), columns, i, count);
+    add_to_records<Isa>(particles.corrected, pack.first_float,
+                        selected<Isa>(acts, change, {zero, zero, zero}));
   }
 }
 
@@ -228,20 +208,16 @@ template <class Isa>
     const Vectors<Isa> n = load3<Isa>(columns.normal, i, count);
     const T C = load<Isa>(columns.plane_gap + i, count) + dot(n, moved);
     const T slop = load<Isa>(columns.slop + i, count);
-    ContactSums<T> sums{load<Isa>(columns.normal_sum + i, count), load3<Isa>(columns.tangent_sum, i, count)};
+    ContactSums<T> sums = load_sums<Isa>(columns, i, count);
     const auto acts = slop > C || sums.normal_sum > T(0.f);
     if (!any_lane(acts)) continue;
     const ContactSums<T> before = sums;
     const Vectors<Isa> change = solve_contact(
         sums, C, slop, n, moved - load3<Isa>(columns.surface_motion, i, count),
         load<Isa>(columns.static_friction + i, count), load<Isa>(columns.kinetic_friction + i, count));
-    store<Isa>(select(acts, sums.normal_sum, before.normal_sum), columns.normal_sum + i, count);
-    store3<Isa>(selected<Isa>(acts, sums.tangent_sum, before.tangent_sum), columns.tangent_sum, i, count);
-    Records<Isa> records(particles.corrected, pack.first_float);
-    records.transpose();
-    for (int axis = 0; axis < 3; ++axis)
-      records.r[axis] = (T(records.r[axis]) + select(acts, change[axis], nothing)).v;
-    records.write(particles.corrected, pack.first_float);
+    store_sums<Isa>(selected_sums<Isa>(acts, sums, before), columns, i, count);
+    add_to_records<Isa>(particles.corrected, pack.first_float,
+                        selected<Isa>(acts, change, {nothing, nothing, nothing}));
   }
 }
 
@@ -255,40 +231,18 @@ template <class Isa>
   for (std::size_t i = begin; i < end; i += Isa::lanes) {
     const ParticlePack<Isa> pack(columns.particle, i, end);
     const int count = pack.count;
-    const ContactSums<T> sums{load<Isa>(columns.normal_sum + i, count),
-                              load3<Isa>(columns.tangent_sum, i, count)};
+    const ContactSums<T> sums = load_sums<Isa>(columns, i, count);
     const auto acts = sums.normal_sum > zero;
     if (!any_lane(acts)) continue;
     const Vectors<Isa> n = load3<Isa>(columns.normal, i, count);
-    Records<Isa> records(particles.velocity, pack.first_float);
-    records.transpose();
-    const Vectors<Isa> v{T(records.r[0]), T(records.r[1]), T(records.r[2])};
+    const Vectors<Isa> v = Records<Isa>(particles.velocity, pack.first_float).components();
     const Vectors<Isa> u = v - load3<Isa>(columns.surface_motion, i, count) * inverse_h;
     const T approach = -dot(n, load3<Isa>(columns.predicted, i, count)) * inverse_h;
-    const T restitution = load<Isa>(columns.restitution + i, count);
-    const T static_friction = load<Isa>(columns.static_friction + i, count);
-    const T kinetic_friction = load<Isa>(columns.kinetic_friction + i, count);
-    auto [change, restitution_velocity] =
-        solve_restitution(sums, n, u, approach, T(limits.restitution_threshold), restitution, static_friction,
-                          kinetic_friction, inverse_h);
-    if (particles.turn) {
-      const RollingBalls<Isa> balls(particles.turn, columns, pack.first_float, i, count);
-      const auto rolls = balls.rolls && acts;
-      if (any_lane(rolls)) {
-        const T h = T(1.f) / inverse_h;
-        const auto rolling = solve_rolling_restitution(
-            sums, balls.moment_sum, n, dot(n, u), balls.slip(u * h, n) * inverse_h,
-            relative_rotation<Isa>(balls, body, columns, i, count) * inverse_h, balls.response(), approach,
-            T(limits.restitution_threshold), restitution, static_friction, kinetic_friction,
-            balls.rolling_friction, inverse_h);
-        change = selected<Isa>(rolls, rolling.change.position, change);
-        balls.turn(rolling.change.friction * h, rolling.change.moment * h, rolls, particles.turn,
-                   pack.first_float, count);
-      }
-    }
-    for (int axis = 0; axis < 3; ++axis)
-      records.r[axis] = (Numbers<Isa>(records.r[axis]) + select(acts, change[axis], zero)).v;
-    records.write(particles.velocity, pack.first_float);
+    const auto [change, restitution_velocity] = restitute_pack<Isa>(
+        sums, acts, n, u, approach, limits, particles.turn, columns, pack.first_float, i, count,
+        [&](const auto& balls) { return relative_rotation<Isa>(balls, body, columns, i, count); });
+    add_to_records<Isa>(particles.velocity, pack.first_float,
+                        selected<Isa>(acts, change, {zero, zero, zero}));
     store<Isa>(select(acts, restitution_velocity, zero), columns.restitution_velocity + i, count);
     const Gap<Isa> gap(body, columns, end_in_frame<Isa>(particles, body, pack), i, count);
     store<Isa>(select(acts, max(zero, -gap.C), zero), columns.depth + i, count);

@@ -307,8 +307,7 @@ struct ContactPack {
         first_float[k][lane] = 4 * columns.particle[k][indices.at[lane]];
       c[k] = load<Isa>(columns.c[k] + i, count);
     }
-    n = {load<Isa>(columns.normal[0] + i, count), load<Isa>(columns.normal[1] + i, count),
-         load<Isa>(columns.normal[2] + i, count)};
+    n = load3<Isa>(columns.normal, i, count);
   }
 };
 
@@ -386,36 +385,15 @@ SOUPLE_INLINE inline void project_pack(const ParticleRecords& particles, const C
     difference += x * pack.c[k];
     moved += (m - first_moved) * pack.c[k];
   }
-  ContactSums<T> sums{
-      load<Isa>(columns.normal_sum + i, pack.count),
-      {load<Isa>(columns.tangent_sum[0] + i, pack.count), load<Isa>(columns.tangent_sum[1] + i, pack.count),
-       load<Isa>(columns.tangent_sum[2] + i, pack.count)}};
+  ContactSums<T> sums = load_sums<Isa>(columns, i, pack.count);
   const T C = dot(pack.n, difference) - load<Isa>(columns.thickness + i, pack.count);
   const T slop = load<Isa>(columns.slop + i, pack.count);
   const auto acts = slop > C || sums.normal_sum > zero;
   if (!any_lane(acts)) return;
-  const T static_friction = load<Isa>(columns.static_friction + i, pack.count);
-  const T kinetic_friction = load<Isa>(columns.kinetic_friction + i, pack.count);
-  const ContactSums<T> before = sums;
-  Vectors<Isa> change = solve_contact(sums, C, slop, pack.n, moved, static_friction, kinetic_friction);
-  if (particles.turn) {
-    const RollingBalls<Isa> balls(particles.turn, columns, pack.first_float[0], i, pack.count);
-    const auto rolls = balls.rolls && acts;
-    if (any_lane(rolls)) {
-      ContactSums<T> rolling_sums = before;
-      Vectors<Isa> moment_sum = balls.moment_sum;
-      const auto rolling = solve_rolling_contact(rolling_sums, moment_sum, C, slop, pack.n,
-                                                 balls.slip(moved, pack.n), balls.turned, balls.response(),
-                                                 static_friction, kinetic_friction, balls.rolling_friction);
-      change = selected<Isa>(rolls, rolling.position, change);
-      sums.tangent_sum = selected<Isa>(rolls, rolling_sums.tangent_sum, sums.tangent_sum);
-      balls.store_sum(moment_sum, rolls, columns, i, pack.count);
-      balls.turn(rolling.friction, rolling.moment, rolls, particles.turn, pack.first_float[0], pack.count);
-    }
-  }
-  store<Isa>(sums.normal_sum, columns.normal_sum + i, pack.count);
-  for (int axis = 0; axis < 3; ++axis)
-    store<Isa>(sums.tangent_sum[axis], columns.tangent_sum[axis] + i, pack.count);
+  const Vectors<Isa> change =
+      solve_pack<Isa>(sums, acts, C, slop, pack.n, moved, particles.turn, columns, pack.first_float[0], i,
+                      pack.count, [](const auto& balls) { return balls.turned; });
+  store_sums<Isa>(sums, columns, i, pack.count);
   const T factor = T(1.f) / load<Isa>(columns.inverse_mass + i, pack.count);
   if (particles.corrected != particles.moving)
     for (int k = 0; k < 4; ++k) {
@@ -456,28 +434,10 @@ template <class Isa>
       u += corners.component(k) * pack.c[k];
     }
     const auto column = [&](const float* of) { return load<Isa>(of + i, count); };
-    const ContactSums<T> sums{
-        normal_sum,
-        {column(columns.tangent_sum[0]), column(columns.tangent_sum[1]), column(columns.tangent_sum[2])}};
-    auto [change, restitution_velocity] =
-        solve_restitution(sums, pack.n, u, column(columns.approach) * inverse_h,
-                          T(limits.restitution_threshold), column(columns.restitution),
-                          column(columns.static_friction), column(columns.kinetic_friction), inverse_h);
-    if (particles.turn) {
-      const RollingBalls<Isa> balls(particles.turn, columns, pack.first_float[0], i, pack.count);
-      const auto rolls = balls.rolls && acts;
-      if (any_lane(rolls)) {
-        const T h = T(1.f) / inverse_h;
-        const auto rolling = solve_rolling_restitution(
-            sums, balls.moment_sum, pack.n, dot(pack.n, u), balls.slip(u * h, pack.n) * inverse_h,
-            balls.turned * inverse_h, balls.response(), column(columns.approach) * inverse_h,
-            T(limits.restitution_threshold), column(columns.restitution), column(columns.static_friction),
-            column(columns.kinetic_friction), balls.rolling_friction, inverse_h);
-        change = selected<Isa>(rolls, rolling.change.position, change);
-        balls.turn(rolling.change.friction * h, rolling.change.moment * h, rolls, particles.turn,
-                   pack.first_float[0], pack.count);
-      }
-    }
+    const auto [change, restitution_velocity] =
+        restitute_pack<Isa>(load_sums<Isa>(columns, i, count), acts, pack.n, u,
+                            column(columns.approach) * inverse_h, limits, particles.turn, columns,
+                            pack.first_float[0], i, count, [](const auto& balls) { return balls.turned; });
     corners.add(change * (T(1.f) / column(columns.inverse_mass)), pack.c, acts, velocity, pack.first_float);
     store<Isa>(select(acts, restitution_velocity, zero), columns.restitution_velocity + i, count);
     const T depth = max(zero, column(columns.thickness) - dot(pack.n, weighted(x, pack.c)));

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/contacts/contact_law.h"
+#include "souple/contacts/kernels/rolling_balls.h"
 #include "souple/contacts/kernels/vertex_balls.h"
 #include "souple/simd/registers.h"
 
@@ -55,7 +55,9 @@ template <class Isa>
                                           const BallRun* runs, std::size_t run_count, std::uint32_t* found) {
   using T = Numbers<Isa>;
   const T x(cells.place[0][slot]), y(cells.place[1][slot]), z(cells.place[2][slot]);
-  const T rest_x(cells.rest[0][slot]), rest_y(cells.rest[1][slot]), rest_z(cells.rest[2][slot]);
+  const bool compares_rest = cells.rest[0] != nullptr;
+  Vectors<Isa> rest{T(0.f), T(0.f), T(0.f)};
+  for (int axis = 0; compares_rest && axis < 3; ++axis) rest[axis] = T(cells.rest[axis][slot]);
   const T own_radius(cells.radius[slot]), own_reach(cells.reach[slot]);
   const T square(rest_part * rest_part);
   std::size_t total = 0;
@@ -65,13 +67,15 @@ template <class Isa>
       const Vectors<Isa> d{T::load(cells.place[0] + s) - x, T::load(cells.place[1] + s) - y,
                            T::load(cells.place[2] + s) - z};
       const T reach = T::load(cells.reach + s) + own_reach, row = T::load(cells.row + s);
-      const auto near = dot(d, d) < reach * reach && row <= T(run->row) && row >= T(run->row);
+      auto near = dot(d, d) < reach * reach && row <= T(run->row) && row >= T(run->row);
       if (!any_lane(near)) continue;
-      const T sum = T::load(cells.radius + s) + own_radius;
-      const Vectors<Isa> at_rest{T::load(cells.rest[0] + s) - rest_x, T::load(cells.rest[1] + s) - rest_y,
-                                 T::load(cells.rest[2] + s) - rest_z};
-      const auto counts = near && dot(at_rest, at_rest) * square >= sum * sum;
-      for (std::uint32_t bits = lane_bits<Isa>(counts, count); bits != 0; bits &= bits - 1)
+      if (compares_rest) {
+        const T sum = T::load(cells.radius + s) + own_radius;
+        const Vectors<Isa> at_rest{T::load(cells.rest[0] + s) - rest.x, T::load(cells.rest[1] + s) - rest.y,
+                                   T::load(cells.rest[2] + s) - rest.z};
+        near = near && dot(at_rest, at_rest) * square >= sum * sum;
+      }
+      for (std::uint32_t bits = lane_bits<Isa>(near, count); bits != 0; bits &= bits - 1)
         found[total++] = static_cast<std::uint32_t>(s) + static_cast<std::uint32_t>(__builtin_ctz(bits));
     }
   return total;
@@ -121,11 +125,8 @@ template <class Isa>
         out.first_float[k][c + static_cast<std::size_t>(lane)] = pack.first_float[k][lane];
     store<Isa>(w_i * share, out.share[0] + c, count);
     store<Isa>(w_j * share, out.share[1] + c, count);
-    for (int axis = 0; axis < 3; ++axis) {
-      store<Isa>(n[axis], out.normal[axis] + c, count);
-      store<Isa>(start[axis], out.start[axis] + c, count);
-      store<Isa>(zero, out.tangent_sum[axis] + c, count);
-    }
+    store3<Isa>(n, out.normal, c, count), store3<Isa>(start, out.start, c, count);
+    store3<Isa>({zero, zero, zero}, out.tangent_sum, c, count);
     store<Isa>(dot(n, x) - distance - slop, out.gap + c, count);
     const auto slides = dot(moved, moved) > T(law.sliding_threshold) * T(law.sliding_threshold);
     store<Isa>(select(slides, T(law.kinetic_friction), T(law.static_friction)), out.kinetic_friction + c,
@@ -142,20 +143,15 @@ template <class Isa>
   for (std::size_t c = begin; c < end; c += Isa::lanes) {
     const BallPack<Isa> pack(columns, c, end);
     const int count = pack.count;
-    const auto vector = [&](float* const(&of)[3]) {
-      return Vectors<Isa>{load<Isa>(of[0] + c, count), load<Isa>(of[1] + c, count),
-                          load<Isa>(of[2] + c, count)};
-    };
     Records<Isa> i(particles.moving, pack.first_float[0]), j(particles.moving, pack.first_float[1]);
-    const Vectors<Isa> n = vector(columns.normal), q = i.components() - j.components();
+    const Vectors<Isa> n = load3<Isa>(columns.normal, c, count), q = i.components() - j.components();
     const T C = load<Isa>(columns.gap + c, count) + dot(n, q);
-    ContactSums<T> sums{load<Isa>(columns.normal_sum + c, count), vector(columns.tangent_sum)};
+    ContactSums<T> sums = load_sums<Isa>(columns, c, count);
     if (!any_lane(C < zero || sums.normal_sum > zero)) continue;
-    const Vectors<Isa> change = solve_contact(sums, C, zero, n, q - vector(columns.start), T(static_friction),
-                                              load<Isa>(columns.kinetic_friction + c, count));
-    store<Isa>(sums.normal_sum, columns.normal_sum + c, count);
-    for (int axis = 0; axis < 3; ++axis)
-      store<Isa>(sums.tangent_sum[axis], columns.tangent_sum[axis] + c, count);
+    const Vectors<Isa> change =
+        solve_contact(sums, C, zero, n, q - load3<Isa>(columns.start, c, count), T(static_friction),
+                      load<Isa>(columns.kinetic_friction + c, count));
+    store_sums<Isa>(sums, columns, c, count);
     if (particles.corrected != particles.moving) {
       i = Records<Isa>(particles.corrected, pack.first_float[0]), i.transpose();
       j = Records<Isa>(particles.corrected, pack.first_float[1]), j.transpose();

@@ -18,8 +18,8 @@ struct BallRecords {
 
 /// Pairs of balls.
 struct BallPairColumns {
-  const std::uint32_t* first_float[2] = {};  ///< of the records of both
-  const float* distance = nullptr;           ///< that they keep [m]
+  std::uint32_t* first_float[2];  ///< of the records of both
+  float* distance;                ///< that they keep [m]
 };
 
 /// Data that the contacts of one surface have in common, in a substep.
@@ -43,11 +43,11 @@ struct BallContactColumns {
 
 /// Balls in cells, as columns (ball_cells.h). A register can be loaded from any slot.
 struct BallCellColumns {
-  const float* place[3];
-  const float* rest[3];
-  const float* radius;
-  const float* reach;  ///< radius and margin
-  const float* row;    ///< number of the row of cells
+  float* place[3];
+  float* rest[3];  ///< null: see find_in_runs
+  float* radius;
+  float* reach;  ///< radius and margin
+  float* row;    ///< number of the row of cells
 };
 
 /// Slots [begin, end), of which those of one row count.
@@ -58,8 +58,9 @@ struct BallRun {
 
 /// Each function processes [begin, end).
 struct VertexBallKernels {
-  /// Appends the slots of balls in the runs that are nearer to that of `slot` than both reaches. Their distance at rest
-  /// times rest_part must be at least the sum of the radii. Returns their number.
+  /// Appends the slots of balls in the runs that are nearer to that of `slot` than both reaches. Balls whose distance at
+  /// rest times rest_part is below the sum of their radii do not count; without places at rest, all count. Returns the
+  /// number of slots.
   std::size_t (*find_in_runs)(const BallCellColumns&, std::size_t slot, float rest_part, const BallRun* runs,
                               std::size_t run_count, std::uint32_t* found);
   /// Appends the pairs that will be nearer than their distance plus a part of it to `found`, ascending, and returns their

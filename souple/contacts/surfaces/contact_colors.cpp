@@ -2,7 +2,6 @@
 
 #include "souple/assert.h"
 #include "souple/broad_phase/spatial_hash.h"
-#include "souple/contacts/contact_arrays.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
@@ -83,8 +82,8 @@ void ContactColors::sort(std::span<const PairToi> contacts, const ElementPairs& 
     sum += vertices + edges;
   }
   begin_.push_back(sum);
-  resize_with_spare(pair_, sum, ContactArrays::spare);
-  resize_with_spare(toi_, sum, ContactArrays::spare);
+  resize_with_spare(pair_, sum, contact_spare);
+  resize_with_spare(toi_, sum, contact_spare);
   for (const PairToi& contact : contacts) {
     const std::size_t slot =
         next_slot_[2 * std::size_t{color_[contact.pair]} + (pairs.are_edges(contact.pair) ? 1 : 0)]++;

@@ -8,13 +8,6 @@
 
 namespace souple {
 
-/// A contact or a TOI violation: the index of a candidate pair, and the part of the motion at which its nearest
-/// points count. This is its time of impact, or 1 without impact.
-struct PairToi {
-  std::uint32_t pair;
-  float toi;
-};
-
 /// Positions of the four particles of a pair relative to the first: x at the start of the substep, p at its
 /// end.
 struct Motion {

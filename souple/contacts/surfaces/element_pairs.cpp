@@ -51,13 +51,9 @@ kernels::ParticleRecords ElementPairs::particle_records(const ParticleView& part
   return result;
 }
 
-void ElementPairs::set_surfaces(std::vector<ContactSurface> surfaces) {
-  ElementSurfaces kept = std::move(surfaces_);
-  const IntersectionResolver* const intersection_resolver = intersection_resolver_;
-  *this = {};
-  surfaces_ = std::move(kept);
-  intersection_resolver_ = intersection_resolver;
-  surfaces_.set(std::move(surfaces));
+ElementPairs::ElementPairs(std::vector<ContactSurface> surfaces, ParticlePairs joined,
+                           const IntersectionResolver* intersection_resolver)
+    : surfaces_(std::move(surfaces), std::move(joined)), intersection_resolver_(intersection_resolver) {
   if (!surfaces_.any()) return;
   overlaps_other_.assign(surfaces_.size(), 0);
   for (std::uint32_t a = 0; a < surfaces_.size(); ++a) {
@@ -69,8 +65,8 @@ void ElementPairs::set_surfaces(std::vector<ContactSurface> surfaces) {
   self_elements_.index_particles();
   const std::size_t particles = surfaces_.particle_count();
   for (std::vector<Vec4f>* each : {&velocity_now_, &before_}) each->reserve(particles);
-  paths_.set_count(particles);
-  bounds_.set_count(particles);
+  paths_ = PredictedPaths(particles);
+  bounds_ = MotionBounds(particles);
 }
 
 void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
@@ -259,7 +255,7 @@ void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
   kernels.distances[kind](records, &pairs[0].particle, 0, pairs.size(), distance);
   batch.near.count = batch.far.count = 0;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
-    if (distance[k] > range[k] || surfaces_.is_excluded(pairs[k], edges)) continue;
+    if (distance[k] > range[k] || surfaces_.are_joined(pairs[k], edges)) continue;
     if (intersection_resolver_ && intersection_resolver_->exempts(pairs[k], edges)) continue;
     (distance[k] > (1 + speculative_part + far_part) * thickness[k] ? batch.far : batch.near)
         .add(pairs[k], thickness[k], distance[k]);
@@ -279,11 +275,9 @@ void ElementPairs::add(std::span<const NearPair> pairs, bool edges, bool inter_o
     for (std::size_t b = before; b < batches_.size(); ++b)
       batches_[b].near.resize(batch_size), batches_[b].far.resize(batch_size);
   }
-  threads.for_each(count, 1, [&](std::size_t b, std::size_t last) {
-    for (; b < last; ++b)
-      add_batch(batches_[b],
-                pairs.subspan(b * batch_size, std::min(batch_size, pairs.size() - b * batch_size)), edges,
-                inter_object, particles, dt);
+  threads.each(count, 1, [&](std::size_t b) {
+    add_batch(batches_[b], pairs.subspan(b * batch_size, std::min(batch_size, pairs.size() - b * batch_size)),
+              edges, inter_object, particles, dt);
   });
   const std::span<Batch> batches = std::span(batches_).first(count);
   pairs_.append(batches, &Batch::near, edges, inter_object, threads);
@@ -297,9 +291,7 @@ void ElementPairs::add_found(const ParticleView& particles, float dt, Threads& t
   add(self_pairs_.edge_edge, true, false, particles, dt, threads);
   add(inter_object_pairs_.edge_edge, true, true, particles, dt, threads);
   bounds_.resize(chunk_count());
-  threads.for_each(chunk_count() - first, 4, [&](std::size_t c, std::size_t last) {
-    for (; c < last; ++c) bounds_.add_chunk(first + c, pairs_);
-  });
+  threads.each(chunk_count() - first, 4, [&](std::size_t c) { bounds_.add_chunk(first + c, pairs_); });
 }
 
 // --- chunks that need no test

@@ -8,6 +8,7 @@
 #include "souple/contacts/surfaces/pair_chunks.h"
 #include "souple/contacts/surfaces/predicted_paths.h"
 #include "souple/solver/projector.h"
+#include "souple/state/columns.h"
 #include "souple/threads/threads.h"
 
 #include <array>
@@ -17,6 +18,16 @@
 namespace souple {
 
 class IntersectionResolver;
+
+/// A contact or a TOI violation: the index of a candidate pair, and the part of the motion at which its nearest
+/// points count. This is its time of impact, or 1 without impact.
+struct PairToi {
+  std::uint32_t pair;
+  float toi;
+};
+using SurfaceContactRows = ColumnStore<kernels::ContactColumns>;
+/// Part of the number of contacts that is reserved beyond it: the number changes fast.
+inline constexpr double contact_spare = SurfaceContactRows::spare;
 
 /// Candidate pairs of elements, vertex and triangle or edge and edge, that may come into contact in a step.
 ///
@@ -30,14 +41,11 @@ class IntersectionResolver;
 /// for one substep alone, and then for shortened motions (motion_limit.h).
 class ElementPairs {
  public:
-  /// Replaces all surfaces: call it again when objects are added, removed or changed.
-  void set_surfaces(std::vector<ContactSurface> surfaces);
+  ElementPairs() = default;
+  /// Skips the pairs that the resolver exempts; null: none. It must outlive this object.
+  ElementPairs(std::vector<ContactSurface> surfaces, ParticlePairs joined,
+               const IntersectionResolver* intersection_resolver);
   void set_end(std::size_t surface, std::uint32_t end) { surfaces_.set_end(surface, end); }
-  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs) { surfaces_.exclude(std::move(pairs)); }
-  /// Sets the object whose exempt pairs are skipped; null: none are. It must outlive this object.
-  void set_intersection_resolver(const IntersectionResolver* intersection_resolver) {
-    intersection_resolver_ = intersection_resolver;
-  }
 
   /// Finds pairs for a step of `dt`. radius[i]: half the thickness of particle i [m]. contact_margin[i]:
   /// additional distance at which contacts of particle i begin [m]. All spans must live until the step ends.

@@ -32,10 +32,8 @@ EdgeLengths edge_lengths(const ContactSurface& surface) {
 
 }  // namespace
 
-void ElementSurfaces::set(std::vector<ContactSurface> surfaces) {
-  surfaces_ = std::move(surfaces);
-  surface_of_ = {}, rest_ = {}, longest_edge_ = {}, mean_edge_ = {};
-  any_ = any_may_collide(surfaces_);
+ElementSurfaces::ElementSurfaces(std::vector<ContactSurface> surfaces, ParticlePairs joined)
+    : surfaces_(std::move(surfaces)), joined_(std::move(joined)), any_(any_may_collide(surfaces_)) {
   if (!any_) return;
   std::uint32_t end = 0;
   for (ContactSurface& surface : surfaces_) {
@@ -66,22 +64,12 @@ void ElementSurfaces::set_end(std::size_t surface, std::uint32_t end) {
   std::fill(surface_of_.data() + end, surface_of_.data() + one.reserved_end, no_surface);
 }
 
-void ElementSurfaces::exclude(std::vector<std::array<std::uint32_t, 2>> pairs) {
-  const std::size_t n = pairs.size();
-  for (std::size_t k = 0; k < n; ++k) pairs.push_back({pairs[k][1], pairs[k][0]});
-  std::sort(pairs.begin(), pairs.end());
-  SOUPLE_ASSERT(pairs.size() == 2 * n, "each pair stands in both orders");
-  excluded_ = std::move(pairs);
-}
-
-bool ElementSurfaces::is_excluded(const NearPair& pair, bool edges) const {
-  if (excluded_.empty()) return false;
+bool ElementSurfaces::are_joined(const NearPair& pair, bool edges) const {
+  if (joined_.empty()) return false;
   const std::size_t first = edges ? 2 : 1;
   for (std::size_t a = 0; a < first; ++a)
     for (std::size_t b = first; b < 4; ++b)
-      if (std::binary_search(excluded_.begin(), excluded_.end(),
-                             std::array<std::uint32_t, 2>{pair.particle[a], pair.particle[b]}))
-        return true;
+      if (joined_.contains(pair.particle[a], pair.particle[b])) return true;
   return false;
 }
 

@@ -4,7 +4,6 @@
 #include "souple/broad_phase/near_pairs.h"
 #include "souple/math/vec4.h"
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -13,16 +12,14 @@ namespace souple {
 
 inline constexpr std::uint32_t no_surface = ~0u;
 
-/// The surfaces whose elements may come into contact, and what does not change between two calls of `set`.
+/// The surfaces whose elements may come into contact, and what does not change while they exist.
 class ElementSurfaces {
  public:
-  /// Keeps the excluded pairs.
-  void set(std::vector<ContactSurface> surfaces);
+  ElementSurfaces() = default;
+  /// `joined`: elements with a particle each of such a pair get no contact.
+  ElementSurfaces(std::vector<ContactSurface> surfaces, ParticlePairs joined);
   /// Sets the end of a surface that consists of particles alone: at most its reserved_end.
   void set_end(std::size_t surface, std::uint32_t end);
-  /// Sets the pairs of particles with a distance joint. Elements with a particle each of such a pair get no
-  /// contact.
-  void exclude(std::vector<std::array<std::uint32_t, 2>> pairs);
 
   /// Whether any surface may collide with another one or with itself.
   bool any() const { return any_; }
@@ -36,7 +33,7 @@ class ElementSurfaces {
   std::uint32_t of(std::uint32_t particle) const { return surface_of_[particle]; }
   /// Mean length of a surface's edges, or sides of its triangles, at rest [m]; 0 if it has none.
   float mean_edge(std::size_t surface) const { return mean_edge_[surface]; }
-  bool is_excluded(const NearPair& pair, bool edges) const;
+  bool are_joined(const NearPair& pair, bool edges) const;
   /// Limits the thickness of pairs of one surface: contacts keep them no farther apart than at rest.
   void limit_to_rest_distance(std::span<const NearPair> pairs, bool edges, float* thickness) const;
   /// Calls f(particle) for evenly spaced particles of a surface, which stand for all of them in a mean.
@@ -55,8 +52,8 @@ class ElementSurfaces {
   void limit_some_to_rest_distance(std::span<const NearPair> pairs, bool edges, float* thickness) const;
 
   std::vector<ContactSurface> surfaces_;
-  std::vector<std::array<std::uint32_t, 2>> excluded_;  // in both orders, sorted
-  std::vector<std::uint32_t> surface_of_;               // per particle: its surface, or no_surface
+  ParticlePairs joined_;
+  std::vector<std::uint32_t> surface_of_;  // per particle: its surface, or no_surface
   std::vector<Vec4f> rest_;          // per particle: rest position relative to its surface's first one [m]
   std::vector<float> longest_edge_;  // per surface: longest edge at rest [m]
   std::vector<float> mean_edge_;     // per surface [m]

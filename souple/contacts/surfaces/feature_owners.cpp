@@ -25,33 +25,20 @@ bool points_to_origin(const Vec3f& q, const Vec3f& k) {
 void FeatureOwners::build(const ElementSurfaces& surfaces) {
   const std::size_t n = surfaces.particle_count();
   owner_of_vertex_.assign(n, {no_vertex, no_vertex, no_vertex});
-  struct Entry {
-    std::uint32_t vertex;
-    VertexEdge edge;
-  };
-  std::vector<Entry> found;
-  for (std::size_t a = 0; a < surfaces.size(); ++a) {
-    const ContactSurface& surface = surfaces[a];
-    for (std::array<std::uint32_t, 3> t : surface.triangles) {
-      for (std::uint32_t& i : t) i += surface.begin;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t i = t[k], j = t[(k + 1) % 3], opposite = t[(k + 2) % 3];
-        if (owner_of_vertex_[i][0] == no_vertex) owner_of_vertex_[i] = t;
-        found.push_back({i, {j, opposite}});
-        found.push_back({j, {i, opposite}});
+  edges_.fill(n, [&](const auto& add) {
+    for (std::size_t a = 0; a < surfaces.size(); ++a)
+      for (std::array<std::uint32_t, 3> t : surfaces[a].triangles) {
+        for (std::uint32_t& i : t) i += surfaces[a].begin;
+        for (std::size_t k = 0; k < 3; ++k) {
+          const std::uint32_t i = t[k], j = t[(k + 1) % 3], opposite = t[(k + 2) % 3];
+          if (owner_of_vertex_[i][0] == no_vertex) owner_of_vertex_[i] = t;
+          add(i, {j, opposite}), add(j, {i, opposite});
+        }
       }
-    }
-  }
-  std::stable_sort(found.begin(), found.end(), [](const Entry& a, const Entry& b) {
-    return a.vertex != b.vertex ? a.vertex < b.vertex : a.edge.other < b.edge.other;
   });
-  vertex_edges_.clear();
-  vertex_edges_begin_.assign(n + 1, 0);
-  for (const Entry& one : found) {
-    vertex_edges_.push_back(one.edge);
-    ++vertex_edges_begin_[one.vertex + 1];
-  }
-  for (std::size_t i = 0; i < n; ++i) vertex_edges_begin_[i + 1] += vertex_edges_begin_[i];
+  for (std::size_t i = 0; i < n; ++i)
+    std::stable_sort(edges_[i].begin(), edges_[i].end(),
+                     [](const VertexEdge& a, const VertexEdge& b) { return a.other < b.other; });
 }
 
 bool FeatureOwners::is_owner(const NearPair& pair, unsigned on_border, const ParticleView& particles) const {
@@ -73,9 +60,8 @@ bool FeatureOwners::is_owner_of_edge(const NearPair& pair, std::size_t corner,
   const float s = nearest_on_edge(Vec3f{}, to_i, to_j);
   const Vec3f to_q = to_i * (1 - s) + to_j * s;
   bool first = true;
-  for (std::uint32_t n = vertex_edges_begin_[i]; n < vertex_edges_begin_[i + 1]; ++n) {
-    if (vertex_edges_[n].other != j) continue;
-    const std::uint32_t opposite = vertex_edges_[n].opposite;
+  for (const auto& [other, opposite] : edges_[i]) {
+    if (other != j) continue;
     if (first && opposite != k) return false;
     first = false;
     if (opposite != k && opposite != x && points_to_origin(to_q, particles.difference(opposite, x)))
@@ -92,15 +78,13 @@ bool FeatureOwners::is_owner_of_corner(const NearPair& pair, std::size_t corner,
   for (const std::uint32_t k : owner_of_vertex_[q])
     if (k != i[1] && k != i[2] && k != i[3]) return false;
   const Vec3f to_q = particles.difference(q, x);
-  for (std::uint32_t n = vertex_edges_begin_[q]; n < vertex_edges_begin_[q + 1]; ++n) {
-    const std::uint32_t other = vertex_edges_[n].other;
-    if (other != x && points_to_origin(to_q, particles.difference(other, x))) return false;
-  }
+  for (const VertexEdge& edge : edges_[q])
+    if (edge.other != x && points_to_origin(to_q, particles.difference(edge.other, x))) return false;
   return true;
 }
 
 std::size_t FeatureOwners::bytes() const {
-  return bytes_of(owner_of_vertex_, vertex_edges_begin_, vertex_edges_);
+  return bytes_of(owner_of_vertex_) + edges_.bytes();
 }
 
 }  // namespace souple

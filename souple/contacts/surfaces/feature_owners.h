@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/contacts/surfaces/element_surfaces.h"
+#include "souple/math/lists.h"
 #include "souple/solver/projector.h"
 
 #include <array>
@@ -28,10 +29,7 @@ class FeatureOwners {
   bool is_owner_of_edge(const NearPair& pair, std::size_t corner, const ParticleView& particles) const;
   bool is_owner_of_corner(const NearPair& pair, std::size_t corner, const ParticleView& particles) const;
 
-  /// Edges of vertex i begin at vertex_edges_begin_[i], sorted by their other ends, then in the order of
-  /// triangles.
-  std::vector<std::uint32_t> vertex_edges_begin_;
-  std::vector<VertexEdge> vertex_edges_;
+  Lists<VertexEdge> edges_;  // per vertex: sorted by their other ends, then in the order of triangles
   std::vector<std::array<std::uint32_t, 3>> owner_of_vertex_;  // per particle: its first triangle
 };
 

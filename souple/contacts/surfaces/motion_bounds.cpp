@@ -14,11 +14,6 @@ constexpr std::size_t particle_grain = 2048;
 
 }  // namespace
 
-void MotionBounds::set_count(std::size_t particles) {
-  *this = {};
-  remeasured_.reserve(particles);
-}
-
 void MotionBounds::resize(std::size_t chunks) {
   resize_with_spare(blocks_, chunks);
 }
@@ -61,21 +56,19 @@ void MotionBounds::measure(const ElementSurfaces& surfaces, const ParticleView& 
     surfaces.for_each_sample(a, [&](std::uint32_t i) { sum += Vec3d(particles.moved(i)), ++count; });
     if (count > 0) mean_motion_[a] = Vec3f(sum / count);
   }
-  threads.for_each(blocks, particle_grain / block_size, [&](std::size_t b, std::size_t last) {
-    for (; b < last; ++b) {
-      float farthest = 0, max_relative = 0, margin = 0;
-      for (std::size_t i = b * block_size; i < std::min(n, (b + 1) * block_size); ++i) {
-        margin = max(margin, contact_margin[i]);
-        const Vec3f moved = particles.moved(i);
-        moved_[i].set_xyz(moved);
-        farthest = max(farthest, length_squared(moved));
-        const std::uint32_t surface = surfaces.of(static_cast<std::uint32_t>(i));
-        if (surface != no_surface)
-          max_relative = max(max_relative, length_squared(moved - mean_motion_[surface]));
-      }
-      block_motion_[b] = sqrt(farthest), block_relative_motion_[b] = sqrt(max_relative);
-      block_contact_margin_[b] = margin;
+  threads.each(blocks, particle_grain / block_size, [&](std::size_t b) {
+    float farthest = 0, max_relative = 0, margin = 0;
+    for (std::size_t i = b * block_size; i < std::min(n, (b + 1) * block_size); ++i) {
+      margin = max(margin, contact_margin[i]);
+      const Vec3f moved = particles.moved(i);
+      moved_[i].set_xyz(moved);
+      farthest = max(farthest, length_squared(moved));
+      const std::uint32_t surface = surfaces.of(static_cast<std::uint32_t>(i));
+      if (surface != no_surface)
+        max_relative = max(max_relative, length_squared(moved - mean_motion_[surface]));
     }
+    block_motion_[b] = sqrt(farthest), block_relative_motion_[b] = sqrt(max_relative);
+    block_contact_margin_[b] = margin;
   });
   was_moved_.assign(n, 0), block_was_moved_.assign(blocks, 0);
   remeasured_.clear();

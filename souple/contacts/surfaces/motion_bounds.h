@@ -18,8 +18,9 @@ namespace souple {
 class MotionBounds {
  public:
   using Chunk = PairChunks::Chunk;
-  /// Forgets everything. `particles`: how many particles are measured.
-  void set_count(std::size_t particles);
+  MotionBounds() = default;
+  /// `particles`: how many particles are measured.
+  explicit MotionBounds(std::size_t particles) { remeasured_.reserve(particles); }
 
   /// Measures the motion of all particles since the substep began. contact_margin[i]: additional distance at which
   /// contacts of particle i begin [m].

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "souple/contacts/contact_arrays.h"
 #include "souple/contacts/surfaces/surface_narrow_phase.h"
 
 #include <cstdint>
@@ -40,7 +39,7 @@ class MotionFilter {
   std::vector<PairToi> violations_;
   std::vector<std::uint32_t> correction_pair_;
   std::vector<float> correction_toi_;
-  ContactArrays corrections_;                       // correction contacts, of correction_pair_
+  SurfaceContactRows corrections_;                  // correction contacts, of correction_pair_
   std::vector<std::uint32_t> corrected_particles_;  // moved by the last pass
   std::vector<std::uint32_t> held_particles_;       // driven particles that the last pass stopped
   ShortenedMotion held_;                            // see Result; its speed is a distance [m]

@@ -42,14 +42,12 @@ void PairChunks::append(std::span<Batch> batches, List Batch::*list, bool edges,
   resize_with_spare(particle_, sum);
   resize_with_spare(is_edges_, sum);
   for (std::vector<float>* column : {&thickness_, &distance_bound_}) resize_with_spare(*column, sum);
-  threads.for_each(batches.size(), 1, [&](std::size_t b, std::size_t last) {
-    for (; b < last; ++b) {
-      const List& from = batches[b].*list;
-      std::copy_n(from.particle.data(), from.count, particle_.data() + from.offset);
-      std::copy_n(from.thickness.data(), from.count, thickness_.data() + from.offset);
-      std::copy_n(from.distance_bound.data(), from.count, distance_bound_.data() + from.offset);
-      std::fill_n(is_edges_.data() + from.offset, from.count, edges ? 1 : 0);
-    }
+  threads.each(batches.size(), 1, [&](std::size_t b) {
+    const List& from = batches[b].*list;
+    std::copy_n(from.particle.data(), from.count, particle_.data() + from.offset);
+    std::copy_n(from.thickness.data(), from.count, thickness_.data() + from.offset);
+    std::copy_n(from.distance_bound.data(), from.count, distance_bound_.data() + from.offset);
+    std::fill_n(is_edges_.data() + from.offset, from.count, edges ? 1 : 0);
   });
   if (chunks_.capacity() == 0) chunks_.reserve(64);
   for (std::size_t next = begin; next < sum; next += chunk_size) {

@@ -34,11 +34,6 @@ Vec3d mean_position(const ElementSurfaces& surfaces, std::size_t surface, const 
 
 }  // namespace
 
-void PredictedPaths::set_count(std::size_t particles) {
-  *this = {};
-  off_path_.reserve(particles);
-}
-
 void PredictedPaths::begin_step(std::span<const float> radius, std::span<const float> contact_margin,
                                 float gravity) {
   radius_ = radius, contact_margin_ = contact_margin, gravity_ = gravity;
@@ -75,14 +70,12 @@ void PredictedPaths::predict_all(const ElementSurfaces& surfaces, const Particle
   elapsed_ = 0;
   const std::size_t n = surfaces.particle_count();
   boxes_.resize(n), relative_boxes_.resize(n), path_.resize(n), predicted_velocity_.resize(n);
-  threads.for_each(n, particle_grain, [&](std::size_t k, std::size_t end) {
-    for (; k < end; ++k) {
-      const auto i = static_cast<std::uint32_t>(k);
-      boxes_[i] = infinite_box;
-      if (surfaces.of(i) != no_surface)
-        predict(i, surfaces.of(i), particles.relative(i, {}), velocity[i].xyz(), 0, dt,
-                radius_margin_part * max(radius_[i], 0.0f));
-    }
+  threads.each(n, particle_grain, [&](std::size_t k) {
+    const auto i = static_cast<std::uint32_t>(k);
+    boxes_[i] = infinite_box;
+    if (surfaces.of(i) != no_surface)
+      predict(i, surfaces.of(i), particles.relative(i, {}), velocity[i].xyz(), 0, dt,
+              radius_margin_part * max(radius_[i], 0.0f));
   });
 }
 
@@ -122,16 +115,14 @@ void PredictedPaths::find_off_path(const ElementSurfaces& surfaces,
   const std::size_t n = surfaces.particle_count(), chunks = (n + path_chunk - 1) / path_chunk;
   for (std::size_t c = off_path_of_chunk_.size(); c < chunks; ++c)
     off_path_of_chunk_.emplace_back().reserve(path_chunk);
-  threads.for_each(chunks, 2, [&](std::size_t c, std::size_t last) {
-    for (; c < last; ++c) {
-      off_path_of_chunk_[c].clear();
-      for (std::size_t k = c * path_chunk; k < std::min(n, (c + 1) * path_chunk); ++k) {
-        const auto i = static_cast<std::uint32_t>(k);
-        const std::uint32_t a = surfaces.of(i);
-        if (a != no_surface &&
-            !is_on_path(i, surfaces[a], a, overlaps_other[a] != 0, particles.relative(i, {})))
-          off_path_of_chunk_[c].push_back(i);
-      }
+  threads.each(chunks, 2, [&](std::size_t c) {
+    off_path_of_chunk_[c].clear();
+    for (std::size_t k = c * path_chunk; k < std::min(n, (c + 1) * path_chunk); ++k) {
+      const auto i = static_cast<std::uint32_t>(k);
+      const std::uint32_t a = surfaces.of(i);
+      if (a != no_surface &&
+          !is_on_path(i, surfaces[a], a, overlaps_other[a] != 0, particles.relative(i, {})))
+        off_path_of_chunk_[c].push_back(i);
     }
   });
   off_path_.clear();

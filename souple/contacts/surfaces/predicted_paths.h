@@ -22,8 +22,9 @@ inline constexpr float speculative_part = 0.1f;
 /// has no more pairs than one at rest.
 class PredictedPaths {
  public:
-  /// Forgets all paths. `particles`: how many particles paths are predicted for.
-  void set_count(std::size_t particles);
+  PredictedPaths() = default;
+  /// `particles`: how many particles paths are predicted for.
+  explicit PredictedPaths(std::size_t particles) { off_path_.reserve(particles); }
   /// radius[i]: half the thickness of particle i [m]. contact_margin[i]: additional distance at which contacts of
   /// particle i begin [m]. Both must live until the step ends.
   void begin_step(std::span<const float> radius, std::span<const float> contact_margin, float gravity);

@@ -9,7 +9,6 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 namespace souple {
@@ -24,21 +23,15 @@ const kernels::ElementPairKernels& simd_kernels() {
 }  // namespace
 
 SurfaceContacts::SurfaceContacts(const IntersectionResolver* intersection_resolver)
-    : narrow_phase_(std::make_unique<SurfaceNarrowPhase>()),
+    : intersection_resolver_(intersection_resolver),
+      narrow_phase_(std::make_unique<SurfaceNarrowPhase>()),
       colors_(std::make_unique<ContactColors>()),
-      filter_(std::make_unique<MotionFilter>()) {
-  pairs_.set_intersection_resolver(intersection_resolver);
-}
+      filter_(std::make_unique<MotionFilter>()) {}
 SurfaceContacts::~SurfaceContacts() = default;
 
 void SurfaceContacts::build(const ContactGeometry& geometry) {
-  pairs_.exclude(geometry.joined);
-  set_surfaces(geometry.surfaces);
-}
-
-void SurfaceContacts::set_surfaces(std::vector<ContactSurface> surfaces) {
   clear_contacts();
-  pairs_.set_surfaces(std::move(surfaces));
+  pairs_ = ElementPairs(geometry.surfaces, geometry.joined, intersection_resolver_);
   if (!pairs_.surfaces().any()) return;
   narrow_phase_->build(pairs_.surfaces());
   colors_->set_count(pairs_.surfaces().particle_count());
@@ -173,7 +166,7 @@ ContactReport SurfaceContacts::report() const {
 }
 
 void SurfaceContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
-  const auto first = static_cast<std::ptrdiff_t>(out.size());
+  const std::size_t first = out.size();
   for (std::size_t contact = 0; contact < size(); ++contact) {
     if (!(columns_.normal_sum[contact] > 0)) continue;
     const auto i = [&](std::size_t k) { return columns_.particle[k][contact]; };
@@ -190,13 +183,7 @@ void SurfaceContacts::events(const ParticleView& particles, std::vector<ContactP
                    normal_impulse(columns_.normal_sum[contact], columns_.restitution_velocity[contact],
                                   narrow_phase_->limits().inverse_h, columns_.inverse_mass[contact])});
   }
-  // Not a stable sort, which would allocate: contacts of the same particles are in order of their points.
-  std::sort(out.begin() + first, out.end(), [](const ContactPush& a, const ContactPush& b) {
-    const auto key = [](const ContactPush& push) {
-      return std::tie(push.particle, push.other, push.point.x, push.point.y, push.point.z, push.impulse);
-    };
-    return key(a) < key(b);
-  });
+  sort_pushes(out, first);
 }
 
 void SurfaceContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {

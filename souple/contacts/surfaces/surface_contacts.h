@@ -1,8 +1,6 @@
 #pragma once
 
-#include "souple/contacts/contact_arrays.h"
 #include "souple/contacts/contact_projector.h"
-#include "souple/contacts/surfaces/element_motion.h"
 #include "souple/contacts/surfaces/element_pairs.h"
 
 #include <memory>
@@ -75,14 +73,14 @@ class SurfaceContacts final : public ContactProjector {
                const Substep& substep) override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
-  void clear() override { set_surfaces({}); }
+  void clear() override { build({}); }
 
  private:
-  void set_surfaces(std::vector<ContactSurface> surfaces);
   void clear_contacts();
   void describe_contacts(const ParticleView& particles, Threads& threads);
   void update_contact_margins();
 
+  const IntersectionResolver* intersection_resolver_;
   ElementPairs pairs_;
   std::unique_ptr<SurfaceNarrowPhase> narrow_phase_;
   std::unique_ptr<ContactColors> colors_;
@@ -90,7 +88,7 @@ class SurfaceContacts final : public ContactProjector {
   ShortenedMotion held_;  // the fastest driven particle that was stopped in this step
   std::span<float> contact_margin_;
   std::vector<PairToi> contact_pairs_;  // in order of pairs
-  ContactArrays contacts_;              // in order of colors
+  SurfaceContactRows contacts_;         // in order of colors
   kernels::ContactColumns columns_{};   // of contacts_
 };
 

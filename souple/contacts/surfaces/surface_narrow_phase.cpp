@@ -115,18 +115,16 @@ void SurfaceNarrowPhase::find(std::size_t count, std::vector<PairToi>& found, Th
     for (std::size_t c = before; c < chunk_results_.size(); ++c)
       chunk_results_[c].pairs.reserve(ElementPairs::chunk_size);
   }
-  threads.for_each(count, 4, [&](std::size_t c, std::size_t last) {
-    for (; c < last; ++c) {
-      chunk_results_[c].pairs.clear();
-      of_chunk(c, chunk_results_[c].pairs);
-    }
+  threads.each(count, 4, [&](std::size_t c) {
+    chunk_results_[c].pairs.clear();
+    of_chunk(c, chunk_results_[c].pairs);
   });
   std::size_t sum = 0;
   for (std::size_t c = 0; c < count; ++c) {
     chunk_results_[c].offset = sum;
     sum += chunk_results_[c].pairs.size();
   }
-  resize_with_spare(found, sum, ContactArrays::spare);
+  resize_with_spare(found, sum, contact_spare);
   for (std::size_t c = 0; c < count; ++c)
     std::copy(chunk_results_[c].pairs.begin(), chunk_results_[c].pairs.end(),
               found.begin() + static_cast<std::ptrdiff_t>(chunk_results_[c].offset));

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "souple/contacts/contact_arrays.h"
 #include "souple/contacts/contact_material.h"
 #include "souple/contacts/surfaces/element_motion.h"
 #include "souple/contacts/surfaces/element_pairs.h"
