@@ -2,11 +2,11 @@
 
 #include "souple/contacts/kernels/find_kernels.h"
 #include "souple/error.h"
+#include "souple/math/sentinels.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
 
 namespace souple {
 namespace {
@@ -41,7 +41,6 @@ bool ParticleContacts::interact(std::uint32_t object_a, std::uint32_t object_b) 
 // Bounds of each object's motion within the step: its box, with margins for its fastest particle and for
 // being dragged along. A position or velocity that is not finite makes the box infinite.
 void ParticleContacts::find_boxes(const ParticleView& particles, std::span<const Vec4f> velocity) {
-  constexpr float infinity = std::numeric_limits<float>::infinity();
   boxes_.bounds.clear(), boxes_.are_near.clear();
   for (const ContactObject& object : objects_) {
     Vec3f lo{infinity, infinity, infinity}, hi = -lo, sum;
@@ -167,7 +166,6 @@ void ParticleContacts::load(std::span<const std::byte>& in) {
 }
 
 void ParticleContacts::sort_into_cells(const ParticleView& particles) {
-  constexpr float infinity = std::numeric_limits<float>::infinity();
   auto& [corner, place, radius, half_margin, cells, search] = places_;
   corner = {infinity, infinity, infinity};
   for (const Member& member : members_) {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
+namespace souple::test_contacts_contact_law {
 namespace {
 
 using test::Random;
@@ -51,4 +51,4 @@ TEST(ContactLaw, RollingSticksAtOnce) {
 }
 
 }  // namespace
-}  // namespace souple
+}  // namespace souple::test_contacts_contact_law

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace souple {
+namespace souple::test_math_lists {
 namespace {
 
 TEST(Lists, KeepTheOrderOfTheirItems) {
@@ -59,4 +59,4 @@ TEST(ColumnStore, RowsKeepTheirValuesWhenItGrows) {
 }
 
 }  // namespace
-}  // namespace souple
+}  // namespace souple::test_math_lists
