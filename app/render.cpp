@@ -10,11 +10,11 @@
 #include "render/contact_sheet.h"
 #include "render/film.h"
 #include "souple/error.h"
+#include "souple/files/file.h"
 #include "souple/files/output_lock.h"
 #include "souple/scene/nearest.h"
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -119,15 +119,9 @@ fs::path default_out(const RenderRequest& request, const FrameSource& source) {
   return fs::path("out") / (source.name() + (several ? ".mp4" : ".png"));
 }
 
-bool has_extension(const fs::path& out, const std::string& extension) {
-  std::string found = out.extension().string();
-  for (char& c : found) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return found == extension;
-}
-
 /// Whether the film repeats forever, and is small unless the user chooses otherwise.
 bool is_loop(const fs::path& out) {
-  return has_extension(out, ".gif") || has_extension(out, ".webp");
+  return lower_extension(out) == ".gif" || lower_extension(out) == ".webp";
 }
 
 /// Step between the frames of a film that shows fewer pictures a second than there are frames: frames in between
@@ -148,7 +142,7 @@ void choose_film(const RenderRequest& request, RenderJob& job) {
   }
   if (request.film_bytes) {
     const std::string option = fmt::format("--film-bytes {}", *request.film_bytes);
-    if (job.kind != OutputKind::film || !has_extension(job.out, ".webp"))
+    if (job.kind != OutputKind::film || lower_extension(job.out) != ".webp")
       throw Error(option + ": is for a film .webp");
     if (*request.film_bytes == 0) throw Error(option + ": expected at least 1");
     job.film_bytes = *request.film_bytes;
@@ -166,11 +160,12 @@ void choose_frames(const RenderRequest& request, const FrameSource& source, Rend
                     job.out.string(), job.frames.size()));
   }
   std::uint64_t step = step_of_frames(words);
-  if (job.kind == OutputKind::film && step == 1 && !request.film_rate) {
-    step = film_step(job.out, source.frame_rate());
+  if (job.kind == OutputKind::film && !request.film_rate) {
+    const std::uint64_t every = film_step(job.out, source.frame_rate() / static_cast<double>(step));
     std::vector<std::uint64_t> kept;
-    for (std::size_t i = 0; i < job.frames.size(); i += step) kept.push_back(job.frames[i]);
+    for (std::size_t i = 0; i < job.frames.size(); i += every) kept.push_back(job.frames[i]);
     job.frames = std::move(kept);
+    step *= every;
   }
   job.film_rate = source.frame_rate() / static_cast<double>(step);
   if (job.kind == OutputKind::sheet) {

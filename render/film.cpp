@@ -6,13 +6,14 @@
 #include "souple/files/write_error.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <iterator>
 #include <limits>
 #include <span>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -26,12 +27,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string lower_extension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
-}
-
 /// "flag.mp4" -> "flag.part.mkv"
 fs::path part_of(const fs::path& file, const char* extension) {
   return file.parent_path() / (file.stem().string() + ".part" + extension);
@@ -40,6 +35,11 @@ fs::path part_of(const fs::path& file, const char* extension) {
 /// An argument that ffmpeg takes as a file, whatever its characters (-x.mp4, a:b.mp4).
 std::string file_argument(const fs::path& file) {
   return "file:" + file.string();
+}
+
+std::vector<std::string> words(const std::string& text) {
+  std::istringstream stream(text);
+  return {std::istream_iterator<std::string>(stream), {}};
 }
 
 std::string size_text(int width, int height) {
@@ -59,17 +59,13 @@ void require_writable(const fs::path& file) {
   std::fclose(opened);
 }
 
-}  // namespace
-
-namespace {
-
-enum class Kind { mp4, gif, webp, pictures };
+enum class Kind { mp4, gif, webp, none };
 
 Kind kind_of(const fs::path& file) {
   const std::string extension = lower_extension(file);
   if (extension == ".mp4") return Kind::mp4;
   if (extension == ".gif") return Kind::gif;
-  return extension == ".webp" ? Kind::webp : Kind::pictures;
+  return extension == ".webp" ? Kind::webp : Kind::none;
 }
 
 /// Encodes one picture and discards the result. Throws Error when this ffmpeg cannot.
@@ -88,7 +84,7 @@ void require_webp_encoder(const fs::path& file) {
 }  // namespace
 
 bool is_film(const fs::path& file) {
-  return kind_of(file) != Kind::pictures;
+  return kind_of(file) != Kind::none;
 }
 
 double highest_rate(const fs::path& film) {
@@ -123,10 +119,10 @@ struct Film::Impl {
       throw Error(file.string() + ": a film needs a frame rate above 0, not " + number_text(rate));
     if (max_bytes > 0 && kind != Kind::webp)
       throw Error(file.string() + ": only a film .webp is made to fit into a number of bytes");
-    if (kind == Kind::pictures) {
-      create_folder(file);
-      return;
-    }
+    if (kind == Kind::none) throw Error(file.string() + ": a film is .mp4, .gif or .webp");
+    if (rate > highest_rate(file))
+      throw Error(fmt::format("{}: {:g} pictures a second; expected at most {:g}", file.string(), rate,
+                              highest_rate(file)));
     if (std::error_code error; fs::is_directory(file, error))
       throw Error(file.string() + ": is a folder; expected the name of a film");
     if (!has_ffmpeg()) Ffmpeg({});  // throws Error that names the package
@@ -146,54 +142,21 @@ struct Film::Impl {
     for (const fs::path& temporary_file : temporary_files) fs::remove(temporary_file, error);
   }
 
-  /// Step between the pictures of the film.
-  std::uint64_t stride() const {
-    return static_cast<std::uint64_t>(std::max(1.0, std::ceil(rate / highest_rate(file) - 1e-9)));
-  }
-
   void start() {
     const int side = kind == Kind::mp4 ? 2 : 1;  // H.264 stores colors for 2 x 2 pixels
     film_width = (width + side - 1) / side * side;
     film_height = (height + side - 1) / side * side;
-    std::vector<std::string> arguments{"-f",
-                                       "rawvideo",
-                                       "-pixel_format",
-                                       "rgba",
-                                       "-video_size",
-                                       size_text(film_width, film_height),
-                                       "-framerate",
-                                       number_text(rate / static_cast<double>(stride())),
-                                       "-i",
-                                       "pipe:0",
-                                       "-an",
-                                       "-fflags",
-                                       "+bitexact",
-                                       "-flags:v",
-                                       "+bitexact"};
-    const std::vector<std::string> mp4{"-vf",
-                                       "scale=out_color_matrix=bt709:out_range=tv",
-                                       "-pix_fmt",
-                                       "yuv420p",
-                                       "-c:v",
-                                       "libx264",
-                                       "-crf",
-                                       "18",
-                                       "-color_range",
-                                       "tv",
-                                       "-colorspace",
-                                       "bt709",
-                                       "-color_primaries",
-                                       "bt709",
-                                       "-color_trc",
-                                       "iec61966-2-1",
-                                       "-movflags",
-                                       "+faststart",
-                                       "-f",
-                                       "mp4"};
+    std::vector<std::string> arguments =
+        words(fmt::format("-f rawvideo -pixel_format rgba -video_size {} -framerate {} -i pipe:0 -an "
+                          "-fflags +bitexact -flags:v +bitexact",
+                          size_text(film_width, film_height), number_text(rate)));
     // A .gif has one palette and a .webp one quality, known only after the last picture: until then, pictures are
     // stored without loss.
-    const std::vector<std::string> lossless{"-pix_fmt", "bgr0", "-c:v", "ffv1", "-f", "matroska"};
-    const std::vector<std::string>& encoding = kind == Kind::mp4 ? mp4 : lossless;
+    const std::vector<std::string> encoding =
+        words(kind == Kind::mp4 ? "-vf scale=out_color_matrix=bt709:out_range=tv -pix_fmt yuv420p "
+                                  "-c:v libx264 -crf 18 -color_range tv -colorspace bt709 "
+                                  "-color_primaries bt709 -color_trc iec61966-2-1 -movflags +faststart -f mp4"
+                                : "-pix_fmt bgr0 -c:v ffv1 -f matroska");
     arguments.insert(arguments.end(), encoding.begin(), encoding.end());
     arguments.push_back(file_argument(part));
     ffmpeg = std::make_unique<Ffmpeg>(arguments, interrupted);
@@ -224,20 +187,8 @@ struct Film::Impl {
       throw Error(file.string() + ": the film began with pictures of " + size_text(width, height) +
                   " pixels; one of " + size_text(image.width, image.height) + " cannot follow");
     }
-    const std::uint64_t index = added++;
-    if (kind == Kind::pictures) {
-      write_png(file / picture_name(index + 1), image);
-      return;
-    }
-    if (index == 0) start();
-    if (index % stride() == 0 && !ffmpeg->write(frame_of(image))) fail(ffmpeg->finish());
-  }
-
-  std::string picture_name(std::uint64_t number) const {
-    char text[32];
-    std::snprintf(text, sizeof(text), "_%04llu.png", static_cast<unsigned long long>(number));
-    const fs::path folder = file.has_filename() ? file : file.parent_path();  // "films/" has the name films
-    return folder.lexically_normal().filename().string() + text;
+    if (added++ == 0) start();
+    if (!ffmpeg->write(frame_of(image))) fail(ffmpeg->finish());
   }
 
   [[noreturn]] void fail(const std::string& why) {
@@ -256,7 +207,6 @@ struct Film::Impl {
     if (finished) return;
     if (added == 0) throw Error(file.string() + ": a film needs a picture");
     finished = true;
-    if (kind == Kind::pictures) return;
     if (const std::string why = ffmpeg->finish(); !why.empty()) fail(why);
     ffmpeg.reset();
     const fs::path whole = kind == Kind::gif ? make_gif() : kind == Kind::webp ? make_webp() : part;

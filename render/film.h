@@ -9,20 +9,18 @@
 
 namespace souple::render {
 
-/// A film from pictures of equal size: .mp4 (H.264), .gif or .webp. Any path without such an extension is a folder of
-/// PNG files NAME_0001.png, where NAME is the folder's name. The program ffmpeg encodes films.
+/// A film from pictures of equal size: .mp4 (H.264), .gif or .webp, encoded by the program ffmpeg.
 ///
 /// An .mp4 has even sides: at an odd size the last row or column is doubled. A .gif and a .webp repeat forever.
-/// They have at most `highest_rate` pictures a second: of a faster film they keep every second picture, or
-/// every third, and so on.
 class Film {
  public:
   using Interrupted = Ffmpeg::Interrupted;
 
-  /// Throws Error when ffmpeg is missing (and names its package), has no encoder for a .webp, or the file cannot be
-  /// written. Once `interrupted` returns true, an ffmpeg that neither reads nor computes for two seconds is ended, and
-  /// the film has failed. Without it the film waits for any ffmpeg. `max_bytes` is the largest size of a .webp, whose
-  /// quality is chosen to fit; 0: quality 75, any size.
+  /// Throws Error when ffmpeg is missing (and names its package) or has no encoder for a .webp. Throws it as well when
+  /// the file cannot be written, is no film, or would have more than `highest_rate` pictures a second. Once `interrupted`
+  /// returns true, an ffmpeg that neither reads nor computes for two seconds is ended, and the film has failed. Without
+  /// it the film waits for any ffmpeg. `max_bytes` is the largest size of a .webp, whose quality is chosen to fit; 0:
+  /// quality 75, any size.
   Film(std::filesystem::path file, double frame_rate, Interrupted interrupted = {},
        std::uint64_t max_bytes = 0);
   /// Finishes the film without exceptions; a film that failed or has no picture leaves no file.

@@ -75,6 +75,9 @@ class ByteSource {
 /// Reads a whole file. Throws Error.
 std::string read_whole_file(const std::filesystem::path& path);
 
+/// ".json" of "A.JSON".
+std::string lower_extension(const std::filesystem::path& file);
+
 /// Creates an output folder and its parents. Throws WriteError on failure, and Error if it or a parent is a file.
 void create_folder(const std::filesystem::path& folder);
 

@@ -1,6 +1,7 @@
 #include "souple/io/animated_points.h"
 
 #include "souple/error.h"
+#include "souple/files/file.h"
 #include "souple/io/mdd.h"
 #include "souple/io/pc2.h"
 #include "souple/io/sequence.h"
@@ -96,14 +97,6 @@ bool is_one_of_a_sequence(const std::filesystem::path& path) {
   const std::string stem = path.stem().string();
   const bool numbered = !stem.empty() && stem.back() >= '0' && stem.back() <= '9';
   return numbered && find_sequence(path).size() > 1;
-}
-
-std::string lower_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return extension;
 }
 
 std::unique_ptr<PointFrames> open_frames(const std::filesystem::path& path,

@@ -9,6 +9,27 @@
 
 namespace souple::mesh_detail {
 
+std::int64_t ByteScanner::integer(NumberType type, const char* what) {
+  switch (type) {
+    case NumberType::int8:
+      return read<std::int8_t>(what);
+    case NumberType::uint8:
+      return read<std::uint8_t>(what);
+    case NumberType::int16:
+      return read<std::int16_t>(what);
+    case NumberType::uint16:
+      return read<std::uint16_t>(what);
+    case NumberType::int32:
+      return read<std::int32_t>(what);
+    case NumberType::uint32:
+      return read<std::uint32_t>(what);
+    case NumberType::int64:
+      return read<std::int64_t>(what);
+    default:
+      return static_cast<std::int64_t>(read<std::uint64_t>(what));
+  }
+}
+
 float ByteScanner::real32(const char* what) {
   const float value = read<float>(what);
   require_coordinate(double(value), what);

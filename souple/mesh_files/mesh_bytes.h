@@ -42,6 +42,17 @@ void append_little_endian(std::string& out, T value) {
   out.append(bytes, sizeof(T));
 }
 
+/// Types of numbers in files; those before float32 are integers.
+enum class NumberType { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
+
+constexpr bool is_integer(NumberType type) {
+  return type < NumberType::float32;
+}
+constexpr std::size_t size_of(NumberType type) {
+  constexpr std::size_t sizes[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+  return sizes[static_cast<std::size_t>(type)];
+}
+
 /// Reads consecutive numbers from bytes in memory.
 class ByteScanner {
  public:
@@ -59,6 +70,8 @@ class ByteScanner {
     at_ += sizeof(T);
     return value;
   }
+  /// A number of an integer type; beyond 2^63 it wraps around.
+  std::int64_t integer(NumberType type, const char* what);
   float real32(const char* what);   ///< a finite float within largest_coordinate
   double real64(const char* what);  ///< a finite double within largest_coordinate
 

@@ -1,6 +1,7 @@
 #include "souple/mesh_files/mesh_file.h"
 
 #include "souple/error.h"
+#include "souple/files/file.h"
 #include "souple/geometry/submesh.h"
 #include "souple/mesh_files/assimp_reader.h"
 #include "souple/mesh_files/mesh_parse.h"
@@ -21,10 +22,6 @@ namespace {
 
 // Formats of assimp, for the error message of builds without it.
 constexpr const char* assimp_examples = ".gltf, .glb, .fbx, .dae, .3ds, .blend, .off, .x3d";
-
-std::string extension_of(const std::filesystem::path& path) {
-  return mesh_detail::lower_case(path.extension().string());
-}
 
 template <class T>
 Vec3<T> with_y_up(const Vec3<T>& x, UpAxis up) {
@@ -69,7 +66,7 @@ void check_scale(const std::filesystem::path& path, const MeshImport& options) {
 }
 
 TriangleMesh read_surface(const std::filesystem::path& path) {
-  const std::string extension = extension_of(path), name = path.string();
+  const std::string extension = lower_extension(path), name = path.string();
   if (extension == ".obj") return parse_obj(read_mesh_bytes(path), name);
   if (extension == ".ply") return parse_ply(read_mesh_bytes(path), name);
   if (extension == ".stl") return parse_stl(read_mesh_bytes(path), name);
@@ -94,7 +91,7 @@ TetMesh read_tetgen(const std::filesystem::path& path) {
   std::filesystem::path node_path = path, ele_path = path;
   // The other file's extension follows the case of the one given.
   const bool capitals = path.extension() == ".NODE" || path.extension() == ".ELE";
-  if (extension_of(path) == ".node")
+  if (lower_extension(path) == ".node")
     ele_path.replace_extension(capitals ? ".ELE" : ".ele");
   else
     node_path.replace_extension(capitals ? ".NODE" : ".node");
@@ -103,7 +100,7 @@ TetMesh read_tetgen(const std::filesystem::path& path) {
 }
 
 TetMesh read_volume(const std::filesystem::path& path) {
-  const std::string extension = extension_of(path);
+  const std::string extension = lower_extension(path);
   if (extension == ".msh") return parse_msh(read_mesh_bytes(path), path.string());
   if (extension == ".vtk") return parse_vtk(read_mesh_bytes(path), path.string());
   if (extension == ".node" || extension == ".ele") return read_tetgen(path);

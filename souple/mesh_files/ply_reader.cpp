@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -17,10 +18,10 @@ namespace {
 
 using mesh_detail::ByteScanner;
 using mesh_detail::FaceList;
+using mesh_detail::NumberType;
 using mesh_detail::TextScanner;
 
 enum class PlyFormat { ascii, little_endian, big_endian };
-enum class PlyType { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
 // More than in any real file; limits the comparison of names in pairs.
 constexpr std::size_t most_elements = 256;
@@ -32,9 +33,9 @@ constexpr std::size_t role_count = 10;
 
 struct PlyProperty {
   std::string name;
-  PlyType type = PlyType::float32;
+  NumberType type = NumberType::float32;
   bool is_list = false;
-  PlyType count_type = PlyType::uint8;
+  NumberType count_type = NumberType::uint8;
   Role role = Role::none;
 };
 
@@ -52,26 +53,16 @@ struct PlyHeader {
   std::size_t body_line = 1;  ///< its line
 };
 
-struct TypeName {
-  std::string_view name;
-  PlyType type;
-};
-constexpr std::array<TypeName, 16> type_names = {{{"char", PlyType::int8},
-                                                  {"int8", PlyType::int8},
-                                                  {"uchar", PlyType::uint8},
-                                                  {"uint8", PlyType::uint8},
-                                                  {"short", PlyType::int16},
-                                                  {"int16", PlyType::int16},
-                                                  {"ushort", PlyType::uint16},
-                                                  {"uint16", PlyType::uint16},
-                                                  {"int", PlyType::int32},
-                                                  {"int32", PlyType::int32},
-                                                  {"uint", PlyType::uint32},
-                                                  {"uint32", PlyType::uint32},
-                                                  {"float", PlyType::float32},
-                                                  {"float32", PlyType::float32},
-                                                  {"double", PlyType::float64},
-                                                  {"float64", PlyType::float64}}};
+/// Two names of each type.
+constexpr std::array<std::pair<NumberType, std::array<std::string_view, 2>>, 8> type_names = {
+    {{NumberType::int8, {"char", "int8"}},
+     {NumberType::uint8, {"uchar", "uint8"}},
+     {NumberType::int16, {"short", "int16"}},
+     {NumberType::uint16, {"ushort", "uint16"}},
+     {NumberType::int32, {"int", "int32"}},
+     {NumberType::uint32, {"uint", "uint32"}},
+     {NumberType::float32, {"float", "float32"}},
+     {NumberType::float64, {"double", "float64"}}}};
 
 struct RoleName {
   std::string_view name;
@@ -92,19 +83,10 @@ constexpr std::array<RoleName, 14> vertex_roles = {{{"x", Role::x},
                                                     {"texcoord_u", Role::u},
                                                     {"texcoord_v", Role::v}}};
 
-std::size_t size_of(PlyType type) {
-  constexpr std::array<std::size_t, 8> sizes = {1, 1, 2, 2, 4, 4, 4, 8};
-  return sizes[std::size_t(type)];
-}
-
-bool is_integer(PlyType type) {
-  return type != PlyType::float32 && type != PlyType::float64;
-}
-
 /// Divisor of a color for the range [0, 1].
-float color_divisor(PlyType type) {
-  if (type == PlyType::uint8) return 255.0f;
-  if (type == PlyType::uint16) return 65535.0f;
+float color_divisor(NumberType type) {
+  if (type == NumberType::uint8) return 255.0f;
+  if (type == NumberType::uint16) return 65535.0f;
   return 1.0f;
 }
 
@@ -199,10 +181,9 @@ class HeaderReader {
     element.properties.push_back(std::move(property));
   }
 
-  PlyType read_type(std::string_view word) {
-    for (const TypeName& entry : type_names) {
-      if (entry.name == word) return entry.type;
-    }
+  NumberType read_type(std::string_view word) {
+    for (const auto& [type, names] : type_names)
+      if (word == names[0] || word == names[1]) return type;
     scanner_.fail(scanner_.found(word),
                   "a type: char, uchar, short, ushort, int, uint, float, double or int8 to float64");
   }
@@ -233,20 +214,20 @@ class AsciiBody {
   AsciiBody(std::string_view bytes, const std::string& name, const PlyHeader& header)
       : scanner_(bytes.substr(header.body), name, {}, header.body_line) {}
 
-  double number(PlyType type, const char* what) {
+  double number(NumberType type, const char* what) {
     return is_integer(type) ? double(scanner_.integer(what)) : scanner_.real(what);
   }
-  std::int64_t integer(PlyType, const char* what) { return scanner_.integer(what); }
-  void skip(PlyType, const char* what) {
+  std::int64_t integer(NumberType, const char* what) { return scanner_.integer(what); }
+  void skip(NumberType, const char* what) {
     const std::string_view word = scanner_.word_on_any_line();
     if (word.empty()) scanner_.fail(scanner_.found(word), what);
   }
-  void skip_many(PlyType type, std::uint64_t count, const char* what) {
+  void skip_many(NumberType type, std::uint64_t count, const char* what) {
     require_room(count, 2, what);
     for (std::uint64_t i = 0; i < count; ++i) skip(type, what);
   }
   // A number and the blank after it, which the last number may lack.
-  static std::size_t smallest(PlyType) { return 2; }
+  static std::size_t smallest(NumberType) { return 2; }
   void require_room(std::uint64_t count, std::size_t bytes_each, const char* what) const {
     const std::size_t room = (scanner_.remaining() + 1) / bytes_each;
     if (count > room) {
@@ -268,35 +249,20 @@ class BinaryBody {
   BinaryBody(std::string_view bytes, const std::string& name, const PlyHeader& header)
       : scanner_(bytes.substr(header.body), name, header.format == PlyFormat::big_endian, header.body) {}
 
-  double number(PlyType type, const char* what) {
+  double number(NumberType type, const char* what) {
     if (is_integer(type)) return double(integer(type, what));
     const double value =
-        type == PlyType::float32 ? double(scanner_.read<float>(what)) : scanner_.read<double>(what);
+        type == NumberType::float32 ? double(scanner_.read<float>(what)) : scanner_.read<double>(what);
     if (!std::isfinite(value)) fail(fmt::format("{:g}", value), fmt::format("a finite number ({})", what));
     return value;
   }
-  std::int64_t integer(PlyType type, const char* what) {
-    switch (type) {
-      case PlyType::int8:
-        return scanner_.read<std::int8_t>(what);
-      case PlyType::uint8:
-        return scanner_.read<std::uint8_t>(what);
-      case PlyType::int16:
-        return scanner_.read<std::int16_t>(what);
-      case PlyType::uint16:
-        return scanner_.read<std::uint16_t>(what);
-      case PlyType::int32:
-        return scanner_.read<std::int32_t>(what);
-      default:
-        return scanner_.read<std::uint32_t>(what);
-    }
-  }
-  void skip(PlyType type, const char* what) { scanner_.skip(size_of(type), what); }
-  void skip_many(PlyType type, std::uint64_t count, const char* what) {
+  std::int64_t integer(NumberType type, const char* what) { return scanner_.integer(type, what); }
+  void skip(NumberType type, const char* what) { scanner_.skip(size_of(type), what); }
+  void skip_many(NumberType type, std::uint64_t count, const char* what) {
     require_room(count, size_of(type), what);
     scanner_.skip(std::size_t(count) * size_of(type), what);
   }
-  static std::size_t smallest(PlyType type) { return size_of(type); }
+  static std::size_t smallest(NumberType type) { return size_of(type); }
   void require_room(std::uint64_t count, std::size_t bytes_each, const char* what) const {
     scanner_.require_room(count, bytes_each, what);
   }

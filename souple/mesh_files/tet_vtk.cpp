@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -14,29 +15,24 @@ namespace {
 
 using mesh_detail::ByteScanner;
 using mesh_detail::lower_case;
+using mesh_detail::NumberType;
 using mesh_detail::quoted;
 using mesh_detail::TextScanner;
 
-enum class Type { bit, uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32, float64 };
-
-struct TypeName {
-  std::string_view name;
-  Type type;
-  std::size_t bytes;
-};
-constexpr std::array<TypeName, 13> type_names = {{{"unsigned_char", Type::uint8, 1},
-                                                  {"char", Type::int8, 1},
-                                                  {"unsigned_short", Type::uint16, 2},
-                                                  {"short", Type::int16, 2},
-                                                  {"unsigned_int", Type::uint32, 4},
-                                                  {"int", Type::int32, 4},
-                                                  {"unsigned_long", Type::uint64, 8},
-                                                  {"long", Type::int64, 8},
-                                                  {"vtkidtype", Type::int32, 4},
-                                                  {"vtktypeint64", Type::int64, 8},
-                                                  {"vtktypeuint8", Type::uint8, 1},
-                                                  {"float", Type::float32, 4},
-                                                  {"double", Type::float64, 8}}};
+using TypeName = std::pair<std::string_view, NumberType>;
+constexpr std::array<TypeName, 13> type_names = {{{"unsigned_char", NumberType::uint8},
+                                                  {"char", NumberType::int8},
+                                                  {"unsigned_short", NumberType::uint16},
+                                                  {"short", NumberType::int16},
+                                                  {"unsigned_int", NumberType::uint32},
+                                                  {"int", NumberType::int32},
+                                                  {"unsigned_long", NumberType::uint64},
+                                                  {"long", NumberType::int64},
+                                                  {"vtkidtype", NumberType::int32},
+                                                  {"vtktypeint64", NumberType::int64},
+                                                  {"vtktypeuint8", NumberType::uint8},
+                                                  {"float", NumberType::float32},
+                                                  {"double", NumberType::float64}}};
 
 constexpr std::int64_t vtk_tet = 10;
 
@@ -94,63 +90,40 @@ class VtkReader {
     if (lower_case(kind) != "unstructured_grid") scanner_.fail(scanner_.found(kind), "UNSTRUCTURED_GRID");
   }
 
-  TypeName type_from(std::string_view word) const {
-    for (const TypeName& entry : type_names) {
-      if (entry.name == lower_case(word.substr(0, 16))) return entry;
-    }
+  NumberType type_from(std::string_view word) const {
+    for (const auto& [name, type] : type_names)
+      if (name == lower_case(word.substr(0, 16))) return type;
     scanner_.fail(scanner_.found(word), "a type such as float, double, int or vtktypeint64");
   }
 
   /// Passes `count` numbers of a type to `take`; text or big-endian bytes, depending on the file.
   template <class Take>
-  void read_numbers(std::size_t count, const TypeName& type, const char* what, Take take) {
+  void read_numbers(std::size_t count, NumberType type, const char* what, Take take) {
     if (!is_binary_) {
       require_text_room(count, what);
-      const bool real = type.type == Type::float32 || type.type == Type::float64;
       for (std::size_t i = 0; i < count; ++i) {
         const std::string_view word = scanner_.word_on_any_line();
-        if (real)
-          take(scanner_.coordinate_from(word, what), std::int64_t(0));
-        else
+        if (is_integer(type))
           take(0.0, scanner_.integer_from(word, what));
+        else
+          take(scanner_.coordinate_from(word, what), std::int64_t(0));
       }
       return;
     }
     scanner_.next_line();
     const std::size_t first = scanner_.offset();
     ByteScanner numbers(bytes_.substr(first), name_, true, first);
-    numbers.require_room(count, type.bytes, what);
-    for (std::size_t i = 0; i < count; ++i) read_number(numbers, type.type, what, take);
-    // The text continues after the numbers, where line numbers are meaningless.
-    const std::size_t end = first + count * type.bytes;
-    scanner_ = TextScanner(bytes_.substr(end), name_, {.bytes_in_errors = true}, scanner_.line(), end);
-  }
-
-  template <class Take>
-  static void read_number(ByteScanner& numbers, Type type, const char* what, Take& take) {
-    switch (type) {
-      case Type::float32:
-        return take(double(numbers.real32(what)), std::int64_t(0));
-      case Type::float64:
-        return take(numbers.real64(what), std::int64_t(0));
-      case Type::int8:
-        return take(0.0, std::int64_t(numbers.read<std::int8_t>(what)));
-      case Type::bit:
-      case Type::uint8:
-        return take(0.0, std::int64_t(numbers.read<std::uint8_t>(what)));
-      case Type::int16:
-        return take(0.0, std::int64_t(numbers.read<std::int16_t>(what)));
-      case Type::uint16:
-        return take(0.0, std::int64_t(numbers.read<std::uint16_t>(what)));
-      case Type::int32:
-        return take(0.0, std::int64_t(numbers.read<std::int32_t>(what)));
-      case Type::uint32:
-        return take(0.0, std::int64_t(numbers.read<std::uint32_t>(what)));
-      case Type::int64:
-        return take(0.0, numbers.read<std::int64_t>(what));
-      case Type::uint64:
-        return take(0.0, std::int64_t(numbers.read<std::uint64_t>(what)));
+    numbers.require_room(count, size_of(type), what);
+    for (std::size_t i = 0; i < count; ++i) {
+      if (is_integer(type))
+        take(0.0, numbers.integer(type, what));
+      else
+        take(type == NumberType::float32 ? double(numbers.real32(what)) : numbers.real64(what),
+             std::int64_t(0));
     }
+    // The text continues after the numbers, where line numbers are meaningless.
+    const std::size_t end = first + count * size_of(type);
+    scanner_ = TextScanner(bytes_.substr(end), name_, {.bytes_in_errors = true}, scanner_.line(), end);
   }
 
   void require_text_room(std::size_t count, const char* what) const {
@@ -163,7 +136,7 @@ class VtkReader {
   void read_points() {
     if (!mesh_.positions.empty()) scanner_.fail("a second POINTS", "one");
     const std::size_t count = scanner_.count("number of points", 3);
-    const TypeName type = type_from(scanner_.word());
+    const NumberType type = type_from(scanner_.word());
     if (count == 0 || count >= 0xffffffff) scanner_.fail(fmt::format("{} points", count), "4 to 2^32 - 2");
     mesh_.positions.reserve(count);
     std::array<double, 3> point{};
@@ -189,21 +162,20 @@ class VtkReader {
       scanner_ = before;
       return read_classic_cells(count, size);
     }
-    const TypeName offset_type = integer_type(scanner_.word());
+    const NumberType offset_type = integer_type(scanner_.word());
     read_numbers(count, offset_type, "offset of a cell",
                  [&](double, std::int64_t value) { offsets_.push_back(value); });
     const std::string_view second = scanner_.word_on_any_line();
     if (lower_case(second) != "connectivity") scanner_.fail(scanner_.found(second), "CONNECTIVITY");
-    const TypeName type = integer_type(scanner_.word());
+    const NumberType type = integer_type(scanner_.word());
     read_numbers(size, type, "point of a cell",
                  [&](double, std::int64_t value) { connectivity_.push_back(value); });
     check_offsets();
   }
 
-  TypeName integer_type(std::string_view word) const {
-    const TypeName type = type_from(word);
-    if (type.type == Type::float32 || type.type == Type::float64)
-      scanner_.fail(quoted(word), "an integer type");
+  NumberType integer_type(std::string_view word) const {
+    const NumberType type = type_from(word);
+    if (!is_integer(type)) scanner_.fail(quoted(word), "an integer type");
     return type;
   }
 
@@ -217,7 +189,7 @@ class VtkReader {
   void read_classic_cells(std::size_t count, std::size_t size) {
     std::int64_t left_in_cell = 0;
     offsets_.push_back(0);
-    read_numbers(size, {"int", Type::int32, 4}, "cell", [&](double, std::int64_t value) {
+    read_numbers(size, NumberType::int32, "cell", [&](double, std::int64_t value) {
       if (left_in_cell > 0) {
         connectivity_.push_back(value);
         if (--left_in_cell == 0) offsets_.push_back(std::int64_t(connectivity_.size()));
@@ -240,7 +212,7 @@ class VtkReader {
                     fmt::format("one for each of the cells, which stand before ({})",
                                 offsets_.empty() ? 0 : offsets_.size() - 1));
     }
-    read_numbers(count, {"int", Type::int32, 4}, "type of a cell",
+    read_numbers(count, NumberType::int32, "type of a cell",
                  [&](double, std::int64_t value) { cell_types_.push_back(value); });
   }
 

@@ -1,3 +1,4 @@
+#include "souple/files/file.h"
 #include "souple/geometry/fill.h"
 #include "souple/geometry/measures.h"
 #include "souple/geometry/tet_mesh.h"
@@ -10,7 +11,6 @@
 #include "souple/world/world.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -45,8 +45,7 @@ ColliderMotion motion_of(const std::vector<KeyframeDescription>& keyframes, bool
 }
 
 bool holds_tets(const std::string& file) {
-  std::string extension = std::filesystem::path(file).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = lower_extension(file);
   return extension == ".msh" || extension == ".node" || extension == ".ele" || extension == ".vtk";
 }
 

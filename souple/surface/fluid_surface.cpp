@@ -4,7 +4,6 @@
 #include "souple/surface/kernels/find_kernels.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <iterator>
 #include <numeric>
@@ -14,13 +13,6 @@
 namespace souple {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double lap(Clock::time_point& since) {
-  const Clock::time_point now = Clock::now();
-  return std::chrono::duration<double, std::milli>(now - std::exchange(since, now)).count();
-}
 
 void require(bool fine, const char* what) {
   if (!fine) throw Error(std::string("surface: ") + what);
@@ -142,7 +134,6 @@ FluidSurface::FluidSurface(const SurfaceOptions& options)
 
 const SurfaceMesh& FluidSurface::build(std::span<const Vec3f> positions, Threads& threads) {
   const ActiveScope awake(threads);
-  Clock::time_point clock = Clock::now();
   const float radius = options_.neighbor_radius * options_.spacing;
   // Within this distance, the coordinates of cells and bricks are in range.
   const float limit = std::min(radius, 4 * options_.cell) * 0x1p18f;
@@ -151,18 +142,12 @@ const SurfaceMesh& FluidSurface::build(std::span<const Vec3f> positions, Threads
     if (std::abs(x.x) < limit && std::abs(x.y) < limit && std::abs(x.z) < limit)
       positions_.push_back({x.x, x.y, x.z, 0});
   order_.build(positions_, radius, threads);
-  times_.sort = lap(clock);
   neighbors_.find(order_, radius, threads);
-  times_.neighbors = lap(clock);
   particles_.find(order_, neighbors_, threads);
-  times_.kernels = lap(clock);
   field_.build(order_, radius, particles_, threads);
-  times_.field = lap(clock);
   cubes_.extract(field_, mesh_, threads);
-  times_.mesh = lap(clock);
   if (options_.smoothing_passes > 0)
     smoothing_.smooth(mesh_, cubes_.crowd(), options_.smoothing_passes, options_.smoothing, threads);
-  times_.smoothing = lap(clock);
   return mesh_;
 }
 

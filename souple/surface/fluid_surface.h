@@ -9,12 +9,6 @@
 
 namespace souple {
 
-/// Times of the stages of FluidSurface::build [ms].
-struct SurfaceTimes {
-  double sort = 0, neighbors = 0, kernels = 0, field = 0, mesh = 0, smoothing = 0;
-  double all() const { return sort + neighbors + kernels + field + mesh + smoothing; }
-};
-
 /// The surface of a fluid's particles as a closed mesh without seams. Source:
 ///
 ///   Yu and Turk 2013, "Reconstructing surfaces of particle-based fluids using anisotropic kernels"
@@ -39,7 +33,6 @@ class FluidSurface {
   const SurfaceMesh& build(std::span<const Vec3f> positions, Threads& threads);
 
   const SurfaceMesh& mesh() const { return mesh_; }
-  const SurfaceTimes& times() const { return times_; }
   /// The options, with computed values in place of 0.
   const SurfaceOptions& options() const { return options_; }
 
@@ -52,7 +45,6 @@ class FluidSurface {
   MarchingCubes cubes_;
   MeshSmoothing smoothing_;
   SurfaceMesh mesh_;
-  SurfaceTimes times_;
   std::vector<Vec4f> positions_;
 };
 
