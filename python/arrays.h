@@ -18,49 +18,29 @@ namespace souple::python {
 namespace py = pybind11;
 
 /// The numbers that a C++ element consists of: their type as NumPy writes it, and how many there are in a row. 0: the
-/// array has one dimension.
+/// array has one dimension. Null: not an element of arrays.
+struct RowType {
+  const char* type = nullptr;
+  int columns = 0;
+};
 template <class T>
-struct Row;
+inline constexpr RowType row;
 template <>
-struct Row<Vec3f> {
-  static constexpr const char* type = "f4";
-  static constexpr int columns = 3;
-};
+inline constexpr RowType row<Vec3f>{"f4", 3};
 template <>
-struct Row<Vec3d> {
-  static constexpr const char* type = "f8";
-  static constexpr int columns = 3;
-};
+inline constexpr RowType row<Vec3d>{"f8", 3};
 template <>
-struct Row<Triangle> {
-  static constexpr const char* type = "u4";
-  static constexpr int columns = 3;
-};
+inline constexpr RowType row<Triangle>{"u4", 3};
 template <>
-struct Row<Tet> {
-  static constexpr const char* type = "u4";
-  static constexpr int columns = 4;
-};
+inline constexpr RowType row<Tet>{"u4", 4};
 template <>
-struct Row<std::array<float, 2>> {
-  static constexpr const char* type = "f4";
-  static constexpr int columns = 2;
-};
+inline constexpr RowType row<std::array<float, 2>>{"f4", 2};
 template <>
-struct Row<float> {
-  static constexpr const char* type = "f4";
-  static constexpr int columns = 0;
-};
+inline constexpr RowType row<float>{"f4", 0};
 template <>
-struct Row<double> {
-  static constexpr const char* type = "f8";
-  static constexpr int columns = 0;
-};
+inline constexpr RowType row<double>{"f8", 0};
 template <>
-struct Row<std::uint32_t> {
-  static constexpr const char* type = "u4";
-  static constexpr int columns = 0;
-};
+inline constexpr RowType row<std::uint32_t>{"u4", 0};
 
 /// `source` as a C-contiguous array of this type with `columns` numbers a row. None if it is neither an array nor a
 /// sequence, so that another overload may take it. Throws Error where the shape or the type does not fit: numbers of any
@@ -72,7 +52,7 @@ py::array copied_array(const void* data, std::size_t rows, const char* type, int
 
 template <class T>
 py::array to_array(std::span<const T> values) {
-  return copied_array(values.data(), values.size(), Row<T>::type, Row<T>::columns);
+  return copied_array(values.data(), values.size(), row<T>.type, row<T>.columns);
 }
 template <class T>
 py::array to_array(const std::vector<T>& values) {
@@ -89,11 +69,11 @@ namespace pybind11::detail {
 /// The memory of an array that fits, or of a converted copy.
 template <class T>
 struct type_caster<std::span<const T>> {
-  using Row = souple::python::Row<T>;
   PYBIND11_TYPE_CASTER(std::span<const T>, const_name("numpy.ndarray"));
 
   bool load(handle source, bool) {
-    numbers_ = souple::python::numbers_of(source, Row::type, Row::columns);
+    numbers_ =
+        souple::python::numbers_of(source, souple::python::row<T>.type, souple::python::row<T>.columns);
     if (numbers_.is_none()) return false;
     const auto array = reinterpret_borrow<pybind11::array>(numbers_);
     value = {static_cast<const T*>(array.data()), static_cast<std::size_t>(array.shape(0))};
@@ -108,7 +88,7 @@ struct type_caster<std::span<const T>> {
 };
 
 template <class T>
-struct array_vector_caster {
+requires(souple::python::row<T>.type != nullptr) struct type_caster<std::vector<T>> {
   PYBIND11_TYPE_CASTER(std::vector<T>, const_name("numpy.ndarray"));
 
   bool load(handle source, bool convert) {
@@ -122,21 +102,5 @@ struct array_vector_caster {
     return souple::python::to_array(values).release();
   }
 };
-template <>
-struct type_caster<std::vector<souple::Vec3f>> : array_vector_caster<souple::Vec3f> {};
-template <>
-struct type_caster<std::vector<souple::Vec3d>> : array_vector_caster<souple::Vec3d> {};
-template <>
-struct type_caster<std::vector<souple::Triangle>> : array_vector_caster<souple::Triangle> {};
-template <>
-struct type_caster<std::vector<souple::Tet>> : array_vector_caster<souple::Tet> {};
-template <>
-struct type_caster<std::vector<std::array<float, 2>>> : array_vector_caster<std::array<float, 2>> {};
-template <>
-struct type_caster<std::vector<float>> : array_vector_caster<float> {};
-template <>
-struct type_caster<std::vector<double>> : array_vector_caster<double> {};
-template <>
-struct type_caster<std::vector<std::uint32_t>> : array_vector_caster<std::uint32_t> {};
 
 }  // namespace pybind11::detail

@@ -91,7 +91,6 @@ class OffscreenViewer {
     picture(100);  // messages disappear
     for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
       std::filesystem::remove_all(entry.path());
-    controls_.clear();
     viewer_->open(scene);
   }
 

@@ -47,21 +47,6 @@ class Running(Case):
         self.assertEqual(run.wait(60), 130)
         self.assertRegex(seen.decode(), r"small: frame \d+ of 100000, [\d.]+ ms/frame, .* left")
 
-    def test_formats(self):
-        self.souple("run", self.scene(SMALL), "--frames", "3", "--out", "out", "--write", "pc2,mdd,obj,ply")
-        names = self.names()
-        for name in ["flag.obj", "flag.pc2", "flag.mdd", "flag_0001.obj", "flag_0003.obj", "sand_0003.ply"]:
-            self.assertIn("out/" + name, names)
-        self.assertNotIn("out/flag_0004.obj", names)
-
-    def test_second_run_removes_the_files_of_the_first(self):
-        scene = self.scene(SMALL)
-        self.souple("run", scene, "--frames", "5", "--out", "out", "--write", "pc2,obj")
-        (self.folder / "out/picture.png").write_text("mine")
-        self.souple("run", scene, "--frames", "3", "--out", "out")
-        self.souple("run", scene, "--frames", "3", "--out", "fresh")
-        self.assertEqual(self.contents("out"), {**self.contents("fresh"), "picture.png": b"mine"})
-
     def test_frames_per_second(self):
         scene = self.scene(dict(SMALL, substeps=2))
         self.souple("run", scene, "--out", "a", "--fps", "24")
@@ -85,12 +70,6 @@ class Running(Case):
         self.assertEqual((scene["frames"], scene["substeps"], scene["iterations"]), (5, 3, 2))
         self.assertEqual(scene["objects"][0]["material"]["bending_stiffness"], 0.125)
         self.assertEqual(manifest["frames"], 5)
-
-    def test_settings_change_the_result(self):
-        scene = self.scene(SMALL)
-        self.souple("run", scene, "--out", "a")
-        self.souple("run", scene, "--out", "b", "--set", "gravity=[0,-1,0]")
-        self.assertNotEqual(self.contents("a")["flag.pc2"], self.contents("b")["flag.pc2"])
 
     def test_twice_the_same_bytes_with_any_number_of_threads(self):
         scene = self.scene(SMALL)

@@ -64,8 +64,8 @@ class Stopping(Case):
 
     def test_interrupts_and_resumes(self):
         """By each signal in turn; the last resume runs more frames, and writes rest meshes that were deleted."""
-        scene = self.scene(dict(self.slow_frames, frames=3000))
-        self.souple("run", scene, "--out", "whole", "--write", "pc2,mdd", "--frames", 3100)
+        scene = self.scene(dict(self.slow_frames, frames=1500))
+        self.souple("run", scene, "--out", "whole", "--write", "pc2,mdd", "--frames", 1600)
         run = self.start(scene, "--out", "out", "--write", "pc2,mdd")
         for how in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
             size = self.written("out")
@@ -73,7 +73,7 @@ class Stopping(Case):
             run.send_signal(how)
             out, error = run.communicate(timeout=60)
             self.assertEqual(run.returncode, 130, out + error)
-            self.assertRegex(error, r"interrupted after frame \d+ of 3000; resume with: souple run --resume out\n")
+            self.assertRegex(error, r"interrupted after frame \d+ of 1500; resume with: souple run --resume out\n")
             self.assertTrue((self.folder / "out/checkpoint.souple").is_file())
             self.assertFalse([n for n in self.names() if n.endswith(".part")])
             self.assertIn("--frames 1", self.souple("run", "--resume", "out", "--frames", 1, code=2).stderr)
@@ -83,7 +83,7 @@ class Stopping(Case):
                                    stdout=subprocess.PIPE, text=True, env=self.environment)
         for name in "flag", "sand":
             (self.folder / f"out/{name}.obj").unlink()
-        said = self.souple("run", "--resume", "out", "--frames", 3100).stderr
+        said = self.souple("run", "--resume", "out", "--frames", 1600).stderr
         for name in "flag", "sand":
             self.assertIn(f"{name}: its rest mesh was missing", said)
         whole, out = self.contents("whole"), self.contents("out")
@@ -124,7 +124,7 @@ class Stopping(Case):
         self.assertIn("souple: ", run.stderr)
 
     def test_killed_and_resumed_from_a_regular_checkpoint(self):
-        scene = self.scene(dict(self.slow_frames, frames=2000))
+        scene = self.scene(dict(self.slow_frames, frames=1000))
         self.souple("run", scene, "--out", "whole", "--checkpoint-every", 50)
         run = self.start(scene, "--out", "out", "--checkpoint-every", 50)
         self.wait_for(lambda: (self.folder / "out/checkpoint.souple").exists() or run.poll() is not None)

@@ -155,8 +155,5 @@ class SurfaceOfARun(Case):
         self.assert_same_contents("out_surface", "afterwards")
 
 
-# A wide tap: every frame needs more memory than the one before.
-
-
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

@@ -71,13 +71,6 @@ class LargeScenes(unittest.TestCase):
             self.assertIn("objects: expected a list of 0 to 10000 entries, found 100000", said)
             self.assertLess(time, 10)
 
-    def test_a_megabyte_of_nesting_is_refused_at_once(self):
-        for i, text in enumerate(("[" * 1000000, '{"a":' * 200000, '{"souple": 1, "objects": ' + "[" * 500000 + "]" * 500000 + "}")):
-            for time, memory, said in self.both(self.scene(text, f"nested{i}.json"), code=2):
-                self.assertIn("nested deeper than 64 levels", said)
-                self.assertLess(time, 2)
-                self.assertLess(memory, 500)
-
 
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

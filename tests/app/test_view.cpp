@@ -194,7 +194,7 @@ TEST(ViewerPicture, IsCloseToTheScreenshot) {
   const TestFolder folder;
   OffscreenViewer view(folder.write("everything.json", everything));
   view.simulation().set_playing(false);
-  view.resize({640, 480, 1});
+  view.resize({480, 360, 1});
   view.type("h");
   view.picture();
   const render::Image seen = view.image();

@@ -3,9 +3,6 @@
 #include "souple/io/animated_target.h"
 #include "souple/io/mdd.h"
 #include "souple/io/pc2.h"
-#include "souple/io/sequence.h"
-#include "souple/mesh_files/mesh_file.h"
-#include "souple/mesh_files/mesh_write.h"
 
 #include <cmath>
 #include <utility>
@@ -47,31 +44,11 @@ class AnimatedTargetTest : public FolderTest {
   }
 };
 
-TEST_F(AnimatedTargetTest, PinsFollowAPc2) {
-  Pc2Writer writer(folder / "a.pc2", mesh.positions.size());
-  for (int frame = 0; frame <= last; ++frame) writer.append(moved(frame));
-  writer.finish();
-  expect_followed(AnimatedPoints(folder / "a.pc2", {.frame_rate = rate}));
-}
-
 TEST_F(AnimatedTargetTest, PinsFollowAnMdd) {
   MddWriter writer(folder / "a.mdd", mesh.positions.size(), 0);
   for (int frame = 0; frame <= last; ++frame) writer.append(frame / rate, moved(frame));
   writer.finish();
   expect_followed(AnimatedPoints(folder / "a.mdd", {}));
-}
-
-TEST_F(AnimatedTargetTest, PinsFollowAnObjSequence) {
-  SequenceWriter writer(folder, "a", "obj",
-                        [this](auto positions, auto) { return obj_text(mesh, positions); });
-  for (int frame = 0; frame <= last; ++frame) writer.append(moved(frame), {});
-  writer.finish();
-  const auto read = [](const std::filesystem::path& file) {
-    std::vector<Vec3f> positions;
-    for (const Vec3d& x : read_triangle_mesh(file).positions) positions.push_back(Vec3f(x));
-    return positions;
-  };
-  expect_followed(AnimatedPoints(folder / "a_0001.obj", {.frame_rate = rate}, read));
 }
 
 /// An animation with too few points is told in the step's report, and the pin stays where it is.

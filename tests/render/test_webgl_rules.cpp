@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <epoxy/gl.h>
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -15,72 +16,45 @@
 
 namespace souple::render::test_render_webgl_rules {
 
-/// Replaces OpenGL's functions by some that note what is bound, and what breaks the rules.
+/// An OpenGL function of libepoxy that is replaced by one that first calls `before`.
+template <auto* pointer>
+struct Hooked;
+template <class... A, void (**pointer)(A...)>
+struct Hooked<pointer> {
+  static inline void (*original)(A...) = nullptr;
+  static inline std::function<void(A...)> before;
+  static void call(A... arguments) {
+    before(arguments...);
+    original(arguments...);
+  }
+};
+
+/// Notes what is bound, and what breaks the rules.
 class Watch {
  public:
   Watch() {
-    watch_ = this;
-    hook(epoxy_glBindBuffer, bind_buffer_, [](GLenum target, GLuint id) {
-      watch_->bind_buffer(target, id);
-      watch_->bind_buffer_(target, id);
+    hook<&epoxy_glBindBuffer>([this](GLenum target, GLuint id) { bind_buffer(target, id); });
+    hook<&epoxy_glDeleteBuffers>([this](GLsizei count, const GLuint* ids) {
+      for (GLsizei i = 0; i < count; ++i) first_target_.erase(ids[i]);
     });
-    hook(epoxy_glDeleteBuffers, delete_buffers_, [](GLsizei count, const GLuint* ids) {
-      for (GLsizei i = 0; i < count; ++i) watch_->first_target_.erase(ids[i]);
-      watch_->delete_buffers_(count, ids);
+    hook<&epoxy_glBindFramebuffer>([this](GLenum target, GLuint id) {
+      if (target != GL_READ_FRAMEBUFFER) framebuffer_ = id;
     });
-    hook(epoxy_glBindFramebuffer, bind_framebuffer_, [](GLenum target, GLuint id) {
-      if (target != GL_READ_FRAMEBUFFER) watch_->framebuffer_ = id;
-      watch_->bind_framebuffer_(target, id);
+    hook<&epoxy_glFramebufferTexture2D>([this](GLenum, GLenum attachment, GLenum, GLuint texture, GLint) {
+      attached_[framebuffer_][attachment] = texture;
     });
-    hook(epoxy_glFramebufferTexture2D, attach_,
-         [](GLenum target, GLenum attachment, GLenum kind, GLuint texture, GLint level) {
-           watch_->attached_[watch_->framebuffer_][attachment] = texture;
-           watch_->attach_(target, attachment, kind, texture, level);
-         });
-    hook(epoxy_glDeleteFramebuffers, delete_framebuffers_, [](GLsizei count, const GLuint* ids) {
-      for (GLsizei i = 0; i < count; ++i) watch_->attached_.erase(ids[i]);
-      watch_->delete_framebuffers_(count, ids);
+    hook<&epoxy_glDeleteFramebuffers>([this](GLsizei count, const GLuint* ids) {
+      for (GLsizei i = 0; i < count; ++i) attached_.erase(ids[i]);
     });
-    hook(epoxy_glActiveTexture, active_texture_, [](GLenum unit) {
-      watch_->unit_ = static_cast<GLint>(unit - GL_TEXTURE0);
-      watch_->active_texture_(unit);
-    });
-    hook(epoxy_glBindTexture, bind_texture_, [](GLenum target, GLuint id) {
-      watch_->texture_[watch_->unit_] = id;
-      watch_->bind_texture_(target, id);
-    });
-    hook(epoxy_glUseProgram, use_program_, [](GLuint id) {
-      watch_->program_ = id;
-      watch_->use_program_(id);
-    });
-    hook(epoxy_glDrawArrays, draw_arrays_, [](GLenum mode, GLint first, GLsizei count) {
-      watch_->draw();
-      watch_->draw_arrays_(mode, first, count);
-    });
-    hook(epoxy_glDrawArraysInstanced, draw_instanced_,
-         [](GLenum mode, GLint first, GLsizei count, GLsizei instances) {
-           watch_->draw();
-           watch_->draw_instanced_(mode, first, count, instances);
-         });
-    hook(epoxy_glDrawElements, draw_elements_,
-         [](GLenum mode, GLsizei count, GLenum type, const void* offset) {
-           watch_->draw();
-           watch_->draw_elements_(mode, count, type, offset);
-         });
+    hook<&epoxy_glActiveTexture>([this](GLenum unit) { unit_ = static_cast<GLint>(unit - GL_TEXTURE0); });
+    hook<&epoxy_glBindTexture>([this](GLenum, GLuint id) { texture_[unit_] = id; });
+    hook<&epoxy_glUseProgram>([this](GLuint id) { program_ = id; });
+    hook<&epoxy_glDrawArrays>([this](auto...) { draw(); });
+    hook<&epoxy_glDrawArraysInstanced>([this](auto...) { draw(); });
+    hook<&epoxy_glDrawElements>([this](auto...) { draw(); });
   }
   ~Watch() {
-    epoxy_glBindBuffer = bind_buffer_;
-    epoxy_glDeleteBuffers = delete_buffers_;
-    epoxy_glBindFramebuffer = bind_framebuffer_;
-    epoxy_glFramebufferTexture2D = attach_;
-    epoxy_glDeleteFramebuffers = delete_framebuffers_;
-    epoxy_glActiveTexture = active_texture_;
-    epoxy_glBindTexture = bind_texture_;
-    epoxy_glUseProgram = use_program_;
-    epoxy_glDrawArrays = draw_arrays_;
-    epoxy_glDrawArraysInstanced = draw_instanced_;
-    epoxy_glDrawElements = draw_elements_;
-    watch_ = nullptr;
+    for (const auto& restore : restore_) restore();
   }
   Watch(const Watch&) = delete;
   Watch& operator=(const Watch&) = delete;
@@ -89,10 +63,13 @@ class Watch {
   int draws = 0;
 
  private:
-  template <class F, class G>
-  void hook(F*& function, F*& kept, const G& instead) {
-    kept = function;
-    function = instead;
+  template <auto* pointer, class Before>
+  void hook(Before before) {
+    using H = Hooked<pointer>;
+    H::original = *pointer;
+    H::before = before;
+    *pointer = &H::call;
+    restore_.emplace_back([] { *pointer = H::original; });
   }
   void bind_buffer(GLenum target, GLuint id) {
     if (id == 0) return;
@@ -127,18 +104,7 @@ class Watch {
     return entry->second;
   }
 
-  static inline Watch* watch_ = nullptr;
-  decltype(epoxy_glBindBuffer) bind_buffer_ = nullptr;
-  decltype(epoxy_glDeleteBuffers) delete_buffers_ = nullptr;
-  decltype(epoxy_glBindFramebuffer) bind_framebuffer_ = nullptr;
-  decltype(epoxy_glFramebufferTexture2D) attach_ = nullptr;
-  decltype(epoxy_glDeleteFramebuffers) delete_framebuffers_ = nullptr;
-  decltype(epoxy_glActiveTexture) active_texture_ = nullptr;
-  decltype(epoxy_glBindTexture) bind_texture_ = nullptr;
-  decltype(epoxy_glUseProgram) use_program_ = nullptr;
-  decltype(epoxy_glDrawArrays) draw_arrays_ = nullptr;
-  decltype(epoxy_glDrawArraysInstanced) draw_instanced_ = nullptr;
-  decltype(epoxy_glDrawElements) draw_elements_ = nullptr;
+  std::vector<std::function<void()>> restore_;
   std::map<GLuint, GLenum> first_target_;
   std::map<GLuint, std::map<GLenum, GLuint>> attached_;
   std::map<GLint, GLuint> texture_;

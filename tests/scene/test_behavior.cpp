@@ -3,6 +3,7 @@
 #include "souple/io/mdd.h"
 #include "souple/io/pc2.h"
 #include "souple/world/world.h"
+#include "tests/expect_error.h"
 #include "tests/folder_test.h"
 
 #include <algorithm>
@@ -75,14 +76,10 @@ void expect_stiff_upper_half(World world) {
   EXPECT_NEAR(lower / upper, 3, 0.3) << upper << " and " << lower;
 }
 
-TEST_F(Behavior, StiffnessMapOfAGroup) {
+TEST_F(Behavior, StiffnessMapOfAGroupAndOfAColor) {
   write_strip(file("strip.obj"));
-  expect_stiff_upper_half(built(stretched_strip(R"("group": "upper")")));
-}
-
-TEST_F(Behavior, StiffnessMapOfAColor) {
-  write_strip(file("strip.obj"));
-  expect_stiff_upper_half(built(stretched_strip(R"("color": "red")")));
+  for (const char* source : {R"("group": "upper")", R"("color": "red")"})
+    expect_stiff_upper_half(built(stretched_strip(source)));
 }
 
 TEST_F(Behavior, ThicknessMapKeepsItsDistance) {
@@ -161,28 +158,20 @@ void expect_sequence_motion(World world) {
   EXPECT_NEAR(risen(), 4 * sequence_rise, 1e-4);
 }
 
-TEST_F(Behavior, PinsFollowAPc2) {
+TEST_F(Behavior, PinsFollowFiles) {
   write_strip(file("strip.obj"));
-  Pc2Writer writer(file("moved.pc2"), std::uint64_t{2} * strip_rows);
-  for (int frame = 0; frame < sequence_frames; ++frame) writer.append(strip_points(frame * sequence_rise));
-  writer.finish();
-  expect_sequence_motion(with_sequence(file(""), "moved.pc2"));
-}
-
-TEST_F(Behavior, PinsFollowAnMdd) {
-  write_strip(file("strip.obj"));
-  MddWriter writer(file("moved.mdd"), std::uint64_t{2} * strip_rows, sequence_frames);
-  for (int frame = 0; frame < sequence_frames; ++frame)
-    writer.append(frame / 10.0, strip_points(frame * sequence_rise));
-  writer.finish();
-  expect_sequence_motion(with_sequence(file(""), "moved.mdd"));
-}
-
-TEST_F(Behavior, PinsFollowASequenceOfObj) {
-  write_strip(file("strip.obj"));
-  for (int frame = 0; frame < sequence_frames; ++frame)
+  Pc2Writer pc2(file("moved.pc2"), std::uint64_t{2} * strip_rows);
+  MddWriter mdd(file("moved.mdd"), std::uint64_t{2} * strip_rows, sequence_frames);
+  for (int frame = 0; frame < sequence_frames; ++frame) {
+    const std::vector<Vec3f> points = strip_points(frame * sequence_rise);
+    pc2.append(points);
+    mdd.append(frame / 10.0, points);
     write_strip(file("moved_000" + std::to_string(frame + 1) + ".obj"), frame * sequence_rise);
-  expect_sequence_motion(with_sequence(file(""), "moved_0001.obj"));
+  }
+  pc2.finish();
+  mdd.finish();
+  for (const char* name : {"moved.pc2", "moved.mdd", "moved_0001.obj"})
+    expect_sequence_motion(with_sequence(folder, name));
 }
 
 TEST_F(Behavior, SequenceOfAnotherMeshIsRefused) {
@@ -190,14 +179,7 @@ TEST_F(Behavior, SequenceOfAnotherMeshIsRefused) {
   Pc2Writer writer(file("moved.pc2"), 5);
   writer.append(std::vector<Vec3f>(5));
   writer.finish();
-  try {
-    with_sequence(file(""), "moved.pc2");
-    FAIL() << "5 points for 34 vertices";
-  } catch (const Error& error) {
-    const std::string said = error.what();
-    EXPECT_EQ(said.find("test.json: objects[0].pins[0]"), 0u) << said;
-    EXPECT_NE(said.find("34"), std::string::npos) << said;
-  }
+  expect_error([&] { with_sequence(folder, "moved.pc2"); }, {"test.json: objects[0].pins[0]", "34"});
 }
 
 // --- tethers

@@ -23,64 +23,6 @@ TEST(Documents, AreUpToDate) {
       << "update it: souple info --scene-format > docs/scene-format.md";
 }
 
-/// Words between the backquotes of a line.
-std::vector<std::string> in_backquotes(const std::string& line) {
-  std::vector<std::string> words;
-  for (std::size_t at = line.find('`'); at != std::string::npos; at = line.find('`', at)) {
-    const std::size_t end = line.find('`', at + 1);
-    words.push_back(line.substr(at + 1, end - at - 1));
-    at = end + 1;
-  }
-  return words;
-}
-
-/// Tables of a row of the manual: those that its last cell names, or all of its section.
-std::vector<std::string> tables_of_row(const std::string& line, const std::vector<std::string>& of_section) {
-  if (of_section.size() == 1) return of_section;
-  std::vector<std::string> tables;
-  std::istringstream words(line.substr(line.rfind("| ", line.size() - 3) + 2));
-  for (std::string word; words >> word && word != "|";) tables.push_back(word.substr(0, word.find(',')));
-  return tables.empty() ? of_section : tables;
-}
-
-/// "table.key" of every row of the manual. A key with points belongs to the table of the key before the last point.
-std::set<std::string> keys_in_manual(const std::string& manual, const json& definitions) {
-  std::set<std::string> keys;
-  std::istringstream lines(manual);
-  std::vector<std::string> section;
-  bool listed = false;
-  for (std::string line; std::getline(lines, line);) {
-    if (line.rfind("## ", 0) == 0) section = {line.substr(3)}, listed = false;
-    if (line.rfind("- `", 0) == 0) {
-      if (!std::exchange(listed, true)) section.clear();
-      for (const std::string& table : in_backquotes(line.substr(0, line.find(": "))))
-        section.push_back(table);
-    }
-    if (line.rfind("| `", 0) != 0) continue;
-    for (std::string table : tables_of_row(line, section)) {
-      std::string key = in_backquotes(line)[0];
-      for (std::size_t point; (point = key.find('.')) != std::string::npos; key = key.substr(point + 1))
-        table = definitions[table]["properties"][key.substr(0, point)]["$ref"].get<std::string>().substr(8);
-      keys.insert(table + "." + key);
-    }
-  }
-  return keys;
-}
-
-TEST(Documents, ManualHasEveryKeyOfTheSchema) {
-  const json schema = json::parse(read_file(documents() / "scene.schema.json"));
-  EXPECT_GT(schema["$defs"].size(), 30u);
-  std::set<std::string> keys;
-  for (const auto& [name, table] : schema["$defs"].items()) {
-    for (const auto& [key, value] : table["properties"].items()) {
-      keys.insert(name + "." + key);
-      EXPECT_GT(value["description"].get<std::string>().size(), 2u)
-          << name << "." << key << " is not explained";
-    }
-  }
-  EXPECT_EQ(keys_in_manual(read_file(documents() / "scene-format.md"), schema["$defs"]), keys);
-}
-
 /// Generates minimal scenes that the schema allows and that contain a wanted key, for the reader.
 class Sampler {
  public:
