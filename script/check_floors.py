@@ -3,13 +3,11 @@
 
 An include goes to a strictly lower floor or stays in its folder, and never in a circle. Three habits are refused as well:
 `using namespace` in a header, std::to_string, and in the library the C library's elementary functions. Prints one line per violation and exits with 1 if there is any.
-`--root DIR` checks another tree.
 """
 
-import argparse
-import pathlib
 import re
-import sys
+
+import checks
 
 FLOORS = {
     "souple/math": 1,
@@ -87,8 +85,8 @@ def floor_of(path):
     return FLOORS[folder] if folder else SINGLE_FILES.get(path)
 
 
-def check_own_include(path, target, root):
-    if not (root / target).exists() and target not in ("souple/version.h", "souple/compiled_sets.h"):
+def check_own_include(path, target):
+    if not (checks.ROOT / target).exists() and target not in ("souple/version.h", "souple/compiled_sets.h"):
         return f"no such file: {target}"
     here, there = floor_of(path), floor_of(target)
     if there is None:
@@ -112,9 +110,9 @@ def check_outside_include(path, target):
     return None
 
 
-def check_file(path, root, graph):
+def check_file(path, text, graph):
     problems = []
-    for number, line in enumerate((root / path).read_text(encoding="utf-8").splitlines(), 1):
+    for number, line in enumerate(text.splitlines(), 1):
         if path.endswith(".h") and USING_NAMESPACE.match(line):
             problems.append((number, "using namespace in a header"))
         if TO_STRING.search(line) and not in_folder(path, "plugins"):
@@ -127,7 +125,7 @@ def check_file(path, root, graph):
         quote, target = match.groups()
         if target.startswith(("souple/", "render/", "app/", "python/", "plugins/", "web/")):
             graph.setdefault(path, []).append(target)
-            problem = check_own_include(path, target, root)
+            problem = check_own_include(path, target)
         elif quote == '"':
             problem = f'includes "{target}": own files are named from the root, such as "souple/math/vec3.h"'
         else:
@@ -157,18 +155,10 @@ def find_circles(graph):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent)
-    root = parser.parse_args().root
-    files = [str(file.relative_to(root)) for top in ("souple", "render", "app", "python", "plugins", "web")
-             for file in sorted((root / top).rglob("*")) if file.suffix in (".h", ".cpp")]
-    if not files:
-        sys.exit(f"check_floors: no source files below {root}")
+    files = checks.sources("souple", "render", "app", "python", "plugins", "web")
     graph = {}
-    problems = [problem for file in files for problem in check_file(file, root, graph)]
-    problems += find_circles(graph)
-    print("\n".join(problems) if problems else f"{len(files)} files keep to their floors")
-    sys.exit(1 if problems else 0)
+    problems = [problem for path, text in files.items() for problem in check_file(path, text, graph)]
+    checks.report(problems + find_circles(graph), f"{len(files)} files keep to their floors")
 
 
 if __name__ == "__main__":

@@ -3,16 +3,14 @@
 
 A sentence ends at a period, at a blank line, at an indented formula or code, and with a list item or a table's cell.
 Code spans, formulas and calls count as one word, units as none. Prints one line per violation and exits with 1 if there
-is any. `--root DIR` checks another tree.
+is any.
 """
 
-import argparse
 import io
-import pathlib
 import re
-import subprocess
-import sys
 import tokenize
+
+import checks
 
 LONGEST = 25
 # A question may begin with "What".
@@ -169,21 +167,11 @@ def check_file(path, text):
                     yield line, f'begins with "{WEAK_START.match(sentence)[0]}": "{first} ..."'
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent)
-    root = parser.parse_args().root
-    names = subprocess.check_output(["git", "-C", str(root), "ls-files"], text=True).splitlines()
-    files = [name for name in names if name.endswith((*C_LIKE, ".py", ".sh", ".cmake", "CMakeLists.txt", ".md", ".yml", ".toml"))
-             or re.fullmatch(r"(script|\.ci)/[^.]*", name)]
-    problems = [f"{name}:{line}: {problem}" for name in files if (root / name).is_file()
-                for line, problem in check_file(name, (root / name).read_text(encoding="utf-8"))]
-    for problem in problems:
-        print(problem, file=sys.stderr)
-    if problems:
-        sys.exit(f"check_sentences: {len(problems)} sentences to be written shorter or plainer")
-    print(f"check_sentences: {len(files)} files, no long sentence")
+def is_checked(name):
+    return (name.endswith((*C_LIKE, ".py", ".sh", ".cmake", "CMakeLists.txt", ".md", ".yml", ".toml"))
+            or re.fullmatch(r"(script|\.ci)/[^.]*", name))
 
 
 if __name__ == "__main__":
-    main()
+    checked = checks.tracked(is_checked)
+    checks.report_lines(checked, check_file, f"check_sentences: {len(checked)} files, no long sentence")

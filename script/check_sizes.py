@@ -3,13 +3,13 @@
   - a folder of the library has at most 6,000 lines in its own files (a subfolder counts for itself);
   - a class or struct has at most 25 data members;
   - a header of the library includes at most 41 other headers of ours, directly or not.
-Prints one line per violation and exits with 1 if there is any. `--root DIR` checks another tree, `--list` prints the largest.
+Prints one line per violation and exits with 1 if there is any. `--list` prints the largest.
 """
 
-import argparse
-import pathlib
 import re
 import sys
+
+import checks
 
 MAX_LINES, MAX_MEMBERS, MAX_REACH = 6000, 25, 41
 # They gather what others include one by one.
@@ -86,15 +86,7 @@ def reach(header, includes):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent)
-    parser.add_argument("--list", action="store_true", help="print the largest instead of checking")
-    arguments = parser.parse_args()
-    root = arguments.root
-    texts = {str(file.relative_to(root)): file.read_text(encoding="utf-8") for file in sorted((root / "souple").rglob("*"))
-             if file.suffix in (".h", ".cpp")}
-    if not texts:
-        sys.exit(f"check_sizes: no source files below {root}")
+    texts = checks.sources("souple")
     lines, includes = {}, {}
     for path, text in texts.items():
         folder = path.rsplit("/", 1)[0]
@@ -105,14 +97,13 @@ def main():
               for name, count in classes(text)]
     sizes += [(reach(path, includes), MAX_REACH, path, "of our headers included, directly or not") for path in texts
               if path.endswith(".h") and path not in GATHERING]
-    if arguments.list:
+    if "--list" in sys.argv:
         for kind in (MAX_LINES, MAX_MEMBERS, MAX_REACH):
             for count, limit, what, unit in sorted((s for s in sizes if s[1] == kind), reverse=True)[:12]:
                 print(f"{count:6} {what}: {unit}, at most {limit}")
         return
     problems = [f"{what}: {count} {unit}, expected at most {limit}" for count, limit, what, unit in sizes if count > limit]
-    print("\n".join(problems) if problems else f"{len(texts)} files of {len(lines)} folders keep to their sizes")
-    sys.exit(1 if problems else 0)
+    checks.report(problems, f"{len(texts)} files of {len(lines)} folders keep to their sizes")
 
 
 if __name__ == "__main__":

@@ -3,15 +3,12 @@
 
 NAMES holds words inside identifiers (`led_count` and `LedCount` both hold "led"), PROSE holds patterns of text, each with
 what to say instead. ALLOWED holds the legitimate uses. Prints one line per violation and exits with 1 if there is any.
-`--root DIR` checks another tree.
 """
 
-import argparse
 import fnmatch
-import pathlib
 import re
-import subprocess
-import sys
+
+import checks
 
 NAMES = {
     "colour": "color", "colours": "colors", "coloured": "colored", "colouring": "coloring",
@@ -118,20 +115,6 @@ def check_file(path, text):
     return sorted((text.count("\n", 0, place) + 1, problem) for place, problem in found)
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--root", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent.parent)
-    root = parser.parse_args().root
-    names = subprocess.check_output(["git", "-C", str(root), "ls-files"], text=True).splitlines()
-    files = [name for name in names if name.endswith((*SOURCES, ".md")) or name.startswith(("script/", ".ci/", "cmake/"))]
-    problems = [f"{name}:{line}: {problem}" for name in files if (root / name).is_file()
-                for line, problem in check_file(name, (root / name).read_text(encoding="utf-8"))]
-    for problem in problems:
-        print(problem, file=sys.stderr)
-    if problems:
-        sys.exit(f"check_words: {len(problems)} words that the glossary in CONTRIBUTING.md replaces")
-    print(f"check_words: {len(files)} files, no replaced word")
-
-
 if __name__ == "__main__":
-    main()
+    checked = checks.tracked(lambda name: name.endswith((*SOURCES, ".md")) or name.startswith(("script/", ".ci/", "cmake/")))
+    checks.report_lines(checked, check_file, f"check_words: {len(checked)} files, no replaced word")

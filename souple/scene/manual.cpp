@@ -184,7 +184,7 @@ class Page {
  public:
   explicit Page(const scene_format::Format& format) {
     for (const auto& table : format.tables) sections_.push_back({table->name, {table.get()}});
-    while (join_two()) continue;
+    while (join_two() || join_alike()) continue;
     for (const Section& section : sections_)
       for (const Row& row : rows_of(section))
         for (const std::string& name : row.references)
@@ -219,6 +219,21 @@ class Page {
           join(std::min(a, b), std::max(a, b), row.key);
           return true;
         }
+      }
+    }
+    return false;
+  }
+  /// Joins two sections with many equal rows, such as those of keys that select vertices.
+  bool join_alike() {
+    constexpr std::size_t many = 5;
+    for (std::size_t b = 1; b < sections_.size(); ++b) {
+      for (std::size_t a = 0; a < b; ++a) {
+        Section both = sections_[a];
+        both.tables.insert(both.tables.end(), sections_[b].tables.begin(), sections_[b].tables.end());
+        const std::size_t apart = rows_of(sections_[a]).size() + rows_of(sections_[b]).size();
+        if (rows_of(both).size() + many > apart) continue;
+        join(a, b, sections_[a].name);
+        return true;
       }
     }
     return false;

@@ -1,18 +1,14 @@
 #include "souple/scene/nearest.h"
 
+#include "souple/queries/nearest_name.h"
+
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <utility>
-#include <vector>
 
 namespace souple::scene_format {
 
 namespace {
-
-bool same_letter(char a, char b) {
-  return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
-}
 
 /// Names in older scene files and commands, and their replacements.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 9> renamed{{
@@ -26,25 +22,6 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 9> renamed{{
     {"neighbours", "neighbors"},
     {"spray_neighbours", "spray_neighbors"},
 }};
-
-/// Optimal string alignment distance, with three rows.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t replaced = last[j - 1] + (same_letter(a[i - 1], b[j - 1]) ? 0 : 1);
-      row[j] = std::min({last[j] + 1, row[j - 1] + 1, replaced});
-      const bool swapped =
-          i > 1 && j > 1 && same_letter(a[i - 1], b[j - 2]) && same_letter(a[i - 2], b[j - 1]);
-      if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
-    }
-    std::swap(before, last);
-    std::swap(last, row);
-  }
-  return last[b.size()];
-}
 
 }  // namespace
 

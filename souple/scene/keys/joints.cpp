@@ -89,20 +89,17 @@ CodecPtr<JointMotorDescription> motor_codec(Motion motion) {
   return keys;
 }
 
-template <auto Member, class T>
+template <auto... Member, class T>
 void add_axis_keys(Table<T>& keys, Motion motion) {
   using A = JointAxisDescription;
-  keys.template key<Member, &A::limits>("limits", maybe(limits_codec(motion)), "stops")
-      .template key<Member, &A::spring>("spring", maybe(spring_codec(motion)), "spring and damper")
-      .template key<Member, &A::motor>("motor", maybe(motor_codec(motion)), "drive");
+  keys.template key<Member..., &A::limits>("limits", maybe(limits_codec(motion)), "stops")
+      .template key<Member..., &A::spring>("spring", maybe(spring_codec(motion)), "spring and damper")
+      .template key<Member..., &A::motor>("motor", maybe(motor_codec(motion)), "drive");
 }
 
 CodecPtr<JointAxisDescription> axis_codec() {
-  using A = JointAxisDescription;
-  auto keys = table<A>("joint_axis", "Forces about one axis of a joint.");
-  keys->key<&A::limits>("limits", maybe(limits_codec(Motion::rotation)), "stops")
-      .key<&A::spring>("spring", maybe(spring_codec(Motion::rotation)), "spring and damper")
-      .key<&A::motor>("motor", maybe(motor_codec(Motion::rotation)), "drive");
+  auto keys = table<JointAxisDescription>("joint_axis", "Forces about one axis of a joint.");
+  add_axis_keys(*keys, Motion::rotation);
   return keys;
 }
 
