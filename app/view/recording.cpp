@@ -23,7 +23,7 @@ std::filesystem::path folder_of(const std::filesystem::path& path) {
 }  // namespace
 
 Recording::Recording(const std::filesystem::path& path)
-    : name_(folder_of(path).filename().string()), cache_(path) {
+    : Session(folder_of(path).filename().string()), cache_(path) {
   if (cache_.frames() == 0) {
     throw Error(path.string() +
                 ": holds no frame to play; expected PC2, MDD, OBJ or PLY files from `souple run`");

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "app/cache_subject.h"
-#include "app/view/clock.h"
 #include "app/view/session.h"
 
 #include <cstdint>
@@ -17,7 +16,6 @@ class Recording : public Session {
   /// Throws Error when the folder is not that of a run, or holds no frame.
   explicit Recording(const std::filesystem::path& path);
 
-  const std::string& name() const override { return name_; }
   const std::string& description() const override { return description_; }
   double frame_rate() const override { return rate_; }
   double time() const override { return cache_.playback().time(frame()); }
@@ -33,22 +31,16 @@ class Recording : public Session {
   void reset() override;
   /// At the last frame, starts again from the first.
   void set_playing(bool playing) override;
-  bool playing() const override { return playing_; }
-  double speed() const override { return clock_.speed(); }
-  const std::optional<Failure>& failure() const override { return failure_; }
 
   std::uint64_t frames() const { return cache_.frames(); }
   /// Shows a frame in [1, frames()]; other numbers are clamped. Throws Error.
   void seek(std::uint64_t frame);
 
  private:
-  std::string name_, description_;
+  std::string description_;
   double rate_ = 60;
   app::CacheSubject cache_;
   render::Subject subject_;
-  Clock clock_;
-  bool playing_ = true;
-  std::optional<Failure> failure_;  // a recording cannot fail
 };
 
 }  // namespace souple::viewer

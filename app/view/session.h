@@ -1,5 +1,6 @@
 #pragma once
 
+#include "app/view/clock.h"
 #include "render/camera.h"
 #include "render/subject.h"
 #include "souple/math/vec3.h"
@@ -8,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace souple::viewer {
 
@@ -27,12 +29,12 @@ struct Failure {
 /// screen.
 class Session {
  public:
-  Session() = default;
+  explicit Session(std::string name) : name_(std::move(name)) {}
   virtual ~Session() = default;
   Session(const Session&) = delete;
   Session& operator=(const Session&) = delete;
 
-  virtual const std::string& name() const = 0;
+  const std::string& name() const { return name_; }
   virtual const std::string& description() const = 0;
   virtual double frame_rate() const = 0;    ///< frames per second
   virtual double time() const = 0;          ///< s
@@ -52,11 +54,18 @@ class Session {
   /// Returns to the start. Throws Error, and then has changed nothing, when that fails.
   virtual void reset() = 0;
   virtual void set_playing(bool playing) = 0;
-  virtual bool playing() const = 0;
+  bool playing() const { return playing_; }
 
   /// Achieved speed over requested speed; below 1 when the machine is too slow.
-  virtual double speed() const = 0;
-  virtual const std::optional<Failure>& failure() const = 0;
+  double speed() const { return clock_.speed(); }
+  /// A recording cannot fail.
+  const std::optional<Failure>& failure() const { return failure_; }
+
+ protected:
+  std::string name_;
+  Clock clock_;
+  bool playing_ = true;
+  std::optional<Failure> failure_;
 };
 
 }  // namespace souple::viewer

@@ -46,7 +46,7 @@ Simulation::Simulation(const std::filesystem::path& scene)
     : Simulation(load_scene(scene), scene.stem().string()) {}
 
 Simulation::Simulation(SceneDescription scene, std::string name)
-    : name_(std::move(name)), scene_(std::move(scene)), world_(build_world(scene_)) {
+    : Session(std::move(name)), scene_(std::move(scene)), world_(build_world(scene_)) {
   app::check_pictures(scene_);
   start();
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "app/view/clock.h"
 #include "app/view/past.h"
 #include "app/view/session.h"
 #include "souple/scene/scene.h"
@@ -31,7 +30,6 @@ class Simulation : public Session {
   explicit Simulation(const std::filesystem::path& scene);
   Simulation(SceneDescription scene, std::string name);
 
-  const std::string& name() const override { return name_; }
   const std::string& description() const override { return scene_.description; }
   double frame_rate() const override { return scene_.frame_rate; }
   double time() const override { return world_.time(); }
@@ -47,9 +45,6 @@ class Simulation : public Session {
   void step_back() override;
   void reset() override;
   void set_playing(bool playing) override;
-  bool playing() const override { return playing_; }
-  double speed() const override { return clock_.speed(); }
-  const std::optional<Failure>& failure() const override { return failure_; }
 
   const SceneDescription& scene() const { return scene_; }
   const World& world() const { return world_; }
@@ -118,14 +113,10 @@ class Simulation : public Session {
   bool remove_later_objects(const Setup& setup);
   void changed(bool edited);
 
-  std::string name_;
   SceneDescription scene_;
   World world_;
-  Clock clock_;
   std::uint64_t generation_ = 1;
   std::uint64_t steps_ = 0;  // of any length; shows that positions may have changed
-  bool playing_ = true;
-  std::optional<Failure> failure_;
   std::deque<StageTimes> history_;
   // Per object and pin of the scene: the vertices it selected at the start.
   std::vector<std::vector<std::vector<std::uint32_t>>> pinned_at_start_;
