@@ -9,8 +9,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-PROGRAM = str(Path(sys.argv[1]).resolve()) if len(sys.argv) > 2 else ""
-SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
+from cli_case import PROGRAM
 
 NAMES = {"cloth": 12, "cloth-dihedral": 12, "cloth-isometric": 12, "cloth-membrane": 12, "tets": 100, "cloths": 2,
          "cubes": 2, "heap": 12}

@@ -13,14 +13,11 @@ import shutil
 import struct
 import subprocess
 import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-from studio_files import Glb, Run
+from cli_case import SOURCE, Case
+from studio_files import Glb, Run, ply_frame
 
-PROGRAM = str(Path(sys.argv[1]).resolve()) if len(sys.argv) > 2 else ""
-SOURCE = Path(sys.argv[2]).resolve() if len(sys.argv) > 2 else Path()
 BLENDER = shutil.which("blender")
 SKIPPED = 77
 TOLERANCE = 1e-6  # m
@@ -34,13 +31,7 @@ def pc2_frames(path):
 
 
 def ply_points(path):
-    """x, y, z of a binary PLY whose other properties are floats too."""
-    data = path.read_bytes()
-    head, body = data.split(b"end_header\n", 1)
-    count = int(re.search(rb"element vertex (\d+)", head).group(1))
-    width = head.count(b"property float")
-    values = array.array("f", body[:4 * width * count])
-    return [c for i in range(count) for c in values[width * i:width * i + 3]]
+    return [c for row in ply_frame(path) for c in row[:3]]
 
 
 def obj_points(path):
@@ -56,17 +47,7 @@ def z_up(y_up):
     return [c for i in range(0, len(y_up), 3) for c in (y_up[i], -y_up[i + 2], y_up[i + 1])]
 
 
-class Case(unittest.TestCase):
-    def setUp(self):
-        self.folder = Path(tempfile.mkdtemp(prefix="souple-blender-"))
-        self.addCleanup(shutil.rmtree, self.folder)
-
-    def souple(self, *arguments, code=0):
-        done = subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, stdin=subprocess.DEVNULL,
-                              capture_output=True, text=True, timeout=300)
-        self.assertEqual(done.returncode, code, f"{arguments}\n{done.stdout}\n{done.stderr}")
-        return done
-
+class BlenderCase(Case):
     def blender(self, jobs):
         (self.folder / "jobs.json").write_text(json.dumps(jobs))
         done = subprocess.run([BLENDER, "--background", "--factory-startup", "--python-exit-code", "1", "--python",
@@ -87,11 +68,10 @@ class Case(unittest.TestCase):
         self.assertLessEqual(worst, TOLERANCE, what)
 
     def write_scene(self, scene):
-        (self.folder / "scene.json").write_text(json.dumps(scene))
-        return "scene.json"
+        return self.scene(scene, "scene.json")
 
 
-class EveryScene(Case):
+class EveryScene(BlenderCase):
     """Three frames of every object of every shipped scene: imported as OBJ by both importers, moved by PC2 and MDD."""
 
     FRAMES = 3
@@ -139,7 +119,7 @@ class EveryScene(Case):
                     self.assert_close(unpacked(frame["world"]), z_up(expected), what)
 
 
-class BelowAParent(Case):
+class BelowAParent(BlenderCase):
     """GLB of `souple convert`, and OBJ with PC2, in scenes of 24 and 60 frames a second. Objects are below an empty
     that is moved, turned and scaled."""
 
@@ -211,7 +191,7 @@ class BelowAParent(Case):
         self.assertEqual((result["objects"]["rope"]["edges"], result["objects"]["sand"]["polygons"]), (6, 0))
 
 
-class Appearance(Case):
+class Appearance(BlenderCase):
     """Materials, smooth and sharp edges and normals of a file are those of the object that comes back."""
 
     MODEL = """
@@ -249,7 +229,7 @@ bpy.ops.wm.obj_export(filepath={file!r}, export_smooth_groups=True)
         self.assertEqual((frame["smooth"], frame["material_of"]), (before["smooth"], before["material_of"]))
 
 
-class OriginalObject(Case):
+class OriginalObject(BlenderCase):
     """The cache on the object that was exported: Forward Z, Up -Y, Frame Start 1, location and rotation cleared."""
 
     def test_cache_fits(self):
@@ -276,7 +256,7 @@ class OriginalObject(Case):
                 self.assert_close(unpacked(frame["world"]), z_up(expected), "on the original")
 
 
-class UnitsAndNames(Case):
+class UnitsAndNames(BlenderCase):
     """FBX in centimeters, with Y or Z up, STL and PLY with Z up, and one object of a file of two."""
 
     MODEL = """
@@ -316,7 +296,7 @@ bpy.ops.export_mesh.ply(filepath={folder!r} + "/one.ply")
         self.assertIn(", 24 triangles, 3.75 x 1.8 x 1 m", out)
 
 
-class VertexPaint(Case):
+class VertexPaint(BlenderCase):
     """White vertices are pinned, black ones free."""
 
     MODEL = """
@@ -338,7 +318,7 @@ bpy.ops.wm.obj_export(filepath={file!r}, export_colors=True)
         self.assertIn("81 vertices, 128 triangles, 9 pinned", out)
 
 
-class Character(Case):
+class Character(BlenderCase):
     """docs/blender.md, "Dress a character": the page's scene, with a body and a skirt that Blender animates."""
 
     MODEL = """
@@ -420,7 +400,7 @@ walk("skirt")
         self.assert_close(ends[0], ends[1], "MDD and OBJ files")
 
 
-class Rig(Case):
+class Rig(BlenderCase):
     """docs/files.md, "Characters from glTF": a skin of three bones below a moving parent, as Blender evaluates and exports it."""
 
     MODEL = """

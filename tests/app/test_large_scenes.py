@@ -1,28 +1,15 @@
 #!/usr/bin/env python3
 """Scenes far larger than any: test_large_scenes.py PROGRAM SOURCE_FOLDER. Standard library only."""
 
-import json
 import os
-import pathlib
-import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 
-PROGRAM = str(pathlib.Path(sys.argv[1]).resolve())
+from cli_case import PROGRAM, Case
 
 
-class LargeScenes(unittest.TestCase):
-    def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp())
-        self.addCleanup(shutil.rmtree, self.folder)
-
-    def scene(self, description, name):
-        path = self.folder / name
-        path.write_text(description if isinstance(description, str) else json.dumps(description))
-        return path
-
+class LargeScenes(Case):
     def measured(self, *arguments, code=0):
         """(processor time outside the kernel [s], memory [MB], errors) of the program."""
         with open(self.folder / "errors", "w+") as errors:

@@ -1,6 +1,8 @@
 #pragma once
 
+#include "souple/mesh_files/mesh_file.h"
 #include "tests/expect_error.h"
+#include "tests/folder_test.h"
 
 #include <algorithm>
 #include <cstring>
@@ -9,6 +11,15 @@
 #include <gtest/gtest.h>
 
 namespace souple {
+
+/// A test of formats that assimp reads.
+class AssimpTest : public test::FolderTest {
+ protected:
+  void SetUp() override {
+    FolderTest::SetUp();
+    if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+  }
+};
 
 /// The bytes of numbers in the given order.
 template <class... T>

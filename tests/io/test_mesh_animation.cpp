@@ -4,12 +4,10 @@
 #include "souple/error.h"
 #include "souple/io/animated_points.h"
 #include "souple/mesh_files/mesh_animation.h"
-#include "souple/mesh_files/mesh_file.h"
 #include "souple/mesh_files/mesh_message.h"
 
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <limits>
 #include <string>
 #include <vector>
@@ -125,12 +123,6 @@ std::string arm_gltf(float seconds = 1) {
          channel(0, 2, "rotation") + "]}]," + b.json() + "}";
 }
 
-std::filesystem::path write(const std::string& name, const std::string& text) {
-  auto path = std::filesystem::path(testing::TempDir()) / name;
-  std::ofstream(path, std::ios::binary) << text;
-  return path;
-}
-
 /// A point that the forearm moves: turned by `angle` about the elbow (0, 1, 0), then as the rig: 2 x + (3, 0, 0).
 Vec3d with_forearm(const Vec3d& x, double angle) {
   const double c = std::cos(angle), s = std::sin(angle), y = x.y - 1;
@@ -144,9 +136,10 @@ Vec3d arm_vertex(int i, double angle) {
 
 constexpr double quarter_turn = 1.5707963267948966;
 
-TEST(MeshAnimation, SkinsNodesAndShapesFollowTheFormulas) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
-  const auto path = write("souple_arm.gltf", arm_gltf());
+using MeshAnimationTest = AssimpTest;
+
+TEST_F(MeshAnimationTest, SkinsNodesAndShapesFollowTheFormulas) {
+  const auto path = put("souple_arm.gltf", arm_gltf());
   const MeshAnimation animation = read_mesh_animation(path, {.animation = "bend", .frame_rate = 8});
   ASSERT_EQ(animation.times.size(), 9u);
   ASSERT_EQ(animation.points, std::size_t(arm_vertices + 6));
@@ -170,9 +163,8 @@ TEST(MeshAnimation, SkinsNodesAndShapesFollowTheFormulas) {
 }
 
 // The mesh itself, read without an animation, has the pose of the file's nodes.
-TEST(MeshAnimation, BeginsWithTheMesh) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
-  const auto path = write("souple_arm.gltf", arm_gltf());
+TEST_F(MeshAnimationTest, BeginsWithTheMesh) {
+  const auto path = put("souple_arm.gltf", arm_gltf());
   const TriangleMesh mesh = read_triangle_mesh(path, {.node = "arm"});
   const MeshAnimation animation = read_mesh_animation(path, {.animation = "wave", .node = "arm"});
   ASSERT_EQ(animation.points, std::size_t(arm_vertices));
@@ -183,9 +175,8 @@ TEST(MeshAnimation, BeginsWithTheMesh) {
     EXPECT_LT(length(Vec3d(last[i]) - arm_vertex(i, -quarter_turn)), 2e-6) << i;
 }
 
-TEST(MeshAnimation, DrivesAnimatedPoints) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
-  const auto path = write("souple_arm_7.gltf", arm_gltf());
+TEST_F(MeshAnimationTest, DrivesAnimatedPoints) {
+  const auto path = put("souple_arm_7.gltf", arm_gltf());
   AnimatedPoints points(path, {.frame_rate = 1000, .start_time = 2, .animation = "bend", .node = "arm"});
   EXPECT_NEAR(points.end_time(), 3, 1e-12);
   std::vector<Vec3f> x(points.points());
@@ -196,13 +187,8 @@ TEST(MeshAnimation, DrivesAnimatedPoints) {
   }
 }
 
-TEST(MeshAnimation, SaysWhatIsWrong) {
-  if (!mesh_import_has_assimp()) {
-    expect_error([] { read_mesh_animation(write("souple_arm.gltf", arm_gltf())); },
-                 {".gltf", "libassimp-dev"});
-    return;
-  }
-  const auto path = write("souple_arm.gltf", arm_gltf());
+TEST_F(MeshAnimationTest, SaysWhatIsWrong) {
+  const auto path = put("souple_arm.gltf", arm_gltf());
   expect_error([&] { read_mesh_animation(path); }, {"souple_arm.gltf", "2 animations", "\"bend\", \"wave\""});
   expect_error([&] { read_mesh_animation(path, {.animation = "walk"}); }, {"\"walk\"", "\"bend\", \"wave\""});
   expect_error([&] { read_mesh_animation(path, {.animation = "bend", .node = "leg"}); }, {"\"leg\""});
@@ -211,14 +197,14 @@ TEST(MeshAnimation, SaysWhatIsWrong) {
                  {"frame rate"});
   expect_error([&] { read_mesh_animation("souple_none.glb"); }, {"souple_none.glb", "no such file"});
   expect_error([&] { read_mesh_animation("souple_none.obj"); }, {"souple_none.obj", ".glb"});
-  expect_error([&] { read_mesh_animation(write("souple_still.off", "OFF\n0 0 0\n")); }, {".glb"});
-  expect_error([&] { read_mesh_animation(write("souple_bad.gltf", "{")); }, {"souple_bad.gltf", "assimp"});
+  expect_error([&] { read_mesh_animation(put("souple_still.off", "OFF\n0 0 0\n")); }, {".glb"});
+  expect_error([&] { read_mesh_animation(put("souple_bad.gltf", "{")); }, {"souple_bad.gltf", "assimp"});
   expect_error([&] { AnimatedPoints("a.pc2x", {.animation = "bend"}); }, {"a.pc2x", ".glb"});
   // Without its animations.
   std::string still = arm_gltf();
   const std::size_t begin = still.find("\"animations\""), end = still.find("\"buffers\"");
   still.erase(begin, end - begin);
-  expect_error([&] { read_mesh_animation(write("souple_still.gltf", still)); }, {"holds no animation"});
+  expect_error([&] { read_mesh_animation(put("souple_still.gltf", still)); }, {"holds no animation"});
 }
 
 /// An FBX of a triangle with two shapes. "A" moves it by 5 along z and has keys at 0 and 1 s, with the weights 0 and 1.
@@ -264,10 +250,9 @@ std::string shapes_fbx() {
          "C: \"OP\",404,402, \"d|DeformPercent\"\nC: \"OP\",405,403, \"d|DeformPercent\"\n}\n";
 }
 
-TEST(MeshAnimation, ShapesOfAnFbxHaveKeysOfTheirOwn) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+TEST_F(MeshAnimationTest, ShapesOfAnFbxHaveKeysOfTheirOwn) {
   const MeshAnimation animation =
-      read_mesh_animation(write("souple_shapes.fbx", shapes_fbx()), {.frame_rate = 4});
+      read_mesh_animation(put("souple_shapes.fbx", shapes_fbx()), {.frame_rate = 4});
   ASSERT_EQ(animation.times.size(), 5u);
   ASSERT_EQ(animation.points, 3u);
   for (std::size_t frame = 0; frame < 5; ++frame) {
@@ -285,46 +270,41 @@ std::string with(std::string text, const std::string& old, const std::string& ne
 }
 
 // assimp finds bones and animated nodes by their names, and knows one skin of a mesh.
-TEST(MeshAnimation, WhatAssimpWouldMixUpIsRefused) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
-  const auto two = write("souple_two.gltf", with(arm_gltf(), R"("name":"rig")", R"("name":"fore")"));
+TEST_F(MeshAnimationTest, WhatAssimpWouldMixUpIsRefused) {
+  const auto two = put("souple_two.gltf", with(arm_gltf(), R"("name":"rig")", R"("name":"fore")"));
   expect_error([&] { read_mesh_animation(two, {.animation = "bend"}); }, {"souple_two.gltf", "\"fore\""});
   expect_error([&] { read_triangle_mesh(two); }, {"souple_two.gltf", "\"fore\""});
-  const auto twice = write("souple_twice.gltf", with(arm_gltf(), R"("mesh":1)", R"("mesh":0)"));
+  const auto twice = put("souple_twice.gltf", with(arm_gltf(), R"("mesh":1)", R"("mesh":0)"));
   expect_error([&] { read_triangle_mesh(twice); }, {"souple_twice.gltf", "2 nodes"});
 }
 
-TEST(MeshAnimation, KeysThatAreNotFiniteAreRefused) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+TEST_F(MeshAnimationTest, KeysThatAreNotFiniteAreRefused) {
   for (const float end : {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
-    const auto path = write("souple_endless.gltf", arm_gltf(end));
+    const auto path = put("souple_endless.gltf", arm_gltf(end));
     expect_error([&] { read_mesh_animation(path, {.animation = "bend"}); },
                  {"souple_endless.gltf", "not finite"});
   }
 }
 
 // The weights that a mesh states apply where no animation moves them.
-TEST(MeshAnimation, StatedWeightsOfShapesApply) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
-  const auto path = write("souple_weights.gltf", with(arm_gltf(), R"("weights":[0])", R"("weights":[0.5])"));
+TEST_F(MeshAnimationTest, StatedWeightsOfShapesApply) {
+  const auto path = put("souple_weights.gltf", with(arm_gltf(), R"("weights":[0])", R"("weights":[0.5])"));
   const TriangleMesh mesh = read_triangle_mesh(path, {.node = "flag"});
   EXPECT_NEAR(mesh.positions[1].z, 1, 1e-6);
   const MeshAnimation wave = read_mesh_animation(path, {.animation = "wave", .node = "flag"});
   EXPECT_NEAR(wave.positions[1].z, 1, 1e-6);
 }
 
-TEST(MeshAnimation, ANumberedFileAloneIsNoSequence) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+TEST_F(MeshAnimationTest, ANumberedFileAloneIsNoSequence) {
   const std::string one = with(arm_gltf(), R"({"name":"wave",)", R"({"name":"bend",)");
   const std::size_t second = one.rfind(R"(,{"name":"bend",)"), end = one.find("\"buffers\"");
-  const auto path = write("souple_hero2.gltf", one.substr(0, second) + "]," + one.substr(end));
+  const auto path = put("souple_hero2.gltf", one.substr(0, second) + "]," + one.substr(end));
   AnimatedPoints points(path, {.node = "arm"});
   EXPECT_NEAR(points.end_time(), 1, 1e-12);
 }
 
-TEST(MeshAnimation, Loops) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
-  const auto path = write("souple_arm.gltf", arm_gltf());
+TEST_F(MeshAnimationTest, Loops) {
+  const auto path = put("souple_arm.gltf", arm_gltf());
   AnimatedPoints points(path, {.start_time = 2, .animation = "bend", .node = "arm", .loop = true});
   std::vector<Vec3f> x(points.points()), later(points.points());
   points.evaluate(2.25, x);
@@ -332,11 +312,10 @@ TEST(MeshAnimation, Loops) {
   for (std::size_t i = 0; i < x.size(); ++i) EXPECT_LT(length(x[i] - later[i]), 1e-6f) << i;
 }
 
-TEST(MeshAnimation, TooLongAnimationsAreRefused) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+TEST_F(MeshAnimationTest, TooLongAnimationsAreRefused) {
   const std::string days = arm_gltf(1e6f);
   expect_error(
-      [&] { read_mesh_animation(write("souple_days.gltf", days), {.animation = "bend", .frame_rate = 1e5}); },
+      [&] { read_mesh_animation(put("souple_days.gltf", days), {.animation = "bend", .frame_rate = 1e5}); },
       {"souple_days.gltf", "1 GiB"});
 }
 

@@ -1,6 +1,6 @@
 #include "mesh_expect.h"
 #include "souple/error.h"
-#include "souple/mesh_files/mesh_file.h"
+#include "souple/mesh_files/mesh_animation.h"
 #include "souple/mesh_files/mesh_message.h"
 
 #include <cstdlib>
@@ -13,12 +13,6 @@
 
 namespace souple::test_io_mesh_assimp {
 
-std::filesystem::path write(const std::string& name, const std::string& text) {
-  auto path = std::filesystem::path(testing::TempDir()) / name;
-  std::ofstream(path, std::ios::binary) << text;
-  return path;
-}
-
 // A square in two triangles, moved by its node, as glTF with its buffer inside the file.
 const char* const square_gltf = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],
 "nodes":[{"mesh":0,"name":"sheet","translation":[10,0,0]}],
@@ -30,18 +24,15 @@ const char* const square_gltf = R"({"asset":{"version":"2.0"},"scene":0,"scenes"
 
 const char* const square_off = "OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
 
-TEST(AssimpReader, KeepsVerticesAndTheirOrder) {
-  if (!mesh_import_has_assimp()) {
-    expect_error([] { read_triangle_mesh(write("souple_square.gltf", square_gltf)); },
-                 {".gltf", "libassimp-dev"});
-    return;
-  }
-  const TriangleMesh mesh = read_triangle_mesh(write("souple_square.gltf", square_gltf), {.scale = 2.0});
+using AssimpReader = AssimpTest;
+
+TEST_F(AssimpReader, KeepsVerticesAndTheirOrder) {
+  const TriangleMesh mesh = read_triangle_mesh(put("souple_square.gltf", square_gltf), {.scale = 2.0});
   ASSERT_EQ(mesh.positions.size(), 4u);
   EXPECT_EQ(mesh.positions[2], Vec3d(22, 2, 0));
   EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}}));
   EXPECT_EQ(mesh.groups.at("sheet"), (std::vector<std::uint32_t>{0, 1, 2, 3}));
-  EXPECT_EQ(read_triangle_mesh(write("souple_square.off", square_off)).faces.size(), 1u);
+  EXPECT_EQ(read_triangle_mesh(put("souple_square.off", square_off)).faces.size(), 1u);
 }
 
 // A triangle (0, 0, 0), (100, 0, 0), (0, 100, 0) whose unit is `centimeters`, as ASCII FBX; `axes`: further settings.
@@ -58,13 +49,12 @@ std::string triangle_fbx(const std::string& centimeters, const std::string& axes
 }
 
 // Blender, Maya and 3ds Max write centimeters: 100 units are a meter.
-TEST(AssimpReader, HeedsTheUnitOfFbx) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
-  const TriangleMesh mesh = read_triangle_mesh(write("souple_cm.fbx", triangle_fbx("1")));
+TEST_F(AssimpReader, HeedsTheUnitOfFbx) {
+  const TriangleMesh mesh = read_triangle_mesh(put("souple_cm.fbx", triangle_fbx("1")));
   ASSERT_EQ(mesh.positions.size(), 3u);
   EXPECT_NEAR(mesh.positions[1].x, 1, 1e-6);
-  EXPECT_NEAR(read_triangle_mesh(write("souple_m.fbx", triangle_fbx("100"))).positions[1].x, 100, 1e-4);
-  EXPECT_NEAR(read_triangle_mesh(write("souple_in.fbx", triangle_fbx("2.54")), {.scale = 2}).positions[2].y,
+  EXPECT_NEAR(read_triangle_mesh(put("souple_m.fbx", triangle_fbx("100"))).positions[1].x, 100, 1e-4);
+  EXPECT_NEAR(read_triangle_mesh(put("souple_in.fbx", triangle_fbx("2.54")), {.scale = 2}).positions[2].y,
               5.08, 1e-5);
 }
 
@@ -78,10 +68,9 @@ std::string axes(int up, int up_sign, int front, int front_sign, int right, int 
 }
 
 // Points along the stated up axis come to lie along Y, points toward the stated front along Z.
-TEST(AssimpReader, HeedsTheAxesOfFbx) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
-  const auto corners = [](const std::string& stated) {
-    const TriangleMesh mesh = read_triangle_mesh(write("souple_axes.fbx", triangle_fbx("1", stated)));
+TEST_F(AssimpReader, HeedsTheAxesOfFbx) {
+  const auto corners = [&](const std::string& stated) {
+    const TriangleMesh mesh = read_triangle_mesh(put("souple_axes.fbx", triangle_fbx("1", stated)));
     return std::pair(mesh.positions.at(1), mesh.positions.at(2));  // the file's X and Y
   };
   const auto expect_axes = [&](const std::string& stated, const Vec3d& x, const Vec3d& y) {
@@ -100,18 +89,16 @@ TEST(AssimpReader, HeedsTheAxesOfFbx) {
   expect_axes(axis("UpAxis", 7), {1, 0, 0}, {0, 1, 0});
 }
 
-TEST(AssimpReader, ReadsOneNodeOfSeveral) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
-  const auto path = write("souple_node.gltf", square_gltf);
+TEST_F(AssimpReader, ReadsOneNodeOfSeveral) {
+  const auto path = put("souple_node.gltf", square_gltf);
   EXPECT_EQ(read_triangle_mesh(path, {.node = "sheet"}).triangles.size(), 2u);
   expect_error([&] { read_triangle_mesh(path, {.node = "shirt"}); }, {"souple_node.gltf", "\"sheet\""});
 }
 
-TEST(AssimpReader, TurnsFailuresIntoErrors) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
-  expect_error([] { read_triangle_mesh(write("souple_bad.gltf", "{\"asset\":")); },
+TEST_F(AssimpReader, TurnsFailuresIntoErrors) {
+  expect_error([&] { read_triangle_mesh(put("souple_bad.gltf", "{\"asset\":")); },
                {"souple_bad.gltf", "assimp"});
-  expect_error([] { read_triangle_mesh("souple_none.glb"); }, {"souple_none.glb", "no such file"});
+  expect_error([&] { read_triangle_mesh("souple_none.glb"); }, {"souple_none.glb", "no such file"});
 }
 
 // Files as they come from strangers: an Error in a sentence, never the end of this process.
@@ -131,8 +118,7 @@ std::string repeated(std::string_view text, std::size_t count) {
   return all;
 }
 
-TEST(AssimpReader, SurvivesHostileFiles) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+TEST_F(AssimpReader, SurvivesHostileFiles) {
   const std::size_t deep = 20000;
   const std::pair<const char*, std::string> hostile[] = {
       {"self.dae", nodes_of("<node id=\"n\"><instance_node url=\"#n\"/></node>")},
@@ -154,18 +140,17 @@ TEST(AssimpReader, SurvivesHostileFiles) {
     const auto& name = file.first;
     const auto& text = file.second;
     SCOPED_TRACE(name);
-    expect_error([&] { read_triangle_mesh(write("souple_" + std::string(name), text)); }, {name, "assimp"});
+    expect_error([&] { read_triangle_mesh(put("souple_" + std::string(name), text)); }, {name, "assimp"});
   }
 }
 
 // assimp reads forty formats more, by readers of which a file of zeros makes several crash.
-TEST(AssimpReader, ReadsListedFormatsOnly) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+TEST_F(AssimpReader, ReadsListedFormatsOnly) {
   for (const char* const name : {"zero.lws", "zero.mot", "zero.ms3d", "zero.ifc"})
-    expect_error([&] { read_triangle_mesh(write(name, std::string(20000, '\0'))); },
+    expect_error([&] { read_triangle_mesh(put(name, std::string(20000, '\0'))); },
                  {name, "unknown extension", ".gltf"});
   // Nor by their content: this scene of LightWave would be read in spite of its name.
-  expect_error([] { read_triangle_mesh(write("souple_named.gltf", "LWSC\n3\n" + std::string(100, ' '))); },
+  expect_error([&] { read_triangle_mesh(put("souple_named.gltf", "LWSC\n3\n" + std::string(100, ' '))); },
                {"souple_named.gltf", "assimp"});
 }
 
@@ -175,24 +160,23 @@ std::string with_buffer(const std::string& uri) {
   return text.replace(begin, end - begin, uri);
 }
 
-TEST(AssimpReader, OpensRegularFilesBelowTheMeshOnly) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
+TEST_F(AssimpReader, OpensRegularFilesBelowTheMeshOnly) {
   namespace fs = std::filesystem;
-  const fs::path top = fs::path(testing::TempDir()) / "souple_buffers", folder = top / "mesh";
-  fs::remove_all(top);
-  fs::create_directories(folder / "below");
+  const fs::path& top = folder;
+  const fs::path inner = top / "mesh";
+  fs::create_directories(inner / "below");
   std::string floats;
   for (const float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 1.f, 1.f, 0.f, 0.f, 1.f, 0.f})
     floats.append(reinterpret_cast<const char*>(&x), sizeof(x));
   for (const std::uint16_t i : std::initializer_list<std::uint16_t>{0, 1, 2, 0, 2, 3})
     floats.append(reinterpret_cast<const char*>(&i), sizeof(i));
-  for (const fs::path& file : {folder / "below" / "in.bin", top / "out.bin"})
+  for (const fs::path& file : {inner / "below" / "in.bin", top / "out.bin"})
     std::ofstream(file, std::ios::binary) << floats;
-  fs::create_symlink(top / "out.bin", folder / "link.bin");
-  fs::create_symlink("below/in.bin", folder / "inner.bin");
-  ASSERT_EQ(mkfifo((folder / "pipe.bin").c_str(), 0600), 0);
+  fs::create_symlink(top / "out.bin", inner / "link.bin");
+  fs::create_symlink("below/in.bin", inner / "inner.bin");
+  ASSERT_EQ(mkfifo((inner / "pipe.bin").c_str(), 0600), 0);
   const auto read = [&](const std::string& uri) {
-    return read_triangle_mesh(write("souple_buffers/mesh/mesh.gltf", with_buffer(uri)));
+    return read_triangle_mesh(put("mesh/mesh.gltf", with_buffer(uri)));
   };
   EXPECT_EQ(read("below/in.bin").positions.size(), 4u);
   EXPECT_EQ(read("inner.bin").positions.size(), 4u);
@@ -204,9 +188,8 @@ TEST(AssimpReader, OpensRegularFilesBelowTheMeshOnly) {
   }
 }
 
-TEST(AssimpReader, SaysWhereItsProgramIsMissing) {
-  if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
-  const auto path = write("souple_square.off", square_off);
+TEST_F(AssimpReader, SaysWhereItsProgramIsMissing) {
+  const auto path = put("souple_square.off", square_off);
   ASSERT_EQ(setenv("SOUPLE_MESH_READER", "/no/such/reader", 1), 0);
   expect_error([&] { read_triangle_mesh(path); },
                {"souple_square.off", "SOUPLE_MESH_READER", "/no/such/reader"});
@@ -217,6 +200,15 @@ TEST(AssimpReader, SaysWhereItsProgramIsMissing) {
   expect_error([&] { read_triangle_mesh(path); }, {"souple_square.off", "exit code 1"});
   ASSERT_EQ(unsetenv("SOUPLE_MESH_READER"), 0);
   EXPECT_EQ(read_triangle_mesh(path).positions.size(), 4u);
+}
+
+using WithoutAssimp = test::FolderTest;
+
+TEST_F(WithoutAssimp, ItsPackageIsNamed) {
+  if (mesh_import_has_assimp()) GTEST_SKIP() << "built with assimp";
+  const auto path = put("a.gltf", square_gltf);
+  expect_error([&] { read_triangle_mesh(path); }, {".gltf", "libassimp-dev"});
+  expect_error([&] { read_mesh_animation(path); }, {".gltf", "libassimp-dev"});
 }
 
 // A damaged answer of the reader costs an Error. Damages each byte of a small one in turn.

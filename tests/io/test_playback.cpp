@@ -1,4 +1,5 @@
 #include "io_test.h"
+#include "recorded_world.h"
 #include "souple/geometry/builders.h"
 #include "souple/io/manifest.h"
 #include "souple/io/particle_file.h"
@@ -18,19 +19,6 @@ using Shown = std::vector<std::vector<std::vector<Vec3f>>>;  // by frame, object
 
 class PlaybackTest : public FolderTest {
  protected:
-  /// One object of each kind, all falling and swinging.
-  static World everything() {
-    World world({.substeps = 4});
-    const ObjectId cloth = world.add_cloth(grid(6, 5, 1), {}, {.name = "flag"});
-    world.pin(cloth, vertices({0, 5}));
-    world.add_soft_body(box({0.3, 0.3, 0.3}, {2, 2, 2}), {}, {.cells = 60},
-                        {.name = "jelly", .transform = {.translation = {2, 1, 0}}});
-    const std::vector<Vec3d> line{{-2, 1, 0}, {-1, 1, 0}};
-    world.add_rope(line, 6, {}, {.name = "a/line"});
-    const std::vector<Vec3d> centers{{0, 2, 0}, {0.5, 2, 0}, {0, 2, 0.5}};
-    world.add_grains(centers, {}, {.name = "sand"});
-    return world;
-  }
   static void run(World& world, Recorder& recorder, int frames, Shown& shown) {
     for (int i = 0; i < frames; ++i) {
       world.step(dt);

@@ -1,4 +1,5 @@
 #include "io_test.h"
+#include "recorded_world.h"
 #include "souple/geometry/builders.h"
 #include "souple/io/manifest.h"
 #include "souple/io/mdd.h"
@@ -19,20 +20,6 @@ constexpr double dt = 1.0 / 60;
 
 class RecorderTest : public FolderTest {
  protected:
-  /// One object of each kind, all falling and swinging.
-  static World everything() {
-    World world({.substeps = 4});
-    const ObjectId cloth = world.add_cloth(grid(6, 5, 1), {}, {.name = "flag"});
-    world.pin(cloth, vertices({0, 5}));
-    world.add_soft_body(box({0.3, 0.3, 0.3}, {2, 2, 2}), {}, {.cells = 60},
-                        {.name = "jelly", .transform = {.translation = {2, 1, 0}}});
-    const std::vector<Vec3d> line{{-2, 1, 0}, {-1, 1, 0}};
-    world.add_rope(line, 6, {}, {.name = "line"});
-    const std::vector<Vec3d> centers{{0, 2, 0}, {0.5, 2, 0}, {0, 2, 0.5}};
-    world.add_grains(centers, {}, {.name = "sand"});
-    world.add_collider(Plane{.normal = {0, 1, 0}, .offset = 0});
-    return world;
-  }
   static void run(World& world, Recorder& recorder, int frames) {
     for (int i = 0; i < frames; ++i) {
       world.step(dt);
