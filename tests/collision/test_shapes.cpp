@@ -1,8 +1,10 @@
+#include "souple/collision/collider_motion.h"
 #include "souple/contacts/collider_queries.h"
 #include "souple/error.h"
 #include "tests/collision/random.h"
 
 #include <limits>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
@@ -146,6 +148,130 @@ TEST(Shapes, BadSizesAreRefusedByName) {
     EXPECT_STREQ(error.what(),
                  "collider 'ball': sphere radius is -2; expected a finite length above 0, in meters");
   }
+}
+
+const Quatd quarter = Quatd::from_axis_angle({0, 1, 0}, pi / 2);
+
+TEST(ColliderMotion, KeyframesMoveLinearlyTurnEvenlyAndStayAtTheEnds) {
+  const ColliderMotion motion = ColliderMotion::keyframes({{1, {0, 0, 0}, {}}, {3, {4, 0, 2}, quarter}});
+  EXPECT_FALSE(motion.is_static());
+  EXPECT_EQ(motion.at(-5).translation, (Vec3d{0, 0, 0}));
+  EXPECT_EQ(motion.at(9).translation, (Vec3d{4, 0, 2}));
+  EXPECT_EQ(motion.at(2).translation, (Vec3d{2, 0, 1}));
+  for (const double s : {0.0, 0.1, 0.5, 0.75, 1.0}) {
+    const Vec3d turned = motion.at(1 + 2 * s).direction({1, 0, 0});
+    EXPECT_NEAR(atan2(-turned.z, turned.x), s * pi / 2, 1e-12);
+  }
+}
+
+TEST(ColliderMotion, RotationTakesTheShorterArc) {
+  const Quatd same_turn{-quarter.x, -quarter.y, -quarter.z, -quarter.w};
+  const ColliderMotion motion = ColliderMotion::keyframes({{0, {}, {}}, {1, {}, same_turn}});
+  const Vec3d turned = motion.at(0.5).direction({1, 0, 0});
+  EXPECT_NEAR(atan2(-turned.z, turned.x), pi / 4, 1e-12);
+}
+
+TEST(ColliderMotion, ALoopRepeats) {
+  const ColliderMotion motion =
+      ColliderMotion::keyframes({{1, {0, 0, 0}, {}}, {2, {1, 0, 0}, {}}, {3, {0, 0, 0}, {}}}, true);
+  for (const double t : {-0.75, 1.25, 3.25, 201.25}) EXPECT_NEAR(motion.at(t).translation.x, 0.25, 1e-9) << t;
+}
+
+TEST(ColliderMotion, OnlyALoopWhoseEndsDifferJumps) {
+  const std::vector<PoseKey> there{{0, {0, 0, 0}, {}}, {1, {1, 0, 0}, {}}};
+  std::vector<PoseKey> and_back = there;
+  and_back.push_back({2, {0, 0, 0}, {}});
+  EXPECT_TRUE(ColliderMotion::keyframes(there, true).jumps(2.99, 3.01));
+  EXPECT_FALSE(ColliderMotion::keyframes(there, true).jumps(2.5, 2.6));
+  EXPECT_FALSE(ColliderMotion::keyframes(there).jumps(0.99, 1.01));
+  EXPECT_FALSE(ColliderMotion::keyframes(and_back, true).jumps(1.99, 2.01));
+}
+
+TEST(ColliderMotion, BadKeysAreRefused) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(ColliderMotion::keyframes({}), Error);
+  EXPECT_THROW(ColliderMotion::keyframes({{1, {}, {}}, {1, {}, {}}}), Error);
+  EXPECT_THROW(ColliderMotion::keyframes({{nan, {}, {}}}), Error);
+  EXPECT_THROW(ColliderMotion::keyframes({{0, {nan, 0, 0}, {}}}), Error);
+  EXPECT_THROW(ColliderMotion::callback(nullptr), Error);
+  EXPECT_THROW(ColliderMotion::callback([=](double) { return Transform{{nan, 0, 0}, {}, 1}; }).at(0), Error);
+}
+
+TEST(ColliderMotion, ACallbackIsAskedAndMayThrow) {
+  const auto rise = ColliderMotion::callback([](double t) {
+    if (t > 5) throw std::runtime_error("too late");
+    return Transform{{0, t, 0}, {0, 0, 0, 2}, 3};
+  });
+  EXPECT_EQ(rise.at(2).point({1, 0, 0}), (Vec3d{1, 2, 0}));  // rigid: the callback's scale is ignored
+  EXPECT_THROW(rise.at(6), std::runtime_error);
+}
+
+// A reference ray takes steps that cannot pass the surface. The ray cast must hit at its end.
+double walk(const Shape& shape, const Vec3d& o, const Vec3d& d, double far) {
+  double s = 0;
+  while (s < far) {
+    const double free = surface_distance(shape, o + d * s).distance;
+    if (free < 1e-10) return s;
+    s += free;
+  }
+  return far;
+}
+
+TEST(Queries, RayCastAgreesWithWalkingTheDistance) {
+  for (const Shape& shape : shapes) {
+    Random random(5);
+    int hits = 0, misses = 0;
+    for (int k = 0; k < 2000; ++k) {
+      const Vec3d o = random.point(-2, 2), d = normalized(random.point(-1, 1));
+      const double walked = walk(shape, o, d, 20);
+      const auto hit = ray_cast(shape, o, d * 3.0, 20);
+      ASSERT_EQ(hit.has_value(), walked < 20) << shape_name(shape);
+      if (!hit) {
+        ++misses;
+        continue;
+      }
+      ++hits;
+      ASSERT_NEAR(surface_distance(shape, hit->point).distance, min(0.0, surface_distance(shape, o).distance),
+                  1e-9);
+      ASSERT_NEAR(hit->distance, walked, 1e-4) << shape_name(shape);
+    }
+    EXPECT_GT(hits, 50) << shape_name(shape);
+    EXPECT_GT(misses, 50) << shape_name(shape);
+  }
+}
+
+TEST(Queries, RayAlongAnAxisMeetsTheFlatEnd) {
+  const auto hit = ray_cast(Cylinder{{}, 0.5f, 1}, {0, 5, 0}, {0, -1, 0});
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR(hit->distance, 4, 1e-12);
+  EXPECT_EQ(hit->normal, (Vec3d{0, 1, 0}));
+  EXPECT_FALSE(ray_cast(Cylinder{{}, 0.5f, 1}, {0, 5, 0}, {0, 1, 0}));
+  EXPECT_FALSE(ray_cast(Sphere{}, {0, 5, 0}, {0, 0, 0}));
+  EXPECT_FALSE(ray_cast(Sphere{}, {0, 5, 0}, {0, -1, 0}, 4.4));
+}
+
+TEST(Queries, NearestColliderWhereItIsAtThatTime) {
+  std::vector<Collider> colliders(3);
+  colliders[0].shape = Box{};
+  colliders[1].shape = Sphere{};
+  colliders[1].motion = ColliderMotion::keyframes({{0, {0, 0, 0}, {}}, {1, {0, 2, 0}, {}}});
+  colliders[2].shape = Sphere{{0, 4, 0}, 0.5f};
+  colliders[2].enabled = false;
+  const auto hit = ray_cast(colliders, 1.0, {0, 9, 0}, {0, -1, 0});
+  ASSERT_TRUE(hit);
+  EXPECT_EQ(hit->collider, 1u);
+  EXPECT_NEAR(hit->hit.distance, 6.5, 1e-12);
+  EXPECT_EQ(ray_cast(colliders, 0.0, {0.4, 9, 0.4}, {0, -1, 0})->collider, 0u);
+}
+
+TEST(Queries, ClosestPointOnATurnedBox) {
+  Collider collider;
+  collider.shape = Box{{}, {1, 0.5f, 0.5f}};
+  collider.motion = ColliderMotion::fixed({{10, 0, 0}, Quatd::from_axis_angle({0, 0, 1}, pi / 2), 1});
+  const SurfaceDistance s = surface_distance(collider, 0, {10, 3, 0});
+  EXPECT_NEAR(s.distance, 2, 1e-12);
+  EXPECT_NEAR(s.normal.y, 1, 1e-12);
+  EXPECT_NEAR(length(closest_point(Box{}, {2, 0.25, 0}) - Vec3d{0.5, 0.25, 0}), 0, 1e-12);
 }
 
 }  // namespace souple::test_collision_shapes

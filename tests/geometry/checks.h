@@ -3,6 +3,7 @@
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/tet_mesh.h"
 #include "souple/geometry/triangle_mesh.h"
+#include "tests/collision/random.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -11,6 +12,8 @@
 #include <utility>
 
 namespace souple::check {
+
+using test::Random;
 
 // Independent of the library, so that its mistakes are not repeated here.
 
@@ -61,26 +64,5 @@ inline long euler_characteristic(const std::vector<Triangle>& triangles) {
     }
   return long(vertices.size()) - long(edges.size()) + long(triangles.size());
 }
-
-/// A small random generator with equal results on all platforms (xorshift64*).
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15u + 1) {}
-  std::uint64_t next() {
-    state_ ^= state_ >> 12;
-    state_ ^= state_ << 25;
-    state_ ^= state_ >> 27;
-    return state_ * 0x2545F4914F6CDD1Du;
-  }
-  /// In [0, 1).
-  double unit() { return double(next() >> 11) / 9007199254740992.0; }
-  Vec3d in_cube() {
-    const double x = unit(), y = unit(), z = unit();
-    return {2 * x - 1, 2 * y - 1, 2 * z - 1};
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 }  // namespace souple::check

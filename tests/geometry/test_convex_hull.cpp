@@ -108,7 +108,7 @@ Points cube_corners() {
 Points cube_filled(std::size_t count) {
   check::Random random(7);
   Points points;
-  for (std::size_t i = 0; i < count; ++i) points.push_back(random.in_cube() * 0.999);
+  for (std::size_t i = 0; i < count; ++i) points.push_back(random.vector() * 0.999);
   const Points corners = cube_corners();
   points.insert(points.end(), corners.begin(), corners.end());
   return points;
@@ -128,7 +128,7 @@ Points on_sphere(std::size_t count, std::uint64_t seed) {
   check::Random random(seed);
   Points points;
   while (points.size() < count) {
-    const Vec3d p = random.in_cube();
+    const Vec3d p = random.vector();
     if (length(p) < 1 && length(p) > 0.1) points.push_back(normalized(p));
   }
   return points;
@@ -279,7 +279,7 @@ TEST(ConvexHull, IsThatOfABruteForceSearch) {
     std::vector<Vec3<long>> integers;
     Points points;
     for (int i = 0; i < 5 + round % 20; ++i) {
-      const auto next = [&] { return long(random.next() % std::uint64_t(side + 1)); };
+      const auto next = [&] { return long(random.bits() % std::uint64_t(side + 1)); };
       const long x = next(), y = next(), z = next();
       integers.push_back({x, y, z});
       points.push_back(Vec3d(integers.back()));
@@ -349,19 +349,19 @@ TEST(ConvexHull, OfAnObliqueLatticeIsAParallelepiped) {
 Points nearly_degenerate(check::Random& random, int count, bool round) {
   const Vec3d size{std::pow(10, -4 * random.unit()), std::pow(10, -4 * random.unit()), 1};
   const double noise = std::pow(10, -3 - 13 * random.unit());
-  const std::uint64_t cells = 1 + random.next() % 5;
+  const std::uint64_t cells = 1 + random.bits() % 5;
   Points points;
   for (int i = 0; i < count; ++i) {
-    Vec3d p = normalized(random.in_cube());
+    Vec3d p = normalized(random.vector());
     for (int axis = 0; axis < 3; ++axis) {
-      const double on_lattice = double(random.next() % (cells + 1)) / double(cells);
+      const double on_lattice = double(random.bits() % (cells + 1)) / double(cells);
       p[axis] = size[axis] * (round ? p[axis] : on_lattice);
     }
-    points.push_back(p + random.in_cube() * noise);
+    points.push_back(p + random.vector() * noise);
   }
-  const Vec3d away = random.in_cube() * 100.0;
+  const Vec3d away = random.vector() * 100.0;
   return placed(points,
-                {away, Quatd::from_euler_xyz(random.in_cube() * 3.0), std::pow(10, 6 * random.unit() - 3)});
+                {away, Quatd::from_euler_xyz(random.vector() * 3.0), std::pow(10, 6 * random.unit() - 3)});
 }
 
 // With tolerances from none to coarse.
@@ -433,7 +433,7 @@ TEST(ConvexHull, OfAHundredThousandPoints) {
   Points ball;
   check::Random random(4);
   while (ball.size() < 100000) {
-    const Vec3d p = random.in_cube();
+    const Vec3d p = random.vector();
     if (length(p) < 1) ball.push_back(p);
   }
   const ConvexHull hull = convex_hull(ball);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/geometry/adjacency.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <array>
@@ -92,5 +93,17 @@ struct CrossingCounter {
     return count;
   }
 };
+
+/// All surfaces of a world, including obstacles.
+inline CrossingCounter crossing_counter_of(const World& world) {
+  CrossingCounter counter;
+  for (const ObjectId id : world.objects()) counter.add(world.positions(id), world.triangles(id));
+  return counter;
+}
+
+/// Edges of a world that pass through triangles.
+inline std::size_t crossings(const World& world) {
+  return crossing_counter_of(world).crossings();
+}
 
 }  // namespace souple::test

@@ -1,5 +1,6 @@
 #include "souple/math/polar_decomposition.h"
 #include "souple/math/quaternion.h"
+#include "tests/collision/random.h"
 
 #include <cstdint>
 
@@ -8,41 +9,20 @@
 
 namespace souple::test_math_svd {
 
-/// SplitMix64 (Steele et al. 2014): the same numbers everywhere.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-  std::uint64_t bits() {
-    std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    return z ^ (z >> 31);
-  }
-  double uniform(double low, double high) {
-    return low + (high - low) * (static_cast<double>(bits() >> 11) * 0x1p-53);
-  }
-  Vec3d vector() {
-    const double x = uniform(-1, 1), y = uniform(-1, 1), z = uniform(-1, 1);
-    return {x, y, z};
-  }
-  Mat3d rotation() {
-    const Vec3d axis = vector();
-    return rotation_matrix(Quatd::from_axis_angle(normalized(axis), uniform(-pi, pi)));
-  }
+Mat3d rotation(test::Random& random) {
+  const Vec3d axis = random.vector();
+  return rotation_matrix(Quatd::from_axis_angle(normalized(axis), random.uniform(-pi, pi)));
+}
 
- private:
-  std::uint64_t state_;
-};
-
-Mat3d compose(Random& random, const Vec3d& sigma) {
-  const Mat3d u = random.rotation();
-  return u * Mat3d::diagonal(sigma) * transpose(random.rotation());
+Mat3d compose(test::Random& random, const Vec3d& sigma) {
+  const Mat3d u = rotation(random);
+  return u * Mat3d::diagonal(sigma) * transpose(rotation(random));
 }
 
 constexpr std::uint64_t family_count = 16;
 
 // A matrix of one of the families that are known to be difficult for decompositions, with entries of about 1.
-Mat3d matrix_of(std::uint64_t family, Random& random) {
+Mat3d matrix_of(std::uint64_t family, test::Random& random) {
   const Vec3d a = random.vector(), b = random.vector();
   const double s = random.uniform(-2, 2), t = random.uniform(-2, 2);
   const auto integer = [&] { return std::floor(random.uniform(-2, 3)); };
@@ -54,9 +34,9 @@ Mat3d matrix_of(std::uint64_t family, Random& random) {
     case 2:
       return outer(a, b);  // rank 1
     case 3:
-      return random.rotation();  // all singular values equal
+      return rotation(random);  // all singular values equal
     case 4:
-      return random.rotation() * -1.0;  // the same, reflected
+      return rotation(random) * -1.0;  // the same, reflected
     case 5:
       return compose(random, {2, 2, s});  // the largest repeated
     case 6:
@@ -151,7 +131,7 @@ struct Errors {
 };
 
 TEST(Svd, AgreesWithEigenOnAMillionMatrices) {
-  Random random(2);
+  test::Random random(2);
   Errors<double> of_double;
   Errors<float> of_float;
   for (std::uint64_t i = 0; i < 1000000; ++i) {
@@ -201,10 +181,10 @@ TYPED_TEST(EverySvd, WorksAtBothEndsOfTheExponent) {
 
 TYPED_TEST(EverySvd, TurnsWithTheMatrix) {
   using T = TypeParam;
-  Random random(7);
+  test::Random random(7);
   for (int i = 0; i < 1000; ++i) {
     const Mat3<T> m(compose(random, {2, 1, 0.3}));
-    const Mat3<T> q(random.rotation());
+    const Mat3<T> q(rotation(random));
     const Mat3<T> difference = nearest_rotation(q * m) - q * nearest_rotation(m);
     EXPECT_LT(std::sqrt(frobenius_squared(difference)), T(60) * std::numeric_limits<T>::epsilon());
   }

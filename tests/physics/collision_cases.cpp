@@ -1,5 +1,7 @@
 #include "tests/physics/collision_cases.h"
 
+#include "tests/collision/random.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -77,7 +79,7 @@ Watched run_without_crossings(World& world, int frames, int every) {
     watched.kept_apart += report.kept_apart;
     watched.largest_strain = std::max(watched.largest_strain, report.largest_strain);
     if (frame % every != 0 && frame != frames) continue;
-    watched.crossings = crossing_counter_of(world).crossings();
+    watched.crossings = crossings(world);
     if (watched.crossings == 0) continue;
     watched.first_crossed = frame;
     break;
@@ -131,12 +133,10 @@ DrapeAndFold drape_and_fold(int n, Support support) {
 Heap sheet_on_edge(int n) {
   constexpr double side = 2;
   Heap heap{World(), {}};
-  ObjectOptions options;
-  options.self_collision = SelfCollision::surfaces;
-  options.transform.rotation = Quatd::from_axis_angle({0, 0, 1}, 1.48);
-  options.transform.translation = {0, 0.5 * side + 0.02, 0};
-  heap.cloth =
-      heap.world.add_cloth(grid(n, n, side), {.thickness = static_cast<float>(0.35 * side / n)}, options);
+  heap.cloth = heap.world.add_cloth(grid(n, n, side), {.thickness = static_cast<float>(0.35 * side / n)},
+                                    {.transform = {.translation = {0, 0.5 * side + 0.02, 0},
+                                                   .rotation = Quatd::from_axis_angle({0, 0, 1}, 1.48)},
+                                     .self_collision = SelfCollision::surfaces});
   heap.world.add_collider(Plane{});
   return heap;
 }
@@ -153,8 +153,7 @@ TwistedTube twisted_tube(int around, double turns, double seconds) {
   // Levels do not feel contacts and fight a cloth that is wrung (docs/notes/solvers.md).
   TwistedTube scene{World({.solver = {.kind = SolverKind::gauss_seidel}}), {}, seconds};
   World& world = scene.world;
-  ObjectOptions options;
-  options.self_collision = SelfCollision::surfaces;
+  ObjectOptions options{.self_collision = SelfCollision::surfaces};
   const TriangleMesh mesh = tube(around, along, radius, length);
   scene.tube = world.add_cloth(mesh,
                                {.areal_density = 0.2f,
@@ -317,11 +316,7 @@ double shared_volume(const World& world, const std::vector<ObjectId>& bodies, co
     }
     return false;
   };
-  std::uint32_t state = 1;
-  const auto random = [&] {
-    state = state * 1664525u + 1013904223u;
-    return double(state >> 8) / (1 << 24);
-  };
+  Random random(1);
   double all = 0, shared = 0;
   constexpr int samples = 4;
   for (std::size_t one = 0; one < placed.size(); ++one)
@@ -331,7 +326,7 @@ double shared_volume(const World& world, const std::vector<ObjectId>& bodies, co
       all += samples * part;
       for (int k = 0; k < samples; ++k) {
         double weight[4], sum = 0;
-        for (double& w : weight) sum += w = -std::log(random() + 1e-9);
+        for (double& w : weight) sum += w = -std::log(random.unit() + 1e-9);
         Vec3d p;
         for (std::size_t c = 0; c < 4; ++c) p += x[t[c]] * (weight[c] / sum);
         for (std::size_t other = 0; other < placed.size(); ++other)
@@ -350,11 +345,9 @@ Shot shot_at(ShotAt what, int n, int grains, double speed) {
   Shot shot{World({.substeps = 20}), {}, {}};
   World& world = shot.world;
   if (what == ShotAt::cloth) {
-    ObjectOptions options;
-    options.self_collision = SelfCollision::surfaces;
     shot.target = world.add_cloth(
         grid(n, n, 1), {.areal_density = 1, .membrane_stiffness = 1e5f, .thickness = float(0.3 / (n - 1))},
-        options);
+        {.self_collision = SelfCollision::surfaces});
   } else {
     const double cell = 1.0 / (n - 1);
     shot.target = world.add_soft_body(tet_bar(n - 1, 1, n - 1, {1, cell, 1}),

@@ -10,16 +10,6 @@
 
 namespace souple::test {
 
-/// All surfaces of a world, including obstacles.
-inline CrossingCounter crossing_counter_of(const World& world) {
-  CrossingCounter counter;
-  for (const ObjectId id : world.objects()) {
-    const auto triangles = world.triangles(id);
-    if (!triangles.empty()) counter.add(world.positions(id), triangles);
-  }
-  return counter;
-}
-
 /// Results of a run.
 struct Watched {
   std::size_t crossings = 0;   ///< edges through triangles, summed over all checked frames

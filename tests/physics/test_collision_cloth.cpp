@@ -100,7 +100,7 @@ TEST(ClothCollisions, TenTurnsOfATubePassNothingSlow) {
 void pull_and_look(int across, double pull, double seconds) {
   test::Knot knot = test::reef_knot(across, pull);
   World& world = knot.world;
-  ASSERT_EQ(test::crossing_counter_of(world).crossings(), 0u);
+  ASSERT_EQ(test::crossings(world), 0u);
   const Watched watched = test::run_without_crossings(world, static_cast<int>(seconds * 60));
   EXPECT_EQ(watched.crossings, 0u) << "frame " << watched.first_crossed;
   EXPECT_LT(watched.largest_strain, 0.4);

@@ -21,7 +21,7 @@ void shoot_and_look(ShotAt what, int n, int grains) {
     ASSERT_TRUE(report.ok()) << report.message;
     contacts += report.contacts;
     ASSERT_EQ(test::grains_that_passed(shot), 0u) << "frame " << frame;
-    ASSERT_EQ(test::crossing_counter_of(world).crossings(), 0u) << "frame " << frame;
+    ASSERT_EQ(test::crossings(world), 0u) << "frame " << frame;
   }
   EXPECT_GT(contacts, 0u);
   EXPECT_GT(world.momentum(shot.grains).y, -0.1 * 200 * world.total_mass(shot.grains));
@@ -71,7 +71,7 @@ std::size_t memory_after_two_frames(double speed) {
   for (int frame = 0; frame < 2; ++frame) {
     const StepReport& report = scene.world.step(1.0 / 60);
     EXPECT_TRUE(report.ok()) << report.message;
-    EXPECT_EQ(test::crossing_counter_of(scene.world).crossings(), 0u) << speed << " m/s, frame " << frame;
+    EXPECT_EQ(test::crossings(scene.world), 0u) << speed << " m/s, frame " << frame;
   }
   return MemoryReport::total(scene.world.memory().simulation);
 }
@@ -115,7 +115,7 @@ TEST(FastSheets, ADrivenObstacleLagsAndCatchesUp) {
     ASSERT_TRUE(report.ok()) << report.message;
     shortened = shortened || report.has(Flag::shortened_motion);
     if (!shortened) {
-      ASSERT_EQ(test::crossing_counter_of(world).crossings(), 0u) << "frame " << frame;
+      ASSERT_EQ(test::crossings(world), 0u) << "frame " << frame;
     }
   }
   EXPECT_TRUE(shortened);
@@ -139,7 +139,7 @@ TEST(FastBall, AClothPinnedAtItsCornersHoldsAt50MetersPerSecond) {
   for (int frame = 1; frame <= 12; ++frame) {
     const StepReport& report = world.step(1.0 / 60);
     ASSERT_TRUE(report.ok()) << report.message;
-    ASSERT_EQ(test::crossing_counter_of(world).crossings(), 0u) << "frame " << frame;
+    ASSERT_EQ(test::crossings(world), 0u) << "frame " << frame;
   }
 }
 

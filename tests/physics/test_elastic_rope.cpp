@@ -20,8 +20,7 @@ double hang(double E, std::uint32_t segments, Curves& curves) {
                .mode = Mode::xpbd,
                .drag = static_cast<float>(pi * speed / L),
                .measure_residuals = false});
-  const std::vector<Vec3d> path{{0, 0, 0}, {0, -L, 0}};
-  const ObjectId rope = world.add_rope(path, segments,
+  const ObjectId rope = world.add_rope(std::vector<Vec3d>{{0, 0, 0}, {0, -L, 0}}, segments,
                                        {.radius = static_cast<float>(radius),
                                         .young_modulus = static_cast<float>(E),
                                         .density = static_cast<float>(density)});
@@ -67,8 +66,7 @@ double droop(double EI, std::uint32_t segments, double wanted, Curves& curves) {
                .gravity = {0, static_cast<float>(-gravity), 0},
                .drag = static_cast<float>(1.6 * slowest),
                .measure_residuals = false});
-  const std::vector<Vec3d> path{{0, 0, 0}, {L, 0, 0}};
-  const ObjectId rope = world.add_rope(path, segments,
+  const ObjectId rope = world.add_rope(std::vector<Vec3d>{{0, 0, 0}, {L, 0, 0}}, segments,
                                        {.radius = static_cast<float>(radius),
                                         .young_modulus = static_cast<float>(E),
                                         .density = static_cast<float>(density),

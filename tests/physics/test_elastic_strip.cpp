@@ -98,14 +98,13 @@ std::vector<Vec3d> hang(const Strip& strip) {
                .gravity = {0, static_cast<float>(-gravity), 0},
                .drag = static_cast<float>(2 * slowest),
                .measure_residuals = false});
-  ObjectOptions options;
-  options.transform.translation = {cell * (0.5 * (columns - 1) - 0.5), 0, 0};
-  const ObjectId cloth = world.add_cloth(sheet(columns, strip.rows, cell * (columns - 1), strip.cut),
-                                         {.areal_density = static_cast<float>(density),
-                                          .membrane_stiffness = static_cast<float>(Y),
-                                          .bending_stiffness = static_cast<float>(D),
-                                          .bending = strip.model},
-                                         options);
+  const ObjectId cloth =
+      world.add_cloth(sheet(columns, strip.rows, cell * (columns - 1), strip.cut),
+                      {.areal_density = static_cast<float>(density),
+                       .membrane_stiffness = static_cast<float>(Y),
+                       .bending_stiffness = static_cast<float>(D),
+                       .bending = strip.model},
+                      {.transform = {.translation = {cell * (0.5 * (columns - 1) - 0.5), 0, 0}}});
   world.pin(cloth, in_box({-1, -1, -1}, {static_cast<float>(cell), 1, 1}));
   const auto row = [&](int i) {
     return Vec3d(world.positions(cloth)[static_cast<std::size_t>(middle * columns + 1 + i)]);

@@ -1,9 +1,16 @@
 #include "souple/collision/mesh_tree.h"
+#include "souple/scene/scene.h"
 #include "souple/souple.h"
+#include "tests/paths.h"
+#include "validation.h"
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <stdexcept>
+#include <string>
+#include <variant>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -186,5 +193,124 @@ TEST(FluidRobustness, GoesOnFromASnapshotToTheBit) {
   for (int frame = 0; frame < 20; ++frame) other.step(1.0 / 60);
   EXPECT_EQ(other.hash(), world.hash());
 }
+
+// No gravity, no walls, no vorticity confinement, no drag: no external source of momentum.
+
+/// sum m |v| of a fluid [kg m/s].
+double sum_of_momenta(const World& world, ObjectId fluid) {
+  const double mass = world.total_mass(fluid) / double(world.positions(fluid).size());
+  double sum = 0;
+  for (const Vec3f& v : world.velocities(fluid)) sum += mass * double{length(v)};
+  return sum;
+}
+
+/// Angular momentum of a fluid about the origin [kg m^2/s].
+Vec3d angular_momentum(const World& world, ObjectId fluid) {
+  const auto x = world.positions(fluid), v = world.velocities(fluid);
+  Vec3d sum{};
+  for (std::size_t i = 0; i < x.size(); ++i) sum += cross(Vec3d(x[i]), Vec3d(v[i]));
+  return sum * (world.total_mass(fluid) / double(x.size()));
+}
+
+// A sheet that the water accelerates, and the reaction on the water.
+TEST(FluidMomentum, IsKeptWithClothInTheWater) {
+  World world({.substeps = 8, .gravity = {}});
+  const ObjectId fluid =
+      world.add_fluid(fill(Vec3d{-0.2, -0.2, -0.2}, Vec3d{0.2, 0.2, 0.2}, d), {.spacing = float(d)});
+  ClothMaterial material = material::cotton;
+  material.air_drag = 0;
+  material.air_lift = 0;
+  const ObjectId cloth = world.add_cloth(grid(12, 12, 0.25f), material, {.velocity = {0, 1, 0}});
+  std::vector<Vec3f> v;
+  for (const Vec3f& x : world.positions(fluid)) v.push_back({2 * x.y, x.x, 0.3f});
+  world.set_velocities(fluid, v);
+  const auto momentum = [&] { return world.momentum(fluid) + world.momentum(cloth); };
+  const Vec3d before = momentum(), of_cloth = world.momentum(cloth);
+  const double sum = sum_of_momenta(world, fluid);
+  for (int frame = 0; frame < 60; ++frame) ASSERT_TRUE(world.step(1.0 / 60).ok());
+  // Most of its momentum has gone to the water.
+  EXPECT_GT(length(world.momentum(cloth) - of_cloth), 0.3 * length(of_cloth));
+  validate_below("fluid without gravity and walls",
+                 "cloth in the fluid: change of linear momentum in 1 s / sum m |v|",
+                 length(momentum() - before) / sum, 1e-4);
+}
+
+/// A ball of fluid in rigid rotation: changes within a second, relative to the initial values.
+struct Spun {
+  double linear, angular;  // relative to sum m |v| and to L
+};
+Spun spin(const FluidMaterial& material) {
+  World world({.substeps = 8, .gravity = {}});
+  std::vector<Vec3d> points;
+  for (const Vec3d& x : fill(Vec3d{-0.2, -0.2, -0.2}, Vec3d{0.2, 0.2, 0.2}, d))
+    if (length(x) < 0.2) points.push_back(x);
+  FluidMaterial fluid_material = material;
+  fluid_material.spacing = float(d);
+  const ObjectId fluid = world.add_fluid(points, fluid_material);
+  std::vector<Vec3f> v;
+  for (const Vec3f& x : world.positions(fluid)) v.push_back(cross(Vec3f{0, 0, 2}, x));  // 2 rad/s
+  world.set_velocities(fluid, v);
+  const Vec3d linear = world.momentum(fluid), angular = angular_momentum(world, fluid);
+  const double sum = sum_of_momenta(world, fluid);
+  for (int frame = 0; frame < 60; ++frame) world.step(1.0 / 60);
+  return {length(world.momentum(fluid) - linear) / sum,
+          length(angular_momentum(world, fluid) - angular) / length(angular)};
+}
+
+TEST(FluidMomentum, OfASpinningBall) {
+  const std::string name = "fluid without gravity and walls", of = "ball of 20 spacings at 2 rad/s, ";
+  FluidMaterial bare = material::water;
+  bare.xsph = 0;
+  for (const auto& [label, material] : {std::pair{"water", material::water},
+                                        {"water, xsph 0", bare},
+                                        {"oil", material::oil},
+                                        {"honey", material::honey}}) {
+    const Spun spun = spin(material);
+    validate_below(name, of + label + ": change of linear momentum in 1 s / sum m |v|", spun.linear, 1e-4);
+    state(name, of + label + ": change of angular momentum in 1 s", spun.angular);
+    EXPECT_LT(spun.angular, 0.5) << label;
+  }
+}
+
+bool has_fluid(const SceneDescription& scene) {
+  return std::any_of(scene.objects.begin(), scene.objects.end(), [](const AnyObjectDescription& object) {
+    return std::holds_alternative<FluidDescription>(object);
+  });
+}
+
+std::vector<std::filesystem::path> scenes_with_fluids() {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(source_path("scenes")))
+    if (entry.path().extension() == ".json" && has_fluid(load_scene(entry.path())))
+      files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+class FluidScene : public ::testing::TestWithParam<std::filesystem::path> {};
+
+// All shipped scenes: the compression of a fluid is at most a percent, averaged over its particles and
+// frames.
+TEST_P(FluidScene, KeepsDensitySlow) {
+  const SceneDescription scene = load_scene(GetParam());
+  World world = build_world(scene);
+  double mean = 0, worst_frame = 0, largest = 0, step = 0;
+  for (std::uint32_t frame = 0; frame < scene.frames; ++frame) {
+    const StepReport& report = world.step(1 / scene.frame_rate);
+    ASSERT_TRUE(report.ok()) << report.message;
+    mean += report.fluid.mean_density_error / scene.frames;
+    worst_frame = std::max(worst_frame, report.fluid.mean_density_error);
+    largest = std::max(largest, report.fluid.largest_density_error);
+    step = std::max(step, report.fluid.largest_step);
+  }
+  const std::string name = "density error in the shipped scenes", of = GetParam().stem().string() + ": ";
+  validate_below(name, of + "mean", mean, 0.01);
+  state(name, of + "mean in the worst frame", worst_frame);
+  state(name, of + "largest, of one particle", largest);
+  state(name, of + "longest step, should be below 0.33", step);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shipped, FluidScene, ::testing::ValuesIn(scenes_with_fluids()),
+                         [](const auto& test) { return test.param.stem().string(); });
 
 }  // namespace souple::test_physics_fluid_robustness

@@ -55,11 +55,10 @@ Separation cubes(double scale, double gravity) {
   if (gravity > 0) world.add_collider(Plane{});
   const SoftBodyMaterial jelly{.young_modulus = 1e5f * s, .thickness = 0.01f * s};
   for (const double x : {0.0, 0.2}) {
-    ObjectOptions at;
-    at.transform.translation = Vec3d{x, 0.155 + 0.1 * x, 0.15 * x} * scale;
-    world.add_soft_body(tet_bar(4, 4, 4, {0.3 * scale, 0.3 * scale, 0.3 * scale}), jelly, at);
+    world.add_soft_body(tet_bar(4, 4, 4, {0.3 * scale, 0.3 * scale, 0.3 * scale}), jelly,
+                        {.transform = {.translation = Vec3d{x, 0.155 + 0.1 * x, 0.15 * x} * scale}});
   }
-  return separate(world, scale, [&] { return test::crossing_counter_of(world).crossings() > 0; });
+  return separate(world, scale, [&] { return test::crossings(world) > 0; });
 }
 
 // 27 grains of a radius of 5 cm, each in its neighbors by 2 cm.
@@ -87,8 +86,7 @@ Separation sheet(double scale) {
   World world;
   const auto s = static_cast<float>(scale);
   world.add_collider(Plane{});
-  ObjectOptions at;
-  at.transform.translation = {0, -0.3 * scale, 0};
+  ObjectOptions at{.transform = {.translation = {0, -0.3 * scale, 0}}};
   const ClothMaterial cotton{
       .areal_density = 0.15f * s, .membrane_stiffness = 4000 * s * s, .thickness = 0.01f * s};
   const ObjectId cloth = world.add_cloth(grid(20, 20, s), cotton, at);
@@ -155,7 +153,7 @@ TEST(Overlaps, SheetsAtOnePlaceSeparateInTheOrderOfTheirAddition) {
     const StepReport& report = world.step(1.0 / 60);
     ASSERT_TRUE(report.ok()) << report.message;
     EXPECT_LT(report.largest_strain, 0.02) << "frame " << frame;
-    EXPECT_EQ(test::crossing_counter_of(world).crossings(), 0u) << "frame " << frame;
+    EXPECT_EQ(test::crossings(world), 0u) << "frame " << frame;
   }
   double last = -1;
   for (const ObjectId sheet : sheets) {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "souple/rigid/free_motion.h"
 #include "souple/rigid/joints/joint_solver.h"
+#include "tests/rigid/one_body.h"
 
 #include <algorithm>
 #include <utility>
@@ -71,11 +71,6 @@ struct JointWorld {
     run(seconds, [] {});
   }
 
-  Vec3d spin_momentum(std::size_t i) const {
-    const Vec3d w = bodies.pose[i].local_direction(bodies.velocity[i].angular),
-                inverse = bodies.mass[i].inverse_inertia;
-    return bodies.pose[i].direction({w.x / inverse.x, w.y / inverse.y, w.z / inverse.z});
-  }
   Vec3d momentum() const {
     Vec3d p;
     for (std::size_t i = 0; i < bodies.size(); ++i) p += bodies.velocity[i].linear / bodies.mass[i].inverse;
@@ -85,7 +80,7 @@ struct JointWorld {
   Vec3d angular_momentum() const {
     Vec3d L;
     for (std::size_t i = 0; i < bodies.size(); ++i)
-      L += spin_momentum(i) +
+      L += spin_momentum(bodies, i) +
            cross(bodies.pose[i].position, bodies.velocity[i].linear / bodies.mass[i].inverse);
     return L;
   }
@@ -94,7 +89,7 @@ struct JointWorld {
     for (std::size_t i = 0; i < bodies.size(); ++i) {
       const double m = 1 / bodies.mass[i].inverse;
       const Vec3d& v = bodies.velocity[i].linear;
-      E += m * dot(v, v) / 2 + dot(spin_momentum(i), bodies.velocity[i].angular) / 2 -
+      E += m * dot(v, v) / 2 + dot(spin_momentum(bodies, i), bodies.velocity[i].angular) / 2 -
            m * dot(gravity, bodies.pose[i].position);
     }
     return E;

@@ -2,7 +2,21 @@
 
 #include "souple/rigid/free_motion.h"
 
+#include <cmath>
+#include <numbers>
+#include <vector>
+
 namespace souple {
+
+/// Complete elliptic integral of the first kind, of modulus k: by the arithmetic-geometric mean.
+inline double complete_elliptic(double k) {
+  double a = 1, b = std::sqrt(1 - k * k);
+  while (std::abs(a - b) > 1e-15) {
+    const double mean = (a + b) / 2;
+    b = std::sqrt(a * b), a = mean;
+  }
+  return std::numbers::pi / (2 * a);
+}
 
 /// A single body at rest at the origin.
 inline RigidBodies one_body(double mass, const Vec3d& inertia) {

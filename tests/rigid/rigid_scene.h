@@ -2,7 +2,7 @@
 
 #include "souple/rigid/contact_finder.h"
 #include "souple/rigid/contact_solver.h"
-#include "souple/rigid/free_motion.h"
+#include "tests/rigid/one_body.h"
 
 #include <algorithm>
 #include <cmath>
@@ -112,17 +112,10 @@ class RigidScene {
   double deepest() const { return ContactSolver::deepest(finder_.contacts(), bodies); }
   bool moves(std::size_t i) const { return bodies.mass[i].inverse > 0; }
   double mass(std::size_t i) const { return moves(i) ? 1 / bodies.mass[i].inverse : 0; }
-  Vec3d spin_momentum(std::size_t i) const {
-    if (!moves(i)) return {};
-    const Vec3d w = bodies.pose[i].local_direction(bodies.velocity[i].angular);
-    const Vec3d& inverse = bodies.mass[i].inverse_inertia;
-    return bodies.pose[i].direction({w.x / inverse.x, w.y / inverse.y, w.z / inverse.z});
-  }
   double kinetic_energy() const {
     double sum = 0;
     for (std::size_t i = 0; i < bodies.size(); ++i)
-      sum += 0.5 * mass(i) * length_squared(bodies.velocity[i].linear) +
-             0.5 * dot(spin_momentum(i), bodies.velocity[i].angular);
+      if (moves(i)) sum += 0.5 * mass(i) * length_squared(bodies.velocity[i].linear) + spin_energy(bodies, i);
     return sum;
   }
   double energy() const {
@@ -139,7 +132,8 @@ class RigidScene {
   Vec3d angular_momentum() const {
     Vec3d sum{};
     for (std::size_t i = 0; i < bodies.size(); ++i)
-      sum += cross(bodies.pose[i].position, bodies.velocity[i].linear) * mass(i) + spin_momentum(i);
+      if (moves(i))
+        sum += cross(bodies.pose[i].position, bodies.velocity[i].linear) * mass(i) + spin_momentum(bodies, i);
     return sum;
   }
   /// The largest speed of a center of mass [m/s].

@@ -130,26 +130,6 @@ TEST(RandomManifolds, AreSymmetric) {
   EXPECT_GT(same_points, 0.99 * all);
 }
 
-TEST(RandomManifolds, AreBitwiseEqualTwice) {
-  Random first(4), second(4);
-  for (int i = 0; i < 2000; ++i) {
-    const RandomPair p(first), q(second);
-    AxisCache p_cache, q_cache;
-    for (int repeat = 0; repeat < 2; ++repeat) {
-      const Manifold m = find_manifold(p.a, p.pose_a, p.b, p.pose_b, margin, p_cache);
-      const Manifold w = find_manifold(q.a, q.pose_a, q.b, q.pose_b, margin, q_cache);
-      ASSERT_EQ(m.count, w.count);
-      ASSERT_EQ(m.normal, w.normal);
-      for (std::size_t k = 0; k < static_cast<std::size_t>(m.count); ++k) {
-        ASSERT_EQ(m.points[k].on_a, w.points[k].on_a);
-        ASSERT_EQ(m.points[k].on_b, w.points[k].on_b);
-        ASSERT_EQ(m.points[k].separation, w.points[k].separation);
-        ASSERT_EQ(m.points[k].feature, w.points[k].feature);
-      }
-    }
-  }
-}
-
 TEST(RandomManifolds, PointsLieOnBothSurfaces) {
   Random random(5);
   for (int i = 0; i < 3000; ++i) {

@@ -143,15 +143,6 @@ TEST(Partition, Nothing) {
   EXPECT_TRUE(partition.phantom_of.empty());
 }
 
-TEST(Partition, TheSameTwice) {
-  for (const Colored& mesh : meshes()) {
-    const Partition one = mesh.partition(5), other = mesh.partition(5);
-    EXPECT_EQ(one.indices, other.indices);
-    EXPECT_EQ(one.coloring.order, other.coloring.order);
-    EXPECT_EQ(one.phantom_of, other.phantom_of);
-  }
-}
-
 /// Divides every range into parts of three and calls them last to first.
 class BackwardThreads final : public Threads {
  public:

@@ -5,6 +5,18 @@
 
 namespace souple::test_solver_allocation {
 
+void expect_no_allocation(test::SolverScene& scene) {
+  scene.step();
+  const std::vector<Projector*> order = scene.order();
+  const ParticleView view = scene.body.view();
+  const long before = test::allocations();
+  for (int k = 0; k < 3; ++k) {
+    for (Projector* projector : order) projector->begin_substep(view, scene.substep);
+    scene.solver->solve(order, view, scene.substep, *scene.threads);
+  }
+  EXPECT_EQ(test::allocations() - before, 0) << scene.solver->name();
+}
+
 // All solvers that promise allocation-free steps (docs/solvers.md); solvers that use Eigen do not.
 TEST(SolverAllocation, AWarmSubstepAllocatesNothing) {
   for (SolverSettings settings :
@@ -17,15 +29,7 @@ TEST(SolverAllocation, AWarmSubstepAllocatesNothing) {
     settings.chebyshev = 0.9f;
     settings.sweep = Sweep::symmetric;
     scene.use(settings);
-    scene.step();
-    const std::vector<Projector*> order = scene.order();
-    const ParticleView view = scene.body.view();
-    const long before = test::allocations();
-    for (int k = 0; k < 3; ++k) {
-      for (Projector* projector : order) projector->begin_substep(view, scene.substep);
-      scene.solver->solve(order, view, scene.substep, *scene.threads);
-    }
-    EXPECT_EQ(test::allocations() - before, 0) << scene.solver->name();
+    expect_no_allocation(scene);
   }
 }
 
@@ -38,15 +42,7 @@ TEST(SolverAllocation, AWarmSubstepOfARopeAllocatesNothing) {
   }
   scene.gravity = {0, -9.81f, 0};
   scene.use({});
-  const std::vector<Projector*> order = scene.order();
-  const ParticleView view = scene.body.view();
-  scene.step();
-  const long before = test::allocations();
-  for (int k = 0; k < 3; ++k) {
-    for (Projector* projector : order) projector->begin_substep(view, scene.substep);
-    scene.solver->solve(order, view, scene.substep, *scene.threads);
-  }
-  EXPECT_EQ(test::allocations() - before, 0);
+  expect_no_allocation(scene);
 }
 
 }  // namespace souple::test_solver_allocation

@@ -63,9 +63,8 @@ TEST(WarmStepOfTies, AllocatesNothing) {
   World world({.threads = 2});
   const ObjectId cloth = world.add_cloth(grid(20, 20, 1.0), {.membrane_stiffness = 1e5f}, {.name = "cloth"});
   world.pin(cloth, in_box({-1, -1, -0.51f}, {1, 1, -0.49f}));
-  ObjectOptions below;
-  below.transform.translation = {0, -0.2, 0.4};
-  const ObjectId body = world.add_rigid_body(Sphere{{}, 0.1f}, {.density = 200}, below);
+  const ObjectId body = world.add_rigid_body(Sphere{{}, 0.1f}, {.density = 200},
+                                             {.transform = {.translation = {0, -0.2, 0.4}}});
   world.set_collide("cloth", world.name(body), false);
   world.stitch(cloth, in_box({-0.1f, -1, 0.3f}, {0.1f, 1, 0.5f}), body, 0.3, {});
   const std::vector<Vec3d> line{{3, 0, 0}, {4, -0.5, 0}, {5, 0, 0}};
@@ -81,10 +80,9 @@ TEST(WarmStepOfTies, AllocatesNothing) {
 // Balls at the vertices of a heap.
 TEST(WarmStepOfVertexBalls, AllocatesNothing) {
   World world({.threads = 2});
-  ObjectOptions options;
-  options.self_collision = SelfCollision::particles;
-  options.transform = {{0, 0.52, 0}, Quatd::from_axis_angle({0, 0, 1}, 1.48), 1};
-  world.add_cloth(grid(30, 30, 1.0), {.thickness = 0.01f}, options);
+  world.add_cloth(grid(30, 30, 1.0), {.thickness = 0.01f},
+                  {.transform = {{0, 0.52, 0}, Quatd::from_axis_angle({0, 0, 1}, 1.48), 1},
+                   .self_collision = SelfCollision::particles});
   world.add_collider(Plane{});
   EXPECT_EQ(allocations_of_a_warm_step(world, 120), 0);
   EXPECT_GT(world.report().contacts, 200u);
@@ -125,8 +123,7 @@ TEST(WarmStepBesideSleepers, AllocatesNothing) {
 TEST(WarmStepOfAGame, AllocatesNothing) {
   World world({.threads = 2});
   const ObjectId cloth = world.add_cloth(grid(30, 30, 1.0), {}, {.transform = {.translation = {0, 0.3, 0}}});
-  const Vec3d centers[] = {{0, 0.1, 0}, {0.3, 0.1, 0}, {0.3, 0.29, 0}};
-  world.add_grains(centers, {.radius = 0.1f});
+  world.add_grains(std::vector<Vec3d>{{0, 0.1, 0}, {0.3, 0.1, 0}, {0.3, 0.29, 0}}, {.radius = 0.1f});
   world.add_collider(Plane{});
   world.add_collider(Sphere{.radius = 0.2f}, {.sensor = true});
   const std::vector<std::uint32_t> row{0, 29};

@@ -23,7 +23,16 @@ inline ObjectOptions at(double x, double y, double z) {
   return at(Vec3d{x, y, z});
 }
 
+using test::crossings;
+
 inline const Box small_box{{}, {0.1f, 0.1f, 0.1f}};
+
+template <class Function>
+void change(World& world, const Function& set) {
+  Settings settings = world.settings();
+  set(settings);
+  world.set_settings(settings);
+}
 
 /// In frames of 1/60 s.
 inline void run(World& world, double seconds) {
@@ -38,17 +47,6 @@ inline Vec3d total_momentum(const World& world) {
   Vec3d sum;
   for (const ObjectId id : world.objects()) sum += world.momentum(id);
   return sum;
-}
-
-inline test::CrossingCounter crossing_counter_of(const World& world) {
-  test::CrossingCounter counter;
-  for (const ObjectId id : world.objects()) counter.add(world.positions(id), world.mesh(id).triangles);
-  return counter;
-}
-
-/// Edges that pass through triangles.
-inline std::size_t crossings(const World& world) {
-  return crossing_counter_of(world).crossings();
 }
 
 /// A world that is restored goes on with equal bits: itself, and one that is built again.

@@ -4,6 +4,7 @@
 #include "souple/solver/kernels/motion.h"
 #include "souple/state/particles.h"
 #include "tests/expect_error.h"
+#include "tests/instruction_sets.h"
 #include "tests/world/scene.h"
 
 #include <cmath>
@@ -167,8 +168,7 @@ World hanging_cloth(const Settings& settings) {
   World world(settings);
   const ObjectId cloth = world.add_cloth(grid(9, 6, 1), {.damping = 3});
   world.pin(cloth, vertices({0, 4}));
-  ObjectOptions beside;
-  beside.transform.translation = {2, 0, 0};
+  ObjectOptions beside{.transform = {.translation = {2, 0, 0}}};
   world.add_cloth(grid(3, 3, 0.3), {}, beside);  // 63 particles in total: the last do not fill a register
   return world;
 }
@@ -220,14 +220,8 @@ Bodies advance(const kernels::MotionKernels& kernels) {
 
 std::vector<const kernels::MotionKernels*> all_kernels() {
   std::vector<const kernels::MotionKernels*> result;
-#if defined(__x86_64__)
-  result.push_back(find_motion_kernels(InstructionSet::sse));
-  if (__builtin_cpu_supports("avx2")) result.push_back(find_motion_kernels(InstructionSet::avx2));
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
-    result.push_back(find_motion_kernels(InstructionSet::avx512));
-#elif defined(__aarch64__)
-  result.push_back(find_motion_kernels(InstructionSet::neon));
-#endif
+  for (const InstructionSet set : all_sets())
+    if (const auto* kernels = find_motion_kernels(set)) result.push_back(kernels);
   return result;
 }
 

@@ -380,8 +380,7 @@ void Meddled::build() {
       world.add_fluid(std::vector<Vec3d>{{0, 1, 4}, {0, 1.1, 4}}, {.spacing = 0.1f}, {.max_particles = 500});
   ObstacleMotion motion_of_obstacle;
   motion_of_obstacle.pose = ColliderMotion::callback([this](double) { return motion(Place::obstacle); });
-  ObjectOptions above;
-  above.transform.translation = {30, 30, 30};
+  ObjectOptions above{.transform = {.translation = {30, 30, 30}}};
   handles.rigid_body = world.add_rigid_body(Sphere{}, {}, above);
   handles.joint = world.add_joint({}, handles.rigid_body, joint::Ball{}, {.point = {30, 31, 30}});
   above.transform.translation = {60, 30, 30};

@@ -248,8 +248,7 @@ TEST(SignedDistanceCollider, CarriesWhatLiesOnItWhenItMoves) {
     return Transform{.translation = {0.2 * t, 1, 0}, .rotation = Quatd::from_axis_angle(axis, 0.3 * t)};
   });
   world.add_collider(SignedDistanceField(box({1, 0.2, 0.6}), 0.04), {.friction = 1, .motion = motion});
-  const Vec3d start[] = {{0, 1.15, 0}};
-  const ObjectId grain = world.add_grains(start, {.radius = 0.05f, .friction = 1});
+  const ObjectId grain = world.add_grains(std::vector<Vec3d>{{0, 1.15, 0}}, {.radius = 0.05f, .friction = 1});
   run(world, 2);
   EXPECT_NEAR(world.positions(grain)[0].x, 0.4f, 0.02f);
   EXPECT_NEAR(world.positions(grain)[0].y, 1.15f, 2e-3f);

@@ -14,8 +14,7 @@ constexpr double dt = 1.0 / 60;
 
 TEST(ContactPairs, BeginPersistAndEnd) {
   World world;
-  const Vec3d grain[] = {{0, 0.3, 0}};
-  const ObjectId ball = world.add_grains(grain, {.radius = 0.1f, .density = 1000});
+  const ObjectId ball = world.add_grains(std::vector<Vec3d>{{0, 0.3, 0}}, {.radius = 0.1f, .density = 1000});
   const ColliderId floor = world.add_collider(Plane{});
   world.track_contacts(true);
   int begins = 0, persists = 0;
@@ -55,8 +54,7 @@ TEST(ContactPairs, ABounceWithinAStepIsSeen) {
   const Vec3d grain[] = {{0, 0.3, 0}};
   const ObjectId ball = world.add_grains(grain, {.radius = 0.1f, .friction = 0, .restitution = 1});
   world.add_collider(Plane{}, {.friction = 0, .restitution = 1});
-  const Vec3f fast[] = {{0, -20, 0}};
-  world.set_velocities(ball, fast);
+  world.set_velocities(ball, std::vector<Vec3f>{{0, -20, 0}});
   world.track_contacts(true);
   world.step(dt);
   EXPECT_GT(world.velocities(ball)[0].y, 10);
@@ -114,8 +112,7 @@ TEST(ContactPairs, ObjectsInOrder) {
 
 TEST(ContactPairs, SleepersStayInContact) {
   World world({.sleeping = {.enabled = true}});
-  const Vec3d grain[] = {{0, 0.1, 0}};
-  const ObjectId ball = world.add_grains(grain, {.radius = 0.1f});
+  const ObjectId ball = world.add_grains(std::vector<Vec3d>{{0, 0.1, 0}}, {.radius = 0.1f});
   world.add_collider(Plane{});
   world.track_contacts(true);
   for (int i = 0; i < 300 && !world.is_asleep(ball); ++i) world.step(dt);
@@ -135,8 +132,7 @@ TEST(ContactPairs, ASensorReportsAndDoesNotPush) {
   World with, without;
   ColliderId gate;
   for (World* world : {&with, &without}) {
-    const Vec3d grain[] = {{0, 1, 0}};
-    world->add_grains(grain, {.radius = 0.05f});
+    world->add_grains(std::vector<Vec3d>{{0, 1, 0}}, {.radius = 0.05f});
     world->add_cloth(grid(2, 2, 4), {}, at(0, 2, 0));  // two triangles, corners far away
     if (world == &with)
       gate = world->add_collider(Box{.center = {0, 0.5f, 0.2f}, .half_extents = {0.3f, 0.1f, 0.3f}},
@@ -168,8 +164,7 @@ TEST(ContactPairs, ASensorReportsAndDoesNotPush) {
 
 TEST(ContactPairs, AFailedStepReportsNothing) {
   World world;
-  const Vec3d grain[] = {{0, 0.1, 0}};
-  world.add_grains(grain, {.radius = 0.1f});
+  world.add_grains(std::vector<Vec3d>{{0, 0.1, 0}}, {.radius = 0.1f});
   world.add_collider(Plane{});
   world.track_contacts(true);
   for (int i = 0; i < 30; ++i) world.step(dt);
@@ -211,10 +206,7 @@ enum class Falling { cloth, rope, grains, lattice_body };
 enum class Below { collider, cloth, obstacle, grains };
 
 ObjectOptions named(const char* name, CollisionFilter filter) {
-  ObjectOptions options;
-  options.name = name;
-  options.collision_groups = filter.groups;
-  options.collision_mask = filter.mask;
+  ObjectOptions options{.name = name, .collision_groups = filter.groups, .collision_mask = filter.mask};
   return options;
 }
 
@@ -315,8 +307,7 @@ TEST(Groups, OthersStillCollide) {
   add_below(world, Below::obstacle, {});
   std::vector<ObjectId> grains;
   for (const double x : {-0.1, 0.0, 0.1}) {
-    const std::vector<Vec3d> center{{x, 0.1, 0.003}};
-    grains.push_back(world.add_grains(center, {.radius = 0.02f}));
+    grains.push_back(world.add_grains(std::vector<Vec3d>{{x, 0.1, 0.003}}, {.radius = 0.02f}));
   }
   world.set_collide("grains2", "below", false);
   lowest(world, grains[0]);
@@ -371,11 +362,10 @@ TEST(Groups, TheNameOfAnObjectTwiceIsItsSelfCollision) {
 TEST(Groups, SelfCollisionOfAClothIsSwitchedOffByThePair) {
   const auto folded = [](bool self_collision, bool collide) {
     World world({.substeps = 3});
-    ObjectOptions options;
-    options.name = "sheet";
-    options.self_collision = self_collision ? SelfCollision::surfaces : SelfCollision::off;
-    options.transform = {{0, 0.35, 0}, Quatd::from_euler_xyz({0.2, 0, 1.5}), 1};
-    world.add_cloth(grid(11, 11, 0.6), {}, options);
+    world.add_cloth(grid(11, 11, 0.6), {},
+                    {.name = "sheet",
+                     .transform = {{0, 0.35, 0}, Quatd::from_euler_xyz({0.2, 0, 1.5}), 1},
+                     .self_collision = self_collision ? SelfCollision::surfaces : SelfCollision::off});
     world.add_collider(Plane{});
     world.set_collide("sheet", "sheet", collide);
     for (int frame = 0; frame < 60; ++frame) world.step(1.0 / 60);
@@ -389,9 +379,8 @@ TEST(Groups, SelfCollisionOfAClothIsSwitchedOffByThePair) {
 TEST(Groups, MasksDoNotStopAnObjectFromCollidingWithItself) {
   World world({.substeps = 5});
   world.add_collider(Plane{.offset = floor_height}, {.collision_groups = 2});
-  const std::vector<Vec3d> centers{{0, -0.9, 0}, {0, -0.8, 0}};
-  const ObjectId grains =
-      world.add_grains(centers, {.radius = 0.05f}, named("grains", {.groups = 1, .mask = 2}));
+  const ObjectId grains = world.add_grains(std::vector<Vec3d>{{0, -0.9, 0}, {0, -0.8, 0}}, {.radius = 0.05f},
+                                           named("grains", {.groups = 1, .mask = 2}));
   lowest(world, grains);
   EXPECT_NEAR(world.positions(grains)[1].y, -0.85f, 0.005f);
 }

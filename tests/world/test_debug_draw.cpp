@@ -56,8 +56,7 @@ struct Everything {
     lump = world.add_soft_body(sphere(2, 0.3), {}, {.cells = 60}, at(6, 0.4, 0));
     box = world.add_soft_body(tet_bar(2, 2, 2, {0.4, 0.4, 0.4}), {.model = SoftBodyModel::shape_matching},
                               at(9, 0.15, 0));
-    const Vec3d ends[] = {{12, 1, 0}, {13, 1, 0}};
-    rope = world.add_rope(ends, 8, {.bending_stiffness = 0.01f});
+    rope = world.add_rope(std::vector<Vec3d>{{12, 1, 0}, {13, 1, 0}}, 8, {.bending_stiffness = 0.01f});
     const Vec3d centers[] = {{15, 0.05, 0}, {15.02, 0.12, 0}, {15.1, 0.05, 0}};
     grains = world.add_grains(centers, {.radius = 0.05f});
     world.attach(rope, vertices({0}));
@@ -113,10 +112,8 @@ TEST(DebugDraw, ConstraintsOfOneKindAndColorShareNoParticle) {
 
 TEST(DebugDraw, StrainAndResidualAreThoseOfTheShape) {
   World world;
-  const Vec3d ends[] = {{1000, 0, 0}, {1001, 0, 0}};
-  const ObjectId rope = world.add_rope(ends, 1);
-  const Vec3f stretched[] = {{1000, 0, 0}, {1001.05f, 0, 0}};
-  world.set_positions(rope, stretched);
+  const ObjectId rope = world.add_rope(std::vector<Vec3d>{{1000, 0, 0}, {1001, 0, 0}}, 1);
+  world.set_positions(rope, std::vector<Vec3f>{{1000, 0, 0}, {1001.05f, 0, 0}});
   const Drawn drawn(world);
   ASSERT_EQ(drawn.constraints.size(), 1u);
   EXPECT_EQ(drawn.constraints[0].kind, "distance");
@@ -185,8 +182,7 @@ TEST(DebugDraw, ParticlesSayWhatTheyAre) {
 
 TEST(DebugDraw, ContactsAreThoseOfTheLastStep) {
   World world;
-  const Vec3d centers[] = {{0, 0.05, 0}, {1, 0.05, 0}, {2, 5, 0}};
-  world.add_grains(centers, {.radius = 0.05f});
+  world.add_grains(std::vector<Vec3d>{{0, 0.05, 0}, {1, 0.05, 0}, {2, 5, 0}}, {.radius = 0.05f});
   const ColliderId floor = world.add_collider(Plane{});
   world.step(1.0 / 60);
   const Drawn drawn(world);
@@ -205,8 +201,7 @@ TEST(DebugDraw, ContactsAreThoseOfTheLastStep) {
 
 TEST(DebugDraw, ContactsAreForgottenWithTheirObject) {
   World world;
-  const Vec3d centers[] = {{0, 0.05, 0}};
-  const ObjectId first = world.add_grains(centers, {.radius = 0.05f});
+  const ObjectId first = world.add_grains(std::vector<Vec3d>{{0, 0.05, 0}}, {.radius = 0.05f});
   world.add_collider(Plane{});
   world.step(1.0 / 60);
   const Snapshot snapshot = world.snapshot();
@@ -223,8 +218,7 @@ TEST(DebugDraw, ContactsAreForgottenWithTheirObject) {
 
 TEST(DebugDraw, ContactsAskedForDuringAStepAreNotThoseAfterIt) {
   World world({.substeps = 2});
-  const Vec3d centers[] = {{0, 0.05, 0}};
-  world.add_grains(centers, {.radius = 0.05f});
+  world.add_grains(std::vector<Vec3d>{{0, 0.05, 0}}, {.radius = 0.05f});
   world.add_collider(Plane{});
   // No contact has applied a correction yet.
   world.before(Stage::solve, [](World& w) { (void)w.contacts(); });

@@ -62,10 +62,8 @@ Transform upright(double x) {
 }
 
 ObjectId add_sheet(World& world, const Transform& transform) {
-  ObjectOptions options;
-  options.transform = transform;
-  options.self_collision = SelfCollision::surfaces;
-  return world.add_cloth(grid(15, 15, 1), {.thickness = 0.02f}, options);
+  return world.add_cloth(grid(15, 15, 1), {.thickness = 0.02f},
+                         {.transform = transform, .self_collision = SelfCollision::surfaces});
 }
 
 TEST(Intersections, SheetsThatCrossFromSideToSideComeApart) {
@@ -201,8 +199,7 @@ TEST(Intersections, WhatIsHeldIsOnlyReported) {
 // A sheet that is folded in two at rest, whose upper half bulges through the lower half.
 TEST(Intersections, ABulgeThroughTheOtherHalfOfASheetIsDrawnOut) {
   World world({.gravity = {}});
-  ObjectOptions options;
-  options.self_collision = SelfCollision::surfaces;
+  ObjectOptions options{.self_collision = SelfCollision::surfaces};
   TriangleMesh mesh = grid(25, 25, 1);
   for (Vec3d& x : mesh.positions) {
     const double r2 = (x.x - 0.25) * (x.x - 0.25) + x.z * x.z;

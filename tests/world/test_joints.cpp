@@ -222,9 +222,7 @@ SurfacePoint vertex(ObjectId object, std::uint32_t v) {
 
 /// An upright cloth of n x n vertices and 1 m, pinned by its top row at y = 0.5.
 ObjectId hang_cloth(World& world, int n, const ClothMaterial& material = {}) {
-  ObjectOptions options;
-  options.name = "cloth";
-  options.transform.rotation = {std::sqrt(0.5), 0, 0, std::sqrt(0.5)};
+  ObjectOptions options{.name = "cloth", .transform = {.rotation = {std::sqrt(0.5), 0, 0, std::sqrt(0.5)}}};
   const ObjectId cloth = world.add_cloth(grid(n, n, 1.0), material, options);
   world.pin(cloth, in_box({-1, 0.499f, -1}, {1, 0.501f, 1}));
   return cloth;
@@ -263,8 +261,7 @@ double sum_of_forces(const World& world, const std::vector<TieId>& ties) {
 /// Hangs a crate of 4 kg by its middle from a rope of 0.9 m.
 std::pair<ObjectId, TieId> hang_crate(World& world, const TieOptions& options) {
   const ObjectId crate = world.add_rigid_body(small_box, {.density = 500}, at(0, 1, 0));
-  const std::vector<Vec3d> line{{0, 2, 0}, {0, 1.1, 0}};
-  const ObjectId rope = world.add_rope(line, 10, {}, {.name = "rope"});
+  const ObjectId rope = world.add_rope(std::vector<Vec3d>{{0, 2, 0}, {0, 1.1, 0}}, 10, {}, {.name = "rope"});
   world.pin(rope, vertices({0}));
   world.set_collide("rope", world.name(crate), false);
   return {crate, world.add_tie(vertex(rope, 10), crate, options)};
@@ -497,8 +494,7 @@ TEST(Ties, TheClosestPointOfASurface) {
   }
   EXPECT_NEAR(length(x - Vec3d{0.25, 0, 0.5}), 0, 1e-6);
   EXPECT_NEAR(sum, 1, 1e-12);
-  const std::vector<Vec3d> line{{0, 0, 5}, {1, 0, 5}};
-  const ObjectId rope = world.add_rope(line, 2);
+  const ObjectId rope = world.add_rope(std::vector<Vec3d>{{0, 0, 5}, {1, 0, 5}}, 2);
   EXPECT_NEAR(world.surface_point(rope, {0.6, 1, 5}).weights[1], 0.2, 1e-6);
 }
 

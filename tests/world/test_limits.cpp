@@ -210,9 +210,8 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 ObjectOptions with_self_collision(double height = 0) {
-  ObjectOptions options;
-  options.self_collision = SelfCollision::surfaces;
-  options.transform.translation = {0, height, 0};
+  ObjectOptions options{.transform = {.translation = {0, height, 0}},
+                        .self_collision = SelfCollision::surfaces};
   return options;
 }
 

@@ -290,9 +290,7 @@ World hanging(int n, const Settings& settings) {
   World world(settings);
   TriangleMesh mesh = grid(n, n, 1.0);
   for (Vec3d& x : mesh.positions) x = {x.x, -x.z, 0};
-  ObjectOptions options;
-  options.name = "sheet";
-  const ObjectId cloth = world.add_cloth(mesh, material::cotton, options);
+  const ObjectId cloth = world.add_cloth(mesh, material::cotton, {.name = "sheet"});
   std::vector<std::uint32_t> row(static_cast<std::size_t>(n));
   std::iota(row.begin(), row.end(), 0u);
   world.pin(cloth, vertices(row));
@@ -368,9 +366,8 @@ TEST(Balance, AStiffBarIsSweptTooLittle) {
 // The floor carries the block: what contacts move is no elastic force.
 TEST(Balance, ContactsDoNotCountAsElasticForces) {
   World world({.threads = 2});
-  ObjectOptions options;
-  options.transform.translation = {0, 0.26, 0};
-  world.add_soft_body(tet_bar(4, 4, 4, {0.5, 0.5, 0.5}), {.young_modulus = 1e5f, .damping = 5}, options);
+  world.add_soft_body(tet_bar(4, 4, 4, {0.5, 0.5, 0.5}), {.young_modulus = 1e5f, .damping = 5},
+                      {.transform = {.translation = {0, 0.26, 0}}});
   world.add_collider(Plane{});
   for (int i = 0; i < 150; ++i) world.step(dt);
   ASSERT_GT(world.report().contacts, 0u);

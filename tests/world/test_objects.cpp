@@ -222,10 +222,8 @@ TEST(Objects, AFastBodyHitsWhatWasFarAway) {
   const ObjectId cloth = world.add_cloth(grid(20, 20, 0.5), sheet);
   SoftBodyMaterial stone;
   stone.thickness = 0.05f;
-  ObjectOptions thrown;
-  thrown.transform.translation = {0, 20, 0};
-  thrown.velocity = {0, -60, 0};
-  world.add_soft_body(tet_bar(4, 4, 4, {0.1, 0.1, 0.1}), stone, thrown);
+  world.add_soft_body(tet_bar(4, 4, 4, {0.1, 0.1, 0.1}), stone,
+                      {.transform = {.translation = {0, 20, 0}}, .velocity = {0, -60, 0}});
   std::size_t contacts = 0;
   for (int i = 0; i < 30; ++i) contacts += world.step(1.0 / 60).contacts;
   EXPECT_GT(contacts, 0u);

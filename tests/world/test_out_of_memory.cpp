@@ -63,9 +63,8 @@ void read_all(World& world) {
 }
 
 void cloth_on_itself(World& world) {
-  ObjectOptions options;
-  options.self_collision = SelfCollision::surfaces;
-  options.transform = {{0, 0.3, 0}, Quatd::from_axis_angle({0, 0, 1}, 1.4), 1};
+  ObjectOptions options{.transform = {{0, 0.3, 0}, Quatd::from_axis_angle({0, 0, 1}, 1.4), 1},
+                        .self_collision = SelfCollision::surfaces};
   const ObjectId cloth = world.add_cloth(grid(6, 6, 0.5), {.bending = BendingModel::dihedral}, options);
   world.pin(cloth, vertices({0}));
   world.add_tethers(cloth);
@@ -84,11 +83,9 @@ void soft_bodies(World& world) {
 }
 
 void rope(World& world) {
-  ObjectOptions options;
-  options.self_collision = SelfCollision::surfaces;
   const ObjectId rope =
       world.add_rope(std::vector<Vec3d>{{0, 0.1, 0}, {0.3, 0.1, 0}, {0.3, 0.1, 0.1}, {0, 0.11, 0.1}}, 24,
-                     {.radius = 0.01f}, options);
+                     {.radius = 0.01f}, {.self_collision = SelfCollision::surfaces});
   const std::pair<VertexRef, VertexRef> joint[] = {{{rope, 0}, {rope, 24}}};
   world.connect(joint, -1, 0, dt * 1.5);
   world.attach(rope, vertices({12}), [](std::uint32_t, double t) { return Vec3d{0.3, 0.1 + t, 0.05}; });

@@ -58,8 +58,7 @@ TEST(Pins, ATargetIsFollowedExactly) {
 // below it at rest.
 TEST(Pins, AnAttachmentIsASpring) {
   World world({.substeps = 20, .drag = 4});
-  const Vec3d points[] = {{0, 0, 0}};
-  const ObjectId grain = world.add_grains(points, {.radius = 0.05f, .density = 1000});
+  const ObjectId grain = world.add_grains(std::vector<Vec3d>{{0, 0, 0}}, {.radius = 0.05f, .density = 1000});
   const auto m = world.total_mass(grain);
   world.attach(
       grain, all(),
@@ -219,8 +218,7 @@ Quatd turn_about_y(double angle) {
 TEST(Arrivals, AColliderArrivesAtItsPoseAndSweepsItsPath) {
   World world({.gravity = {}});
   const ColliderId plate = world.add_collider(Box{.half_extents = {1, 0.05f, 1}});
-  const std::vector<Vec3d> above{{0, 0.2, 0}};
-  const ObjectId grain = world.add_grains(above, {.radius = 0.02f});
+  const ObjectId grain = world.add_grains(std::vector<Vec3d>{{0, 0.2, 0}}, {.radius = 0.02f});
   double y = 0;
   for (int frame = 0; frame < 20; ++frame) {
     y += 0.05;  // 3 m/s: in one jump the plate would be beyond the grain

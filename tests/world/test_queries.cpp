@@ -1,12 +1,12 @@
 #include "souple/geometry/closest_point.h"
 #include "souple/studies/segment_triangle/choice.h"
+#include "tests/collision/random.h"
 #include "tests/expect_error.h"
 #include "tests/world/scene.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 
 #include <gtest/gtest.h>
 
@@ -16,8 +16,7 @@ TEST(Queries, ARayHitsTheNearestObject) {
   World world;
   const ObjectId sheet = world.add_cloth(grid(11, 11, 2), {}, at(0, 1, 0));
   const ColliderId floor = world.add_collider(Plane{});
-  const Vec3d grain[] = {{5, 0.5, 0}};
-  const ObjectId grains = world.add_grains(grain, {.radius = 0.1f});
+  const ObjectId grains = world.add_grains(std::vector<Vec3d>{{5, 0.5, 0}}, {.radius = 0.1f});
 
   Hit hit = world.ray_cast({0.21f, 3, 0.39f}, {0, -1, 0});
   ASSERT_TRUE(hit.found);
@@ -76,8 +75,7 @@ TEST(Queries, ElasticEnergyNeedsNoStep) {
   World world;
   const Vec3d ends[] = {{0, 0, 0}, {2, 0, 0}};
   const ObjectId rope = world.add_rope(ends, 1, {.radius = 0.1f, .young_modulus = 1e6f});
-  const Vec3f pulled[] = {{0, 0, 0}, {2.2f, 0, 0}};
-  world.set_positions(rope, pulled);
+  world.set_positions(rope, std::vector<Vec3f>{{0, 0, 0}, {2.2f, 0, 0}});
   const double k = 1e6 * pi * 0.01 / 2;
   EXPECT_NEAR(world.elastic_energy(), k * 0.04 / 2, 1e-4 * k);
 }
@@ -126,17 +124,6 @@ TEST(Queries, EnergyOfConvergedConstraintsIsComplete) {
 // Queries through trees of boxes find what testing every element finds.
 
 constexpr double never = std::numeric_limits<double>::infinity();
-
-class Random {
- public:
-  float operator()(float lo, float hi) {
-    return lo + (hi - lo) * static_cast<float>(engine_() >> 8) * 0x1p-24f;
-  }
-  Vec3f point(float size) { return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)}; }
-
- private:
-  std::mt19937 engine_{7};
-};
 
 /// Calls f(object, element, corners or null, vertex) for everything that a query may see, in order.
 template <class OnTriangle, class OnBall>
@@ -207,8 +194,7 @@ World crumpled_world() {
     centers[i] = {0.12 * static_cast<double>(column) - 0.4, 0.06, 0.12 * static_cast<double>(row) - 0.35};
   }
   world.add_grains(centers, {.radius = 0.05f});
-  const Vec3d line[] = {{-0.6, 0.9, 0.1}, {0.6, 0.9, -0.1}};
-  world.add_rope(line, 25, {.radius = 0.02f});
+  world.add_rope(std::vector<Vec3d>{{-0.6, 0.9, 0.1}, {0.6, 0.9, -0.1}}, 25, {.radius = 0.02f});
   world.add_soft_body(box({0.2, 0.2, 0.2}), {}, {}, at(0.1, 1.2, 0));
   world.add_obstacle(sphere(2, 0.2f), {}, {}, at(-0.2, 0.2, 0.1));
   world.add_collider(Plane{});
@@ -225,14 +211,14 @@ void expect_found(const Hit& hit, const Found& found, const World& world) {
 
 TEST(QueryTree, FindsWhatTestingEveryElementFinds) {
   World world = crumpled_world();
-  Random random;
+  test::Random random(7);
   const QueryFilter objects{.colliders = false};
   int hits = 0;
   for (int frame = 0; frame < 40; ++frame) {
     world.step(1.0 / 60);
     for (int k = 0; k < 20; ++k) {
-      const Vec3f origin = random.point(1.5f) + Vec3f{0, 0.5f, 0};
-      const Vec3f towards = random.point(0.5f) + Vec3f{0, 0.4f, 0} - origin;
+      const Vec3f origin = Vec3f(random.vector() * 1.5) + Vec3f{0, 0.5f, 0};
+      const Vec3f towards = Vec3f(random.vector() * 0.5) + Vec3f{0, 0.4f, 0} - origin;
       const Hit hit = world.ray_cast(origin, towards, 1e30, objects);
       expect_found(hit, ray_cast_all_elements(world, origin, towards), world);
       hits += hit.found ? 1 : 0;
@@ -274,8 +260,7 @@ TEST(QueryTree, FollowsObjectsThatComeAndGo) {
   EXPECT_EQ(world.ray_cast({0.1f, 3, 0}, {0, -1, 0}).object, high);
   world.remove(high);
   EXPECT_FALSE(world.ray_cast({0.1f, 3, 0}, {0, -1, 0}).found);
-  const Vec3d center[] = {{0, 0, 0}};
-  const ObjectId grain = world.add_grains(center, {.radius = 0.1f});
+  const ObjectId grain = world.add_grains(std::vector<Vec3d>{{0, 0, 0}}, {.radius = 0.1f});
   EXPECT_NEAR(world.ray_cast({0, 3, 0}, {0, -1, 0}).distance, 2.9, 1e-6);
   world.set_material(grain, GrainsMaterial{.radius = 0.5f});
   EXPECT_NEAR(world.ray_cast({0, 3, 0}, {0, -1, 0}).distance, 2.5, 1e-6);
@@ -285,8 +270,7 @@ TEST(QueryTree, Filters) {
   World world;
   const ObjectId sheet =
       world.add_cloth(grid(5, 5, 1), {}, {.transform = {.translation = {0, 2, 0}}, .collision_groups = 2});
-  const Vec3d center[] = {{0, 1, 0}};
-  const ObjectId grain = world.add_grains(center, {.radius = 0.1f});
+  const ObjectId grain = world.add_grains(std::vector<Vec3d>{{0, 1, 0}}, {.radius = 0.1f});
   const ColliderId floor = world.add_collider(Plane{}, {.collision_groups = 4});
   const auto cast = [&](const QueryFilter& filter) {
     return world.ray_cast({0.02f, 3, 0}, {0, -1, 0}, 1e30, filter);
@@ -340,13 +324,12 @@ TEST(QueryTree, ASweptBallStopsAtTheFirstContact) {
   World world;
   world.add_cloth(grid(4, 4, 1), {}, at(0, 0.6, 0));
   world.add_obstacle(sphere(2, 0.3f));
-  const Vec3d centers[] = {{0.7, 0, 0}, {0, 0.2, 0.7}};
-  world.add_grains(centers, {.radius = 0.1f});
-  Random random;
+  world.add_grains(std::vector<Vec3d>{{0.7, 0, 0}, {0, 0.2, 0.7}}, {.radius = 0.1f});
+  test::Random random(7);
   int hits = 0;
   for (int k = 0; k < 60; ++k) {
-    const Vec3f origin = normalized(random.point(1)) * 2.0f;
-    const Vec3f towards = random.point(0.6f) - origin;
+    const Vec3f origin = normalized(Vec3f(random.vector())) * 2.0f;
+    const Vec3f towards = Vec3f(random.vector() * 0.6) - origin;
     const Hit hit = world.sphere_cast(origin, 0.15f, towards);
     const double expected = advance(world, origin, towards, static_cast<double>(0.15f));
     if (expected == never && hit.found) {  // grazing: the march gave up
@@ -397,8 +380,7 @@ TEST(QueryTree, ASweptBallStopsAtColliders) {
 TEST(QueryTree, OverlapsOfBallsAndBoxes) {
   World world;
   const ObjectId sheet = world.add_cloth(grid(5, 5, 1));  // vertices 0.25 m apart
-  const Vec3d centers[] = {{0, 1, 0}, {0.5, 1, 0}};
-  const ObjectId grains = world.add_grains(centers, {.radius = 0.1f});
+  const ObjectId grains = world.add_grains(std::vector<Vec3d>{{0, 1, 0}, {0.5, 1, 0}}, {.radius = 0.1f});
   const ColliderId floor = world.add_collider(Plane{.offset = -0.5f});
   const ColliderId sensor = world.add_collider(Sphere{.radius = 0.2f}, {.sensor = true});
   std::vector<Overlap> found = world.overlap(Sphere{.center = {0, 0, 0}, .radius = 0.3f});

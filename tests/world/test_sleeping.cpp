@@ -152,8 +152,7 @@ TEST(Sleeping, GrainsAndRopesAreWokenToo) {
   add_grains(world);
   const ObjectId heap = world.objects()[0];
   EXPECT_LT(frames_until_asleep(world, 600), 600);
-  const std::vector<Vec3d> one{{0.08, 0.6, 0.08}};
-  world.add_grains(one, {.radius = 0.02f});
+  world.add_grains(std::vector<Vec3d>{{0.08, 0.6, 0.08}}, {.radius = 0.02f});
   run(world, 0.15);
   EXPECT_TRUE(world.is_asleep(heap));
   run(world, 0.3);
@@ -252,21 +251,11 @@ TEST(Sleeping, UsersWakeWhatTheyTouch) {
       [](World& w, ObjectId) {
         w.add_force_field([](const Vec3f&, const Vec3f&, float, double) { return Vec3f{}; });
       },
-      [](World& w, ObjectId) {
-        Settings settings = w.settings();
-        settings.gravity.y = -1;
-        w.set_settings(settings);
-      },
-      [](World& w, ObjectId) {
-        Settings settings = w.settings();
-        settings.wind.velocity = {1, 0, 0};
-        w.set_settings(settings);
-      },
-      [](World& w, ObjectId) {
-        Settings settings = w.settings();
-        settings.sleeping.enabled = false;
-        w.set_settings(settings);
-      },
+      [](World& w, ObjectId) { change(w, [](Settings& s) { s.gravity.y = -1; }); },
+      [](World& w, ObjectId) { change(w, [](Settings& s) {
+                                 s.wind.velocity = {1, 0, 0};
+                               }); },
+      [](World& w, ObjectId) { change(w, [](Settings& s) { s.sleeping.enabled = false; }); },
       [](World& w, ObjectId id) { w.wake(id); },
   };
   for (std::size_t which = 0; which < std::size(touches); ++which) {
@@ -276,9 +265,7 @@ TEST(Sleeping, UsersWakeWhatTheyTouch) {
     const ObjectId cloth = world.add_cloth(grid(4, 4, 0.3), {.damping = 5}, at({0, 0.02, 0}));
     world.pin(cloth, vertices({0}));
     ASSERT_LT(frames_until_asleep(world, 600), 600);
-    Settings settings = world.settings();
-    settings.threads = 1;
-    world.set_settings(settings);
+    change(world, [](Settings& s) { s.threads = 1; });
     ASSERT_TRUE(world.is_asleep(cloth)) << "nothing that matters has changed";
     touches[which](world, cloth);
     EXPECT_FALSE(world.is_asleep(cloth));

@@ -1,3 +1,4 @@
+#include "tests/collision/random.h"
 #include "tests/expect_error.h"
 #include "tests/world/scene.h"
 
@@ -34,13 +35,8 @@ TEST(Crossings, GridCountsWhatAllPairsCount) {
   for (const int n : {2, 7, 20, 40}) {
     const TriangleMesh mesh = grid(n, n, 1);
     std::vector<Vec3f> positions;
-    std::uint32_t state = 1;
-    const auto noise = [&] {
-      state = state * 1664525u + 1013904223u;
-      return static_cast<double>(state >> 8) / (1 << 24) - 0.5;
-    };
-    for (const Vec3d& p : mesh.positions)
-      positions.emplace_back(p + Vec3d{noise(), noise(), noise()} * (4.0 / n));
+    test::Random random(1);
+    for (const Vec3d& p : mesh.positions) positions.emplace_back(p + random.vector() * (2.0 / n));
     CrossingCounter counter;
     counter.add(positions, mesh.triangles);
     EXPECT_EQ(counter.crossings(), counter.crossings_of_all_pairs()) << n;
@@ -96,8 +92,7 @@ TEST(SurfaceContacts, AGrainRestsInTheMiddleOfATriangle) {
   World world({.substeps = 20});
   const ObjectId sheet = world.add_cloth(grid(3, 3, 1), {.thickness = 0.01f});
   world.pin(sheet, in_box({-9, -9, -9}, {9, 9, 9}));
-  const std::vector<Vec3d> centers{{0.2, 0.1, 0.13}};
-  const ObjectId grain = world.add_grains(centers, {.radius = 0.02f});
+  const ObjectId grain = world.add_grains(std::vector<Vec3d>{{0.2, 0.1, 0.13}}, {.radius = 0.02f});
   for (int frame = 0; frame < 90; ++frame) world.step(1.0 / 60);
   EXPECT_NEAR(double(world.positions(grain)[0].y), 0.025, 5e-4);
   EXPECT_LT(double(length(world.velocities(grain)[0])), 1e-3);
@@ -162,8 +157,7 @@ TEST(SurfaceContacts, NoGrainThatIsAimedAtARopePasses) {
   std::vector<Vec3f> of_one_thread;
   for (const int threads : {1, 2, 8}) {
     World world({.gravity = {}, .threads = threads});
-    const std::vector<Vec3d> across{{-0.5, 0, 0}, {0.5, 0, 0}};
-    const ObjectId rope = world.add_rope(across, 4, {.radius = 0.01f});
+    const ObjectId rope = world.add_rope(std::vector<Vec3d>{{-0.5, 0, 0}, {0.5, 0, 0}}, 4, {.radius = 0.01f});
     world.pin(rope, vertices({0, 4}));
     std::vector<Vec3d> centers(40);
     for (int i = 0; i < 40; ++i) centers[std::size_t(i)] = {-0.45 + 0.023 * i, 1 + 0.037 * i, 0};
