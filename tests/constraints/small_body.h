@@ -4,7 +4,6 @@
 #include "tests/constraints/examples.h"
 
 #include <cmath>
-#include <functional>
 #include <vector>
 
 // A simulation loop of a dozen lines, which tests a constraint kind without a World.

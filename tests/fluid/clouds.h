@@ -3,7 +3,6 @@
 #include "souple/state/particles.h"
 #include "tests/collision/random.h"
 
-#include <cmath>
 #include <limits>
 #include <vector>
 

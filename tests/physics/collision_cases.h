@@ -3,7 +3,6 @@
 #include "souple/souple.h"
 #include "tests/intersections/crossings.h"
 
-#include <string>
 #include <vector>
 
 // Scenes of the collision tests at any size: small for every day, large under the label slow.

@@ -2,9 +2,6 @@
 
 #include "souple/souple.h"
 
-#include <string>
-#include <vector>
-
 // Helpers for tests of moving particles.
 
 namespace souple {

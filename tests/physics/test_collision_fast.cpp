@@ -1,6 +1,5 @@
 #include "tests/physics/collision_cases.h"
 
-#include <algorithm>
 #include <string>
 
 #include <gtest/gtest.h>

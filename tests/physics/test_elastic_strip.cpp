@@ -2,7 +2,6 @@
 #include "tests/physics/validation.h"
 
 #include <algorithm>
-#include <utility>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

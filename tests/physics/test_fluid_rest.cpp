@@ -2,7 +2,6 @@
 #include "validation.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <random>

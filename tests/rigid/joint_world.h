@@ -4,7 +4,6 @@
 #include "tests/rigid/one_body.h"
 
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 namespace souple {

@@ -3,7 +3,6 @@
 #include "tests/count_allocations.h"
 #include "tests/rigid/joint_world.h"
 
-#include <cmath>
 #include <limits>
 #include <random>
 #include <string>

@@ -6,7 +6,6 @@
 #include "tests/solver/body.h"
 
 #include <memory>
-#include <string>
 #include <vector>
 
 namespace souple::test {

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <string>
 #include <vector>
 
 #include <gtest/gtest.h>

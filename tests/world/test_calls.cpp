@@ -6,9 +6,7 @@
 #include <atomic>
 #include <fstream>
 #include <functional>
-#include <map>
 #include <memory>
-#include <optional>
 #include <regex>
 #include <set>
 #include <sstream>

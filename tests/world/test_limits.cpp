@@ -1,7 +1,6 @@
 #include "tests/expect_error.h"
 #include "tests/world/scene.h"
 
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>

@@ -6,7 +6,6 @@
 #include "tests/count_allocations.h"
 
 #include <algorithm>
-#include <string>
 #include <vector>
 
 // Detection::discrete: paths x -> p against triangles, by Settings::segment_test.

@@ -2,7 +2,6 @@
 #include "tests/collision/random.h"
 #include "tests/collision/segment_triangle/every_test.h"
 
-#include <cmath>
 #include <limits>
 #include <vector>
 
