@@ -200,7 +200,6 @@ void SurfaceElements::add_triangles(std::span<const Triangle> triangles, std::ui
     edge_objects_.push_back(object);
   }
   assign_particle_owners(first_element);
-  object_end_ = std::max(object_end_, object + 1);
   triangles_.insert(triangles_.end(), elements_.begin() + static_cast<std::ptrdiff_t>(first_element),
                     elements_.end());
   add_patches(first_element, grouped.sizes);
@@ -224,7 +223,6 @@ void SurfaceElements::add_edges(std::span<const Edge> edges, std::uint32_t first
     edge_objects_.push_back(object);
   }
   assign_particle_owners(first_element);
-  object_end_ = std::max(object_end_, object + 1);
   add_patches(first_element, sizes);
 }
 
@@ -237,7 +235,6 @@ void SurfaceElements::add_particles(std::uint32_t begin, std::uint32_t end, std:
     vertex_objects_.push_back(object);
   }
   particle_end_ = std::max(particle_end_, end);
-  object_end_ = std::max(object_end_, object + 1);
   const std::vector<std::uint32_t> sizes(elements_.size() - first_element, 1);
   add_patches(first_element, sizes);
 }

@@ -74,9 +74,8 @@ class SurfaceElements {
     return triangle_particles_[corner].data();
   }
 
-  /// One more than the largest index of a particle and of an object.
+  /// One more than the largest index of a particle.
   std::uint32_t particle_end() const { return particle_end_; }
-  std::uint32_t object_end() const { return object_end_; }
   std::size_t bytes() const;
 
  private:
@@ -84,7 +83,7 @@ class SurfaceElements {
   void add_patches(std::size_t first_element, std::span<const std::uint32_t> sizes);
   void extend_columns();
 
-  std::uint32_t particle_end_ = 0, object_end_ = 0;
+  std::uint32_t particle_end_ = 0;
   std::vector<SurfaceElement> elements_, triangles_;
   std::vector<Edge> edges_;
   std::vector<std::uint32_t> edge_objects_, vertices_, vertex_objects_;

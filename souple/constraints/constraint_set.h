@@ -37,11 +37,20 @@ struct ConstraintSet {
   std::vector<std::uint32_t> color_begin;                 ///< color c is [color_begin[c], color_begin[c + 1])
 
   std::size_t size() const { return records[0].size(); }
+  std::size_t color_count() const { return color_begin.empty() ? 0 : color_begin.size() - 1; }
 
   Indices indices(std::size_t i) const {
     Indices result;
     for (std::size_t k = 0; k < arity; ++k) result[k] = records[k][i] / 4;
     return result;
+  }
+  /// The particles of all constraints, constraint by constraint.
+  std::vector<std::uint32_t> flat_indices() const {
+    std::vector<std::uint32_t> flat;
+    flat.reserve(size() * arity);
+    for (std::size_t i = 0; i < size(); ++i)
+      for (const std::uint32_t index : indices(i)) flat.push_back(index);
+    return flat;
   }
   Params params(std::size_t i) const {
     float values[param_count];

@@ -1,6 +1,5 @@
 #include "souple/geometry/convex_hull.h"
 
-#include "souple/assert.h"
 #include "souple/error.h"
 #include "souple/geometry/hull_faces.h"
 #include "souple/geometry/measures.h"
@@ -138,47 +137,6 @@ std::vector<std::uint32_t> add_vertices(ConvexHull& out, std::span<const Vec3d> 
   return vertex_of;
 }
 
-// Per corner: the one at the other side of its edge, in the face beyond.
-std::vector<std::uint32_t> partner_corners(const ConvexHull& hull) {
-  struct Side {
-    std::uint32_t low, high, corner;
-    bool operator<(const Side& b) const { return low != b.low ? low < b.low : high < b.high; }
-  };
-  std::vector<Side> sides;
-  sides.reserve(hull.corners.size());
-  for (const HullFace& face : hull.faces)
-    for (std::uint32_t i = 0; i < face.count; ++i) {
-      const auto [low, high] =
-          std::minmax(hull.corners[face.begin + i], hull.corners[face.begin + (i + 1) % face.count]);
-      sides.push_back({low, high, face.begin + i});
-    }
-  std::sort(sides.begin(), sides.end());
-  std::vector<std::uint32_t> partner(sides.size());
-  for (std::size_t s = 0; s + 1 < sides.size(); s += 2) {
-    SOUPLE_ASSERT(sides[s].low == sides[s + 1].low && sides[s].high == sides[s + 1].high,
-                  "an edge has two faces");
-    partner[sides[s].corner] = sides[s + 1].corner;
-    partner[sides[s + 1].corner] = sides[s].corner;
-  }
-  return partner;
-}
-
-void add_edges(ConvexHull& out, std::span<const HullPolygon> polygons) {
-  const std::vector<std::uint32_t> partner = partner_corners(out);
-  out.corner_edges.assign(out.corners.size(), no_index);
-  for (std::uint32_t f = 0; f < out.faces.size(); ++f) {
-    const auto [normal, offset, begin, count] = out.faces[f];
-    for (std::uint32_t i = 0; i < count; ++i) {
-      const std::uint32_t corner = begin + i;
-      if (out.corner_edges[corner] != no_index) continue;
-      out.corner_edges[corner] = out.corner_edges[partner[corner]] =
-          static_cast<std::uint32_t>(out.edges.size());
-      out.edges.push_back(
-          {{out.corners[corner], out.corners[begin + (i + 1) % count]}, {f, polygons[f].across[i]}});
-    }
-  }
-}
-
 }  // namespace
 
 ConvexHull convex_hull(std::span<const Vec3d> points, const HullOptions& options, const std::string& name) {
@@ -196,7 +154,6 @@ ConvexHull convex_hull(std::span<const Vec3d> points, const HullOptions& options
                          static_cast<std::uint32_t>(p.corners.size())});
     for (const std::uint32_t v : p.corners) out.corners.push_back(vertex_of[v]);
   }
-  add_edges(out, polygons);
   out.excess = measure_excess(hull);
   return out;
 }

@@ -1,9 +1,7 @@
 #pragma once
 
-#include "souple/geometry/adjacency.h"
 #include "souple/geometry/triangle_mesh.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -30,29 +28,18 @@ struct HullFace {
   std::uint32_t begin, count;
 };
 
-/// Runs from vertices[0] to vertices[1] in the loop of faces[0], the other way in that of faces[1].
-struct HullEdge {
-  Edge vertices;
-  std::array<std::uint32_t, 2> faces;
-};
-
 /// A convex polyhedron whose faces are polygons, for the collision of rigid bodies.
 struct ConvexHull {
   std::vector<Vec3d> positions;       ///< points of the input, in their order [m]
   std::vector<std::uint32_t> source;  ///< per vertex: its index in the input
   std::vector<HullFace> faces;
-  std::vector<std::uint32_t> corners;       ///< vertices, face by face
-  std::vector<std::uint32_t> corner_edges;  ///< per corner: the edge to the next corner of the face
-  std::vector<HullEdge> edges;              ///< each edge once, in order of its first corner
+  std::vector<std::uint32_t> corners;  ///< vertices, face by face
   /// No point of the input lies farther than this and the tolerance beyond the plane of a face [m]. Without a limit of
   /// vertices about the tolerance at most.
   double excess{};
 
   std::span<const std::uint32_t> loop(const HullFace& face) const {
     return std::span(corners).subspan(face.begin, face.count);
-  }
-  std::span<const std::uint32_t> loop_edges(const HullFace& face) const {
-    return std::span(corner_edges).subspan(face.begin, face.count);
   }
 };
 

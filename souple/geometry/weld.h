@@ -16,7 +16,6 @@ struct Weld {
   /// Per welded vertex: its representative, the lowest of its user vertices.
   std::vector<std::uint32_t> to_vertex;
   std::size_t size() const { return to_vertex.size(); }
-  bool is_identity() const { return to_vertex.size() == to_welded.size(); }
 };
 
 /// Joins coincident vertices. In index order, each vertex joins the lowest earlier representative within

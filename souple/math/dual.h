@@ -59,7 +59,6 @@ struct Dual {
   friend constexpr auto operator>=(const Dual& a, const Dual& b) { return a.value >= b.value; }
 };
 
-using Dualf = Dual<float>;
 using Duald = Dual<double>;
 
 template <class Condition, class T>

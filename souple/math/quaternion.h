@@ -28,7 +28,6 @@ struct Quaternion {
   }
 };
 
-using Quatf = Quaternion<float>;
 using Quatd = Quaternion<double>;
 
 template <class T>

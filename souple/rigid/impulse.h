@@ -38,11 +38,6 @@ inline Mat3d inverse_mass_at(const RigidBodies& bodies, std::uint32_t body, cons
   return Mat3d::diagonal({w, w, w}) - R * (bodies.inverse_inertia[body] * R);
 }
 
-/// dtheta_a / L_a about a unit axis a. [1/(kg m^2)]
-inline double inverse_inertia_about(const RigidBodies& bodies, std::uint32_t body, const Vec3d& axis) {
-  return body == no_body ? 0 : dot(axis, bodies.inverse_inertia[body] * axis);
-}
-
 /// q turned by the rotation vector theta, in world axes: the unit quaternion along (theta / 2, 1) q. The angle is
 /// 2 atan(|theta| / 2), which differs from |theta| in the third order and needs no trigonometry.
 inline Quatd turned(const Quatd& q, const Vec3d& theta) {

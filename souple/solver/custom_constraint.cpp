@@ -109,12 +109,6 @@ void CustomProjector::project_one(std::size_t i, const ParticleView& particles, 
     if (particles.inverse_mass(group[k]) > 0) particles.correct(group[k], item.gradient[k]);
 }
 
-void CustomProjector::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
-                              const Substep& substep) {
-  for (const std::uint32_t i : groups_.color(color).subspan(begin, end - begin))
-    project_one(i, particles, substep);
-}
-
 void CustomProjector::damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
                                const Substep& substep) {
   Item& item = items_[i];
@@ -134,11 +128,6 @@ void CustomProjector::damp_one(std::size_t i, const ParticleView& particles, std
   for (std::size_t k = 0; k < group.size(); ++k)
     add_velocity(velocity[group[k]],
                  Vec3d(item.gradient[k]) * (static_cast<double>(particles.inverse_mass(group[k])) * dlambda));
-}
-
-void CustomProjector::damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
-                           Threads& threads) {
-  groups_.for_each(threads, grain(), [&](std::uint32_t i) { damp_one(i, particles, velocity, substep); });
 }
 
 Residual CustomProjector::residual(const ParticleView& particles, Threads*) const {

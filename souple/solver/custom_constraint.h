@@ -57,7 +57,7 @@ class CallbackConstraint final : public CustomConstraint {
 /// Custom constraints behind the Projector interface, by the formulas of projection.h. Errors of user code, except out
 /// of memory, never leave a step. If an evaluation throws, or if C, its gradient or the correction is not finite, no
 /// particle moves and a message is recorded. The next evaluation tries again.
-class CustomProjector final : public Projector, public ElasticFacet, public ErrorFacet {
+class CustomProjector final : public GroupProjector, public ErrorFacet {
  public:
   /// Throws Error when the constraint is null, has no particles or one twice, or a number is out of range.
   /// `prepare` must follow before the next substep. Settings of the constraint may change between steps; its
@@ -68,17 +68,8 @@ class CustomProjector final : public Projector, public ElasticFacet, public Erro
   std::string take_error() override;
 
   std::string_view kind() const override { return "custom"; }
-  std::size_t size() const override { return items_.size(); }
-  void prepare(std::size_t particle_count) override { groups_.prepare(particle_count, kind()); }
-  int color_count() const override { return groups_.color_count(); }
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
-  std::size_t color_size(int color) const override { return groups_.color(color).size(); }
   Facets facets() override { return {.grain = grain(), .elastic = this, .errors = this}; }
-  using Projector::project;
-  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
-               const Substep& substep) override;
-  void damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
-            Threads& threads) override;
   Residual residual(const ParticleView& particles, Threads* = nullptr) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;
@@ -95,11 +86,10 @@ class CustomProjector final : public Projector, public ElasticFacet, public Erro
   std::size_t grain() const { return concurrent_ ? 1 : std::numeric_limits<std::size_t>::max(); }
   static bool evaluate(Item& item, std::span<const std::uint32_t> group, const ParticleView& particles,
                        float& C);
-  void project_one(std::size_t i, const ParticleView& particles, const Substep& substep);
+  void project_one(std::size_t i, const ParticleView& particles, const Substep& substep) override;
   void damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
-                const Substep& substep);
+                const Substep& substep) override;
 
-  ParticleGroups groups_;
   bool concurrent_ = true;
   mutable std::vector<Item> items_;  // `residual` writes the scratch arrays and may record an error
 };

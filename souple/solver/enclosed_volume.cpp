@@ -153,12 +153,6 @@ void EnclosedVolume::project_one(std::size_t i, const ParticleView& particles, c
   }
 }
 
-void EnclosedVolume::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
-                             const Substep& substep) {
-  for (const std::uint32_t i : groups_.color(color).subspan(begin, end - begin))
-    project_one(i, particles, substep);
-}
-
 void EnclosedVolume::damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
                               const Substep& substep) {
   Surface& surface = surfaces_[i];
@@ -175,11 +169,6 @@ void EnclosedVolume::damp_one(std::size_t i, const ParticleView& particles, std:
   for (std::size_t k = 0; k < group.size(); ++k)
     add_velocity(velocity[group[k]],
                  surface.gradient[k] * (static_cast<double>(particles.inverse_mass(group[k])) * dlambda));
-}
-
-void EnclosedVolume::damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
-                          Threads& threads) {
-  groups_.for_each(threads, 1, [&](std::uint32_t i) { damp_one(i, particles, velocity, substep); });
 }
 
 Residual EnclosedVolume::residual(const ParticleView& particles, Threads*) const {

@@ -32,7 +32,7 @@ struct EnclosedVolumeOptions {
 /// This is the force P times a third of the area on each corner of each triangle. `begin_substep` applies it
 /// once per substep to the predicted positions. So the number of iterations, mode, compliance and stiffness
 /// do not affect it.
-class EnclosedVolume final : public Projector, public ElasticFacet, public MemoryFacet {
+class EnclosedVolume final : public GroupProjector, public MemoryFacet {
  public:
   using Triangle = std::array<std::uint32_t, 3>;
 
@@ -43,18 +43,9 @@ class EnclosedVolume final : public Projector, public ElasticFacet, public Memor
            const EnclosedVolumeOptions& options = {});
 
   std::string_view kind() const override { return "enclosed_volume"; }
-  std::size_t size() const override { return surfaces_.size(); }
   Facets facets() override { return {.elastic = this, .memory = this}; }
-  void prepare(std::size_t particle_count) override { groups_.prepare(particle_count, kind()); }
-  int color_count() const override { return groups_.color_count(); }
   /// Applies the pressure. Must run after positions have been predicted.
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
-  std::size_t color_size(int color) const override { return groups_.color(color).size(); }
-  using Projector::project;
-  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
-               const Substep& substep) override;
-  void damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
-            Threads& threads) override;
   /// Residual of the surfaces with an active volume constraint [m^3].
   Residual residual(const ParticleView& particles, Threads* = nullptr) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
@@ -77,11 +68,10 @@ class EnclosedVolume final : public Projector, public ElasticFacet, public Memor
 
   static double measure(Surface& surface, std::span<const std::uint32_t> group,
                         const ParticleView& particles);
-  void project_one(std::size_t i, const ParticleView& particles, const Substep& substep);
+  void project_one(std::size_t i, const ParticleView& particles, const Substep& substep) override;
   void damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
-                const Substep& substep);
+                const Substep& substep) override;
 
-  ParticleGroups groups_;
   mutable std::vector<Surface> surfaces_;  // `residual` and `volume` write the scratch arrays
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/solver/coloring.h"
+#include "souple/solver/facets.h"
 #include "souple/state/bytes.h"
 #include "souple/threads/threads.h"
 
@@ -57,6 +58,33 @@ class ParticleGroups {
   std::vector<std::uint32_t> begin_{0};
   Coloring colors_{{}, {0}};
   bool dirty_ = false;
+};
+
+/// Constraints on groups of particles.
+class GroupProjector : public Projector, public ElasticFacet {
+ public:
+  std::size_t size() const final { return groups_.size(); }
+  void prepare(std::size_t particle_count) final { groups_.prepare(particle_count, kind()); }
+  int color_count() const final { return groups_.color_count(); }
+  std::size_t color_size(int color) const final { return groups_.color(color).size(); }
+  using Projector::project;
+  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
+               const Substep& substep) final {
+    for (const std::uint32_t i : groups_.color(color).subspan(begin, end - begin))
+      project_one(i, particles, substep);
+  }
+  void damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
+            Threads& threads) final {
+    groups_.for_each(threads, facets().grain,
+                     [&](std::uint32_t i) { damp_one(i, particles, velocity, substep); });
+  }
+
+ protected:
+  virtual void project_one(std::size_t i, const ParticleView& particles, const Substep& substep) = 0;
+  virtual void damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
+                        const Substep& substep) = 0;
+
+  ParticleGroups groups_;
 };
 
 /// Keeps the items whose indices are listed, in order.

@@ -19,6 +19,7 @@
 #include "souple/solver/kernels/projection.h"
 #include "souple/solver/left_out.h"
 #include "souple/solver/projector.h"
+#include "souple/solver/set_merger.h"
 
 #include <algorithm>
 #include <array>
@@ -38,12 +39,6 @@ namespace detail {
 std::uint64_t next_revision();
 
 }  // namespace detail
-
-/// The constraints of one object in a set that holds those of many, see SetProjector::merge.
-struct ObjectPart {
-  std::uint32_t begin = 0, end = 0;  ///< its particles when the set was last merged; equal: it had none
-  std::uint32_t new_begin = 0;       ///< its first particle from now on
-};
 
 /// Many constraints of one kind behind the Projector interface. Solvers, colors and reports work for a user's
 /// struct through this template.
@@ -90,7 +85,7 @@ class SetProjector final : public Projector,
     return set_.bytes() + scales_.bytes() + half_shared_.bytes() + 3 * in_level_.capacity() * sizeof(float) +
            partial_.capacity() * sizeof(Residual);
   }
-  int color_count() const override { return std::max(static_cast<int>(set_.color_begin.size()) - 1, 0); }
+  int color_count() const override { return static_cast<int>(set_.color_count()); }
 
   /// Throws Error when a constraint names a particle that does not exist.
   void prepare(std::size_t particle_count) override {
@@ -103,7 +98,7 @@ class SetProjector final : public Projector,
     replaced_ = {};
     clear_levels();
     forget_shared();
-    arrange(color_constraints(flat_indices(), Kind::arity, particle_count));
+    arrange(color_constraints(set_.flat_indices(), Kind::arity, particle_count));
   }
 
   /// Replaces the constraints of objects, in place of add and prepare. Parts are ascending by particle, before and
@@ -113,22 +108,14 @@ class SetProjector final : public Projector,
   /// Returns whether only values changed: parameters, compliances, damping times, stiffnesses.
   bool merge(std::span<const ObjectPart> parts, std::span<SetProjector* const> fresh) {
     restore();
-    const std::vector<Run> runs = runs_of(parts);
-    const auto colors = static_cast<std::size_t>(color_count());
-    bool values_only = !set_.color_begin.empty();
-    std::size_t found = 0, most_colors = colors;
-    for (std::size_t p = 0; p < parts.size(); ++p) {
-      const std::span<const Run> old = std::span(runs).subspan(p * colors, colors);
-      std::size_t size = 0;
-      for (const Run& run : old) size += run.end - run.begin;
-      found += size;
-      if (size > 0 && parts[p].begin != parts[p].new_begin) values_only = false;
-      if (fresh[p] == nullptr) continue;
-      values_only = fresh[p]->color_as(*this, old, parts[p].begin, size) && values_only;
-      most_colors = std::max(most_colors, static_cast<std::size_t>(fresh[p]->color_count()));
-    }
-    values_only = values_only && found == set_.size();
-    join(parts, fresh, runs, most_colors);
+    std::vector<Set*> fresh_sets;
+    for (SetProjector* const projector : fresh)
+      fresh_sets.push_back(projector != nullptr ? &projector->set_ : nullptr);
+    const SetMerger<Kind> merger(set_, parts);
+    const bool values_only = merger.color_as_before(fresh_sets);
+    set_ = merger.join(fresh_sets);
+    kernels_ = find_kernels<Kind>(instruction_set());
+    reset_values();
     if (!values_only) forget_shared();
     dirty_softness_ = true;
     dirty_ = false;
@@ -336,7 +323,7 @@ class SetProjector final : public Projector,
     for (std::vector<float>& lambda : set_.multipliers) visitor(lambda);
   }
   int arity() const override { return Kind::arity; }
-  std::vector<std::uint32_t> indices() const override { return flat_indices(); }
+  std::vector<std::uint32_t> indices() const override { return set_.flat_indices(); }
   std::span<const std::uint32_t> color_begin() const override { return set_.color_begin; }
   void replace(Coloring coloring, std::span<const std::uint32_t> particles) override {
     restore();
@@ -385,143 +372,20 @@ class SetProjector final : public Projector,
     }
   }
 
-  /// Constraints [begin, end) of a set: of one object and color.
-  struct Run {
-    std::size_t begin = 0, end = 0;
-  };
-
-  // Per part and color. Within a color, constraints are sorted by their lowest particle, so by object.
-  std::vector<Run> runs_of(std::span<const ObjectPart> parts) const {
-    const auto colors = static_cast<std::size_t>(color_count());
-    std::vector<Run> runs(parts.size() * colors);
-    for (std::size_t c = 0; c < colors; ++c) {
-      std::size_t i = set_.color_begin[c];
-      const auto reach = [&](std::uint32_t particle) {
-        while (i < set_.color_begin[c + 1] && set_.records[0][i] / 4 < particle) ++i;
-        return i;
-      };
-      for (std::size_t p = 0; p < parts.size(); ++p) {
-        Run& run = runs[p * colors + c];
-        run.begin = reach(parts[p].begin);
-        run.end = reach(std::max(parts[p].begin, parts[p].end));
-      }
-    }
-    return runs;
-  }
-
-  /// Constraints by their first particle: those of particle i are constraint[begin[i]] up to constraint[begin[i + 1]].
-  struct ByFirst {
-    std::vector<std::uint32_t> begin, constraint;
-  };
-  ByFirst by_first(std::size_t particle_count) const {
-    ByFirst result{std::vector<std::uint32_t>(particle_count + 1), std::vector<std::uint32_t>(set_.size())};
-    for (const std::uint32_t record : set_.records[0]) ++result.begin[record / 4 + 1];
-    for (std::size_t i = 0; i < particle_count; ++i) result.begin[i + 1] += result.begin[i];
-    std::vector<std::uint32_t> next(result.begin.begin(), result.begin.end() - 1);
-    for (std::uint32_t i = 0; i < set_.size(); ++i) result.constraint[next[set_.records[0][i] / 4]++] = i;
-    return result;
-  }
-
-  // The order in which these constraints of one object are those of `other` in `runs`, on particles from `begin`. It is
-  // empty if they differ. Two on the same particles count as different, because their order would be a guess. The order
-  // of addition needs no comparison: it follows from the object's mesh.
-  std::vector<std::uint32_t> order_as(const SetProjector& other, std::span<const Run> runs,
-                                      std::uint32_t begin, std::size_t particle_count) const {
-    const ByFirst own = by_first(particle_count);
-    const auto same = [&](std::uint32_t e, std::size_t i) {
-      for (std::size_t k = 1; k < Set::arity; ++k)
-        if (set_.records[k][e] + 4 * begin != other.set_.records[k][i]) return false;
-      return true;
-    };
-    std::vector<std::uint32_t> order;
-    std::vector<bool> taken(set_.size());
-    for (const Run& run : runs)
-      for (std::size_t i = run.begin; i < run.end; ++i) {
-        const std::size_t first = other.set_.records[0][i] / 4 - begin;
-        std::size_t count = 0;
-        for (std::uint32_t k = first < particle_count ? own.begin[first] : 0;
-             first < particle_count && k < own.begin[first + 1]; ++k)
-          if (same(own.constraint[k], i)) order.push_back(own.constraint[k]), ++count;
-        if (count != 1 || taken[order.back()]) return {};
-        taken[order.back()] = true;
-      }
-    return order;
-  }
-
-  // Colors constraints that were only added: as those of `other` in `runs`, `size` of them on particles from `begin`, if
-  // they link the same particles. Returns whether they do.
-  bool color_as(const SetProjector& other, std::span<const Run> runs, std::uint32_t begin, std::size_t size) {
-    if (set_.size() == 0) {
-      set_.color_begin = {0};
-      return size == 0;
-    }
-    const std::vector<std::uint32_t> flat = flat_indices();
-    const std::size_t particle_count = *std::max_element(flat.begin(), flat.end()) + std::size_t{1};
-    Coloring coloring;
-    if (size == set_.size()) coloring.order = order_as(other, runs, begin, particle_count);
-    const bool same = !coloring.order.empty();
-    if (same) {
-      std::size_t color_begin = 0;
-      for (const Run& run : runs) {
-        if (run.begin < run.end) coloring.color_begin.push_back(static_cast<std::uint32_t>(color_begin));
-        color_begin += run.end - run.begin;
-      }
-      coloring.color_begin.push_back(static_cast<std::uint32_t>(size));
-    } else {
-      coloring = color_constraints(flat, Kind::arity, particle_count);
-    }
-    set_.reorder(coloring.order);
-    set_.color_begin = std::move(coloring.color_begin);
-    return same;
-  }
-
-  // Joins, for each color, the constraints of each part: fresh ones, or those in its run.
-  void join(std::span<const ObjectPart> parts, std::span<SetProjector* const> fresh,
-            std::span<const Run> runs, std::size_t colors) {
-    Set joined;
-    const auto old_colors = static_cast<std::size_t>(color_count());
-    for (std::size_t c = 0; c < colors; ++c) {
-      const std::size_t color_begin = joined.size();
-      for (std::size_t p = 0; p < parts.size(); ++p) {
-        const SetProjector* const own = fresh[p];
-        if (own != nullptr && c < static_cast<std::size_t>(own->color_count())) {
-          joined.append(own->set_, own->set_.color_begin[c], own->set_.color_begin[c + 1],
-                        parts[p].new_begin);
-        } else if (own == nullptr && c < old_colors) {
-          const Run& run = runs[p * old_colors + c];
-          joined.append(set_, run.begin, run.end, parts[p].new_begin - parts[p].begin);
-        }
-      }
-      if (joined.size() > color_begin) joined.color_begin.push_back(static_cast<std::uint32_t>(color_begin));
-    }
-    joined.color_begin.push_back(static_cast<std::uint32_t>(joined.size()));
-    set_ = std::move(joined);
-    set_.shrink_to_fit();
-    kernels_ = find_kernels<Kind>(instruction_set());
-    clear_levels();
-    scales_for_ = -1;
-    find_scales({});  // a solver may linearize before the first substep
-    revision_ = detail::next_revision();
-  }
-
   void forget_shared() {
     half_shared_ = {};
     for (std::size_t i = 0; i < set_.size(); ++i) half_shared_.push_back(0);
     dirty_sweeps_ = true;
   }
 
-  std::vector<std::uint32_t> flat_indices() const {
-    std::vector<std::uint32_t> flat;
-    flat.reserve(set_.size() * Set::arity);
-    for (std::size_t i = 0; i < set_.size(); ++i)
-      for (const std::uint32_t index : set_.indices(i)) flat.push_back(index);
-    return flat;
-  }
   void arrange(Coloring coloring) {
     half_shared_.reorder(coloring.order);
     set_.reorder(coloring.order);
     set_.color_begin = std::move(coloring.color_begin);
     SOUPLE_ASSERT(set_.color_begin.back() == set_.size(), "colors divide all constraints");
+    reset_values();
+  }
+  void reset_values() {
     scales_for_ = -1;
     find_scales({});  // a solver may linearize before the first substep
     revision_ = detail::next_revision();

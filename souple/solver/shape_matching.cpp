@@ -230,12 +230,6 @@ void ShapeMatching::project_one(std::size_t i, const ParticleView& particles, co
   }
 }
 
-void ShapeMatching::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
-                            const Substep& substep) {
-  for (const std::uint32_t i : groups_.color(color).subspan(begin, end - begin))
-    project_one(i, particles, substep);
-}
-
 // The rigid motion of the free particles, as for objects (world/damping.cpp).
 namespace {
 
@@ -293,11 +287,6 @@ void ShapeMatching::damp_one(std::size_t i, const ParticleView& particles, std::
     const Vec3d rigid = motion.velocity + cross(motion.spin, r);
     add_velocity(velocity[group[k]], (rigid - Vec3d(velocity[group[k]].xyz())) * removed);
   }
-}
-
-void ShapeMatching::damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
-                         Threads& threads) {
-  groups_.for_each(threads, 1, [&](std::uint32_t i) { damp_one(i, particles, velocity, substep); });
 }
 
 double ShapeMatching::distance(std::size_t i, const ParticleView& particles) const {

@@ -37,7 +37,7 @@ struct ShapeMatchingOptions {
 /// the region follows its pins. C and M include the free particles only.
 ///
 /// Sums are in double and relative to the region's first particle. Regions may overlap.
-class ShapeMatching final : public Projector, public ElasticFacet, public MemoryFacet {
+class ShapeMatching final : public GroupProjector, public MemoryFacet {
  public:
   /// `rest` holds the rest positions of `particles`, in the same order, anywhere in space [m]. Throws Error
   /// when the counts differ, a particle appears twice, or a number is out of range. `prepare` must follow
@@ -46,20 +46,11 @@ class ShapeMatching final : public Projector, public ElasticFacet, public Memory
            const ShapeMatchingOptions& options = {});
 
   std::string_view kind() const override { return "shape_matching"; }
-  std::size_t size() const override { return regions_.size(); }
   Facets facets() override { return {.elastic = this, .memory = this}; }
-  void prepare(std::size_t particle_count) override { groups_.prepare(particle_count, kind()); }
-  int color_count() const override { return groups_.color_count(); }
   void prepare_sweeps(const ParticleView& particles, bool masses_changed) override;
   int sweeps_needed(const Substep& substep) const override;
   /// Must run before `project`: it updates changed masses.
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
-  std::size_t color_size(int color) const override { return groups_.color(color).size(); }
-  using Projector::project;
-  void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
-               const Substep& substep) override;
-  void damp(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
-            Threads& threads) override;
   Residual residual(const ParticleView& particles, Threads* = nullptr) const override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
   std::size_t bytes() const override;
@@ -99,13 +90,12 @@ class ShapeMatching final : public Projector, public ElasticFacet, public Memory
                                  const ParticleView& particles, const Pose& pose);
   /// C of region i, 0 when all its particles are pinned. [m]
   double distance(std::size_t i, const ParticleView& particles) const;
-  void project_one(std::size_t i, const ParticleView& particles, const Substep& substep);
+  void project_one(std::size_t i, const ParticleView& particles, const Substep& substep) override;
   static RigidMotion rigid_motion(const Region& region, std::span<const std::uint32_t> group,
                                   const ParticleView& particles, std::span<const Vec4f> velocity, double h);
   void damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
-                const Substep& substep);
+                const Substep& substep) override;
 
-  ParticleGroups groups_;
   double softness_ = 0;      // largest D / (2 alpha) [1/s^2]
   double stack_sweeps_ = 1;  // sweeps of regions that touch each other
   double affordable_sweeps_ = 1;
