@@ -1,6 +1,7 @@
 #include "souple/geometry/adjacency.h"
 
 #include "souple/error.h"
+#include "souple/geometry/edge_uses.h"
 #include "souple/math/disjoint_sets.h"
 
 #include <algorithm>
@@ -11,52 +12,6 @@
 
 namespace souple {
 namespace {
-
-constexpr int tet_edge[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
-
-// A use of an edge by an element. After sorting, the uses of an edge are consecutive, in order of appearance.
-struct EdgeUse {
-  std::uint32_t low, high;
-  std::size_t slot;  // element * sides + side
-  friend bool operator<(const EdgeUse& a, const EdgeUse& b) {
-    if (a.low != b.low) return a.low < b.low;
-    if (a.high != b.high) return a.high < b.high;
-    return a.slot < b.slot;
-  }
-  bool same_edge(const EdgeUse& b) const { return low == b.low && high == b.high; }
-};
-
-EdgeUse edge_use(std::uint32_t a, std::uint32_t b, std::size_t slot) {
-  return {std::min(a, b), std::max(a, b), slot};
-}
-
-/// Calls f for each side of the triangles that joins two vertices, in order of appearance.
-template <class Function>
-void for_each_use(std::span<const Triangle> triangles, const Function& f) {
-  for (std::size_t t = 0; t < triangles.size(); ++t)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t a = triangles[t][i], b = triangles[t][(i + 1) % 3];
-      if (a != b) f(edge_use(a, b, t * 3 + i));
-    }
-}
-
-// A counting sort by the lower vertex, then a sort of the few uses of each.
-std::vector<EdgeUse> sorted_uses(std::span<const Triangle> triangles) {
-  std::uint32_t vertices = 0;
-  for (const Triangle& t : triangles) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
-  Lists<EdgeUse> uses(vertices, [&](const auto& add) {
-    for_each_use(triangles, [&](const EdgeUse& use) { add(use.low, use); });
-  });
-  for (std::size_t v = 0; v < vertices; ++v) std::sort(uses[v].begin(), uses[v].end());
-  return std::move(uses).items();
-}
-
-// End of the run of uses of one edge that starts at `first`.
-std::size_t run_end(const std::vector<EdgeUse>& uses, std::size_t first) {
-  std::size_t last = first + 1;
-  while (last < uses.size() && uses[last].same_edge(uses[first])) ++last;
-  return last;
-}
 
 Edge edge_at(std::span<const Triangle> triangles, std::size_t slot) {
   const Triangle& t = triangles[slot / 3];
@@ -98,14 +53,11 @@ Components components_of(std::span<const Element> elements, std::size_t vertex_c
 }  // namespace
 
 TriangleEdges triangle_edges(std::span<const Triangle> triangles) {
-  const std::vector<EdgeUse> uses = sorted_uses(triangles);
   // First store in each side the slot where its edge first appears, then number those slots in order.
   std::vector<std::size_t> first_slot(triangles.size() * 3, ~std::size_t{0});
-  for (std::size_t first = 0; first < uses.size();) {
-    const std::size_t last = run_end(uses, first);
-    for (std::size_t u = first; u < last; ++u) first_slot[uses[u].slot] = uses[first].slot;
-    first = last;
-  }
+  EdgeUses(triangles).for_each_proper([&](std::span<const EdgeUse> uses) {
+    for (const EdgeUse& use : uses) first_slot[use.slot] = uses[0].slot;
+  });
   TriangleEdges result;
   result.of_triangle.resize(triangles.size());
   for (std::size_t slot = 0; slot < first_slot.size(); ++slot) {
@@ -128,35 +80,26 @@ std::vector<Edge> unique_edges(std::span<const Triangle> triangles) {
 }
 
 std::vector<Edge> unique_edges(std::span<const Tet> tets) {
-  std::vector<EdgeUse> uses;
-  uses.reserve(tets.size() * 6);
-  for (std::size_t t = 0; t < tets.size(); ++t)
-    for (std::size_t i = 0; i < 6; ++i) {
-      const std::uint32_t a = tets[t][std::size_t(tet_edge[i][0])], b = tets[t][std::size_t(tet_edge[i][1])];
-      if (a != b) uses.push_back(edge_use(a, b, t * 6 + i));
-    }
-  std::sort(uses.begin(), uses.end());
   std::vector<std::size_t> slots;
-  for (std::size_t first = 0; first < uses.size(); first = run_end(uses, first))
-    slots.push_back(uses[first].slot);
+  EdgeUses(tets).for_each_proper([&](std::span<const EdgeUse> uses) { slots.push_back(uses[0].slot); });
   std::sort(slots.begin(), slots.end());
   std::vector<Edge> edges;
   edges.reserve(slots.size());
   for (const std::size_t slot : slots) {
-    const int(&pair)[2] = tet_edge[slot % 6];
+    const int(&pair)[2] = EdgeUses::tet_edge[slot % 6];
     edges.push_back({tets[slot / 6][std::size_t(pair[0])], tets[slot / 6][std::size_t(pair[1])]});
   }
   return edges;
 }
 
 std::vector<Hinge> interior_edges(std::span<const Triangle> triangles) {
-  const std::vector<EdgeUse> uses = sorted_uses(triangles);
   constexpr std::size_t none = ~std::size_t{0};
   std::vector<std::size_t> next_use(triangles.size() * 3,
                                     none);  // per slot: the next slot with the same edge
   std::size_t count = 0;
-  for (std::size_t u = 0; u + 1 < uses.size(); ++u)
-    if (uses[u].same_edge(uses[u + 1])) next_use[uses[u].slot] = uses[u + 1].slot, ++count;
+  EdgeUses(triangles).for_each_proper([&](std::span<const EdgeUse> uses) {
+    for (std::size_t u = 0; u + 1 < uses.size(); ++u) next_use[uses[u].slot] = uses[u + 1].slot, ++count;
+  });
   std::vector<Hinge> hinges;
   hinges.reserve(count);
   for (std::size_t first = 0; first < next_use.size(); ++first) {
@@ -172,13 +115,10 @@ std::vector<Hinge> interior_edges(std::span<const Triangle> triangles) {
 }
 
 std::vector<Edge> boundary_edges(std::span<const Triangle> triangles) {
-  const std::vector<EdgeUse> uses = sorted_uses(triangles);
   std::vector<std::size_t> slots;
-  for (std::size_t first = 0; first < uses.size();) {
-    const std::size_t last = run_end(uses, first);
-    if (last - first == 1) slots.push_back(uses[first].slot);
-    first = last;
-  }
+  EdgeUses(triangles).for_each_proper([&](std::span<const EdgeUse> uses) {
+    if (uses.size() == 1) slots.push_back(uses[0].slot);
+  });
   std::sort(slots.begin(), slots.end());
   std::vector<Edge> edges;
   edges.reserve(slots.size());

@@ -1,7 +1,9 @@
 #include "souple/geometry/mesh_report.h"
 
 #include "souple/error.h"
+#include "souple/geometry/edge_uses.h"
 #include "souple/geometry/measures.h"
+#include "souple/math/lists.h"
 
 #include <algorithm>
 #include <array>
@@ -17,52 +19,6 @@ namespace {
 
 using Indices = std::vector<std::uint32_t>;
 
-// A side of a triangle; `slot` = triangle * 3 + side.
-struct Side {
-  std::uint32_t low = 0, high = 0;
-  std::size_t slot = 0;
-  bool forward = false;  // from the lower to the higher vertex
-  friend bool operator<(const Side& a, const Side& b) {
-    if (a.low != b.low) return a.low < b.low;
-    if (a.high != b.high) return a.high < b.high;
-    return a.slot < b.slot;
-  }
-};
-
-// Sides sorted by edge, and the start of each edge's run (plus one entry at the end).
-struct SideRuns {
-  std::vector<Side> sides;
-  std::vector<std::size_t> begin;
-
-  explicit SideRuns(std::span<const Triangle> triangles) {
-    // First by the lower vertex, by counting: each has few sides, which are then sorted.
-    std::vector<std::size_t> ends;
-    for (const Triangle& t : triangles)
-      for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t low = std::min(t[i], t[(i + 1) % 3]);
-        if (low >= ends.size()) ends.resize(std::max(std::size_t{low} + 1, 2 * ends.size()), 0);
-        ++ends[low];
-      }
-    std::size_t total = 0;
-    for (std::size_t& end : ends) end = std::exchange(total, total + end);
-    sides.resize(total);
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-      for (std::size_t i = 0; i < 3; ++i) {
-        const std::uint32_t a = triangles[t][i], b = triangles[t][(i + 1) % 3];
-        sides[ends[std::min(a, b)]++] = {std::min(a, b), std::max(a, b), t * 3 + i, a < b};
-      }
-    std::size_t first = 0;
-    for (const std::size_t end : ends) {
-      std::sort(sides.begin() + std::ptrdiff_t(first), sides.begin() + std::ptrdiff_t(end));
-      first = end;
-    }
-    for (std::size_t s = 0; s < sides.size(); ++s)
-      if (s == 0 || sides[s].low != sides[s - 1].low || sides[s].high != sides[s - 1].high)
-        begin.push_back(s);
-    begin.push_back(sides.size());
-  }
-};
-
 bool has_zero_area(std::span<const Vec3d> positions, const Triangle& t) {
   const Vec3d a = positions[t[0]], ab = positions[t[1]] - a, ac = positions[t[2]] - a;
   const double longest =
@@ -75,16 +31,15 @@ bool all_finite(std::span<const Vec3d> positions, const Triangle& t) {
 }
 
 void find_edges(MeshReport& report, const Weld& weld, std::span<const Triangle> triangles) {
-  const SideRuns runs(triangles);
+  const EdgeUses edges(triangles);
   bool even = true;
-  for (std::size_t r = 0; r + 1 < runs.begin.size(); ++r) {
-    const std::size_t first = runs.begin[r], uses = runs.begin[r + 1] - first;
-    const Side& side = runs.sides[first];
-    const Edge edge{weld.to_vertex[side.low], weld.to_vertex[side.high]};
-    even = even && uses % 2 == 0;
-    if (uses == 1) report.open_edges.push_back(edge);
-    if (uses > 2) report.non_manifold_edges.push_back(edge);
-    if (uses == 2 && side.forward == runs.sides[first + 1].forward) report.inconsistent_edges.push_back(edge);
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const std::span<const EdgeUse> uses = edges[e];
+    const Edge edge{weld.to_vertex[uses[0].low], weld.to_vertex[uses[0].high]};
+    even = even && uses.size() % 2 == 0;
+    if (uses.size() == 1) report.open_edges.push_back(edge);
+    if (uses.size() > 2) report.non_manifold_edges.push_back(edge);
+    if (uses.size() == 2 && uses[0].forward == uses[1].forward) report.inconsistent_edges.push_back(edge);
   }
   report.is_closed = even && !triangles.empty() && report.non_finite_vertices.empty();
 }
@@ -204,13 +159,13 @@ struct Neighbor {
   bool agrees;
 };
 
-std::vector<std::array<Neighbor, 3>> neighbors_of(const SideRuns& runs, std::size_t triangle_count) {
+std::vector<std::array<Neighbor, 3>> neighbors_of(const EdgeUses& edges, std::size_t triangle_count) {
   constexpr std::uint32_t nobody = ~std::uint32_t(0);
   const Neighbor alone{nobody, true};
   std::vector<std::array<Neighbor, 3>> result(triangle_count, {alone, alone, alone});
-  for (std::size_t r = 0; r + 1 < runs.begin.size(); ++r) {
-    if (runs.begin[r + 1] - runs.begin[r] != 2) continue;
-    const Side &a = runs.sides[runs.begin[r]], &b = runs.sides[runs.begin[r] + 1];
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    if (edges[e].size() != 2) continue;
+    const EdgeUse &a = edges[e][0], &b = edges[e][1];
     const bool agrees = a.forward != b.forward;
     result[a.slot / 3][a.slot % 3] = {static_cast<std::uint32_t>(b.slot / 3), agrees};
     result[b.slot / 3][b.slot % 3] = {static_cast<std::uint32_t>(a.slot / 3), agrees};
@@ -224,9 +179,9 @@ struct Patch {
   bool orientable = true;
 };
 
-std::vector<Patch> find_patches(const SideRuns& runs, std::size_t triangle_count,
+std::vector<Patch> find_patches(const EdgeUses& edges, std::size_t triangle_count,
                                 std::vector<char>& flipped) {
-  const auto neighbors = neighbors_of(runs, triangle_count);
+  const auto neighbors = neighbors_of(edges, triangle_count);
   std::vector<char> seen(triangle_count, 0);
   std::vector<Patch> patches;
   for (std::uint32_t seed = 0; seed < triangle_count; ++seed) {
@@ -346,12 +301,12 @@ std::size_t turn_outward(const std::vector<ClosedPiece>& pieces, std::vector<Tri
 }
 
 void wind_consistently(RepairedSurface& surface, std::span<const Vec3d> positions) {
-  const SideRuns runs(surface.triangles);
+  const EdgeUses edges(surface.triangles);
   std::vector<char> flipped(surface.triangles.size(), 0), on_rim(surface.triangles.size(), 0);
-  for (std::size_t r = 0; r + 1 < runs.begin.size(); ++r)
-    if (runs.begin[r + 1] - runs.begin[r] != 2)
-      for (std::size_t s = runs.begin[r]; s < runs.begin[r + 1]; ++s) on_rim[runs.sides[s].slot / 3] = 1;
-  const std::vector<Patch> patches = find_patches(runs, surface.triangles.size(), flipped);
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    if (edges[e].size() != 2)
+      for (const EdgeUse& use : edges[e]) on_rim[use.slot / 3] = 1;
+  const std::vector<Patch> patches = find_patches(edges, surface.triangles.size(), flipped);
   std::size_t one_sided = 0;
   for (const Patch& patch : patches) {
     keep_majority(patch, flipped);
@@ -380,30 +335,26 @@ std::vector<char> find_copies(std::span<const Triangle> triangles) {
     std::uint32_t middle, high, triangle;
   };
   // First by the lowest corner, by counting: each has few triangles, which are then sorted.
-  std::vector<std::size_t> ends;
-  for (const Triangle& t : triangles) {
-    const std::uint32_t low = std::min({t[0], t[1], t[2]});
-    if (low >= ends.size()) ends.resize(std::max(std::size_t{low} + 1, 2 * ends.size()), 0);
-    ++ends[low];
-  }
-  std::size_t total = 0;
-  for (std::size_t& end : ends) end = std::exchange(total, total + end);
-  std::vector<Key> keys(total);
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    Triangle corners = triangles[t];
-    std::sort(corners.begin(), corners.end());
-    keys[ends[corners[0]]++] = {corners[1], corners[2], t};
-  }
-  const auto same = [](const Key& a, const Key& b) { return a.middle == b.middle && a.high == b.high; };
+  std::size_t vertices = 0;
+  for (const Triangle& t : triangles)
+    vertices = std::max(vertices, std::max({t[0], t[1], t[2]}) + std::size_t{1});
+  Lists<Key> keys(vertices, [&](const auto& add) {
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      Triangle corners = triangles[t];
+      std::sort(corners.begin(), corners.end());
+      add(corners[0], {corners[1], corners[2], t});
+    }
+  });
   std::vector<char> copy(triangles.size(), 0);
-  std::size_t first = 0;
-  for (const std::size_t end : ends) {
-    std::sort(keys.begin() + std::ptrdiff_t(first), keys.begin() + std::ptrdiff_t(end),
-              [&](const Key& a, const Key& b) {
-                return std::tie(a.middle, a.high, a.triangle) < std::tie(b.middle, b.high, b.triangle);
-              });
-    for (std::size_t k = first + 1; k < end; ++k) copy[keys[k].triangle] = same(keys[k], keys[k - 1]);
-    first = end;
+  for (std::size_t v = 0; v < vertices; ++v) {
+    const std::span<Key> of_vertex = keys[v];
+    std::sort(of_vertex.begin(), of_vertex.end(), [&](const Key& a, const Key& b) {
+      return std::tie(a.middle, a.high, a.triangle) < std::tie(b.middle, b.high, b.triangle);
+    });
+    for (std::size_t k = 1; k < of_vertex.size(); ++k) {
+      const Key &a = of_vertex[k], &b = of_vertex[k - 1];
+      copy[a.triangle] = a.middle == b.middle && a.high == b.high;
+    }
   }
   return copy;
 }
@@ -426,9 +377,9 @@ void filter(RepairedSurface& surface, const Keep& keep, const char* why) {
 }
 
 bool every_edge_is_even(std::span<const Triangle> triangles) {
-  const SideRuns runs(triangles);
-  for (std::size_t r = 0; r + 1 < runs.begin.size(); ++r)
-    if ((runs.begin[r + 1] - runs.begin[r]) % 2 != 0) return false;
+  const EdgeUses edges(triangles);
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    if (edges[e].size() % 2 != 0) return false;
   return true;
 }
 

@@ -1,6 +1,7 @@
 #include "souple/solver/enclosed_volume.h"
 
 #include "souple/error.h"
+#include "souple/geometry/edge_uses.h"
 #include "souple/math/elementary.h"
 #include "souple/math/scalar.h"
 
@@ -10,8 +11,6 @@
 
 namespace souple {
 namespace {
-
-using Triangle = EnclosedVolume::Triangle;
 
 void require(bool valid, const char* name, double value, const char* expected) {
   if (!valid) throw Error(fmt::format("enclosed_volume: {} is {:g}, expected {}", name, value, expected));
@@ -33,30 +32,16 @@ void check(double rest_volume, const EnclosedVolumeOptions& o) {
 // Throws Error unless every edge is used equally often in both directions: only then is the volume
 // independent of the origin.
 void require_closed(std::span<const Triangle> triangles) {
-  struct DirectedEdge {
-    std::uint32_t a, b;  // a < b
-    int direction;
-  };
-  std::vector<DirectedEdge> edges;
-  for (const Triangle& t : triangles)
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      if (a != b) edges.push_back({std::min(a, b), std::max(a, b), a < b ? 1 : -1});
-    }
-  std::sort(edges.begin(), edges.end(), [](const DirectedEdge& l, const DirectedEdge& r) {
-    return l.a != r.a ? l.a < r.a : (l.b != r.b ? l.b < r.b : l.direction < r.direction);
-  });
-  for (std::size_t i = 0; i < edges.size();) {
-    const DirectedEdge& first = edges[i];
+  EdgeUses(triangles).for_each_proper([](std::span<const EdgeUse> uses) {
     int sum = 0;
-    for (; i < edges.size() && edges[i].a == first.a && edges[i].b == first.b; ++i) sum += edges[i].direction;
+    for (const EdgeUse& use : uses) sum += use.forward ? 1 : -1;
     if (sum != 0)
       throw Error(
           fmt::format("enclosed_volume: the edge between particles {} and {} has no triangle on its other "
                       "side, or one wound the other way; expected a closed surface: fill its holes, weld its "
                       "seams and wind its triangles consistently",
-                      first.a, first.b));
-  }
+                      uses[0].low, uses[0].high));
+  });
 }
 
 std::vector<std::uint32_t> vertices_of(std::span<const Triangle> triangles) {
