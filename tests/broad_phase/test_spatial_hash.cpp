@@ -214,7 +214,6 @@ TEST(SurfaceElements, EachVertexAndEdgeHasOneOwner) {
   EXPECT_EQ(std::set<std::uint32_t>(edges.begin(), edges.end()).size(), edges.size());
   EXPECT_EQ(elements.vertices().size(), 70u);
   EXPECT_EQ(elements.particle_end(), 235u);
-  EXPECT_EQ(elements.object_end(), 2u);
 }
 
 TEST(SurfaceElements, RopesAndGrains) {

@@ -373,7 +373,7 @@ TEST(Weld, KeepsTheOrderOfTheUser) {
   EXPECT_EQ(weld.to_welded, (std::vector<std::uint32_t>{0, 1, 0, 2, 2, 1}));
   const std::vector<int> value{10, 11, 12, 13, 14, 15};
   EXPECT_EQ(gather<int>(weld, value), (std::vector<int>{10, 11, 13}));
-  EXPECT_TRUE(weld_vertices(std::vector<Vec3d>{{1, 2, 3}, {3, 2, 1}}).is_identity());
+  EXPECT_EQ(weld_vertices(std::vector<Vec3d>{{1, 2, 3}, {3, 2, 1}}).size(), 2u);
 }
 
 TEST(Weld, NoChainCreepsWithATolerance) {
