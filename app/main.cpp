@@ -519,5 +519,7 @@ int main(int argc, char** argv) {
                  usage_error(app, error, argc, argv).c_str());
     return bad_input;
   }
-  return finish_output(perform(action));
+  const int code = finish_output(perform(action));
+  souple::app::expect_return();
+  return code;
 }

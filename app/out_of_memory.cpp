@@ -50,6 +50,8 @@ void end_when_out_of_memory() {
 
 namespace {
 
+bool main_returns = false;
+
 extern "C" void end_after_crash(int) {
   constexpr char words[] =
       "souple: the program crashed under a limit of memory (ulimit -v), as OpenGL drivers do when memory is "
@@ -67,6 +69,13 @@ void expect_driver_crashes() {
   action.sa_handler = end_after_crash;
   sigemptyset(&action.sa_mask);
   for (const int crash : {SIGSEGV, SIGBUS, SIGABRT, SIGILL}) sigaction(crash, &action, nullptr);
+  std::atexit([] {
+    if (!main_returns) end_after_crash(0);
+  });
+}
+
+void expect_return() {
+  main_returns = true;
 }
 
 #if defined(__linux__) && !defined(SOUPLE_SANITIZED)

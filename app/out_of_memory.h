@@ -11,7 +11,10 @@ void say_out_of_memory();
 void end_when_out_of_memory();
 
 /// Call before the first use of OpenGL. If the process has a limit of memory, a crash ends it with one line and exit
-/// code 2. Mesa's drivers use memory that allocations did not give them.
+/// code 2. Mesa's drivers use memory that allocations did not give them, or call exit().
 void expect_driver_crashes();
+
+/// Call before main() returns: exit() is a crash until then.
+void expect_return();
 
 }  // namespace souple::app

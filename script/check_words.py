@@ -67,7 +67,6 @@ ALLOWED = [
     ("souple/io/recorder_report.cpp", r'"tangled"'),  # a key of run.json
     ("souple/scene/nearest.cpp", r".*"),   # names of older scene files
     ("tests/scene/test_messages.cpp", r".*colour|.*neighbour"),
-    ("CHANGELOG.md", r".*"),               # old names beside the new
     ("CONTRIBUTING.md", r".*"),            # the glossary
     ("script/check_words.py", r".*"),
 ]
