@@ -3,13 +3,13 @@
 #include "souple/assert.h"
 #include "souple/math/disjoint_sets.h"
 #include "souple/math/lists.h"
+#include "souple/math/sentinels.h"
 
 #include <algorithm>
 
 namespace souple {
 namespace {
 
-constexpr std::uint32_t none = ~std::uint32_t{0};
 /// Links of the shortest path that becomes a tree. In triangle meshes no two neighbors have two links each.
 constexpr std::size_t shortest_path = 3;
 /// Links of the shortest ring that becomes a tree. Smaller ones are bodies rather than ropes.
@@ -61,7 +61,7 @@ class Chooser {
   std::uint32_t remaining_link(std::uint32_t i) const {
     for (const std::uint32_t e : links_of_[i])
       if (!removed_[e]) return e;
-    return none;
+    return no_index;
   }
   void take(std::uint32_t e) {
     if (pieces_.join(links_[e].a, links_[e].b)) chosen_.push_back(e);
@@ -87,8 +87,8 @@ class Chooser {
         removed_[e] = true;
         path_.push_back(e);
         at = other_end(links_[e], at);
-        e = degree_[at] == 2 ? remaining_link(at) : none;
-      } while (e != none);
+        e = degree_[at] == 2 ? remaining_link(at) : no_index;
+      } while (e != no_index);
       if (path_.size() >= (at == i ? shortest_ring : shortest_path))
         for (const std::uint32_t link : path_) take(link);
     }

@@ -1,6 +1,7 @@
 #include "souple/multilevel/hierarchical.h"
 
 #include "souple/math/lists.h"
+#include "souple/math/sentinels.h"
 #include "souple/multilevel/pieces.h"
 #include "souple/solver/facets.h"
 
@@ -13,9 +14,8 @@
 namespace souple {
 namespace {
 
-constexpr std::uint32_t none = ~std::uint32_t{0};
 /// Particles of the coarsest level, at most: few sweeps solve it.
-constexpr std::size_t coarsest_size = 24;
+constexpr std::size_t coarsest_level_size = 24;
 /// Sweeps per level. The last is plain, those before it are over-relaxed. One sweep from lambda = 0 leaves a smooth
 /// stretch (1/omega - 1/2) h^2 (w_a + w_b) lambda per link (docs/notes/solvers.md). With omega = 1.6 a quarter of the
 /// stretch with omega = 1 remains. A third sweep gains little and makes a flag's worst link worse.
@@ -34,7 +34,7 @@ constexpr std::size_t smallest_piece = 200;
 /// of 17 x 3 has 16 links and 5 times.
 constexpr std::size_t shortest_strip = 16, slenderness = 5;
 /// Minimum number of coarse particles per thread.
-constexpr std::size_t grain = 256;
+constexpr std::size_t sweep_grain = 256;
 
 /// Merges the links of each pair of particles into one as strong as all of them together; sorts them.
 void merge(std::vector<Link>& links, std::size_t particles) {
@@ -253,7 +253,7 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const LeftOut
                               inverse(tied_.mass(link.b, particles)));
   stretched_ = {};
   gains_for_ = {};
-  std::vector<std::uint32_t> number(particles.position.size(), none);
+  std::vector<std::uint32_t> number(particles.position.size(), no_index);
   for (std::uint32_t i = 0; i < particle_.size(); ++i) number[particle_[i]] = i;
   std::vector<Link> links = links_;
   for (Link& link : links) link.a = number[link.a], link.b = number[link.b];
@@ -265,7 +265,7 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const LeftOut
 void Hierarchical::build(std::span<const Link> links, const ParticleView& particles, Threads& threads) {
   const ActiveScope awake(threads);
   levels_.clear();
-  for (CoarseLevel& level : cache_.build(links, masses_, coarsest_size, threads))
+  for (CoarseLevel& level : cache_.build(links, masses_, coarsest_level_size, threads))
     add_level(std::move(level), particles);
   double length = 0;
   for (const Link& link : links_) length += static_cast<double>(link.length);
@@ -423,7 +423,7 @@ void Hierarchical::measure(const ParticleView& particles, Threads& threads) {
 void Hierarchical::measure_paths(std::size_t l, Threads& threads) {
   Level& level = levels_[l];
   const std::span<const float> finer = levels_[l - 1].stretch;
-  threads.each(level.stretch.size(), grain, [&](std::size_t s) {
+  threads.each(level.stretch.size(), sweep_grain, [&](std::size_t s) {
     float stretch = 0;
     for (std::uint32_t k = level.path_begin[s]; k < level.path_begin[s + 1]; ++k)
       stretch += finer[level.path[k]];
@@ -491,7 +491,7 @@ float Hierarchical::softening_of(std::size_t l, std::size_t e) const {
 void Hierarchical::restrict_particles(const ParticleView& particles, Threads& threads) {
   std::span<const Vec4f> position = particles.position, moving = particles.moving;
   for (Level& level : levels_) {
-    threads.for_each(level.restriction.rows(), grain, [&](std::size_t begin, std::size_t end) {
+    threads.for_each(level.restriction.rows(), sweep_grain, [&](std::size_t begin, std::size_t end) {
       level.restriction.assign(begin, end, position, moving, level.position, level.moving);
       std::copy(level.moving.begin() + static_cast<std::ptrdiff_t>(begin),
                 level.moving.begin() + static_cast<std::ptrdiff_t>(end),
@@ -503,7 +503,7 @@ void Hierarchical::restrict_particles(const ParticleView& particles, Threads& th
 
 void Hierarchical::prolong(const Level& from, std::span<const Vec4f> inverse_mass, std::span<Vec4f> to,
                            Threads& threads) {
-  threads.for_each(from.prolongation.rows(), 4 * grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(from.prolongation.rows(), 4 * sweep_grain, [&](std::size_t begin, std::size_t end) {
     from.prolongation.add_to(begin, end, from.correction, from.finer, inverse_mass, to);
   });
 }
@@ -515,7 +515,7 @@ void Hierarchical::project_levels(const ParticleView& particles, Threads& thread
     if (l + 1 < levels_.size()) prolong(levels_[l + 1], level.position, level.moving, threads);
     level.near.sweep(near_sweeps, over_relaxation, level.moving, threads);
     level.all.sweep(sweeps_of(l), over_relaxation, level.moving, threads);
-    threads.each(level.moving.size(), 4 * grain, [&](std::size_t i) {
+    threads.each(level.moving.size(), 4 * sweep_grain, [&](std::size_t i) {
       // whole records: w becomes 0
       level.correction[i] = {level.moving[i].x - level.before[i].x, level.moving[i].y - level.before[i].y,
                              level.moving[i].z - level.before[i].z, 0};

@@ -2,6 +2,7 @@
 
 #include "souple/assert.h"
 #include "souple/math/lists.h"
+#include "souple/math/sentinels.h"
 #include "souple/multilevel/marching.h"
 
 #include <algorithm>
@@ -18,8 +19,6 @@ namespace {
 
 using Reached = Marcher::Reached;
 
-constexpr std::uint32_t none = ~std::uint32_t{0};
-constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr std::size_t max_parents = 4;
 // Distance between coarse particles, in mean links of the finer level: keeps a fifth to an eighth of a
 // cloth's particles. At 1.3 the kinks that a level leaves cancel its gain; at 2 Gauss-Seidel has too far to
@@ -34,7 +33,7 @@ constexpr std::size_t enough_coarse = 8;
 // eps of find_weights.
 constexpr double smoothing = 0.1;
 /// Minimum number of particles per thread.
-constexpr std::size_t grain = 1024;
+constexpr std::size_t march_chunk = 1024;
 
 bool nearer(const Reached& p, const Reached& q) {
   return std::pair(p.length, p.particle) < std::pair(q.length, q.particle);
@@ -53,8 +52,8 @@ float spacing(const LinkEnds& ends, std::uint32_t i) {
 std::vector<int> ranks(const LinkEnds& ends, std::span<const char> fixed, Threads& threads) {
   const std::size_t count = ends.size();
   std::vector<std::uint32_t> around(count), max_near(count);
-  threads.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::uint32_t> seen(count, none);
+  threads.for_each(count, march_chunk, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint32_t> seen(count, no_index);
     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i)
       for (const auto& n : ends.of(i))
         for (const auto& m : ends.of(n.to)) around[i] += std::exchange(seen[m.to], i) != i;
@@ -142,7 +141,7 @@ class Near {
         }
     });
     reached_.fill(triangles.size(), [&](const auto& add) { transpose(marches, add); });
-    threads.for_each(triangles.size(), grain, [&](std::size_t begin, std::size_t end) {
+    threads.for_each(triangles.size(), march_chunk, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) std::sort(reached_[i].begin(), reached_[i].end(), nearer);
     });
   }
@@ -188,9 +187,9 @@ class CoarseLengths {
     for (std::uint32_t j = 0; j < coarse.size(); ++j)
       for (const Reached& n : near.of(coarse[j]))
         if (n.particle != j) marched_[j].push_back(n), marched_[n.particle].push_back({j, n.length});
-    threads.each(coarse.size(), grain / 4, [&](std::size_t j) { keep_shortest(marched_[j]); });
-    threads.for_each(coarse.size(), grain / 4, [&](std::size_t begin, std::size_t end) {
-      Marks from_j(coarse.size(), {none, 0}), from_p(from_j);
+    threads.each(coarse.size(), march_chunk / 4, [&](std::size_t j) { keep_shortest(marched_[j]); });
+    threads.for_each(coarse.size(), march_chunk / 4, [&](std::size_t begin, std::size_t end) {
+      Marks from_j(coarse.size(), {no_index, 0}), from_p(from_j);
       for (auto j = static_cast<std::uint32_t>(begin); j < end; ++j) unfold(j, from_j, from_p);
     });
   }
@@ -230,7 +229,7 @@ class CoarseLengths {
           }
       }
       // A neighbor of another j may be p again.
-      for (const Reached& n : marched_[p.particle]) from_p[n.particle].first = none;
+      for (const Reached& n : marched_[p.particle]) from_p[n.particle].first = no_index;
     }
     keep_shortest(result);
   }
@@ -303,7 +302,7 @@ void find_weights(const CoarseLengths& lengths, Parents& parents) {
   }
 }
 
-/// Builds one level; `number`: per particle, its number in the coarse level, or `none`.
+/// Builds one level; `number`: per particle, its number in the coarse level, or `no_index`.
 class LevelBuilder {
  public:
   LevelBuilder(std::span<const Link> links, std::span<const char> fixed, Threads& threads)
@@ -332,7 +331,7 @@ class LevelBuilder {
   struct Visit {
     std::uint32_t search = 0;  // number of the last search that came here
     float length = 0;
-    std::uint32_t from = none, link = none;
+    std::uint32_t from = no_index, link = no_index;
   };
   std::vector<Visit> visits_;
   std::uint32_t searches_ = 0;
@@ -354,8 +353,8 @@ void LevelBuilder::collapse(const Near& near, const CoarseLengths& lengths) {
         add(a, {a, b, e, near.of(link.a).front().length + link.length + near.of(link.b).front().length});
     }
   });
-  std::vector<std::uint32_t> place(count, none);
-  level_.energy_to.assign(links_.size(), none);
+  std::vector<std::uint32_t> place(count, no_index);
+  level_.energy_to.assign(links_.size(), no_index);
   std::vector<Candidate> best;
   level_.path_begin.push_back(0);
   for (std::uint32_t a = 0; a < count; ++a) {
@@ -385,7 +384,7 @@ void LevelBuilder::collapse(const Near& near, const CoarseLengths& lengths) {
       level_.energy_to[candidate.link] = static_cast<std::uint32_t>(first + place[candidate.b]);
   }
   for (std::uint32_t e = 0; e < links_.size(); ++e)
-    if (level_.energy_to[e] == none)
+    if (level_.energy_to[e] == no_index)
       level_.energy_to[e] = static_cast<std::uint32_t>(level_.links.size()) + near.cluster(links_[e].a);
 }
 
@@ -413,7 +412,7 @@ void LevelBuilder::add_shortest_path(std::uint32_t i, std::uint32_t end, float& 
   ++searches_;
   using Entry = std::pair<float, std::uint32_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
-  visits_[i] = {searches_, 0, none, none};
+  visits_[i] = {searches_, 0, no_index, no_index};
   front.emplace(0.0f, i);
   while (!front.empty() && front.top().second != end) {
     const auto [reached, u] = front.top();
@@ -434,10 +433,10 @@ void LevelBuilder::add_shortest_path(std::uint32_t i, std::uint32_t end, float& 
 void LevelBuilder::find_parents(const Near& near, const CoarseLengths& lengths,
                                 std::span<const std::uint32_t> number) {
   std::vector<Parents> parents(fixed_.size());
-  threads_.for_each(parents.size(), grain, [&](std::size_t begin, std::size_t end) {
+  threads_.for_each(parents.size(), march_chunk, [&](std::size_t begin, std::size_t end) {
     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
       Parents& of = parents[i];
-      if (number[i] != none) {
+      if (number[i] != no_index) {
         of.count = 1, of.number[0] = number[i], of.weight[0] = 1;
         continue;
       }
@@ -480,7 +479,7 @@ void LevelBuilder::find_children() {
 
 CoarseLevel LevelBuilder::build() {
   const std::vector<char> coarse = Choice(ends_, triangles_, fixed_, threads_).coarse();
-  std::vector<std::uint32_t> number(fixed_.size(), none);
+  std::vector<std::uint32_t> number(fixed_.size(), no_index);
   for (std::uint32_t i = 0; i < fixed_.size(); ++i)
     if (coarse[i] != 0)
       number[i] = static_cast<std::uint32_t>(level_.finer.size()), level_.finer.push_back(i);

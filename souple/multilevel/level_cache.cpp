@@ -22,7 +22,7 @@ std::uint64_t hash_of(std::span<const Link> links, std::span<const char> fixed) 
   return hash;
 }
 
-bool same_shape(const Link& p, const Link& q) {
+bool of_same_shape(const Link& p, const Link& q) {
   return p.a == q.a && p.b == q.b && p.length == q.length;
 }
 
@@ -75,7 +75,7 @@ void LevelCache::find_blocks(std::span<const Link> links, std::span<const float>
     const auto found = std::find_if(first, last, [&](const auto& entry) {
       const Block& block = *entry.second;
       return block.fixed == fixed &&
-             std::equal(own.begin(), own.end(), block.links.begin(), block.links.end(), same_shape);
+             std::equal(own.begin(), own.end(), block.links.begin(), block.links.end(), of_same_shape);
     });
     if (found != last) {
       blocks_.push_back(found->second);

@@ -9,10 +9,10 @@
 namespace souple {
 namespace {
 
-/// Slots per color are a multiple of this: the lanes of the widest register.
-constexpr std::size_t lanes = 16;
+/// Slots per color are a multiple of this: the link_lanes of the widest register.
+constexpr std::size_t link_lanes = 16;
 /// Minimum number of slots per thread. Levels with smaller colors are swept by one thread, all colors in one call.
-constexpr std::size_t grain = 512;
+constexpr std::size_t link_grain = 512;
 
 Vec3f difference(const float* records, std::uint32_t a, std::uint32_t b) {
   return {records[a] - records[b], records[a + 1] - records[b + 1], records[a + 2] - records[b + 2]};
@@ -54,8 +54,8 @@ void find_stretched(const kernels::ParticleLinks& links, const float* position, 
                     std::uint16_t* stretched, std::size_t begin, std::size_t end) {
   for (std::size_t k = begin; k < end; ++k) {
     unsigned bits = 0;
-    for (std::size_t lane = 0; lane < lanes; ++lane) {
-      const std::size_t i = lanes * k + lane;
+    for (std::size_t lane = 0; lane < link_lanes; ++lane) {
+      const std::size_t i = link_lanes * k + lane;
       const Vec3f u =
           difference(position, links.a[i], links.b[i]) + difference(moving, links.a[i], links.b[i]);
       if (dot(u, u) > links.longest[i] * links.longest[i]) bits |= 1u << lane;
@@ -116,7 +116,7 @@ void LevelLinks::add(const CoarseLevel& map, std::uint32_t link) {
 
 void LevelLinks::pad(const CoarseLevel& map) {
   const auto last = static_cast<std::uint32_t>(4 * map.mass.size());
-  while (slots() % lanes != 0) link_.push_back(none), a_.push_back(last), b_.push_back(last);
+  while (slots() % link_lanes != 0) link_.push_back(none), a_.push_back(last), b_.push_back(last);
 }
 
 std::vector<std::uint32_t> LevelLinks::slot_of_link() const {
@@ -136,8 +136,8 @@ kernels::LinkArrays LevelLinks::arrays() {
 
 void LevelLinks::measure(const kernels::LinkMeasures& from, Threads& threads) {
   const kernels::LinkArrays links = arrays();
-  threads.for_each(slots() / lanes, grain / lanes, [&](std::size_t begin, std::size_t end) {
-    link_kernels().measure(links, from, begin * lanes, end * lanes);
+  threads.for_each(slots() / link_lanes, link_grain / link_lanes, [&](std::size_t begin, std::size_t end) {
+    link_kernels().measure(links, from, begin * link_lanes, end * link_lanes);
   });
 }
 
@@ -159,8 +159,8 @@ void sweep_colors(const kernels::LinkArrays& links, std::span<const std::size_t>
   const kernels::SweepLinks sweep_links = link_kernels().sweep;
   float* const d = &moving.data()->x;
   const std::size_t colors = color_begin.size() - 1;
-  SOUPLE_ASSERT(color_begin.back() % lanes == 0, "colors are padded to whole registers");
-  const bool one_thread = color_begin.back() < 2 * grain * colors;
+  SOUPLE_ASSERT(color_begin.back() % link_lanes == 0, "colors are padded to whole registers");
+  const bool one_thread = color_begin.back() < 2 * link_grain * colors;
   for (int s = 1; s <= n; ++s) {
     const float relaxation = s < n ? omega : 1;
     if (one_thread) {
@@ -168,10 +168,10 @@ void sweep_colors(const kernels::LinkArrays& links, std::span<const std::size_t>
       continue;
     }
     for (std::size_t c = 0; c < colors; ++c)
-      threads.for_each((color_begin[c + 1] - color_begin[c]) / lanes, grain / lanes,
+      threads.for_each((color_begin[c + 1] - color_begin[c]) / link_lanes, link_grain / link_lanes,
                        [&](std::size_t begin, std::size_t end) {
-                         sweep_links(links, d, color_begin[c] + begin * lanes, color_begin[c] + end * lanes,
-                                     relaxation);
+                         sweep_links(links, d, color_begin[c] + begin * link_lanes,
+                                     color_begin[c] + end * link_lanes, relaxation);
                        });
   }
 }

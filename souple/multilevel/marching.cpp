@@ -1,6 +1,7 @@
 #include "souple/multilevel/marching.h"
 
 #include "souple/math/bit_cast.h"
+#include "souple/math/sentinels.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,13 +11,11 @@
 namespace souple {
 namespace {
 
-constexpr std::uint32_t none = ~std::uint32_t{0};
 /// Minimum number of particles per thread.
-constexpr std::size_t grain = 1024;
+constexpr std::size_t seed_grain = 1024;
 /// Relative difference of lengths that is not worth another entry of the queue. The paths across two triangles to one
 /// particle often differ by rounding alone.
 constexpr float indifferent = 1e-5f;
-constexpr float infinity = std::numeric_limits<float>::infinity();
 /// Square of the length in Triangle's coordinates; infinite if the line does not cross the edge. du2, dw2: squares of
 /// the distances to u and w.
 float unfolded_squared(float du2, float dw2, const LinkTriangles::Triangle& t) {
@@ -52,7 +51,7 @@ LinkEnds::LinkEnds(std::span<const Link> links, std::size_t particles, Threads& 
           add(links[e].a, {links[e].b, links[e].length, e}),
               add(links[e].b, {links[e].a, links[e].length, e});
       }) {
-  threads.for_each(particles, grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(particles, seed_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const std::span<End> ends = ends_[i];
       if (ends.size() > max_shortest)
@@ -83,7 +82,7 @@ LinkTriangles::LinkTriangles(std::span<const Link> links, const LinkEnds& ends, 
 
 void LinkTriangles::find_triangles(std::uint32_t first, std::uint32_t last,
                                    std::vector<Triangle>& triangles) {
-  std::vector<std::pair<std::uint32_t, float>> to_w(size(), {none, 0});  // per w: u, |u w|
+  std::vector<std::pair<std::uint32_t, float>> to_w(size(), {no_index, 0});  // per w: u, |u w|
   triangles.reserve(std::size_t{24} * (last - first));
   for (std::uint32_t u = first; u < last; ++u) {
     for (const Neighbor& n : of(u)) to_w[n.to] = {u, n.length};

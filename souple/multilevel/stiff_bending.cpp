@@ -1,6 +1,7 @@
 #include "souple/multilevel/stiff_bending.h"
 
 #include "souple/geometry/adjacency.h"
+#include "souple/math/sentinels.h"
 #include "souple/solver/facets.h"
 
 #include <algorithm>
@@ -13,15 +14,14 @@ namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
 
-constexpr std::uint32_t none = ~std::uint32_t{0};
 /// Pieces are solved here if the mean of h^2 sum_k w_k K_k^2 is more than this times the compliance. One sweep then no
 /// longer reaches the stiffness (SetProjector::find_shared).
-constexpr double limit = 1.8;
+constexpr double bending_limit = 1.8;
 /// Pieces of more unknowns are swept only, unless they are far softer so. The factors of 2,500 unknowns cost as much as
 /// two substeps of such a cloth, those of 10,000 as much as four.
 constexpr double usual_unknowns = 3000, max_unknowns = 12000;
 /// Pieces per thread, at least.
-constexpr std::size_t grain = 1;
+constexpr std::size_t hinge_grain = 1;
 
 struct Vec3dPadded {
   double x = 0, y = 0, z = 0, padding = 0;
@@ -32,7 +32,7 @@ struct Vec3dPadded {
 /// A bending constraint; particles and K of a rope's have a fourth entry without effect.
 struct StiffBending::Bending {
   std::array<std::uint32_t, 4> particle{};
-  std::array<std::uint32_t, 4> unknown{};  ///< none: fixed
+  std::array<std::uint32_t, 4> unknown{};  ///< no_index: fixed
   std::array<float, 4> K{};
   float alpha = 0;       ///< 0: not solved here
   double stiffness = 0;  ///< h^2 / alpha [kg m^2]
@@ -77,14 +77,14 @@ void StiffBending::Piece::number_unknowns(std::span<const float> inverse_masses)
     for (std::size_t k = 0; k < 4; ++k) {
       const auto at = std::lower_bound(particle.begin(), particle.end(), bending.particle[k]);
       const bool found = at != particle.end() && *at == bending.particle[k];
-      bending.unknown[k] = found ? static_cast<std::uint32_t>(at - particle.begin()) : none;
+      bending.unknown[k] = found ? static_cast<std::uint32_t>(at - particle.begin()) : no_index;
     }
 }
 
 Matrix StiffBending::Piece::assemble() const {
   std::vector<Eigen::Triplet<double>> entries;
   const auto add = [&](std::uint32_t i, std::uint32_t j, double value) {
-    if (i != none && j != none && i >= j)
+    if (i != no_index && j != no_index && i >= j)
       entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
   };
   for (std::uint32_t i = 0; i < particle.size(); ++i) add(i, i, mass[i]);
@@ -110,14 +110,15 @@ void StiffBending::Piece::permute(const Eigen::VectorXi& new_position) {
   particle = std::move(new_particle), mass = std::move(new_mass);
   for (Bending& bending : bendings)
     for (std::uint32_t& i : bending.unknown)
-      if (i != none) i = position(i);
+      if (i != no_index) i = position(i);
 }
 
 // False if the piece is too large. `softness`: mean of h^2 sum_k w_k K_k^2 / alpha.
 bool StiffBending::Piece::factorize(std::span<const float> inverse_masses, double softness) {
   number_unknowns(inverse_masses);
   const auto unknowns = static_cast<double>(particle.size());
-  if (unknowns == 0 || unknowns > std::min(max_unknowns, usual_unknowns * std::sqrt(softness / limit)))
+  if (unknowns == 0 ||
+      unknowns > std::min(max_unknowns, usual_unknowns * std::sqrt(softness / bending_limit)))
     return false;
   const Matrix matrix = assemble();
   Eigen::SimplicialLDLT<Matrix, Eigen::Lower> factors;
@@ -144,7 +145,7 @@ void StiffBending::Piece::add_force(const Bending& bending, const ParticleView& 
   Vec3f v{};
   for (std::size_t k = 1; k < 4; ++k) v += particles.difference(p[k], p[0]) * bending.K[k];
   for (std::size_t k = 0; k < 4; ++k) {
-    if (bending.unknown[k] == none) continue;
+    if (bending.unknown[k] == no_index) continue;
     Vec3dPadded& f = step[bending.unknown[k]];
     const double factor = bending.stiffness * static_cast<double>(bending.K[k]);
     f.x -= factor * static_cast<double>(v.x);
@@ -236,7 +237,7 @@ void StiffBending::leave_out(LeftOut& left_out) const {
 void StiffBending::build(float h) {
   built_for_ = h;
   pieces_.clear(), solved_.clear();
-  if (static_cast<double>(softest_ * h * h) > limit) {
+  if (static_cast<double>(softest_ * h * h) > bending_limit) {
     std::vector<std::vector<Bending>> sets;
     std::vector<Tet> elements;
     for (const auto& [projector, revision] : revisions_) {
@@ -273,7 +274,7 @@ std::vector<std::unique_ptr<StiffBending::Piece>> StiffBending::stiff_pieces(
   for (const std::vector<Bending>& set : sets)
     for (Bending bending : set) {
       const std::uint32_t c = component(bending);
-      if (!(mean(c) > limit) || !(bending.alpha > 0)) continue;
+      if (!(mean(c) > bending_limit) || !(bending.alpha > 0)) continue;
       bending.stiffness = h2 / static_cast<double>(bending.alpha);
       if (!pieces[c]) pieces[c] = std::make_unique<Piece>();
       pieces[c]->bendings.push_back(bending);
@@ -290,7 +291,8 @@ bool StiffBending::begin_substep(const Substep& substep) {
 }
 
 void StiffBending::solve(const ParticleView& particles, int iteration, Threads& threads) {
-  threads.each(pieces_.size(), grain, [&](std::size_t i) { pieces_[i]->solve(particles, iteration == 0); });
+  threads.each(pieces_.size(), hinge_grain,
+               [&](std::size_t i) { pieces_[i]->solve(particles, iteration == 0); });
 }
 
 }  // namespace souple

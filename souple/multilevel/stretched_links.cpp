@@ -21,9 +21,9 @@ constexpr float over_relaxation = 1.6f;
 /// Links of more compliance than this times h^2 (w_a + w_b) are stretched because their material is soft.
 constexpr float softest = 0.25f;
 /// Minimum number of links per thread.
-constexpr std::size_t grain = 2048;
-/// Links that kernels take at once, the lanes of the widest register, and bits of a word.
-constexpr std::size_t lanes = 16, word = 64;
+constexpr std::size_t stretch_grain = 2048;
+/// Links that kernels take at once, the stretch_lanes of the widest register, and bits of a word.
+constexpr std::size_t stretch_lanes = 16, word = 64;
 
 float compliance_of(const Link& link) {
   return std::isfinite(link.energy) ? link.length * link.length / link.energy : 0;
@@ -80,7 +80,7 @@ template <class Function>
 void for_each_bit(std::span<const std::uint16_t> blocks, std::size_t count, const Function& f) {
   for (std::size_t k = 0; k < count; ++k)
     for (unsigned bits = blocks[k]; bits != 0; bits &= bits - 1)
-      f(lanes * k + static_cast<std::size_t>(std::countr_zero(bits)));
+      f(stretch_lanes * k + static_cast<std::size_t>(std::countr_zero(bits)));
 }
 
 }  // namespace
@@ -111,13 +111,13 @@ kernels::LinkArrays StretchedLinks::Region::arrays() {
 
 // Padding is as long as nothing.
 void StretchedLinks::prepare_search(std::span<const Link> of_level) {
-  const std::size_t slots = (of_level.size() + lanes - 1) / lanes * lanes;
+  const std::size_t slots = (of_level.size() + stretch_lanes - 1) / stretch_lanes * stretch_lanes;
   search_a_.assign(slots, 0), search_b_.assign(slots, 0), search_longest_.assign(slots, 1);
   for (std::size_t e = 0; e < of_level.size(); ++e) {
     search_a_[e] = 4 * of_level[e].a, search_b_[e] = 4 * of_level[e].b;
     search_longest_[e] = of_level[e].length * (1 + threshold);
   }
-  stretched_.assign(slots / lanes, 0);
+  stretched_.assign(slots / stretch_lanes, 0);
   found_.reserve(of_level.size());
 }
 
@@ -155,7 +155,7 @@ void StretchedLinks::build(std::span<const Link> of_level, const TiedParticles& 
   chosen_.reserve(count);
   position_.assign(count + 1, {}), moving_.assign(count + 1, {});
   marked_.assign(links_.size() / word + 1, 0);
-  region_.resize(links_.size() + lanes * color_begin_.size());
+  region_.resize(links_.size() + stretch_lanes * color_begin_.size());
   region_.color_begin.reserve(color_begin_.size() + 1);
 }
 
@@ -165,7 +165,7 @@ bool StretchedLinks::find_stretched(std::span<const Link> of_level, const Partic
   const kernels::ParticleLinks links{search_a_.data(), search_b_.data(), search_longest_.data()};
   const float* const position = &particles.position.data()->x;
   const float* const moving = &particles.moving.data()->x;
-  threads.for_each(stretched_.size(), grain / lanes, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(stretched_.size(), stretch_grain / stretch_lanes, [&](std::size_t begin, std::size_t end) {
     link_kernels().find_stretched(links, position, moving, stretched_.data(), begin, end);
   });
   found_.clear();
@@ -231,7 +231,7 @@ void StretchedLinks::gather_links() {
     for_each_bit(marked_, color_begin_[c], color_begin_[c + 1],
                  [&](std::size_t e) { region_.set(slot++, links_[e]); });
     if (slot == region_.size()) continue;
-    while (slot % lanes != 0) region_.set(slot++, padding);
+    while (slot % stretch_lanes != 0) region_.set(slot++, padding);
     region_.color_begin.push_back(slot);
   }
 }
@@ -245,10 +245,11 @@ void StretchedLinks::measure_links(const Rounds& rounds, float h, Threads& threa
                                         rounds.shortest_part,
                                         softest * h2,
                                         n / h2};
-  threads.for_each(region_.size() / lanes, grain / lanes, [&](std::size_t begin, std::size_t end) {
-    link_kernels().measure_stretched(region_.arrays(), from, &position_.data()->x, &moving_.data()->x,
-                                     region_.gain.data(), begin * lanes, end * lanes);
-  });
+  threads.for_each(
+      region_.size() / stretch_lanes, stretch_grain / stretch_lanes, [&](std::size_t begin, std::size_t end) {
+        link_kernels().measure_stretched(region_.arrays(), from, &position_.data()->x, &moving_.data()->x,
+                                         region_.gain.data(), begin * stretch_lanes, end * stretch_lanes);
+      });
 }
 
 // Returns the particles with moving_ in place of what the solver modifies. `all`: of all particles, not of the chosen

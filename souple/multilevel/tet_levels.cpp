@@ -2,6 +2,7 @@
 
 #include "souple/math/disjoint_sets.h"
 #include "souple/math/polar_decomposition.h"
+#include "souple/math/sentinels.h"
 #include "souple/multilevel/weighted_sums.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/solver/coloring.h"
@@ -14,7 +15,6 @@
 namespace souple {
 namespace {
 
-constexpr std::uint32_t none = ~std::uint32_t{0};
 constexpr std::size_t corners = kernels::cell_nodes;
 /// Cells per color are a multiple of this.
 constexpr std::size_t lanes = kernels::cell_block;
@@ -36,7 +36,7 @@ constexpr float tolerance = 3e-3f;
 constexpr int max_iterations = 60;
 /// Longest move of a node in a substep, in cells.
 constexpr float max_move = 0.25f;
-constexpr std::size_t grain = 256;
+constexpr std::size_t tet_grain = 256;
 
 using detail::FourFloats;
 using detail::load;
@@ -130,18 +130,18 @@ void TetLevels::find_bodies(const ParticleView& particles) {
   DisjointSets connected(particles.position.size());
   for (std::size_t t = 0; t < set.size(); ++t)
     for (const std::uint32_t i : set.indices(t)) connected.join(set.indices(t)[0], i);
-  std::vector<std::uint32_t> number(particles.position.size(), none);
+  std::vector<std::uint32_t> number(particles.position.size(), no_index);
   std::vector<std::vector<std::uint32_t>> tets;
   body_of_.resize(set.size());
   for (std::uint32_t t = 0; t < set.size(); ++t) {
     std::uint32_t& body = number[connected.root(set.indices(t)[0])];
-    if (body == none) body = static_cast<std::uint32_t>(tets.size()), tets.emplace_back();
+    if (body == no_index) body = static_cast<std::uint32_t>(tets.size()), tets.emplace_back();
     body_of_[t] = body;
     tets[body].push_back(t);
   }
   std::vector<std::uint32_t> size(tets.size());
   for (std::uint32_t i = 0; i < number.size(); ++i)
-    if (const std::uint32_t body = number[connected.root(i)]; body != none) ++size[body];
+    if (const std::uint32_t body = number[connected.root(i)]; body != no_index) ++size[body];
   bodies_.resize(tets.size());
   find_softness(particles);
   for (std::size_t b = 0; b < tets.size(); ++b) {
@@ -183,7 +183,7 @@ void TetLevels::arrange(Body& body) {
   for (std::size_t c = 0; c + 1 < colors.color_begin.size(); ++c) {
     for (std::size_t k = colors.color_begin[c]; k < colors.color_begin[c + 1]; ++k)
       body.cell.push_back(colors.order[k]);
-    while (body.cell.size() % lanes != 0) body.cell.push_back(none);
+    while (body.cell.size() % lanes != 0) body.cell.push_back(no_index);
     body.color_begin.push_back(static_cast<std::uint32_t>(body.cell.size()));
   }
   const std::size_t slots = body.cell.size();
@@ -192,10 +192,10 @@ void TetLevels::arrange(Body& body) {
   body.scale.assign(slots, 0);
   for (std::size_t a = 0; a < corners; ++a)
     for (const std::uint32_t cell : body.cell)
-      body.node[a].push_back(
-          4 * (cell == none ? static_cast<std::uint32_t>(lattice.node_count) : lattice.cells[cell].node[a]));
+      body.node[a].push_back(4 * (cell == no_index ? static_cast<std::uint32_t>(lattice.node_count)
+                                                   : lattice.cells[cell].node[a]));
   for (std::size_t s = 0; s < slots; ++s)
-    for (std::size_t k = 0; body.cell[s] != none && k < kernels::cell_stiffnesses; ++k)
+    for (std::size_t k = 0; body.cell[s] != no_index && k < kernels::cell_stiffnesses; ++k)
       body.stiffness[kernels::cell_entry(s, kernels::cell_stiffnesses, k)] =
           lattice.cell_stiffness[body.cell[s]][k];
   body.child_begin.assign(lattice.node_count + 1, 0);
@@ -343,8 +343,8 @@ void TetLevels::find_forces(const ParticleView& particles, const Substep& subste
 void TetLevels::measure_cells(Body& body, const ParticleView& particles, float h2, Threads& threads) {
   const TetLattice& lattice = body.lattice;
   const std::size_t slots = body.cell.size();
-  threads.each(slots, grain / 8, [&](std::size_t s) {
-    if (body.cell[s] == none) return;
+  threads.each(slots, tet_grain / 8, [&](std::size_t s) {
+    if (body.cell[s] == no_index) return;
     const TetLattice::Cell& cell = lattice.cells[body.cell[s]];
     const std::uint32_t first = lattice.particle[lattice.sample[cell.sample_begin]];
     Mat3f F{};
@@ -359,7 +359,7 @@ void TetLevels::measure_cells(Body& body, const ParticleView& particles, float h
 
 // r = P^T f.
 void TetLevels::restrict_forces(Body& body, std::span<const Vec4f> force, Threads& threads) {
-  threads.each(body.mass.size(), grain / 4, [&](std::size_t j) {
+  threads.each(body.mass.size(), tet_grain / 4, [&](std::size_t j) {
     FourFloats sum{};
     for (std::uint32_t k = body.child_begin[j]; k < body.child_begin[j + 1]; ++k)
       sum += load(force[body.lattice.particle[body.child[k]]]) * body.child_weight[k];
@@ -436,7 +436,7 @@ void TetLevels::limit_moves(Body& body) {
 // x += P dX.
 void TetLevels::prolong(const Body& body, const ParticleView& particles, Threads& threads) {
   const TetLattice& lattice = body.lattice;
-  threads.each(lattice.particle.size(), grain, [&](std::size_t i) {
+  threads.each(lattice.particle.size(), tet_grain, [&](std::size_t i) {
     const std::uint32_t particle = lattice.particle[i];
     if (!(particles.inverse_mass(particle) > 0)) return;
     particles.correct(particle, node_move(body, static_cast<std::uint32_t>(i)));

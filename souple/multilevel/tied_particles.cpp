@@ -2,6 +2,7 @@
 
 #include "souple/assert.h"
 #include "souple/geometry/adjacency.h"
+#include "souple/math/sentinels.h"
 #include "souple/solver/facets.h"
 
 #include <algorithm>
@@ -24,12 +25,11 @@ TiedParticles::TiedParticles(std::span<Projector* const> projectors, const Parti
   std::sort(attached_.begin(), attached_.end());
   if (ties.empty()) return;
   const Components components = connected_components(ties, particles.position.size());
-  constexpr std::uint32_t none = ~std::uint32_t{0};
-  std::vector<std::uint32_t> representative(components.count, none);
+  std::vector<std::uint32_t> representative(components.count, no_index);
   for (const bool fixed : {true, false})
     for (std::uint32_t i = 0; i < components.of_vertex.size(); ++i)
       if (std::uint32_t& r = representative[components.of_vertex[i]];
-          r == none && is_fixed(i, particles) == fixed)
+          r == no_index && is_fixed(i, particles) == fixed)
         r = i;
   for (const Edge& tie : ties)
     for (const std::uint32_t i : tie) tied_.emplace_back(i, representative[components.of_vertex[i]]);

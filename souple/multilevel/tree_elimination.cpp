@@ -1,6 +1,7 @@
 #include "souple/multilevel/tree_elimination.h"
 
 #include "souple/assert.h"
+#include "souple/math/sentinels.h"
 #include "souple/solver/external_moves.h"
 
 #include <algorithm>
@@ -9,7 +10,6 @@
 namespace souple {
 namespace {
 
-constexpr std::uint32_t none = ~std::uint32_t{0};
 /// Newton's method ends when no particle moved further relative to its parent than this part of the link's length.
 /// The error that remains is about half of its square.
 constexpr double enough = 0.01;
@@ -89,14 +89,14 @@ void TreeElimination::leave_out(LeftOut& left_out) const {
 }
 
 void TreeElimination::find_attachments(std::size_t particle_count) {
-  std::vector<std::uint32_t> node_of(has_trees() && !attachments_.empty() ? particle_count : 0, none);
+  std::vector<std::uint32_t> node_of(has_trees() && !attachments_.empty() ? particle_count : 0, no_index);
   for (std::uint32_t k = 0; !node_of.empty() && k < trees_.nodes.size(); ++k)
     node_of[trees_.nodes[k].particle] = k;
   anchors_.clear();
   for (std::uint32_t s = 0; !node_of.empty() && s < attachments_.size(); ++s) {
     for (std::uint32_t i = 0; i < attachments_[s].projector->size(); ++i) {
       const std::uint32_t node = node_of[attachments_[s].structure->pull(i).particle[0]];
-      if (node == none) continue;
+      if (node == no_index) continue;
       anchors_.push_back({node, s, i});
     }
   }
