@@ -164,7 +164,7 @@ void build_dam(World& world, int particles) {
   for (int i = 0; i < std::lround(collapsing / fluid_step); ++i) world.step(fluid_step);
 }
 
-constexpr std::array scenes{
+constexpr std::array all_bench_scenes{
     BenchScene{"cloth", "a rigid cloth: distances along its edges and across them", "vertices along a side",
                200, 2, 4000, build_cloth},
     BenchScene{"cloth-dihedral", "a cloth with rigid edges and both diagonals, dihedral bending",
@@ -201,11 +201,11 @@ void stretch(World& world, ObjectId cloth, double strain) {
 }  // namespace
 
 std::span<const BenchScene> bench_scenes() {
-  return scenes;
+  return all_bench_scenes;
 }
 
 const BenchScene& find_bench_scene(const std::string& name) {
-  for (const BenchScene& scene : scenes)
+  for (const BenchScene& scene : all_bench_scenes)
     if (scene.name == name) return scene;
   throw Error("unknown scene \"" + name + "\"");
 }

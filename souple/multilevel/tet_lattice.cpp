@@ -13,7 +13,7 @@
 namespace souple {
 namespace {
 
-using kernels::cell_nodes;
+constexpr std::size_t lattice_corners = kernels::cell_nodes;
 /// Sides of a cell, in sides of a cube of five tets. Twice as many nodes cost more than they gain; with four times,
 /// bending becomes too stiff.
 constexpr double coarsening = 3;
@@ -46,8 +46,8 @@ class Builder {
   // Where x lies in the lattice, and, from 0 to 1, in its cell.
   Place place_of(const Vec3d& x) const;
   Vec3d within(const Vec3d& x, const Place& place) const;
-  std::array<float, cell_nodes> weights(const Vec3d& u) const;
-  std::array<Vec3f, cell_nodes> gradients(const Vec3d& u) const;
+  std::array<float, lattice_corners> weights(const Vec3d& u) const;
+  std::array<Vec3f, lattice_corners> gradients(const Vec3d& u) const;
   std::uint32_t cell_of(const Corners& tet, const Vec3d& center);
   void choose_samples(std::size_t cell, std::span<const std::uint32_t> candidates);
   bool fit_gradients(std::size_t begin);
@@ -164,9 +164,9 @@ Vec3d Builder::within(const Vec3d& x, const Place& place) const {
   return u;
 }
 
-std::array<float, cell_nodes> Builder::weights(const Vec3d& u) const {
-  std::array<float, cell_nodes> w{};
-  for (std::size_t c = 0; c < cell_nodes; ++c) {
+std::array<float, lattice_corners> Builder::weights(const Vec3d& u) const {
+  std::array<float, lattice_corners> w{};
+  for (std::size_t c = 0; c < lattice_corners; ++c) {
     double product = 1;
     for (int axis = 0; axis < 3; ++axis)
       product *= bit(c, static_cast<std::size_t>(axis)) != 0 ? u[axis] : 1 - u[axis];
@@ -175,9 +175,9 @@ std::array<float, cell_nodes> Builder::weights(const Vec3d& u) const {
   return w;
 }
 
-std::array<Vec3f, cell_nodes> Builder::gradients(const Vec3d& u) const {
-  std::array<Vec3f, cell_nodes> g{};
-  for (std::size_t c = 0; c < cell_nodes; ++c) {
+std::array<Vec3f, lattice_corners> Builder::gradients(const Vec3d& u) const {
+  std::array<Vec3f, lattice_corners> g{};
+  for (std::size_t c = 0; c < lattice_corners; ++c) {
     double part[3], slope[3];
     for (int axis = 0; axis < 3; ++axis) {
       const bool upper = bit(c, static_cast<std::size_t>(axis)) != 0;
@@ -211,7 +211,7 @@ void Builder::connect() {
       piece_[i] = static_cast<std::uint32_t>(piece_place_.size()), piece_place_.push_back(place_[i]);
     piece_[i] = piece_[root];
   }
-  DisjointSets same(piece_place_.size() * cell_nodes);
+  DisjointSets same(piece_place_.size() * lattice_corners);
   std::vector<std::uint64_t> neighbors;
   for_each_edge([&](std::uint32_t i, std::uint32_t j) {
     const std::uint32_t a = piece_[i], b = piece_[j];
@@ -221,7 +221,7 @@ void Builder::connect() {
   neighbors.erase(std::unique(neighbors.begin(), neighbors.end()), neighbors.end());
   for (const std::uint64_t pair : neighbors) {
     const auto a = static_cast<std::uint32_t>(pair >> 32), b = static_cast<std::uint32_t>(pair);
-    for (std::size_t c = 0; c < cell_nodes; ++c) {
+    for (std::size_t c = 0; c < lattice_corners; ++c) {
       std::size_t other = 0;
       bool shared = true;
       for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -230,11 +230,11 @@ void Builder::connect() {
         other |= static_cast<std::size_t>(at & 1) << axis;
       }
       if (shared)
-        same.join(static_cast<std::uint32_t>(a * cell_nodes + c),
-                  static_cast<std::uint32_t>(b * cell_nodes + other));
+        same.join(static_cast<std::uint32_t>(a * lattice_corners + c),
+                  static_cast<std::uint32_t>(b * lattice_corners + other));
     }
   }
-  piece_node_.assign(piece_place_.size() * cell_nodes, no_index);
+  piece_node_.assign(piece_place_.size() * lattice_corners, no_index);
   for (std::uint32_t k = 0; k < piece_node_.size(); ++k) {
     const std::uint32_t root = same.root(k);
     if (root == k) piece_node_[k] = static_cast<std::uint32_t>(lattice_.node_count++);
@@ -246,8 +246,8 @@ void Builder::number_nodes() {
   lattice_.parent.resize(rest_.size());
   lattice_.weight.resize(rest_.size());
   for (std::size_t i = 0; i < rest_.size(); ++i) {
-    for (std::size_t c = 0; c < cell_nodes; ++c)
-      lattice_.parent[i][c] = piece_node_[piece_[i] * cell_nodes + c];
+    for (std::size_t c = 0; c < lattice_corners; ++c)
+      lattice_.parent[i][c] = piece_node_[piece_[i] * lattice_corners + c];
     lattice_.weight[i] = weights(within(rest_[i], place_[i]));
   }
 }
@@ -265,8 +265,8 @@ std::uint32_t Builder::cell_of(const Corners& tet, const Vec3d& center) {
     piece_cell_[piece] = static_cast<std::uint32_t>(lattice_.cells.size());
     cell_place_.push_back(piece_place_[piece]);
     lattice_.cells.emplace_back();
-    for (std::size_t c = 0; c < cell_nodes; ++c)
-      lattice_.cells.back().node[c] = piece_node_[piece * cell_nodes + c];
+    for (std::size_t c = 0; c < lattice_corners; ++c)
+      lattice_.cells.back().node[c] = piece_node_[piece * lattice_corners + c];
   }
   return piece_cell_[piece];
 }
@@ -312,15 +312,15 @@ void Builder::divide(float volume, const Vec3d& u, std::array<float, points * po
 }
 
 void Builder::integrate(std::size_t cell, const std::array<float, points * points * points>& volumes) {
-  constexpr std::size_t n = 3 * cell_nodes;
+  constexpr std::size_t n = 3 * lattice_corners;
   std::array<std::array<float, n>, n> T{};
   float total = 0;
   for (std::size_t k = 0; k < volumes.size(); ++k) {
     const std::size_t x = k % points, y = k / points % points, z = k / (points * points);
     const Vec3d point{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-    const std::array<Vec3f, cell_nodes> g = gradients(point * 0.5);
+    const std::array<Vec3f, lattice_corners> g = gradients(point * 0.5);
     std::array<float, n> row{};
-    for (std::size_t c = 0; c < cell_nodes; ++c)
+    for (std::size_t c = 0; c < lattice_corners; ++c)
       row[3 * c] = g[c].x, row[3 * c + 1] = g[c].y, row[3 * c + 2] = g[c].z;
     for (std::size_t p = 0; p < n; ++p)
       for (std::size_t q = 0; q < n; ++q) T[p][q] += volumes[k] * row[p] * row[q];
@@ -357,7 +357,7 @@ void Builder::choose_samples(std::size_t cell, std::span<const std::uint32_t> ca
       low[axis] = std::min(low[axis], rest_[i][axis]), high[axis] = std::max(high[axis], rest_[i][axis]);
   const std::size_t first = lattice_.sample.size();
   lattice_.cells[cell].sample_begin = static_cast<std::uint32_t>(first);
-  for (std::size_t c = 0; c < cell_nodes; ++c) {
+  for (std::size_t c = 0; c < lattice_corners; ++c) {
     const Vec3d corner{bit(c, 0) != 0 ? high.x : low.x, bit(c, 1) != 0 ? high.y : low.y,
                        bit(c, 2) != 0 ? high.z : low.z};
     const auto distance = [&](std::uint32_t i) { return dot(rest_[i] - corner, rest_[i] - corner); };

@@ -1,4 +1,5 @@
 #include "souple/scene/keys.h"
+#include "souple/scene/scene.h"
 
 #include <algorithm>
 #include <map>

@@ -71,12 +71,13 @@ class Links(unittest.TestCase):
         self.assertNotIn("SOUPLE_WARNINGS_AS_ERRORS", release.get("cacheVariables", {}))
 
 
-# A block without a main function is compiled in one of these. A session's headers are C++17.
+# A block without a main function is compiled in a function of its own. A session's headers are C++17.
 OBJECTS = "veil crate bone post door rope ball sleeve shirt bead water".split()
 WORLD = ("#include <souple/mesh_files/mesh_file.h>\n#include <souple/souple.h>\n#include <souple/surface/fluid_surface.h>\n"
-         "#include <souple/threads/threads.h>\nusing namespace souple;\nvoid snippet(World& world, const TriangleMesh& mesh, "
-         f"const std::vector<PoseKey>& keys, {', '.join('ObjectId ' + name for name in OBJECTS)}) {{{{\n")
-SESSION = "#include <souple/host/session.h>\nvoid snippet(souple::host::Session& session, souple::host::Handle cloth) {{\n"
+         "#include <souple/threads/threads.h>\nusing namespace souple;\n",
+         "World& world, const TriangleMesh& mesh, const std::vector<PoseKey>& keys, "
+         + ", ".join("ObjectId " + name for name in OBJECTS))
+SESSION = "#include <souple/host/session.h>\n", "souple::host::Session& session, souple::host::Handle cloth"
 # Beginnings of commands of the program that are not run: why. Scripts are only looked for.
 NOT_RUN = {
     "view": "needs a screen; tests/app/test_view_window.py opens it",
@@ -95,15 +96,24 @@ def blocks(language):
 
 
 class Snippets(unittest.TestCase):
+    def compiles(self, text):
+        standard = "c++17" if "session.h" in text else "c++20"
+        done = subprocess.run([os.environ["COMPILER"], f"-std={standard}", "-fsyntax-only", f"-I{ROOT}",
+                               f"-I{os.environ['INCLUDES']}", "-xc++", "-"], input=text, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
     def test_cpp_compiles(self):
+        functions = {WORLD: [], SESSION: []}
         for page, text in blocks("cpp"):
-            with self.subTest(page=page, begins=text.split("\n")[0]):
-                if not re.search(r"^int main\(", text, re.M):
-                    text = (SESSION if "session." in text else WORLD) + text + "}}\n"
-                standard = "c++17" if "session.h" in text else "c++20"
-                done = subprocess.run([os.environ["COMPILER"], f"-std={standard}", "-fsyntax-only", f"-I{ROOT}",
-                                       f"-I{os.environ['INCLUDES']}", "-xc++", "-"], input=text, capture_output=True, text=True)
-                self.assertEqual(done.returncode, 0, f"{page}:\n{text}\n{done.stderr}")
+            if re.search(r"^int main\(", text, re.M):
+                with self.subTest(page=page, begins=text.split("\n")[0]):
+                    self.compiles(text)
+            else:
+                context = SESSION if "session." in text else WORLD
+                functions[context].append(f'void {re.sub("[^a-z]", "_", page)}_{len(functions[context])}({context[1]}) {{{{\n'
+                                          f'#line 1 "{page}"\n{text}}}}}\n')
+        for (headers, _), texts in functions.items():
+            self.compiles(headers + "".join(texts))
 
     def commands(self):
         for page, text in blocks("sh"):
