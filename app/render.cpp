@@ -381,17 +381,12 @@ int render_frames(const RenderRequest& request) {
       open_sink({job.kind, job.out, source->name(), job.film_rate, job.film_bytes, job.sheet, job.colors});
   // From here on files are written; an interrupt ends the work with complete files.
   watch_interrupts();
-  try {
-    Rendering rendering(job, *source, maker, *sink);
-    const AdvanceResult result = rendering.run();
-    if (result == AdvanceResult::non_finite) return report_non_finite(job, *source, rendering.pictures());
-    if (result == AdvanceResult::stopped) return report_interrupted(job, *source, rendering.pictures());
-    if (!job.quiet) print_summary(job, *source, rendering);
-    return success;
-  } catch (const Error& error) {
-    std::fprintf(stderr, "souple: %s\n", error.what());
-    return failed;
-  }
+  Rendering rendering(job, *source, maker, *sink);
+  const AdvanceResult result = rendering.run();
+  if (result == AdvanceResult::non_finite) return report_non_finite(job, *source, rendering.pictures());
+  if (result == AdvanceResult::stopped) return report_interrupted(job, *source, rendering.pictures());
+  if (!job.quiet) print_summary(job, *source, rendering);
+  return success;
 }
 
 std::string picture_support() {

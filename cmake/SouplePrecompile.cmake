@@ -3,7 +3,8 @@
 #   souple_precompile(target header...)  compiles the headers once for all sources of the target
 #   souple_reuse_headers(target from)    takes those of another target, which is compiled with the same options
 #
-# A source still includes all that it uses: script/lint compiles each without precompiled headers.
+# A source still includes all that it uses: a slow test compiles each alone (tests/package/check_shared.cmake), and
+# script/lint reads them without precompiled headers.
 option(SOUPLE_PRECOMPILE "Precompiled headers" ${PROJECT_IS_TOP_LEVEL})
 
 function(souple_precompile target)

@@ -3,8 +3,8 @@
 #
 #   souple_unite(target...)  groups the sources that the target has so far
 #
-# Names without linkage are therefore unique within a folder. Each source still includes all that it uses: script/lint
-# compiles it alone. Sources with options of their own are grouped apart; vector kernels are compiled alone.
+# Names without linkage are therefore unique within a folder. Each source still includes all that it uses: a slow test
+# compiles it alone (tests/package/check_shared.cmake). Sources with options of their own are grouped apart; vector kernels are compiled alone.
 option(SOUPLE_UNITY "Compile several sources of a folder at a time" ${PROJECT_IS_TOP_LEVEL})
 set(SOUPLE_UNITY_SOURCES 8)
 

@@ -194,7 +194,7 @@ struct Film::Impl {
   [[noreturn]] void fail(const std::string& why) {
     finished = true;
     ffmpeg.reset();
-    throw Error(file.string() + ": ffmpeg failed: " + why);
+    throw WriteError(file.string() + ": ffmpeg failed: " + why);
   }
 
   void run_to_end(const std::vector<std::string>& arguments) {
@@ -249,7 +249,7 @@ struct Film::Impl {
     const int first = max_bytes == 0 ? usual : highest;
     if (encode_webp(webp, first) <= max_bytes || max_bytes == 0) return webp;
     if (const std::uint64_t least = encode_webp(webp, 0); least > max_bytes) {
-      throw Error(fmt::format(
+      throw WriteError(fmt::format(
           "{}: {} pictures of {} have {} bytes at the lowest quality, more than the {} allowed: choose "
           "fewer pictures, a smaller size or more bytes",
           file.string(), added, size_text(width, height), least, max_bytes));

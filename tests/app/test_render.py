@@ -513,9 +513,8 @@ class Trouble(RenderCase):
         # Where Mesa's driver finds no room, it crashes.
         codes = [self.limited(m, "render", scene, "--out", "a.png", *QUICK) for m in (200, 340, 440, 700, 4096)]
         for done in codes:
-            # 1: the driver made an incomplete buffer
-            self.assertIn(done.returncode, (0, 1, 2), done.stderr)
-            if done.returncode != 0:  # a line of Mesa's may come before
+            self.assertIn(done.returncode, (0, 2), done.stderr)
+            if done.returncode == 2:  # a line of Mesa's may come before
                 self.assertRegex(done.stderr, "(^|\n)souple: [^\n]+\n$")
         self.assertEqual(codes[0].returncode, 2)
         self.assertEqual(codes[-1].returncode, 0, codes[-1].stderr)
