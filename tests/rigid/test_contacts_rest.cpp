@@ -252,7 +252,7 @@ void drop_boxes(RigidScene& scene, int count) {
 
 TEST(ManyRigidBodies, HeapOfBoxesComesToRest) {
   RigidScene scene(2);
-  drop_boxes(scene, 150);
+  drop_boxes(scene, 300);
   const double energy = scene.energy();
   double highest = energy;
   for (int f = 1; f <= 240; ++f) {
@@ -260,7 +260,7 @@ TEST(ManyRigidBodies, HeapOfBoxesComesToRest) {
     highest = std::max(highest, scene.energy());
   }
   double lowest = 1;
-  for (std::size_t i = 0; i < 150; ++i) lowest = std::min(lowest, scene.bodies.pose[i].position.y);
+  for (std::size_t i = 0; i < 300; ++i) lowest = std::min(lowest, scene.bodies.pose[i].position.y);
   EXPECT_LE(highest, energy);
   EXPECT_LT(scene.deepest(), 0.02 * 0.2);
   EXPECT_GT(lowest, 0.095);
