@@ -152,10 +152,7 @@ SignedDistanceField::SignedDistanceField(const TriangleMesh& mesh, double spacin
   const TriangleMesh solid = closed_surface(mesh);
   const MeshTree tree(solid.positions, solid.triangles);
   const auto grid = std::make_shared<Grid>();
-  std::vector<Vec3d> used;
-  for (const Triangle& t : solid.triangles)
-    for (const std::uint32_t vertex : t) used.push_back(solid.positions[vertex]);
-  const BoundingBox box = bounding_box(used);
+  const BoundingBox box = bounding_box(solid.positions, solid.triangles);
   grid->lo = box.lo;
   grid->hi = box.hi;
   grid->spacing = spacing;

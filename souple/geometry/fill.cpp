@@ -111,14 +111,8 @@ std::vector<Vec3d> fill(const Vec3d& lo, const Vec3d& hi, double spacing, const 
 
 std::vector<Vec3d> fill(const TriangleMesh& surface, double spacing, const std::string& name) {
   require_closed(inspect(surface), name);
-  Vec3d lo = surface.positions[surface.triangles[0][0]], hi = lo;
-  for (const Triangle& t : surface.triangles)
-    for (const std::uint32_t i : t)
-      for (int axis = 0; axis < 3; ++axis) {
-        lo[axis] = std::min(lo[axis], surface.positions[i][axis]);
-        hi[axis] = std::max(hi[axis], surface.positions[i][axis]);
-      }
-  const Rows rows = rows_of(lo, hi, spacing, name);
+  const BoundingBox box = bounding_box(surface.positions, surface.triangles);
+  const Rows rows = rows_of(box.lo, box.hi, spacing, name);
   Crossings crossings(rows);
   for (const Triangle& t : surface.triangles)
     crossings.add(surface.positions[t[0]], surface.positions[t[1]], surface.positions[t[2]]);

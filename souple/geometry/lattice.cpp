@@ -551,10 +551,8 @@ Solid solid_of(const TriangleMesh& mesh, const std::string& name, std::vector<st
   Solid solid{std::move(surface.positions), std::move(surface.triangles), 0, 0, {}};
   solid.volume = std::abs(enclosed_volume(solid.positions, solid.triangles));
   solid.area = surface_area(solid.positions, solid.triangles);
-  std::vector<Vec3d> corners;  // of triangles only: an unused vertex must not enlarge the lattice
-  for (const Triangle& t : solid.triangles)
-    for (const std::uint32_t v : t) corners.push_back(solid.positions[v]);
-  solid.box = bounding_box(corners);
+  solid.box =
+      bounding_box(solid.positions, solid.triangles);  // an unused vertex must not enlarge the lattice
   const double diagonal = solid.box.diagonal();
   if (!(solid.volume > 1e-15 * diagonal * diagonal * diagonal) || !std::isfinite(solid.volume))
     throw Error(

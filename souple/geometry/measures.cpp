@@ -33,6 +33,14 @@ BoundingBox bounding_box(std::span<const Vec3d> positions) {
   return any ? box : BoundingBox{};
 }
 
+BoundingBox bounding_box(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
+  std::vector<Vec3d> corners;
+  corners.reserve(triangles.size() * 3);
+  for (const Triangle& t : triangles)
+    for (const std::uint32_t v : t) corners.push_back(positions[v]);
+  return bounding_box(corners);
+}
+
 double surface_area(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
   double sum = 0;
   for (const Triangle& t : triangles) sum += area_of(positions, t);

@@ -21,6 +21,8 @@ struct BoundingBox {
 };
 /// The box of all finite positions; without any, a point at the origin.
 BoundingBox bounding_box(std::span<const Vec3d> positions);
+/// The box of the corners of triangles.
+BoundingBox bounding_box(std::span<const Vec3d> positions, std::span<const Triangle> triangles);
 
 /// Total area of all triangles [m^2].
 double surface_area(std::span<const Vec3d> positions, std::span<const Triangle> triangles);

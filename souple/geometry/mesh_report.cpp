@@ -48,11 +48,11 @@ std::string plural(std::size_t count, const std::string& singular, const std::st
   return fmt::format("{} {}", count, count == 1 ? singular : many);
 }
 
-std::string at_vertex(const Indices& list) {
+std::string place_of(const Indices& list) {
   return fmt::format("{}number {}", list.size() == 1 ? "" : "the first is ", list[0]);
 }
 
-std::string at_edge(const std::vector<Edge>& list) {
+std::string place_of(const std::vector<Edge>& list) {
   return fmt::format("{}between vertices {} and {}", list.size() == 1 ? "" : "the first is ", list[0][0],
                      list[0][1]);
 }
@@ -108,27 +108,19 @@ MeshReport inspect(const TriangleMesh& mesh) {
 
 std::vector<std::string> describe(const MeshReport& r) {
   std::vector<std::string> lines;
-  const auto add = [&](const auto& list, const char* one, const char* many, const std::string& where) {
-    if (!list.empty()) lines.push_back(plural(list.size(), one, many) + " (" + where + ")");
+  const auto add = [&](const auto& list, const char* one, const char* many) {
+    if (!list.empty()) lines.push_back(plural(list.size(), one, many) + " (" + place_of(list) + ")");
   };
-  const auto vertex = [](const Indices& list) { return list.empty() ? std::string() : at_vertex(list); };
-  const auto edge = [](const std::vector<Edge>& list) {
-    return list.empty() ? std::string() : at_edge(list);
-  };
-  add(r.non_finite_vertices, "vertex is not a finite number", "vertices are not finite numbers",
-      vertex(r.non_finite_vertices));
-  add(r.unreferenced_vertices, "vertex is in no triangle", "vertices are in no triangle",
-      vertex(r.unreferenced_vertices));
-  add(r.duplicate_vertices, "vertex coincides with an earlier one", "vertices coincide with earlier ones",
-      vertex(r.duplicate_vertices));
-  add(r.collapsed_triangles, "triangle has two coincident corners", "triangles have two coincident corners",
-      vertex(r.collapsed_triangles));
-  add(r.zero_area_triangles, "triangle has no area", "triangles have no area", vertex(r.zero_area_triangles));
-  add(r.open_edges, "edge is open", "edges are open", edge(r.open_edges));
+  add(r.non_finite_vertices, "vertex is not a finite number", "vertices are not finite numbers");
+  add(r.unreferenced_vertices, "vertex is in no triangle", "vertices are in no triangle");
+  add(r.duplicate_vertices, "vertex coincides with an earlier one", "vertices coincide with earlier ones");
+  add(r.collapsed_triangles, "triangle has two coincident corners", "triangles have two coincident corners");
+  add(r.zero_area_triangles, "triangle has no area", "triangles have no area");
+  add(r.open_edges, "edge is open", "edges are open");
   add(r.non_manifold_edges, "edge is shared by more than two triangles",
-      "edges are shared by more than two triangles", edge(r.non_manifold_edges));
+      "edges are shared by more than two triangles");
   add(r.inconsistent_edges, "edge joins triangles of opposite winding",
-      "edges join triangles of opposite winding", edge(r.inconsistent_edges));
+      "edges join triangles of opposite winding");
   return lines;
 }
 
@@ -139,12 +131,12 @@ void require_closed(const MeshReport& r, const std::string& name, const std::str
   if (r.triangle_count == 0) add("it has no triangles");
   if (!r.non_finite_vertices.empty())
     add(plural(r.non_finite_vertices.size(), "vertex is", "vertices are") + " not finite (" +
-        at_vertex(r.non_finite_vertices) + ")");
+        place_of(r.non_finite_vertices) + ")");
   if (!r.open_edges.empty())
-    add(plural(r.open_edges.size(), "edge is", "edges are") + " open (" + at_edge(r.open_edges) + ")");
+    add(plural(r.open_edges.size(), "edge is", "edges are") + " open (" + place_of(r.open_edges) + ")");
   else if (!r.non_manifold_edges.empty())
     add(plural(r.non_manifold_edges.size(), "edge is", "edges are") +
-        " shared by more than two triangles, some by an odd number (" + at_edge(r.non_manifold_edges) + ")");
+        " shared by more than two triangles, some by an odd number (" + place_of(r.non_manifold_edges) + ")");
   if (why.empty()) add("all its triangles are collapsed");
   if (!holes.empty()) why += ", it has " + holes;
   throw Error(name + ": a closed surface is needed here, but " + why +
@@ -246,12 +238,8 @@ std::vector<ClosedPiece> closed_pieces(const std::vector<Patch>& patches, const 
   for (const Patch& patch : patches) {
     if (!is_closed_patch(patch, on_rim)) continue;
     std::vector<Triangle> own;
-    std::vector<Vec3d> corners;
-    for (const std::uint32_t t : patch.triangles) {
-      own.push_back(triangles[t]);
-      for (const std::uint32_t v : triangles[t]) corners.push_back(positions[v]);
-    }
-    pieces.push_back({&patch.triangles, enclosed_volume(positions, own), bounding_box(corners)});
+    for (const std::uint32_t t : patch.triangles) own.push_back(triangles[t]);
+    pieces.push_back({&patch.triangles, enclosed_volume(positions, own), bounding_box(positions, own)});
   }
   return pieces;
 }

@@ -110,9 +110,7 @@ class Hull {
     std::uint32_t point, face;
     // The greatest is the next to be added.
     friend bool operator<(const Candidate& a, const Candidate& b) {
-      if (a.height != b.height) return a.height < b.height;
-      if (a.point != b.point) return a.point > b.point;
-      return a.face > b.face;
+      return std::tie(a.height, b.point, b.face) < std::tie(b.height, a.point, a.face);
     }
   };
 

@@ -46,9 +46,7 @@ struct Occupant {
   Cell cell;
   std::uint32_t vertex;
   friend bool operator<(const Occupant& a, const Occupant& b) {
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      if (a.cell[axis] != b.cell[axis]) return a.cell[axis] < b.cell[axis];
-    return a.vertex < b.vertex;
+    return std::tie(a.cell, a.vertex) < std::tie(b.cell, b.vertex);
   }
 };
 
@@ -146,10 +144,7 @@ std::vector<std::uint32_t> exact_representatives(std::span<const Vec3d> position
   }
   std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
     const Vec3d &p = positions[a], &q = positions[b];
-    if (p.x != q.x) return p.x < q.x;
-    if (p.y != q.y) return p.y < q.y;
-    if (p.z != q.z) return p.z < q.z;
-    return a < b;
+    return std::tie(p.x, p.y, p.z, a) < std::tie(q.x, q.y, q.z, b);
   });
   for (std::size_t k = 1; k < order.size(); ++k)
     if (positions[order[k]] == positions[order[k - 1]])

@@ -65,34 +65,14 @@ bool has_sequence(const ManifestObject& object) {
   });
 }
 
-/// State of an object from frame to frame.
-struct Part {
-  TriangleMesh home, other;
-  std::size_t points = 0;       // in the first frame
-  std::vector<Vec3f> previous;  // positions in the frame before
-  std::vector<Vec3f> velocities, normals;
-};
-
 }  // namespace
 
-struct ExportFrames::Impl {
-  Impl(const fs::path& path, const FindLook& find_look);
-  void describe(std::size_t i);
-  void find_velocities(std::uint64_t from, std::uint64_t to);
-  void remember();
-
-  Playback playback;
-  std::vector<Part> parts;
-  std::vector<ExportObject> objects;
-  std::uint64_t remembered = 0;  // frame of Part::previous
-};
-
-ExportFrames::Impl::Impl(const fs::path& path, const FindLook& find_look) : playback(path) {
-  if (playback.frames() == 0) throw Error(path.string() + ": holds no frame yet; expected at least one");
-  const std::vector<ManifestObject>& listed = playback.manifest().objects;
-  playback.read(1);
+ExportFrames::ExportFrames(const fs::path& path, const FindLook& find_look) : playback_(path) {
+  if (playback_.frames() == 0) throw Error(path.string() + ": holds no frame yet; expected at least one");
+  const std::vector<ManifestObject>& listed = playback_.manifest().objects;
+  playback_.read(1);
   for (std::size_t i = 0; i < listed.size(); ++i) {
-    const Playback::Object& object = playback.objects()[i];
+    const Playback::Object& object = playback_.objects()[i];
     ExportObject result{.name = object.name, .kind = object.kind, .shape = shape_of(listed[i])};
     result.look = find_look(object);
     Part part;
@@ -103,15 +83,15 @@ ExportFrames::Impl::Impl(const fs::path& path, const FindLook& find_look) : play
       result.smooth = object.kind == "cloth" || object.kind == "fluid" ||
                       is_smooth(part.home.positions, part.home.triangles);
     }
-    objects.push_back(std::move(result));
-    parts.push_back(std::move(part));
+    objects_.push_back(std::move(result));
+    parts_.push_back(std::move(part));
   }
 }
 
-void ExportFrames::Impl::describe(std::size_t i) {
-  const Playback::Object& source = playback.objects()[i];
-  Part& part = parts[i];
-  ExportObject& object = objects[i];
+void ExportFrames::describe(std::size_t i) {
+  const Playback::Object& source = playback_.objects()[i];
+  Part& part = parts_[i];
+  ExportObject& object = objects_[i];
   object.positions = source.positions;
   object.foam_kinds = source.foam_kinds;
   object.first_topology = source.positions.size() == part.points;
@@ -133,69 +113,55 @@ void ExportFrames::Impl::describe(std::size_t i) {
   object.normals = part.normals;
 }
 
-void ExportFrames::Impl::remember() {
-  for (std::size_t i = 0; i < parts.size(); ++i) parts[i].previous = playback.objects()[i].positions;
-  remembered = playback.frame();
+void ExportFrames::remember() {
+  for (std::size_t i = 0; i < parts_.size(); ++i) parts_[i].previous = playback_.objects()[i].positions;
+  remembered_ = playback_.frame();
 }
 
-/// From the positions that were remembered of frame `from` and those of frame `to`, the current one or the next.
-void ExportFrames::Impl::find_velocities(std::uint64_t from, std::uint64_t to) {
-  const double seconds = playback.time(to) - playback.time(from);
+/// From the positions that were remembered_ of frame `from` and those of frame `to`, the current one or the next.
+void ExportFrames::find_velocities(std::uint64_t from, std::uint64_t to) {
+  const double seconds = playback_.time(to) - playback_.time(from);
   const auto rate = static_cast<float>(std::abs(seconds) > 1e-9 ? 1 / seconds : 0);
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    const Playback::Object& source = playback.objects()[i];
-    Part& part = parts[i];
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Playback::Object& source = playback_.objects()[i];
+    Part& part = parts_[i];
     part.velocities = source.velocities;
-    const bool known = objects[i].first_topology && part.previous.size() == source.positions.size();
+    const bool known = objects_[i].first_topology && part.previous.size() == source.positions.size();
     if (source.velocities.empty() && known)
       for (std::size_t v = 0; v < source.positions.size(); ++v)
         part.velocities.push_back((source.positions[v] - part.previous[v]) * rate);
     for (Vec3f& v : part.velocities)
       if (!is_finite(v)) v = {};  // JSON has no text for it
-    objects[i].velocities = part.velocities;
+    objects_[i].velocities = part.velocities;
   }
 }
 
-ExportFrames::ExportFrames(const fs::path& path, const FindLook& find_look)
-    : impl_(std::make_unique<Impl>(path, find_look)) {}
-ExportFrames::~ExportFrames() = default;
-
-const Playback& ExportFrames::playback() const {
-  return impl_->playback;
-}
-
 bool ExportFrames::survey() {
-  Impl& impl = *impl_;
-  const std::vector<ManifestObject>& listed = impl.playback.manifest().objects;
+  const std::vector<ManifestObject>& listed = playback_.manifest().objects;
   const bool caches_only = std::none_of(listed.begin(), listed.end(), has_sequence);
-  if (caches_only && impl.playback.manifest().complete) return true;
+  if (caches_only && playback_.manifest().complete) return true;
   bool all = true;
-  for (std::uint64_t frame = 1; frame <= impl.playback.frames(); ++frame) {
-    impl.playback.read(frame);
-    for (std::size_t i = 0; i < impl.objects.size(); ++i) {
-      impl.describe(i);
-      if (impl.objects[i].first_topology) continue;
-      impl.objects[i].constant = all = false;
+  for (std::uint64_t frame = 1; frame <= playback_.frames(); ++frame) {
+    playback_.read(frame);
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      describe(i);
+      if (objects_[i].first_topology) continue;
+      objects_[i].constant = all = false;
     }
   }
   return all;
 }
 
 void ExportFrames::read(std::uint64_t frame) {
-  Impl& impl = *impl_;
-  const std::uint64_t other = frame > 1 ? frame - 1 : std::min<std::uint64_t>(2, impl.playback.frames());
-  if (impl.remembered != other) {
-    impl.playback.read(other);
-    impl.remember();
+  const std::uint64_t other = frame > 1 ? frame - 1 : std::min<std::uint64_t>(2, playback_.frames());
+  if (remembered_ != other) {
+    playback_.read(other);
+    remember();
   }
-  impl.playback.read(frame);
-  for (std::size_t i = 0; i < impl.objects.size(); ++i) impl.describe(i);
-  impl.find_velocities(other, frame);
-  impl.remember();
-}
-
-std::span<const ExportObject> ExportFrames::objects() const {
-  return impl_->objects;
+  playback_.read(frame);
+  for (std::size_t i = 0; i < objects_.size(); ++i) describe(i);
+  find_velocities(other, frame);
+  remember();
 }
 
 std::string run_name(const fs::path& path) {

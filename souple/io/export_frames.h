@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -53,22 +52,34 @@ class ExportFrames {
   using FindLook = std::function<ExportLook(const Playback::Object& object)>;
   /// `path` is the folder of a run or its run.json. Throws Error like Playback, and for a run without frames.
   ExportFrames(const std::filesystem::path& path, const FindLook& find_look);
-  ~ExportFrames();
   ExportFrames(const ExportFrames&) = delete;
   ExportFrames& operator=(const ExportFrames&) = delete;
 
-  const Playback& playback() const;
+  const Playback& playback() const { return playback_; }
   /// Finds which objects have the same points and triangles in all frames. Reads each frame if the run has sequences.
   /// Returns whether all have.
   bool survey();
   /// Reads a frame. Velocities that the caches lack are displacements since the frame before, divided by its duration;
   /// in the first frame, until the next one. Objects whose topology changed meanwhile have none.
   void read(std::uint64_t frame);
-  std::span<const ExportObject> objects() const;
+  std::span<const ExportObject> objects() const { return objects_; }
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  /// State of an object from frame to frame.
+  struct Part {
+    TriangleMesh home, other;
+    std::size_t points = 0;       // in the first frame
+    std::vector<Vec3f> previous;  // positions in the frame before
+    std::vector<Vec3f> velocities, normals;
+  };
+  void describe(std::size_t i);
+  void find_velocities(std::uint64_t from, std::uint64_t to);
+  void remember();
+
+  Playback playback_;
+  std::vector<Part> parts_;
+  std::vector<ExportObject> objects_;
+  std::uint64_t remembered_ = 0;  // frame of Part::previous
 };
 
 /// The name of the run in a folder, for files: "flag" for out/flag and out/flag/run.json.

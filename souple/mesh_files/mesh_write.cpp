@@ -288,13 +288,7 @@ std::string obj_text(const TriangleMesh& mesh, std::span<const Vec3f> positions)
 }
 
 std::string obj_text(std::span<const Vec3f> points) {
-  std::string out;
-  for (const Vec3f& point : points) {
-    out += 'v';
-    append_vector(out, point);
-    out += '\n';
-  }
-  return out;
+  return obj_text(points, {}, {});
 }
 
 std::string obj_vertices_text(const TriangleMesh& mesh, std::span<const Vec3f> positions) {

@@ -36,12 +36,14 @@ void each(Threads* threads, std::size_t n, const Function& f) {
   });
 }
 
-/// Fills `out` with a value for each user vertex: f(i) of its particle i, or the blend over a tet. f returns
-/// Vec3d.
+/// Fills `out`, unless it is up to date, with a value for each user vertex: f(i) of its particle i, or the blend
+/// over its tet. f returns Vec3d.
 template <class Function>
-void fill(Threads* threads, const Object& object, KeptPoints& out, const Function& f) {
+std::span<const Vec3f> filled(const QueryView& view, const Object& object, KeptPoints& out,
+                              std::uint64_t& version, const Function& f) {
+  if (version == view.version) return out;
   resize(out, object.vertex_count(), object.capacity);
-  each(threads, out.size(), [&](std::size_t v) {
+  each(view.threads, out.size(), [&](std::size_t v) {
     if (!object.embedding) {
       SOUPLE_ASSERT(object.begin + object.particle_of[v] < object.end, "a particle of the object");
       out[v] = Vec3f(f(object.begin + object.particle_of[v]));
@@ -53,6 +55,8 @@ void fill(Threads* threads, const Object& object, KeptPoints& out, const Functio
     for (std::size_t k = 0; k < 4; ++k) sum += f(object.begin + tet[k]) * weights[k];
     out[v] = Vec3f(sum);
   });
+  version = view.version;
+  return out;
 }
 
 // Per triangle: cross product of two sides; its length is twice the area.
@@ -90,28 +94,19 @@ void fill_normals(Threads* threads, std::span<const Triangle> triangles, Mirror&
 }  // namespace
 
 std::span<const Vec3f> mirrored_positions(const QueryView& view, const Object& object, Mirror& mirror) {
-  if (mirror.version == view.version) return mirror.positions;
-  fill(view.threads, object, mirror.positions,
-       [&](std::size_t i) { return view.particles.exact_position(i); });
-  mirror.version = view.version;
-  return mirror.positions;
+  return filled(view, object, mirror.positions, mirror.version,
+                [&](std::size_t i) { return view.particles.exact_position(i); });
 }
 
 std::span<const Vec3f> mirrored_velocities(const QueryView& view, const Object& object, Mirror& mirror) {
-  if (mirror.velocities_version == view.version) return mirror.velocities;
-  fill(view.threads, object, mirror.velocities,
-       [&](std::size_t i) { return Vec3d(view.particles.velocity[i].xyz()); });
-  mirror.velocities_version = view.version;
-  return mirror.velocities;
+  return filled(view, object, mirror.velocities, mirror.velocities_version,
+                [&](std::size_t i) { return Vec3d(view.particles.velocity[i].xyz()); });
 }
 
 std::span<const Vec3f> mirrored_angular_velocities(const QueryView& view, const Object& object,
                                                    Mirror& mirror) {
-  if (mirror.angular_velocities_version == view.version) return mirror.angular_velocities;
-  fill(view.threads, object, mirror.angular_velocities,
-       [&](std::size_t i) { return Vec3d(view.particles.spin[i].xyz()); });
-  mirror.angular_velocities_version = view.version;
-  return mirror.angular_velocities;
+  return filled(view, object, mirror.angular_velocities, mirror.angular_velocities_version,
+                [&](std::size_t i) { return Vec3d(view.particles.spin[i].xyz()); });
 }
 
 std::span<const Vec3f> mirrored_normals(const QueryView& view, const Object& object, Mirror& mirror) {

@@ -57,10 +57,7 @@ std::uint32_t nearest_corner(std::span<const Vec3f> x, const Triangle& triangle,
 /// Object, then triangle or vertex: of equally distant candidates the first wins.
 struct Order {
   std::uint32_t object = 0, element = 0;
-  friend bool operator==(const Order&, const Order&) = default;
-  friend bool operator<(const Order& a, const Order& b) {
-    return a.object != b.object ? a.object < b.object : a.element < b.element;
-  }
+  friend auto operator<=>(const Order&, const Order&) = default;
 };
 constexpr Order after_objects{~0u, ~0u};
 

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -27,10 +28,20 @@ struct Selector {
   std::variant<All, Vertices, InBox, Nearest, Group> choice;
 };
 
-Selector all();
-Selector vertices(std::vector<std::uint32_t> indices);
-Selector in_box(const Vec3f& lo, const Vec3f& hi);
-Selector nearest(const Vec3f& point);
-Selector group(std::string name);
+inline Selector all() {
+  return {Selector::All{}};
+}
+inline Selector vertices(std::vector<std::uint32_t> indices) {
+  return {Selector::Vertices{std::move(indices)}};
+}
+inline Selector in_box(const Vec3f& lo, const Vec3f& hi) {
+  return {Selector::InBox{lo, hi}};
+}
+inline Selector nearest(const Vec3f& point) {
+  return {Selector::Nearest{point}};
+}
+inline Selector group(std::string name) {
+  return {Selector::Group{std::move(name)}};
+}
 
 }  // namespace souple
