@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/collision/segment_triangle/segment_triangle.h"
+#include "souple/studies/segment_triangle/prepared_by_copy.h"
 
 namespace souple {
 
@@ -16,35 +16,25 @@ namespace souple {
 ///
 /// The point is inside where no weight is negative. All corners are treated alike. In Badouel's test and in that of
 /// Möller and Trumbore, one weight is a difference of the others. Slivers are as hard as for Badouel's.
-struct Inclusion {
+struct Inclusion : PreparedByCopy<Inclusion> {
   template <class T>
-  struct Prepared {
-    Segment<T> segment;
+  static Crossing<T> crossing(const Segment<T>& segment, const Corners<T>& corners) {
+    const Vec3<T>& d = segment.direction;
+    const Vec3<T> n = cross(corners.b - corners.a, corners.c - corners.a);
+    const Vec3<T> a = corners.a - segment.origin;
+    const T approach = dot(d, n);
+    const auto crosses_plane = abs(approach) > T(0);
+    const T t = dot(a, n) / select(crosses_plane, approach, T(1));
 
-    Crossing<T> operator()(const Corners<T>& corners) const {
-      const Vec3<T>& d = segment.direction;
-      const Vec3<T> n = cross(corners.b - corners.a, corners.c - corners.a);
-      const Vec3<T> a = corners.a - segment.origin;
-      const T approach = dot(d, n);
-      const auto crosses_plane = abs(approach) > T(0);
-      const T t = dot(a, n) / select(crosses_plane, approach, T(1));
-
-      const Vec3<T> g = d * t;
-      const Vec3<T> to_a = a - g, to_b = corners.b - segment.origin - g,
-                    to_c = corners.c - segment.origin - g;
-      const detail::LargestProjection<T> projection(n);
-      const T inverse = T(1) / select(crosses_plane, projection.twice_area(), T(1));
-      const Vec3<T> weight =
-          Vec3<T>{projection.area(to_b, to_c), projection.area(to_c, to_a), projection.area(to_a, to_b)} *
-          inverse;
-      const auto inside = crosses_plane && weight.x >= T(0) && weight.y >= T(0) && weight.z >= T(0);
-      return detail::crossing(inside, t, weight, approach, segment.max_t);
-    }
-  };
-
-  template <class T, class Function>
-  static auto prepare(const Segment<ScalarOf<T>>& segment, const Function& f) {
-    return f(Prepared<T>{broadcast<T>(segment)});
+    const Vec3<T> g = d * t;
+    const Vec3<T> to_a = a - g, to_b = corners.b - segment.origin - g, to_c = corners.c - segment.origin - g;
+    const detail::LargestProjection<T> projection(n);
+    const T inverse = T(1) / select(crosses_plane, projection.twice_area(), T(1));
+    const Vec3<T> weight =
+        Vec3<T>{projection.area(to_b, to_c), projection.area(to_c, to_a), projection.area(to_a, to_b)} *
+        inverse;
+    const auto inside = crosses_plane && weight.x >= T(0) && weight.y >= T(0) && weight.z >= T(0);
+    return detail::crossing(inside, t, weight, approach, segment.max_t);
   }
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/collision/segment_triangle/segment_triangle.h"
+#include "souple/studies/segment_triangle/prepared_by_copy.h"
 
 namespace souple {
 
@@ -19,23 +19,14 @@ namespace souple {
 /// compares v + w with 1. Here the third weight is compared with 0 before the division, so rounding does not
 /// exclude the edge between b and c. But the weight of that edge is a difference of the others, and not the
 /// same number in the neighboring triangle.
-struct MoellerTrumbore {
+struct MoellerTrumbore : PreparedByCopy<MoellerTrumbore> {
   template <class T>
-  struct Prepared {
-    Segment<T> segment;
-
-    Crossing<T> operator()(const Corners<T>& corners) const {
-      const Vec3<T>& d = segment.direction;
-      const Vec3<T> e = corners.b - corners.a, f = corners.c - corners.a, s = segment.origin - corners.a;
-      const Vec3<T> p = cross(d, f), q = cross(s, e);
-      const T det = dot(e, p), v = dot(s, p), w = dot(d, q);
-      return detail::crossing_of_volumes({det - v - w, v, w}, det, dot(f, q), -det, segment.max_t);
-    }
-  };
-
-  template <class T, class Function>
-  static auto prepare(const Segment<ScalarOf<T>>& segment, const Function& f) {
-    return f(Prepared<T>{broadcast<T>(segment)});
+  static Crossing<T> crossing(const Segment<T>& segment, const Corners<T>& corners) {
+    const Vec3<T>& d = segment.direction;
+    const Vec3<T> e = corners.b - corners.a, f = corners.c - corners.a, s = segment.origin - corners.a;
+    const Vec3<T> p = cross(d, f), q = cross(s, e);
+    const T det = dot(e, p), v = dot(s, p), w = dot(d, q);
+    return detail::crossing_of_volumes({det - v - w, v, w}, det, dot(f, q), -det, segment.max_t);
   }
 };
 

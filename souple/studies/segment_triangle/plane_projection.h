@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/collision/segment_triangle/segment_triangle.h"
+#include "souple/studies/segment_triangle/prepared_by_copy.h"
 
 namespace souple {
 
@@ -20,31 +20,22 @@ namespace souple {
 ///
 /// Slivers lose digits twice. The rounded n is not quite perpendicular to the long edges, and far along them the plane
 /// is off by more than the sliver's width.
-struct PlaneProjection {
+struct PlaneProjection : PreparedByCopy<PlaneProjection> {
   template <class T>
-  struct Prepared {
-    Segment<T> segment;
+  static Crossing<T> crossing(const Segment<T>& segment, const Corners<T>& corners) {
+    const Vec3<T>& d = segment.direction;
+    const Vec3<T> e = corners.b - corners.a, f = corners.c - corners.a, a = corners.a - segment.origin;
+    const Vec3<T> n = cross(e, f);
+    const T approach = dot(d, n);
+    const auto crosses_plane = abs(approach) > T(0);
+    const T t = dot(a, n) / select(crosses_plane, approach, T(1));
 
-    Crossing<T> operator()(const Corners<T>& corners) const {
-      const Vec3<T>& d = segment.direction;
-      const Vec3<T> e = corners.b - corners.a, f = corners.c - corners.a, a = corners.a - segment.origin;
-      const Vec3<T> n = cross(e, f);
-      const T approach = dot(d, n);
-      const auto crosses_plane = abs(approach) > T(0);
-      const T t = dot(a, n) / select(crosses_plane, approach, T(1));
-
-      const Vec3<T> g = d * t - a;
-      const detail::LargestProjection<T> projection(n);
-      const T inverse = T(1) / select(crosses_plane, projection.twice_area(), T(1));
-      const T v = projection.area(g, f) * inverse, w = projection.area(e, g) * inverse;
-      const auto inside = crosses_plane && v >= T(0) && w >= T(0) && v + w <= T(1);
-      return detail::crossing(inside, t, {T(1) - v - w, v, w}, approach, segment.max_t);
-    }
-  };
-
-  template <class T, class Function>
-  static auto prepare(const Segment<ScalarOf<T>>& segment, const Function& f) {
-    return f(Prepared<T>{broadcast<T>(segment)});
+    const Vec3<T> g = d * t - a;
+    const detail::LargestProjection<T> projection(n);
+    const T inverse = T(1) / select(crosses_plane, projection.twice_area(), T(1));
+    const T v = projection.area(g, f) * inverse, w = projection.area(e, g) * inverse;
+    const auto inside = crosses_plane && v >= T(0) && w >= T(0) && v + w <= T(1);
+    return detail::crossing(inside, t, {T(1) - v - w, v, w}, approach, segment.max_t);
   }
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/collision/segment_triangle/segment_triangle.h"
+#include "souple/studies/segment_triangle/prepared_by_copy.h"
 
 namespace souple {
 
@@ -20,25 +20,16 @@ namespace souple {
 ///
 /// Volumes are rounded: a line within rounding of a corner may appear to pass outside of all triangles there.
 /// At an edge, both triangles compute the same numbers with opposite signs, so they never both miss the line.
-struct SignedVolumes {
+struct SignedVolumes : PreparedByCopy<SignedVolumes> {
   template <class T>
-  struct Prepared {
-    Segment<T> segment;
-
-    Crossing<T> operator()(const Corners<T>& corners) const {
-      const Vec3<T>& d = segment.direction;
-      const Vec3<T> a = corners.a - segment.origin, b = corners.b - segment.origin,
-                    c = corners.c - segment.origin;
-      const Vec3<T> volume{dot(d, cross(b, c)), dot(d, cross(c, a)), dot(d, cross(a, b))};
-      const T sum = volume.x + volume.y + volume.z;
-      const Vec3<T> n = cross(corners.b - corners.a, corners.c - corners.a);
-      return detail::crossing_of_volumes(volume, sum, dot(a, n), sum, segment.max_t);
-    }
-  };
-
-  template <class T, class Function>
-  static auto prepare(const Segment<ScalarOf<T>>& segment, const Function& f) {
-    return f(Prepared<T>{broadcast<T>(segment)});
+  static Crossing<T> crossing(const Segment<T>& segment, const Corners<T>& corners) {
+    const Vec3<T>& d = segment.direction;
+    const Vec3<T> a = corners.a - segment.origin, b = corners.b - segment.origin,
+                  c = corners.c - segment.origin;
+    const Vec3<T> volume{dot(d, cross(b, c)), dot(d, cross(c, a)), dot(d, cross(a, b))};
+    const T sum = volume.x + volume.y + volume.z;
+    const Vec3<T> n = cross(corners.b - corners.a, corners.c - corners.a);
+    return detail::crossing_of_volumes(volume, sum, dot(a, n), sum, segment.max_t);
   }
 };
 
