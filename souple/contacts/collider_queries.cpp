@@ -88,35 +88,6 @@ std::optional<RayHit> ray_cast(const Shape& shape, const Vec3d& origin, const Ve
   return RayHit{s, point, surface_distance(shape, point).normal};
 }
 
-std::optional<RayHit> ray_cast(const Collider& collider, double time, const Vec3d& origin,
-                               const Vec3d& direction, double max_distance) {
-  if (!collider.enabled) return std::nullopt;
-  const Transform pose = collider.motion.at(time);
-  const Quatd back = conjugate(pose.rotation);
-  std::optional<RayHit> hit = ray_cast(collider.shape, rotate(back, origin - pose.translation),
-                                       rotate(back, direction), max_distance);
-  if (hit) {
-    hit->point = pose.point(hit->point);
-    hit->normal = pose.direction(hit->normal);
-  }
-  return hit;
-}
-
-std::optional<ColliderHit> ray_cast(std::span<const Collider> colliders, double time, const Vec3d& origin,
-                                    const Vec3d& direction, double max_distance) {
-  std::optional<ColliderHit> nearest;
-  for (std::size_t c = 0; c < colliders.size(); ++c) {
-    const auto hit = ray_cast(colliders[c], time, origin, direction, max_distance);
-    if (hit && (!nearest || hit->distance < nearest->hit.distance)) nearest = ColliderHit{c, *hit};
-  }
-  return nearest;
-}
-
-Vec3d closest_point(const Shape& shape, const Vec3d& point) {
-  const SurfaceDistance surface = surface_distance(shape, point);
-  return point - surface.normal * surface.distance;
-}
-
 SurfaceDistance surface_distance(const Collider& collider, double time, const Vec3d& point) {
   const Transform pose = collider.motion.at(time);
   SurfaceDistance surface =

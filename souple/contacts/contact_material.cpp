@@ -44,29 +44,9 @@ void validate(const ContactMaterialPair& pair, std::string_view where) {
   check(where, "rolling friction", pair.rolling_friction, any, "a finite number of at least 0");
 }
 
-ContactMaterialPair combine(const ContactMaterial& a, const ContactMaterial& b) {
-  return ContactMaterialTable::combined(ContactMaterialTable::side_of({"", a}),
-                                        ContactMaterialTable::side_of({"", b}));
-}
-
 void PairOverrides::set(std::string_view a, std::string_view b, const ContactMaterialPair& pair) {
   validate(pair, "material pair '" + std::string(a) + "', '" + std::string(b) + "'");
   overrides_[key_of(a, b)] = pair;
-}
-
-const ContactMaterialPair* PairOverrides::find(std::string_view a, std::string_view b) const {
-  const auto found = overrides_.find(key_of(a, b));
-  return found == overrides_.end() ? nullptr : &found->second;
-}
-
-ContactMaterialPair PairOverrides::resolve(const NamedContactMaterial& a,
-                                           const NamedContactMaterial& b) const {
-  const ContactMaterialPair* exception = find(a.name, b.name);
-  ContactMaterialPair result = combine(a.material, b.material);
-  if (exception)
-    result = {exception->static_friction, exception->kinetic_friction, exception->restitution,
-              result.rolling_friction};
-  return result;
 }
 
 void PairOverrides::set_collide(std::string_view a, std::string_view b, bool collide) {
@@ -75,11 +55,6 @@ void PairOverrides::set_collide(std::string_view a, std::string_view b, bool col
   } else {
     non_colliding_.insert(key_of(a, b));
   }
-}
-
-bool PairOverrides::collide(const NamedContactMaterial& a, const NamedContactMaterial& b) const {
-  if (a.name != b.name && !may_collide(a.filter, b.filter)) return false;
-  return non_colliding_.empty() || non_colliding_.count(key_of(a.name, b.name)) == 0;
 }
 
 ContactMaterialTable::Side ContactMaterialTable::side_of(const NamedContactMaterial& of) {

@@ -39,10 +39,6 @@ struct ContactMaterialPair {
 void validate(const ContactMaterial& material, std::string_view where);
 void validate(const ContactMaterialPair& pair, std::string_view where);
 
-/// Default rule for two materials: geometric mean of the frictions and of the rolling frictions, the larger
-/// restitution. Where only one material has a rolling friction, it counts.
-ContactMaterialPair combine(const ContactMaterial& a, const ContactMaterial& b);
-
 /// A material with the name and filter of its object or collider.
 struct NamedContactMaterial {
   std::string_view name;
@@ -58,15 +54,9 @@ class PairOverrides {
  public:
   /// Throws Error when the pair is not valid.
   void set(std::string_view a, std::string_view b, const ContactMaterialPair& pair);
-  const ContactMaterialPair* find(std::string_view a, std::string_view b) const;
-  /// An override keeps the rolling friction of the default rule.
-  ContactMaterialPair resolve(const NamedContactMaterial& a, const NamedContactMaterial& b) const;
-
   /// Enables or disables collisions of a pair; the default is enabled. A pair of one name with itself disables the
   /// object's self-collision, or leaves it as the object has it.
   void set_collide(std::string_view a, std::string_view b, bool collide);
-  /// Combines set_collide and the filters. Filters do not apply to an object's self-collision.
-  bool collide(const NamedContactMaterial& a, const NamedContactMaterial& b) const;
 
   /// Calls f(name, other name, pair or null, collide) for every pair that deviates, once.
   template <class Function>
@@ -91,6 +81,7 @@ class ContactMaterialTable {
   ContactMaterialTable(std::span<const NamedContactMaterial> rows,
                        std::span<const NamedContactMaterial> columns, const PairOverrides& table);
 
+  /// An override keeps the rolling friction of the default rule.
   ContactMaterialPair at(std::size_t row, std::size_t column) const;
   /// `at(row, column).radius`.
   float radius(std::size_t row, std::size_t column) const {
@@ -108,7 +99,6 @@ class ContactMaterialTable {
   }
 
  private:
-  friend ContactMaterialPair combine(const ContactMaterial& a, const ContactMaterial& b);
   struct Side {
     ContactMaterial material;
     float root_of_friction = 0, root_of_kinetic_friction = 0, root_of_rolling_friction = 0;
@@ -123,6 +113,8 @@ class ContactMaterialTable {
   static Side side_of(const NamedContactMaterial& material);
   static float mean(float x, float y, float root_of_x, float root_of_y);
   static float combined_rolling(const Side& a, const Side& b);
+  /// Geometric mean of the frictions and of the rolling frictions, the larger restitution. Where only one material has
+  /// a rolling friction, it counts.
   static ContactMaterialPair combined(const Side& a, const Side& b);
   std::span<const Exception> exceptions_of(std::size_t row) const;
   const Exception* find(std::size_t row, std::size_t column) const;

@@ -34,10 +34,6 @@ void VertexBalls::build(const ContactGeometry& geometry) {
   place_.assign(end, {});
 }
 
-bool VertexBalls::any_moves() const {
-  return std::any_of(sheets_.begin(), sheets_.end(), [](const Sheet& sheet) { return sheet.moves; });
-}
-
 void VertexBalls::list_chunks() {
   chunks_.clear();
   for (std::uint32_t s = 0; s < sheets_.size(); ++s)

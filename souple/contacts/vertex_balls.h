@@ -83,7 +83,6 @@ class VertexBalls final : public ContactProjector {
   };
   static constexpr float max_motion = 1;
 
-  bool any_moves() const;
   void list_chunks();
   template <class Function>
   void for_each_chunk(Threads& threads, const Function& f);

@@ -5,7 +5,6 @@
 #include "souple/geometry/convex_hull.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -254,15 +253,6 @@ ConvexShape convex_polyhedron(const ConvexHull& hull, double radius) {
     faces.emplace_back(loop.begin(), loop.end());
   }
   return convex_polyhedron(hull.positions, faces, radius);
-}
-
-ConvexShape convex_hull_shape(std::span<const Vec3d> points, double radius) {
-  return convex_hull_shape(points, radius, {});
-}
-
-ConvexShape convex_hull_shape(std::span<const Vec3d> points, double radius, const HullOptions& options,
-                              const std::string& name) {
-  return convex_polyhedron(convex_hull(points, options, name), radius);
 }
 
 std::optional<ConvexShape> convex_shape_of(const Shape& shape) {

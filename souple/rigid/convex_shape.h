@@ -6,13 +6,11 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace souple {
 
 struct ConvexHull;
-struct HullOptions;
 
 constexpr std::uint32_t no_face = ~std::uint32_t(0);
 
@@ -86,14 +84,9 @@ using FaceLoop = std::vector<std::uint32_t>;
 ConvexShape convex_polyhedron(std::span<const Vec3d> vertices, std::span<const FaceLoop> faces,
                               double radius = 0);
 
-/// The polyhedron of a hull, rounded by `radius` >= 0.
+/// The polyhedron of a hull, rounded by `radius` >= 0. The time of a contact test grows with the number of vertices:
+/// limit that of finely divided meshes by HullOptions.
 ConvexShape convex_polyhedron(const ConvexHull& hull, double radius = 0);
-
-/// The convex hull of points, rounded by `radius` >= 0. Throws what convex_hull throws. The time of a contact test grows
-/// with the number of vertices: limit that of finely divided meshes by the options.
-ConvexShape convex_hull_shape(std::span<const Vec3d> points, double radius = 0);
-ConvexShape convex_hull_shape(std::span<const Vec3d> points, double radius, const HullOptions& options,
-                              const std::string& name = "convex hull");
 
 /// The shape of a collider of souple/collision/shapes.h; none for planes and signed distance fields.
 std::optional<ConvexShape> convex_shape_of(const Shape& shape);

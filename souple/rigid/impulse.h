@@ -23,13 +23,6 @@ inline Mat3d cross_matrix(const Vec3d& r) {
   return {{0, r.z, -r.y}, {-r.z, 0, r.x}, {r.y, -r.x, 0}};
 }
 
-/// dx_n / p_n at a point: 1/m + (r x n)^T I^-1 (r x n), n a unit vector. [1/kg]
-inline double inverse_mass_at(const RigidBodies& bodies, std::uint32_t body, const Vec3d& r, const Vec3d& n) {
-  if (body == no_body) return 0;
-  const Vec3d c = cross(r, n);
-  return bodies.mass[body].inverse + dot(c, bodies.inverse_inertia[body] * c);
-}
-
 /// dx / p at a point: K = 1/m - [r] I^-1 [r]. [1/kg]
 inline Mat3d inverse_mass_at(const RigidBodies& bodies, std::uint32_t body, const Vec3d& r) {
   if (body == no_body) return {};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/geometry/convex_hull.h"
 #include "souple/rigid/manifold.h"
 #include "tests/collision/random.h"
 
@@ -68,7 +69,7 @@ inline ConvexShape prism(double radius, double half_height, int sides) {
 inline ConvexShape random_hull(Random& random, double size, double radius) {
   std::vector<Vec3d> points(static_cast<std::size_t>(random.uniform(6, 20)));
   for (Vec3d& p : points) p = random_unit(random) * (size * random.uniform(0.5, 1));
-  return convex_hull_shape(points, radius);
+  return convex_polyhedron(convex_hull(points), radius);
 }
 
 /// Spheres, capsules, boxes, prisms and other polyhedra, some of them rounded, of about the given size [m].

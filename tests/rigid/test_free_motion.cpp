@@ -106,8 +106,6 @@ TEST(Impulse, APointMovesByTheImpulseTimesItsInverseMass) {
   const Vec3d local = bodies.pose[0].local_point(bodies.pose[0].position + r);
   const Vec3d before = bodies.pose[0].point(local);
   const Mat3d K = inverse_mass_at(bodies, 0, r);
-  const Vec3d n = normalized(impulse);
-  EXPECT_NEAR(dot(n, K * n), inverse_mass_at(bodies, 0, r, n), 1e-12);
   push(bodies, 0, r, impulse);
   EXPECT_LT(length(bodies.pose[0].point(local) - before - K * impulse), 1e-8);
 }
@@ -131,7 +129,7 @@ TEST(Impulse, NothingMovesTheWorld) {
   turn(bodies, no_body, impulse);
   push_velocity(bodies, no_body, r, impulse);
   turn_velocity(bodies, no_body, impulse);
-  EXPECT_EQ(inverse_mass_at(bodies, no_body, r, {1, 0, 0}), 0);
+  EXPECT_EQ(frobenius_squared(inverse_mass_at(bodies, no_body, r)), 0);
   EXPECT_EQ(length(velocity_at(bodies, no_body, r)), 0);
   EXPECT_EQ(bodies.pose[0].position, (Vec3d{1, 2, 3}));
 }

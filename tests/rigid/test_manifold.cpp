@@ -72,14 +72,14 @@ TEST(ConvexShape, TheHullOfABoxesCornersEdgesAndInsideIsTheBox) {
   for (const double x : {-1, 0, 1}) {
     for (const double y : {-1, 0, 1}) points.insert(points.end(), {{x, y, -2}, {x, y, 0}, {x, y, 2}});
   }
-  const ConvexShape hull = convex_hull_shape(points, 0.1);
+  const ConvexShape hull = convex_polyhedron(convex_hull(points), 0.1);
   EXPECT_EQ(hull.vertices.size(), 8u);
   EXPECT_EQ(hull.faces.size(), 6u);
   EXPECT_EQ(hull.edges.size(), 12u);
   EXPECT_NEAR(volume(hull), 16, 1e-9);
   EXPECT_NEAR(hull.inner_radius, 1, 1e-9);
   EXPECT_LT(length(hull.bounds.hi - Vec3d{1.1, 1.1, 2.1}), 1e-9);
-  EXPECT_THROW(convex_hull_shape(std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}), Error);
+  EXPECT_THROW(convex_hull(std::vector<Vec3d>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}), Error);
 }
 
 TEST(ConvexShape, MovesAsAWhole) {
