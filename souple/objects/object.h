@@ -7,7 +7,6 @@
 #include "souple/math/transform.h"
 #include "souple/objects/callbacks.h"
 #include "souple/objects/handles.h"
-#include "souple/objects/imbalance.h"
 #include "souple/objects/kind_traits.h"
 #include "souple/objects/materials.h"
 #include "souple/objects/obstacle_motion.h"
@@ -85,6 +84,12 @@ struct BuiltConstraints {
   std::unique_ptr<ConstraintSets> fresh;  ///< built since, of `kinds`
   SetKinds kinds;
   std::uint32_t begin = 0, end = 0;  ///< its particles at that time; equal: none
+};
+
+/// The last measurement of how far the forces of an object are out of balance, see stages/balance.h.
+struct Imbalance {
+  double unbalanced = 0, stretch = 0;     ///< ratios, 0 in equilibrium
+  std::uint64_t times_not_converged = 0;  ///< successive measurements
 };
 
 /// The definition of an object. Its constraints are a pure function of this struct (see build.h).

@@ -59,21 +59,8 @@ InstructionSet chosen() {
 }  // namespace
 
 std::string_view simd_name(InstructionSet set) {
-  switch (set) {
-    case InstructionSet::sse:
-      return "sse";
-    case InstructionSet::avx2:
-      return "avx2";
-    case InstructionSet::avx512:
-      return "avx512";
-    case InstructionSet::neon:
-      return "neon";
-    case InstructionSet::wasm:
-      return "wasm";
-    case InstructionSet::scalar:
-      break;
-  }
-  return "scalar";
+  constexpr std::array<std::string_view, all.size()> names{"scalar", "sse", "avx2", "avx512", "neon", "wasm"};
+  return names[static_cast<std::size_t>(set)];
 }
 
 InstructionSet instruction_set() {

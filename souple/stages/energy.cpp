@@ -3,7 +3,6 @@
 #include "souple/solver/facets.h"
 #include "souple/solver/kernels/projection.h"
 
-#include <algorithm>
 #include <vector>
 
 namespace souple {
@@ -55,16 +54,9 @@ class Sweeps {
 
   double lost(const LinearConstraint& constraint) const {
     if (constraint.inequality && constraint.C[0] >= 0) return 0;
-    switch (constraint.C.size()) {
-      case 1:
-        return lost_of<1>(constraint);
-      case 2:
-        return lost_of<2>(constraint);
-      case 3:
-        return lost_of<3>(constraint);
-      default:
-        return 0;
-    }
+    if (constraint.C.size() == 1) return lost_of<1>(constraint);
+    if (constraint.C.size() == 2) return lost_of<2>(constraint);
+    return constraint.C.size() == 3 ? lost_of<3>(constraint) : 0;
   }
 
  private:

@@ -10,7 +10,6 @@
 #include "souple/world/world.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/core.h>
 

@@ -47,13 +47,7 @@ void ContactTracker::add_pushes(const WorldState& world) {
 
 // Most contacts follow another of the same pair.
 void ContactTracker::add(const Touch& touch) {
-  if (!touching_.empty() && touching_.back().key == touch.key) {
-    Touch& last = touching_.back();
-    last.impulse += touch.impulse;
-    if (touch.largest > last.largest)
-      last.largest = touch.largest, last.point = touch.point, last.normal = touch.normal;
-    return;
-  }
+  if (!touching_.empty() && touching_.back().key == touch.key) return touching_.back().absorb(touch);
   touching_.push_back(touch);
   touching_.back().order = static_cast<std::uint32_t>(touching_.size());
 }
@@ -65,13 +59,10 @@ void ContactTracker::merge() {
   std::size_t kept = 0;
   for (const Touch& touch : touching_) {
     Touch* const into = kept > 0 ? &touching_[kept - 1] : nullptr;
-    if (into == nullptr || into->key != touch.key) {
+    if (into == nullptr || into->key != touch.key)
       touching_[kept++] = touch;
-      continue;
-    }
-    into->impulse += touch.impulse;
-    if (touch.largest > into->largest)
-      into->largest = touch.largest, into->point = touch.point, into->normal = touch.normal;
+    else
+      into->absorb(touch);
   }
   touching_.resize(kept);
   for (std::size_t k = 0; k < kept; ++k) touching_[k].order = static_cast<std::uint32_t>(k + 1);

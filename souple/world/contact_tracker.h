@@ -39,6 +39,11 @@ class ContactTracker {
     bool is_sensor = false;
     float impulse = 0, largest = 0;  ///< N s
     Vec3f point{}, normal{};         ///< of the largest impulse
+
+    void absorb(const Touch& other) {
+      impulse += other.impulse;
+      if (other.largest > largest) largest = other.largest, point = other.point, normal = other.normal;
+    }
   };
 
   void add_pushes(const WorldState& world);

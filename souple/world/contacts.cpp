@@ -17,7 +17,6 @@
 #include "souple/studies/segment_triangle/choice.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/fluid_stage.h"
 #include "souple/world/impl.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/stages.h"

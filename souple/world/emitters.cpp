@@ -55,12 +55,20 @@ void require_layer_size(const Emitter& emitter, float spacing, std::string_view 
                     emitter.radius, ratio, max_layer_particles));
 }
 
+/// The spacing of a fluid [m]. Throws Error unless the emitter may be one of it.
+double checked_spacing(const Emitter& emitter, const Object& fluid, std::string_view owner) {
+  require_valid(emitter, owner);
+  const float spacing = std::get<FluidMaterial>(fluid.material).spacing;
+  require_layer_size(emitter, spacing, owner);
+  return static_cast<double>(spacing);
+}
+
 template <class Record>
-Record& find(std::vector<Record>& records, std::uint32_t id, const char* kind) {
+auto find(std::vector<Record>& records, std::uint32_t id, const char* kind) {
   const auto found = std::find_if(records.begin(), records.end(),
                                   [&](const Record& record) { return record.id.value == id; });
-  if (found != records.end()) return *found;
-  throw Error(fmt::format("no {} has the handle {}: it was removed, or belongs to another world", kind, id));
+  if (found == records.end()) throw_stale(kind, id);
+  return found;
 }
 
 }  // namespace
@@ -72,35 +80,27 @@ EmitterId World::add_emitter(ObjectId fluid, const Emitter& emitter) {
   const std::string owner = "an emitter of " + object.name;
   if (!object.traits().flows)
     throw Error(owner + ": it is a " + std::string(kind_name(object.kind)) + ", expected a fluid");
-  require_valid(emitter, owner);
-  const float spacing = std::get<FluidMaterial>(object.material).spacing;
-  require_layer_size(emitter, spacing, owner);
+  const double spacing = checked_spacing(emitter, object, owner);
   wake_island(world, object);
-  world.flow.emitters.push_back({{world.registry->next_id++},
-                                 fluid.value,
-                                 emitter,
-                                 layers_before(emitter, static_cast<double>(spacing), world.time)});
+  world.flow.emitters.push_back(
+      {{world.registry->next_id++}, fluid.value, emitter, layers_before(emitter, spacing, world.time)});
   return world.flow.emitters.back().id;
 }
 
 void World::set_emitter(EmitterId id, const Emitter& emitter) {
   WorldState& world = state();
   const CallScope call(*world.calls, "set_emitter");
-  EmitterRecord& record = find(world.flow.emitters, id.value, "emitter");
+  EmitterRecord& record = *find(world.flow.emitters, id.value, "emitter");
   const Object& object = world.object({record.fluid});
-  const std::string owner = "an emitter of " + object.name;
-  require_valid(emitter, owner);
-  const float spacing = std::get<FluidMaterial>(object.material).spacing;
-  require_layer_size(emitter, spacing, owner);
+  const double spacing = checked_spacing(emitter, object, "an emitter of " + object.name);
   record.emitter = emitter;
-  record.layers = layers_before(emitter, static_cast<double>(spacing), world.time);
+  record.layers = layers_before(emitter, spacing, world.time);
 }
 
 void World::remove(EmitterId id) {
   WorldState& world = state();
   const CallScope call(*world.calls, "remove(EmitterId)");
-  world.flow.emitters.erase(world.flow.emitters.begin() +
-                            (&find(world.flow.emitters, id.value, "emitter") - world.flow.emitters.data()));
+  world.flow.emitters.erase(find(world.flow.emitters, id.value, "emitter"));
 }
 
 DrainId World::add_drain(const Drain& drain) {
@@ -115,8 +115,7 @@ DrainId World::add_drain(const Drain& drain) {
 void World::remove(DrainId id) {
   WorldState& world = state();
   const CallScope call(*world.calls, "remove(DrainId)");
-  world.flow.drains.erase(world.flow.drains.begin() +
-                          (&find(world.flow.drains, id.value, "drain") - world.flow.drains.data()));
+  world.flow.drains.erase(find(world.flow.drains, id.value, "drain"));
 }
 
 }  // namespace souple

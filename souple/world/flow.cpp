@@ -3,7 +3,6 @@
 #include "souple/fluid/emission.h"
 #include "souple/objects/kind_functions.h"
 #include "souple/objects/object.h"
-#include "souple/world/add.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/state.h"
 

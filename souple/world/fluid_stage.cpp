@@ -1,11 +1,11 @@
-#include "souple/world/fluid_stage.h"
-
 #include "souple/fluid/stage/fluid_input.h"
 #include "souple/fluid/stage/fluids.h"
 #include "souple/stages/forces.h"
 #include "souple/stages/rigid_stage.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/stages.h"
+
+// Connects a world to its fluids' stage (souple/fluid/stage/fluids.h).
 
 namespace souple {
 

@@ -263,8 +263,7 @@ namespace {
 std::size_t find_user_constraint(const WorldState& world, ProjectorId id) {
   for (std::size_t k = 0; k < world.constraints.users.size(); ++k)
     if (world.constraints.users[k].id.value == id.value) return k;
-  throw Error(
-      fmt::format("no projector has the handle {}: it was removed, or belongs to another world", id.value));
+  throw_stale("projector", id.value);
 }
 
 }  // namespace

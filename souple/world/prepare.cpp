@@ -47,10 +47,6 @@ std::vector<Vec4f> awake_positions(const WorldState& world) {
   return result;
 }
 
-}  // namespace
-
-namespace {
-
 bool ranges_are_contiguous(const WorldState& world) {
   std::uint32_t begin = 0;
   for (const auto& object : world.objects) {
@@ -60,10 +56,6 @@ bool ranges_are_contiguous(const WorldState& world) {
   }
   return begin == world.particles.size();
 }
-
-}  // namespace
-
-namespace {
 
 /// Calls f(projector) for all projectors except contacts, in order of solution: objects' constraints, user constraints.
 template <class Function>
@@ -81,10 +73,6 @@ void order_projectors(WorldState& world) {
   world.constraints.without_contacts = order.size();
   for (const auto& kind : world.contact->contacts.kinds()) order.push_back(kind.get());
 }
-
-}  // namespace
-
-namespace {
 
 /// Calls build(). Its exceptions other than Error leave half of what it builds.
 template <class Function>

@@ -8,10 +8,11 @@
 #include "souple/queries/object_sums.h"
 #include "souple/queries/overlap.h"
 #include "souple/queries/search.h"
-#include "souple/solver/solver.h"
+#include "souple/stages/energy.h"
 #include "souple/stages/rigid_stage.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/impl.h"
+#include "souple/world/prepare.h"
 #include "souple/world/rigid_bodies.h"
 #include "souple/world/world.h"
 
@@ -25,34 +26,34 @@ namespace souple {
 
 // --- users' view of an object, in user order: computed at the first request after a change
 
-std::span<const Vec3f> World::positions(ObjectId id) const {
-  const WorldState& world = state();
-  const Object& object = world.object(id);
+namespace {
+
+template <class Mirrored>
+std::span<const Vec3f> view_of(const WorldState& world, const Object& object, const Mirrored& mirrored) {
   const std::lock_guard<std::mutex> lock(world.caches->lock);
-  return mirrored_positions(world.query_view(), object, world.caches->mirrors[id.value]);
+  return mirrored(world.query_view(), object, world.caches->mirrors[object.id.value]);
+}
+
+}  // namespace
+
+std::span<const Vec3f> World::positions(ObjectId id) const {
+  return view_of(state(), state().object(id), mirrored_positions);
 }
 
 std::span<const Vec3f> World::velocities(ObjectId id) const {
-  const WorldState& world = state();
-  const Object& object = world.object(id);
-  const std::lock_guard<std::mutex> lock(world.caches->lock);
-  return mirrored_velocities(world.query_view(), object, world.caches->mirrors[id.value]);
+  return view_of(state(), state().object(id), mirrored_velocities);
 }
 
 std::span<const Vec3f> World::angular_velocities(ObjectId id) const {
-  const WorldState& world = state();
-  const Object& object = world.object(id);
+  const Object& object = state().object(id);
   if (!object.traits().rolls) return {};
-  const std::lock_guard<std::mutex> lock(world.caches->lock);
-  return mirrored_angular_velocities(world.query_view(), object, world.caches->mirrors[id.value]);
+  return view_of(state(), object, mirrored_angular_velocities);
 }
 
 std::span<const Vec3f> World::normals(ObjectId id) const {
-  const WorldState& world = state();
-  const Object& object = world.object(id);
+  const Object& object = state().object(id);
   if (object.mesh.triangles.empty()) return {};
-  const std::lock_guard<std::mutex> lock(world.caches->lock);
-  return mirrored_normals(world.query_view(), object, world.caches->mirrors[id.value]);
+  return view_of(state(), object, mirrored_normals);
 }
 
 std::uint64_t World::hash() const {
@@ -126,6 +127,30 @@ double World::potential_energy(ObjectId id) const {
   const Object& object = world.object(id);
   if (object.traits().rigid) return potential_energy_of_body(world, object);
   return souple::potential_energy(world.query_view(), object, world.settings.gravity);
+}
+
+namespace {
+
+std::span<Projector* const> constraints_of(WorldState& world) {
+  if (!world.current.running) bring_constraints_up_to_date(world);
+  return world.constraints.lasting();
+}
+
+}  // namespace
+
+double World::elastic_energy() const {
+  WorldState& world = state();
+  const CallScope call(*world.calls, "elastic_energy", From::stages);
+  const std::span<Projector* const> constraints = constraints_of(world);
+  return souple::elastic_energy(constraints, world.view());
+}
+
+double World::unconverged_energy(double dt) const {
+  WorldState& world = state();
+  const CallScope call(*world.calls, "unconverged_energy", From::stages);
+  const std::span<Projector* const> constraints = constraints_of(world);
+  return souple::unconverged_energy(constraints, world.view(), substep_of(world.settings, dt),
+                                    *world.solving.solver);
 }
 
 Vec3d World::momentum(ObjectId id) const {

@@ -2,8 +2,6 @@
 
 #include "souple/world/state.h"
 
-#include <string_view>
-
 namespace souple {
 
 /// An edit that an exception may leave half done. Unless `done` is called, functions that need the whole world then

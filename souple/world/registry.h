@@ -4,6 +4,7 @@
 #include "souple/world/name_registry.h"
 
 #include <cstdint>
+#include <string_view>
 
 namespace souple {
 
@@ -14,5 +15,8 @@ struct Registry {
   NameRegistry joint_names;  ///< a joint may have the name of an object
   std::uint32_t next_id = 1;
 };
+
+/// Throws Error: there is no `what`, such as a joint, with the handle.
+[[noreturn]] void throw_stale(std::string_view what, std::uint32_t handle);
 
 }  // namespace souple

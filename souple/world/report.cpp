@@ -3,25 +3,10 @@
 namespace souple {
 
 std::string_view stage_name(Stage stage) {
-  switch (stage) {
-    case Stage::broad_phase:
-      return "broad_phase";
-    case Stage::integrate:
-      return "integrate";
-    case Stage::fluids:
-      return "fluids";
-    case Stage::contacts:
-      return "contacts";
-    case Stage::solve:
-      return "solve";
-    case Stage::finish:
-      return "finish";
-    case Stage::velocity:
-      return "velocity";
-    case Stage::foam:
-      return "foam";
-  }
-  return "?";
+  constexpr std::array<std::string_view, stage_count> names{
+      "broad_phase", "integrate", "fluids", "contacts", "solve", "finish", "velocity", "foam"};
+  const auto index = static_cast<std::size_t>(stage);
+  return index < names.size() ? names[index] : "?";
 }
 
 }  // namespace souple

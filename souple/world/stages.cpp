@@ -17,7 +17,6 @@
 #include "souple/world/callbacks.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
-#include "souple/world/fluid_stage.h"
 #include "souple/world/joints/ties.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/step_report.h"

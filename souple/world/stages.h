@@ -13,6 +13,10 @@ void find_candidates(WorldState& world, double dt);
 /// targets, obstacles along their motion, and attachments' targets.
 void integrate(WorldState& world, const Substep& substep);
 
+/// Call after fluids are added, removed or changed.
+void build_fluids(WorldState& world);
+/// Once per step of dt seconds, before its stages.
+void begin_fluids(WorldState& world, double dt);
 /// (2) Moves fluid particles until no fluid is compressed.
 void solve_incompressibility(WorldState& world, const Substep& substep);
 
@@ -32,5 +36,7 @@ bool finish(WorldState& world, const Substep& substep);
 
 /// (6) Restitution, damping, viscosity.
 void update_velocities(WorldState& world, const Substep& substep);
+/// Its part for fluids.
+void update_fluid_velocities(WorldState& world, const Substep& substep);
 
 }  // namespace souple

@@ -20,8 +20,6 @@
 #include "souple/world/registry.h"
 #include "souple/world/step_scratch.h"
 
-#include <algorithm>
-
 #include <fmt/core.h>
 
 namespace souple {
@@ -52,16 +50,19 @@ Object* WorldState::find_object(ObjectId id) const {
   return at ? objects[*at].get() : nullptr;
 }
 
+void throw_stale(std::string_view what, std::uint32_t handle) {
+  throw Error(
+      fmt::format("no {} has the handle {}: it was removed, or belongs to another world", what, handle));
+}
+
 Object& WorldState::object(ObjectId id) {
   if (Object* const found = find_object(id)) return *found;
-  throw Error(
-      fmt::format("no object has the handle {}: it was removed, or belongs to another world", id.value));
+  throw_stale("object", id.value);
 }
 
 ColliderRecord& WorldState::collider(ColliderId id) {
   if (const std::optional<std::size_t> at = registry->colliders.find(id.value)) return colliders[*at];
-  throw Error(
-      fmt::format("no collider has the handle {}: it was removed, or belongs to another world", id.value));
+  throw_stale("collider", id.value);
 }
 
 void WorldState::teleport_particle(std::size_t i, const Vec3d& x) {

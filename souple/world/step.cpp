@@ -4,7 +4,6 @@
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
 #include "souple/world/flow.h"
-#include "souple/world/fluid_stage.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
 #include "souple/world/recover.h"

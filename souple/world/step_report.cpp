@@ -17,7 +17,6 @@
 #include "souple/world/step_scratch.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <iterator>
 

@@ -3,7 +3,6 @@
 #include "souple/error.h"
 #include "souple/objects/checks.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>

@@ -76,28 +76,25 @@ void World::set_settings(const Settings& settings) {
 
 namespace {
 
-void require_stage(Stage stage, const char* what) {
+/// Adds a callback to the list of its stage, for the function `what`.
+template <class Lists>
+CallbackId add_callback(WorldState& world, Lists& lists, Stage stage, std::function<void(World&)> callback,
+                        const char* what) {
+  const CallScope call(*world.calls, what, From::stages);
   check_all(what, {{"stage", double(stage), 0, double(stage_count - 1)}});
+  if (!callback) throw Error(std::string(what) + ": the function is empty");
+  lists[static_cast<std::size_t>(stage)].add(world.callbacks->next_id, std::move(callback));
+  return {world.callbacks->next_id++};
 }
 
 }  // namespace
 
 CallbackId World::before(Stage stage, std::function<void(World&)> callback) {
-  WorldState& world = state();
-  const CallScope call(*world.calls, "before", From::stages);
-  require_stage(stage, "before");
-  if (!callback) throw Error("before: the function is empty");
-  world.callbacks->before[static_cast<std::size_t>(stage)].add(world.callbacks->next_id, std::move(callback));
-  return {world.callbacks->next_id++};
+  return add_callback(state(), state().callbacks->before, stage, std::move(callback), "before");
 }
 
 CallbackId World::after(Stage stage, std::function<void(World&)> callback) {
-  WorldState& world = state();
-  const CallScope call(*world.calls, "after", From::stages);
-  require_stage(stage, "after");
-  if (!callback) throw Error("after: the function is empty");
-  world.callbacks->after[static_cast<std::size_t>(stage)].add(world.callbacks->next_id, std::move(callback));
-  return {world.callbacks->next_id++};
+  return add_callback(state(), state().callbacks->after, stage, std::move(callback), "after");
 }
 
 void World::remove(CallbackId id) {
@@ -106,9 +103,7 @@ void World::remove(CallbackId id) {
   bool found = false;
   for (auto* lists : {&world.callbacks->before, &world.callbacks->after})
     for (auto& callbacks : *lists) found = found || callbacks.remove(id.value);
-  if (!found)
-    throw Error(
-        fmt::format("no callback has the handle {}: it was removed, or belongs to another world", id.value));
+  if (!found) throw_stale("callback", id.value);
   if (!world.current.running) world.callbacks->erase_removed();
 }
 
@@ -566,10 +561,8 @@ Vec3d World::fluid_force(ColliderId id) const {
   const WorldState& world = state();
   require_readable(*world.calls, "fluid_force");
   require_whole(*world.calls, "fluid_force");
-  for (std::size_t c = 0; c < world.colliders.size(); ++c)
-    if (world.colliders[c].id == id) return world.fluids->force(c);
-  throw Error(
-      fmt::format("no collider has the handle {}: it was removed, or belongs to another world", id.value));
+  if (const auto index = world.registry->colliders.find(id.value)) return world.fluids->force(*index);
+  throw_stale("collider", id.value);
 }
 
 void World::set_pair(std::string_view a, std::string_view b, float friction, float restitution,
@@ -608,9 +601,7 @@ ForceFieldId World::add_force_field(VertexForceField field) {
 void World::remove(ForceFieldId id) {
   WorldState& world = state();
   const CallScope call(*world.calls, "remove(ForceFieldId)", From::stages);
-  if (!world.callbacks->force_fields.remove(id.value))
-    throw Error(fmt::format("no force field has the handle {}: it was removed, or belongs to another world",
-                            id.value));
+  if (!world.callbacks->force_fields.remove(id.value)) throw_stale("force field", id.value);
   if (!world.current.running) world.callbacks->erase_removed();
   wake_all(world);
 }

@@ -21,11 +21,8 @@ namespace souple {
 namespace {
 
 std::size_t index_of(const WorldState& world, JointId id) {
-  const std::optional<std::size_t> index = world.registry->joints.find(id.value);
-  if (!index)
-    throw Error(
-        fmt::format("no joint has the handle {}: it was removed, or belongs to another world", id.value));
-  return *index;
+  if (const std::optional<std::size_t> index = world.registry->joints.find(id.value)) return *index;
+  throw_stale("joint", id.value);
 }
 
 /// Pose of a rigid body, of a collider at the world's time, or of the world.

@@ -27,11 +27,8 @@ namespace {
 constexpr double coincident = 1e-5;
 
 std::size_t index_of(const WorldState& world, TieId id) {
-  const std::optional<std::size_t> index = world.registry->ties.find(id.value);
-  if (!index)
-    throw Error(
-        fmt::format("no tie has the handle {}: it was removed, or belongs to another world", id.value));
-  return *index;
+  if (const std::optional<std::size_t> index = world.registry->ties.find(id.value)) return *index;
+  throw_stale("tie", id.value);
 }
 
 BodyPose pose_of(const ColliderRecord& record, double t) {
