@@ -340,10 +340,7 @@ void ColliderElementContacts::find_touches(const Body& body, Threads& threads) {
   const auto elements = all.elements(float(element_clearance_part));
   const kernels::ColliderFrameRecords records{&corners_.from.data()->x, &corners_.to.data()->x};
   const std::size_t first = body.candidate_begin, middle = body.triangle_end, last = body.candidate_end;
-  if (body.is_field) {
-    find_touches_of_field(body, threads);
-    return;
-  }
+  if (body.is_field) return find_touches_of_field(body, threads);
   threads.for_each(middle - first, element_grain, [&](std::size_t begin, std::size_t end) {
     kernels_->find_triangles(body.packed, records, elements, first + begin, first + end, all.touch);
   });

@@ -218,10 +218,7 @@ void ParticleContacts::clear_contacts() {
 void ParticleContacts::refresh(const ParticleView& particles, const Substep& substep, double,
                                Threads& threads) {
   last_h_ = substep.h;
-  if (!(largest_diameter_ > 0)) {
-    clear_contacts();
-    return;
-  }
+  if (!(largest_diameter_ > 0)) return clear_contacts();
   const auto displacement = [&](std::size_t m) {
     return particles.relative(members_[m].particle, places_.corner) - places_.place[m];
   };

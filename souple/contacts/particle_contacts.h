@@ -8,7 +8,6 @@
 #include "souple/contacts/contact_projector.h"
 #include "souple/math/lists.h"
 
-#include <array>
 #include <atomic>
 #include <span>
 #include <vector>
@@ -163,7 +162,6 @@ class ParticleContacts final : public ContactProjector {
 
   bool interact(std::uint32_t object_a, std::uint32_t object_b) const;
   void find_boxes(const ParticleView& particles, std::span<const Vec4f> velocity);
-  void find_near_objects();
   void find_members(const ParticleView& particles, std::span<const Vec4f> velocity);
   void find_pairs(const ParticleView& particles, float wanted_margin);
   void save_friction();

@@ -3,7 +3,6 @@
 #include "souple/geometry/closest_point.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace souple {
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace souple {
 
@@ -74,9 +75,7 @@ double ImplicitViscosity::sum(const System& system, const Term& term) {
     chunks_[c] = 0;
     for (std::size_t k = c * chunk; k < std::min(n, (c + 1) * chunk); ++k) chunks_[c] += term(k);
   });
-  double total = 0;
-  for (const double part : chunks_) total += part;
-  return total;
+  return std::accumulate(chunks_.begin(), chunks_.end(), 0.0);
 }
 
 ImplicitViscosity::Report ImplicitViscosity::apply(const FluidView& fluid, WallFriction walls, float h,

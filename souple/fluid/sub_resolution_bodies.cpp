@@ -1,7 +1,6 @@
 #include "souple/fluid/sub_resolution_bodies.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace souple {
 

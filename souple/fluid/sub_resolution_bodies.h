@@ -7,7 +7,6 @@
 #include "souple/solver/projector.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -5,7 +5,6 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace souple {

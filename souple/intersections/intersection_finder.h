@@ -7,7 +7,6 @@
 #include "souple/solver/projector.h"
 #include "souple/threads/threads.h"
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>

@@ -4,7 +4,6 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 namespace souple {

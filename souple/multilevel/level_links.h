@@ -2,7 +2,6 @@
 
 #include "souple/multilevel/hierarchical_levels.h"
 #include "souple/solver/kernels/links.h"
-#include "souple/state/particles.h"
 #include "souple/threads/threads.h"
 
 namespace souple {

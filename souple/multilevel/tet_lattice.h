@@ -2,7 +2,6 @@
 
 #include "souple/constraints/constraint_set.h"
 #include "souple/constraints/neo_hookean.h"
-#include "souple/math/mat3.h"
 #include "souple/solver/kernels/cells.h"
 
 #include <array>

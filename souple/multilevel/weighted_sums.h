@@ -1,7 +1,6 @@
 #pragma once
 
 #include "souple/math/reductions.h"
-#include "souple/state/particles.h"
 
 #include <cstddef>
 #include <cstdint>

@@ -3,7 +3,6 @@
 #include "souple/geometry/closest_point.h"
 #include "souple/geometry/measures.h"
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 

@@ -5,7 +5,6 @@
 #include "souple/objects/object.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 namespace souple {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "souple/math/lists.h"
-#include "souple/rigid/impulse.h"
 #include "souple/rigid/rigid_contact.h"
 
 #include <cstddef>

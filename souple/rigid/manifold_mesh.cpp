@@ -2,7 +2,6 @@
 #include "souple/rigid/manifold_points.h"
 
 #include <algorithm>
-#include <array>
 
 namespace souple {
 namespace {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "souple/math/mat3.h"
-#include "souple/objects/imbalance.h"
 #include "souple/objects/objects_view.h"
 #include "souple/solver/external_moves.h"
 #include "souple/solver/projector.h"

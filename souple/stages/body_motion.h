@@ -3,8 +3,6 @@
 #include "souple/math/elementary.h"
 #include "souple/state/rigid_bodies.h"
 
-#include <cmath>
-
 namespace souple {
 
 /// The velocity that leads from one pose to the other in h seconds.

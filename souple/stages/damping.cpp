@@ -4,7 +4,6 @@
 #include "souple/objects/object.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace souple {
 namespace {

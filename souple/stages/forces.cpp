@@ -7,7 +7,6 @@
 #include "souple/solver/kernels/triangles.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace souple {
 namespace {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "souple/broad_phase/near_pairs.h"
-#include "souple/state/particles.h"
 
 #include <array>
 #include <cstdint>

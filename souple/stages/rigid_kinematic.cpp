@@ -1,5 +1,4 @@
 #include "souple/objects/object.h"
-#include "souple/rigid/free_motion.h"
 #include "souple/stages/body_motion.h"
 #include "souple/stages/rigid_stage.h"
 #include "souple/stages/stage_view.h"

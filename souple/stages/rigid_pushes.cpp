@@ -4,7 +4,6 @@
 #include "souple/stages/stage_view.h"
 
 #include <limits>
-#include <utility>
 
 // The contacts of rigid bodies with each other and with colliders, as World::contacts tells them.
 

@@ -13,9 +13,7 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <limits>
 
 namespace souple {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "souple/objects/tie_options.h"
-#include "souple/rigid/impulse.h"
 #include "souple/solver/facets.h"
+#include "souple/state/rigid_bodies.h"
 
 #include <cstddef>
 #include <cstdint>

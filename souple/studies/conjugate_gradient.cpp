@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/core.h>
 
@@ -83,9 +84,7 @@ double ConjugateGradient::sum(Threads& threads, const Term& term) {
     for (std::size_t u = c * chunk; u < std::min(n, (c + 1) * chunk); ++u) part += term(u);
     partial_[c] = part;
   });
-  double total = 0;
-  for (const double part : partial_) total += part;
-  return total;
+  return std::accumulate(partial_.begin(), partial_.end(), 0.0);
 }
 
 // dx = 0, residual = J^T A^-1 b, direction = W residual.

@@ -3,7 +3,6 @@
 #include "souple/error.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 #include <Eigen/SparseCholesky>

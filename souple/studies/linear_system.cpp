@@ -147,10 +147,7 @@ void LinearSystem::fill(Block& block, const LinearConstraint& constraint) {
     for (std::size_t k = 0; k < block.arity; ++k)
       if (of[k] != pinned) gradient_squared += length_squared(Vec3d(gradient_of(block, r)[k]));
   const bool satisfied = block.inequality && constraint.C[0] >= 0;
-  if (satisfied || !(gradient_squared > 0)) {
-    deactivate(block);
-    return;
-  }
+  if (satisfied || !(gradient_squared > 0)) return deactivate(block);
   const double scale = static_cast<double>(constraint.scale);
   double* A = &compliance[block.compliance];
   for (std::size_t k = 0; k < constraint.alpha.size(); ++k) A[k] = static_cast<double>(constraint.alpha[k]);

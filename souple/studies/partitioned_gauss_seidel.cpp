@@ -38,10 +38,7 @@ class PartitionedGaussSeidel::Split final : public Projector {
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView&,
                const Substep& substep) override {
-    if (!joins(color)) {
-      set_.project(color - 1, begin, end, all_.view, substep);
-      return;
-    }
+    if (!joins(color)) return set_.project(color - 1, begin, end, all_.view, substep);
     for (std::size_t i = begin; i < end; ++i) join(particles_[i]);
   }
   Residual residual(const ParticleView& particles, Threads*) const override {
@@ -128,10 +125,7 @@ void PartitionedGaussSeidel::copy_in(const ParticleView& particles, Threads& thr
 
 void PartitionedGaussSeidel::solve(std::span<Projector* const>, const ParticleView& particles,
                                    const Substep& substep, Threads& threads) {
-  if (split_.empty()) {
-    gauss_seidel_.solve(projectors_, particles, substep, threads);
-    return;
-  }
+  if (split_.empty()) return gauss_seidel_.solve(projectors_, particles, substep, threads);
   copy_in(particles, threads);
   const ParticleView& all = all_.view;
   const ParticleView real{all.position.first(particle_count_), all.moving.first(particle_count_),

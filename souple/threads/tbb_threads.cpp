@@ -28,10 +28,7 @@ class TbbThreads final : public Threads {
     if (n == 0) return;
     const WorkPartition partition(n, grain, count_);
     // In a child made by fork oneTBB may wait for threads that only the parent has.
-    if (partition.parts() < 2 || process_ != process_number()) {
-      f(0, n);
-      return;
-    }
+    if (partition.parts() < 2 || process_ != process_number()) return f(0, n);
     arena_->execute([&] {
       oneapi::tbb::parallel_for(
           std::size_t{0}, partition.parts(),

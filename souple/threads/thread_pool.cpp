@@ -158,10 +158,7 @@ void ThreadPool::for_each(std::size_t n, std::size_t grain, RangeFunction f) {
   if (!awake_) forget_if_forked();
   if (count_ > 1 && !started_ && WorkPartition(n, grain, count_).parts() > 1) start();
   const WorkPartition partition(n, grain, count_);
-  if (partition.parts() < 2) {
-    f(0, n);
-    return;
-  }
+  if (partition.parts() < 2) return f(0, n);
   SOUPLE_ASSERT(partition.parts() <= static_cast<std::size_t>(count_), "a part per thread");
   SOUPLE_ASSERT(partition.begin(partition.parts()) == n, "parts cover the range");
   job_.function = &f;

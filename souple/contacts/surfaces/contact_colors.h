@@ -1,6 +1,5 @@
 #pragma once
 
-#include "souple/contacts/surfaces/element_motion.h"
 #include "souple/contacts/surfaces/element_pairs.h"
 #include "souple/solver/projector.h"
 

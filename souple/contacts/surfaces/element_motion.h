@@ -4,8 +4,6 @@
 #include "souple/math/vec3.h"
 #include "souple/solver/projector.h"
 
-#include <cstdint>
-
 namespace souple {
 
 /// Positions of the four particles of a pair relative to the first: x at the start of the substep, p at its

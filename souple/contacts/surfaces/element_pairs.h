@@ -11,7 +11,6 @@
 #include "souple/state/columns.h"
 #include "souple/threads/threads.h"
 
-#include <array>
 #include <span>
 #include <vector>
 

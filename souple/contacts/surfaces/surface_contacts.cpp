@@ -9,7 +9,6 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace souple {
 namespace {

@@ -6,6 +6,7 @@
 #include "souple/contacts/anchor.h"
 #include "souple/contacts/contact_law.h"
 #include "souple/contacts/kernels/find_kernels.h"
+#include "souple/contacts/surfaces/element_motion.h"
 #include "souple/error.h"
 #include "souple/state/bytes.h"
 

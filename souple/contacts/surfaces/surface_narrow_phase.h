@@ -1,13 +1,11 @@
 #pragma once
 
 #include "souple/contacts/contact_material.h"
-#include "souple/contacts/surfaces/element_motion.h"
 #include "souple/contacts/surfaces/element_pairs.h"
 #include "souple/contacts/surfaces/feature_owners.h"
 #include "souple/contacts/surfaces/path_crossing.h"
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 namespace souple {

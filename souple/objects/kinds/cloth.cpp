@@ -10,7 +10,6 @@
 #include "souple/objects/object.h"
 
 #include <algorithm>
-#include <cmath>
 #include <tuple>
 #include <utility>
 

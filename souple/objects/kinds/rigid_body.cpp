@@ -10,7 +10,6 @@
 #include "souple/objects/object.h"
 #include "souple/objects/rigid_definition.h"
 
-#include <optional>
 #include <utility>
 
 #include <fmt/core.h>
