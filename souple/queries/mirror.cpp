@@ -36,8 +36,8 @@ void each(Threads* threads, std::size_t n, const Function& f) {
   });
 }
 
-/// Fills `out`, unless it is up to date, with a value for each user vertex: f(i) of its particle i, or the blend
-/// over its tet. f returns Vec3d.
+/// Fills `out` with a value for each user vertex, unless it is up to date. The value is f(i) of its particle i, or the
+/// blend over its tet. f returns Vec3d.
 template <class Function>
 std::span<const Vec3f> filled(const QueryView& view, const Object& object, KeptPoints& out,
                               std::uint64_t& version, const Function& f) {
