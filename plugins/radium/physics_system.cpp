@@ -1,11 +1,11 @@
 #include "plugins/radium/physics_system.h"
 
-#include "plugins/radium/physics_component.h"
 #include "plugins/radium/scene_entities.h"
 
 #include <Core/Tasks/Task.hpp>
 #include <Core/Tasks/TaskQueue.hpp>
 #include <Engine/RadiumEngine.hpp>
+#include <Engine/Scene/Component.hpp>
 #include <Engine/Scene/Entity.hpp>
 #include <Engine/Scene/EntityManager.hpp>
 #include <Engine/Scene/SystemDisplay.hpp>
@@ -21,6 +21,13 @@ namespace souple::radium {
 namespace {
 
 using Ra::Core::Utils::Index;
+
+/// Marks an entity in Radium's tree whose mesh is an object of the world. Deleting the mark removes the object.
+class Mark : public Ra::Engine::Scene::Component {
+ public:
+  using Component::Component;
+  void initialize() override {}
+};
 
 Vec3f vec3(const Ra::Core::Vector3& v) {
   return {v[0], v[1], v[2]};
@@ -164,7 +171,7 @@ std::vector<Body>::iterator PhysicsSystem::find(host::Handle object) {
 
 void PhysicsSystem::show(Body body) {
   auto& entity = body.mesh.entity();
-  body.mark = new PhysicsComponent("Souple " + body.name, &entity);  // the entity's
+  body.mark = new Mark("Souple " + body.name, &entity);  // the entity's
   addComponent(&entity, body.mark);
   bodies_.push_back(std::move(body));
 }

@@ -1,12 +1,14 @@
 #pragma once
 
-#include "plugins/radium/body.h"
+#include "plugins/radium/render_mesh.h"
 
 #include <Core/Types.hpp>
 #include <Core/Utils/Index.hpp>
 #include <Engine/FrameInfo.hpp>
 #include <Engine/Scene/System.hpp>
+#include <array>
 #include <cstdint>
+#include <souple/host/drawable.h>
 #include <souple/host/session.h>
 #include <string>
 #include <vector>
@@ -30,6 +32,21 @@ struct PickedVertex {
   Ra::Core::Utils::Index render_object;
   int triangle = -1;  ///< for splats: the vertex
   int corner = -1;    ///< corner of the triangle: 0, 1 or 2; for splats 0
+};
+
+/// An object of the world and its mesh in Radium.
+struct Body {
+  std::string name;
+  host::Drawable drawable;
+  RenderMesh mesh;
+  bool from_scene = false;
+  std::array<float, 16> transform{};     ///< the mesh's transform when the world last read it
+  std::vector<float> first_positions{};  ///< positions of the mesh when it became an object
+  std::vector<float> first_normals{};    ///< normals of the mesh when it became an object
+  Ra::Engine::Scene::Component* mark =
+      nullptr;  ///< component in Radium's tree; nullptr after its deletion there
+
+  host::Handle object() const { return drawable.object(); }
 };
 
 /// A world in Radium, stepped by one task per frame; Souple's threads work inside that task.

@@ -27,16 +27,10 @@ AttribArrayDisplayable* displayed(const std::shared_ptr<RenderObject>& object) {
   return object ? dynamic_cast<AttribArrayDisplayable*>(object->getMesh().get()) : nullptr;
 }
 
-std::vector<float> numbers(const Vector3Array& vectors) {
-  std::vector<float> values(3 * vectors.size());
-  if (!values.empty()) std::memcpy(values.data(), vectors.data()->data(), values.size() * sizeof(float));
+std::vector<float> numbers(const Vector3Array& array) {
+  std::vector<float> values(3 * array.size());
+  if (!values.empty()) std::memcpy(values.data(), array.data()->data(), values.size() * sizeof(float));
   return values;
-}
-
-Vector3Array vectors(const std::vector<float>& values) {
-  Vector3Array result(values.size() / 3);
-  if (!values.empty()) std::memcpy(result.data()->data(), values.data(), values.size() * sizeof(float));
-  return result;
 }
 
 template <class Corners>
@@ -56,6 +50,12 @@ void cut_polygon(const Corners& corners, std::vector<std::uint32_t>& triangles) 
 }
 
 }  // namespace
+
+Vector3Array vectors(const std::vector<float>& values) {
+  Vector3Array result(values.size() / 3);
+  if (!values.empty()) std::memcpy(result.data()->data(), values.data(), values.size() * sizeof(float));
+  return result;
+}
 
 RenderMesh::RenderMesh(Ra::Engine::RadiumEngine& engine, const Ra::Core::Utils::Index& render_object)
     : engine_(&engine), index_(render_object) {

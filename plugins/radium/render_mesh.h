@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Core/Geometry/TriangleMesh.hpp>
 #include <Core/Utils/Index.hpp>
 #include <array>
 #include <cstdint>
@@ -7,9 +8,6 @@
 #include <string>
 #include <vector>
 
-namespace Ra::Core::Geometry {
-class AttribArrayGeometry;
-}
 namespace Ra::Engine {
 class RadiumEngine;
 namespace Rendering {
@@ -21,6 +19,9 @@ class Entity;
 }  // namespace Ra::Engine
 
 namespace souple::radium {
+
+/// x, y, z of each vector.
+Ra::Core::Vector3Array vectors(const std::vector<float>& values);
 
 /// A mesh of Radium (triangles, quads, polygons or points) as plain numbers. It does
 /// not keep the mesh alive; all functions but `alive` and `index` require a mesh that is.

@@ -19,19 +19,10 @@ namespace souple::radium {
 
 namespace {
 
-using Ra::Core::Vector3Array;
 using Ra::Core::Vector3ui;
 using Ra::Core::Utils::Color;
 using Ra::Engine::Scene::PointCloudComponent;
 using Ra::Engine::Scene::TriangleMeshComponent;
-
-Vector3Array vectors(const std::vector<float>& values) {
-  Vector3Array result;
-  result.reserve(values.size() / 3);
-  for (std::size_t i = 0; i + 2 < values.size(); i += 3)
-    result.emplace_back(values[i], values[i + 1], values[i + 2]);
-  return result;
-}
 
 Ra::Core::Geometry::TriangleMesh triangle_mesh(const std::vector<float>& positions,
                                                const std::vector<float>& normals,
@@ -65,37 +56,26 @@ RenderMesh finish(Ra::Engine::RadiumEngine& engine, Ra::Engine::Scene::Component
   return {engine, index};
 }
 
+// In order of host::Kind: cloth, soft bodies, ropes, grains, obstacles, fluids, rigid bodies.
+constexpr std::array<float, 3> colors[] = {
+    {0.80f, 0.36f, 0.30f}, {0.42f, 0.66f, 0.44f}, {0.76f, 0.62f, 0.40f}, {0.85f, 0.72f, 0.45f},
+    {0.62f, 0.64f, 0.68f}, {0.25f, 0.56f, 0.82f}, {0.72f, 0.53f, 0.36f}};
+
 std::array<float, 3> color_of(host::Kind kind) {
-  switch (kind) {
-    case host::Kind::cloth:
-      return {0.80f, 0.36f, 0.30f};
-    case host::Kind::soft_body:
-      return {0.42f, 0.66f, 0.44f};
-    case host::Kind::rope:
-      return {0.76f, 0.62f, 0.40f};
-    case host::Kind::grains:
-      return {0.85f, 0.72f, 0.45f};
-    case host::Kind::fluid:
-      return {0.25f, 0.56f, 0.82f};
-    case host::Kind::rigid_body:
-      return {0.72f, 0.53f, 0.36f};
-    case host::Kind::obstacle:
-      break;
-  }
-  return {0.62f, 0.64f, 0.68f};
+  return colors[static_cast<std::size_t>(kind)];
 }
 
 // Splats of one color would merge visually: each grain is slightly lighter or darker than its neighbors.
 void tint(Ra::Core::Geometry::PointCloud& grains, const std::array<float, 3>& srgb) {
-  Ra::Core::VectorArray<Ra::Core::Vector4> colors;
-  colors.reserve(grains.vertices().size());
+  Ra::Core::VectorArray<Ra::Core::Vector4> tints;
+  tints.reserve(grains.vertices().size());
   for (std::uint32_t i = 0; i < grains.vertices().size(); ++i) {
     const std::uint32_t mixed = (i * 2654435761u) >> 24;
     const float light = 0.6f + 0.5f * static_cast<float>(mixed) / 255;
-    colors.emplace_back(light * linear(srgb[0]), light * linear(srgb[1]), light * linear(srgb[2]), 1.0f);
+    tints.emplace_back(light * linear(srgb[0]), light * linear(srgb[1]), light * linear(srgb[2]), 1.0f);
   }
   grains.addAttrib<Ra::Core::Vector4>(
-      Ra::Core::Geometry::getAttribName(Ra::Core::Geometry::MeshAttrib::VERTEX_COLOR), colors);
+      Ra::Core::Geometry::getAttribName(Ra::Core::Geometry::MeshAttrib::VERTEX_COLOR), tints);
 }
 
 }  // namespace

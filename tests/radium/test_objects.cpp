@@ -70,29 +70,6 @@ TEST_F(Radium, MeshesAreWhatTheSessionSays) {
   }
 }
 
-/// A mesh that is turned and scaled by its entity moves as one that lies there to begin with.
-TEST_F(Radium, TransformsAreRespected) {
-  Transform turned = moved(1, 2, 3);
-  turned.rotate(Ra::Core::AngleAxis(0.7f, Vector3(1, 2, 2).normalized())).scale(Vector3(1, 0.5f, 2));
-  Triangles there = sheet(4, 1);
-  for (Vector3& x : there.vertices) x = turned * x;
-  const auto after_half_a_second = [&](const Index& index) {
-    session().set_pinned(system->add(index, Kind::cloth), 0, true);
-    system->reset();
-    system->play();
-    frames(30);
-    std::vector<Vector3> vertices;
-    for (std::size_t v = 0; v < there.vertices.size(); ++v) vertices.push_back(world_vertex(index, v));
-    system->clear();
-    return vertices;
-  };
-  const std::vector<Vector3> by_entity = after_half_a_second(show("turned", sheet(4, 1), turned)),
-                             lying = after_half_a_second(show("lying", there));
-  for (std::size_t v = 0; v < lying.size(); ++v) EXPECT_LT((by_entity[v] - lying[v]).norm(), 1e-4f) << v;
-  EXPECT_LT(lying[95].y(), there.vertices[95].y() - 0.3f);
-  EXPECT_EQ(words(), "");
-}
-
 TEST_F(Radium, AMovedObstacleCarriesWhatLiesOnIt) {
   const Index table = show("table", box({0.5f, 0.1f, 0.5f})),
               index = show("sheet", sheet(5, 0.4f), moved(0, 0.12f, 0));

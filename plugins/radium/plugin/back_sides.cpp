@@ -26,14 +26,11 @@ constexpr const char* back_sides_name = "Souple back sides";
 
 Ra::Core::Geometry::TriangleMesh turned_over(const RenderMesh& front) {
   Ra::Core::Geometry::TriangleMesh mesh;
-  Ra::Core::Vector3Array vertices;
-  const std::vector<float> x = front.positions();
-  for (std::size_t i = 0; i + 2 < x.size(); i += 3) vertices.emplace_back(x[i], x[i + 1], x[i + 2]);
   Ra::Core::VectorArray<Ra::Core::Vector3ui> triangles;
   const std::vector<std::uint32_t> corners = front.triangles();
   for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
     triangles.emplace_back(corners[i], corners[i + 2], corners[i + 1]);
-  mesh.setVertices(std::move(vertices));
+  mesh.setVertices(vectors(front.positions()));
   mesh.setIndices(std::move(triangles));
   return mesh;
 }

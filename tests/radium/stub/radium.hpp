@@ -8,7 +8,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -34,22 +33,13 @@ using Ray = Eigen::ParametrizedLine<Scalar, 3>;
 using Aabb = Eigen::AlignedBox<Scalar, 3>;
 
 template <typename V>
-class VectorArray : public std::vector<V, Eigen::aligned_allocator<V>> {
- public:
-  using std::vector<V, Eigen::aligned_allocator<V>>::vector;
-};
+using VectorArray = std::vector<V, Eigen::aligned_allocator<V>>;
 using Vector3Array = VectorArray<Vector3>;
 
-class Task {
- public:
-  virtual ~Task() = default;
-  virtual void process() = 0;
-};
-
-class FunctionTask : public Task {
+class FunctionTask {
  public:
   FunctionTask(std::function<void()> f, const std::string& /*name*/) : m_f(std::move(f)) {}
-  void process() override { m_f(); }
+  void process() { m_f(); }
 
  private:
   std::function<void()> m_f;
@@ -58,14 +48,14 @@ class FunctionTask : public Task {
 class TaskQueue {
  public:
   explicit TaskQueue(uint /*numThreads*/) {}
-  void registerTask(std::unique_ptr<Task> task) { m_tasks.push_back(std::move(task)); }
+  void registerTask(std::unique_ptr<FunctionTask> task) { m_tasks.push_back(std::move(task)); }
   void runTasksInThisThread() {
     for (const auto& task : m_tasks) task->process();
     m_tasks.clear();
   }
 
  private:
-  std::vector<std::unique_ptr<Task>> m_tasks;
+  std::vector<std::unique_ptr<FunctionTask>> m_tasks;
 };
 
 namespace Asset {
@@ -83,18 +73,6 @@ class Index {
 
  private:
   int m_idx;
-};
-
-/// Objects in the order of their indices. A new one gets the lowest index that is free.
-template <typename T>
-class IndexMap : public std::map<int, T> {
- public:
-  Index insert(T object) {
-    int free = 0;
-    while (this->count(free) > 0) ++free;
-    this->emplace(free, std::move(object));
-    return free;
-  }
 };
 
 class Color : public Vector4 {
@@ -133,14 +111,8 @@ class AttribArrayGeometry {
 
   const Vector3Array& vertices() const { return m_vertices; }
   const Vector3Array& normals() const { return m_normals; }
-  void setVertices(const Vector3Array& vertices) {
-    m_vertices = vertices;
-    ++m_boxVersion;
-  }
+  void setVertices(const Vector3Array& vertices) { m_vertices = vertices; }
   void setNormals(const Vector3Array& normals) { m_normals = normals; }
-  // The bounding box stays as it was: only setVertices updates it.
-  Vector3Array& verticesWithLock() { return m_vertices; }
-  void verticesUnlock() {}
 
   template <typename T>
   Utils::AttribHandle<T> addAttrib(const std::string& name, const VectorArray<T>& data) {
@@ -158,13 +130,10 @@ class AttribArrayGeometry {
   }
   bool hasAttrib(const std::string& name) const { return m_attribs.count(name) > 0; }
 
-  int box_version() const { return m_boxVersion; }
-
  private:
   Vector3Array m_vertices;
   Vector3Array m_normals;
   std::map<std::string, Utils::Attrib<Vector4>> m_attribs;
-  int m_boxVersion = 0;
 };
 
 class PointCloud : public AttribArrayGeometry {};
@@ -188,12 +157,9 @@ using PolyMesh = IndexedGeometry<VectorNui>;
 
 namespace Ra::Engine {
 
-class RadiumEngine;
-
 struct FrameInfo {
   Scalar m_animationTime = 0;
   Scalar m_dt = 0;
-  uint m_numFrame = 0;
 };
 
 namespace Data {
@@ -240,86 +206,14 @@ class BlinnPhongMaterial final : public Material {
 
 }  // namespace Data
 
-namespace Scene {
-class Component;
-class Entity;
-}  // namespace Scene
-
 namespace Rendering {
-
-enum class RenderObjectType { UI = 0, Debug, Geometry };
-
-class RenderObject final {
- public:
-  RenderObject(Scene::Component* component, std::shared_ptr<Data::AttribArrayDisplayable> mesh,
-               std::shared_ptr<Data::Material> material)
-      : m_component(component), m_mesh(std::move(mesh)), m_material(std::move(material)) {}
-
-  Scene::Component* getComponent() { return m_component; }
-  RenderObjectType getType() const { return RenderObjectType::Geometry; }
-  std::shared_ptr<Data::Displayable> getMesh() { return m_mesh; }
-  std::shared_ptr<Data::Material> getMaterial() { return m_material; }
-
-  /// The entity's transform times the local one.
-  Core::Transform getTransform() const;
-  void setLocalTransform(const Core::Transform& transform) {
-    m_localTransform = transform;
-    m_boxVersion = -1;
-  }
-  void setLocalTransform(const Core::Matrix4& transform) { setLocalTransform(Core::Transform(transform)); }
-
-  /// In the world. The box stays as it was when only the entity moves.
-  Core::Aabb computeAabb();
-
- private:
-  Core::Transform m_localTransform = Core::Transform::Identity();
-  Scene::Component* m_component;
-  std::shared_ptr<Data::AttribArrayDisplayable> m_mesh;
-  std::shared_ptr<Data::Material> m_material;
-  Core::Aabb m_aabb;
-  int m_boxVersion = -1;
-};
-
-class RenderObjectManager final {
- public:
-  Core::Utils::Index addRenderObject(RenderObject* object) {
-    return m_renderObjects.insert(std::shared_ptr<RenderObject>(object));
-  }
-  void removeRenderObject(const Core::Utils::Index& index) { m_renderObjects.erase(index); }
-  std::shared_ptr<RenderObject> getRenderObject(const Core::Utils::Index& index) {
-    return m_renderObjects.at(index);
-  }
-  bool exists(const Core::Utils::Index& index) const { return m_renderObjects.count(index) > 0; }
-
- private:
-  Core::Utils::IndexMap<std::shared_ptr<RenderObject>> m_renderObjects;
-};
-
-}  // namespace Rendering
+class RenderObject;
+}
 
 namespace Scene {
 
-class System {
-  friend class Component;
-
- public:
-  virtual ~System() = default;
-  virtual void generateTasks(Core::TaskQueue* taskQueue, const FrameInfo& frameInfo) = 0;
-  void addComponent(Entity* entity, Component* component) { registerComponent(entity, component); }
-  std::vector<Component*> getEntityComponents(const Entity* entity);
-
- protected:
-  virtual void registerComponent(const Entity* entity, Component* component);
-  virtual void unregisterComponent(const Entity* entity, Component* component);
-
- private:
-  std::vector<std::pair<const Entity*, Component*>> m_components;
-};
-
-class GeometrySystem : public System {
- public:
-  void generateTasks(Core::TaskQueue* /*taskQueue*/, const FrameInfo& /*frameInfo*/) override {}
-};
+class Entity;
+class System;
 
 /// A part of an entity, which owns it from its construction on.
 class Component {
@@ -346,33 +240,36 @@ class Component {
   std::vector<Core::Utils::Index> m_renderObjects;
 };
 
-/// Shows one geometry as one render object of a gray material.
-template <typename CoreMesh>
-class MeshComponent : public Component {
+class System {
+  friend class Component;
+
  public:
-  MeshComponent(const std::string& name, Entity* entity, CoreMesh&& mesh,
-                Core::Asset::MaterialData* /*mat*/ = nullptr)
-      : Component(name, entity) {
-    auto material = std::make_shared<Data::BlinnPhongMaterial>();
-    material->m_perVertexColor = mesh.hasAttrib(Core::Geometry::getAttribName(Core::Geometry::VERTEX_COLOR));
-    auto shown = std::make_shared<Data::CoreGeometryDisplayable<CoreMesh>>(std::move(mesh));
-    addRenderObject(new Rendering::RenderObject(this, std::move(shown), std::move(material)));
+  virtual ~System() = default;
+  virtual void generateTasks(Core::TaskQueue* taskQueue, const FrameInfo& frameInfo) = 0;
+  void addComponent(Entity* entity, Component* component) { registerComponent(entity, component); }
+  std::vector<Component*> getEntityComponents(const Entity* entity) {
+    std::vector<Component*> found;
+    for (Component* component : m_components)
+      if (component->getEntity() == entity) found.push_back(component);
+    return found;
   }
-  void initialize() override {}
-};
 
-using TriangleMeshComponent = MeshComponent<Core::Geometry::TriangleMesh>;
-using QuadMeshComponent = MeshComponent<Core::Geometry::QuadMesh>;
-using PolyMeshComponent = MeshComponent<Core::Geometry::PolyMesh>;
-
-class PointCloudComponent : public MeshComponent<Core::Geometry::PointCloud> {
- public:
-  using MeshComponent<Core::Geometry::PointCloud>::MeshComponent;
-  void setSplatSize(float size) { m_splatSize = size; }
-  float getSplatSize() const { return m_splatSize; }
+ protected:
+  virtual void registerComponent(const Entity* /*entity*/, Component* component) {
+    m_components.push_back(component);
+    component->setSystem(this);
+  }
+  virtual void unregisterComponent(const Entity* /*entity*/, Component* component) {
+    m_components.erase(std::find(m_components.begin(), m_components.end(), component));
+  }
 
  private:
-  float m_splatSize = 0.0025f;
+  std::vector<Component*> m_components;
+};
+
+class GeometrySystem : public System {
+ public:
+  void generateTasks(Core::TaskQueue* /*taskQueue*/, const FrameInfo& /*frameInfo*/) override {}
 };
 
 /// Components under one transform. A new transform is seen after the end of the frame.
@@ -414,36 +311,119 @@ class EntityManager {
   Entity* createEntity(const std::string& name) {
     std::string free_name = name;
     for (int i = 1; entityExists(free_name); ++i) free_name = name + "_" + std::to_string(i);
-    const Core::Utils::Index index = m_entities.insert(std::make_unique<Entity>(free_name));
-    return m_entities.at(index).get();
+    return m_entities.emplace_back(std::make_unique<Entity>(free_name)).get();
   }
   bool entityExists(const std::string& name) const { return getEntity(name) != nullptr; }
   Entity* getEntity(const std::string& name) const {
-    for (const auto& [index, entity] : m_entities)
-      if (entity->getName() == name) return entity.get();
+    for (Entity* entity : getEntities())
+      if (entity->getName() == name) return entity;
     return nullptr;
   }
   std::vector<Entity*> getEntities() const {
     std::vector<Entity*> all;
-    for (const auto& [index, entity] : m_entities) all.push_back(entity.get());
+    for (const auto& entity : m_entities) all.push_back(entity.get());
     return all;
   }
   // The entity exists while its components are removed.
   void removeEntity(Entity* entity) {
     entity->remove_components();
-    for (auto it = m_entities.begin(); it != m_entities.end(); ++it)
-      if (it->second.get() == entity) return static_cast<void>(m_entities.erase(it));
-    throw std::out_of_range("no such entity");
+    m_entities.erase(std::find_if(m_entities.begin(), m_entities.end(),
+                                  [entity](const auto& owned) { return owned.get() == entity; }));
   }
   void deleteEntities() {
-    while (!m_entities.empty()) removeEntity(m_entities.begin()->second.get());
+    while (!m_entities.empty()) removeEntity(m_entities.front().get());
   }
   void swapBuffers() {
-    for (const auto& [index, entity] : m_entities) entity->swapTransformBuffers();
+    for (const auto& entity : m_entities) entity->swapTransformBuffers();
   }
 
  private:
-  Core::Utils::IndexMap<std::unique_ptr<Entity>> m_entities;
+  std::vector<std::unique_ptr<Entity>> m_entities;
+};
+
+}  // namespace Scene
+
+namespace Rendering {
+
+enum class RenderObjectType { UI = 0, Debug, Geometry };
+
+class RenderObject final {
+ public:
+  RenderObject(Scene::Component* component, std::shared_ptr<Data::AttribArrayDisplayable> mesh,
+               std::shared_ptr<Data::Material> material)
+      : m_component(component), m_mesh(std::move(mesh)), m_material(std::move(material)) {}
+
+  Scene::Component* getComponent() { return m_component; }
+  RenderObjectType getType() const { return RenderObjectType::Geometry; }
+  std::shared_ptr<Data::Displayable> getMesh() { return m_mesh; }
+  std::shared_ptr<Data::Material> getMaterial() { return m_material; }
+
+  /// The entity's transform times the local one.
+  Core::Transform getTransform() const { return m_component->getEntity()->getTransform() * m_localTransform; }
+  void setLocalTransform(const Core::Transform& transform) { m_localTransform = transform; }
+  void setLocalTransform(const Core::Matrix4& transform) { m_localTransform = Core::Transform(transform); }
+
+  /// In the world.
+  Core::Aabb computeAabb() {
+    Core::Aabb box;
+    for (const Core::Vector3& vertex : m_mesh->getAttribArrayGeometry().vertices())
+      box.extend(getTransform() * vertex);
+    return box;
+  }
+
+ private:
+  Core::Transform m_localTransform = Core::Transform::Identity();
+  Scene::Component* m_component;
+  std::shared_ptr<Data::AttribArrayDisplayable> m_mesh;
+  std::shared_ptr<Data::Material> m_material;
+};
+
+class RenderObjectManager final {
+ public:
+  /// A new object gets the lowest index that is free.
+  Core::Utils::Index addRenderObject(RenderObject* object) {
+    int free = 0;
+    while (exists(free)) ++free;
+    m_renderObjects.emplace(free, object);
+    return free;
+  }
+  void removeRenderObject(const Core::Utils::Index& index) { m_renderObjects.erase(index); }
+  std::shared_ptr<RenderObject> getRenderObject(const Core::Utils::Index& index) {
+    return m_renderObjects.at(index);
+  }
+  bool exists(const Core::Utils::Index& index) const { return m_renderObjects.count(index) > 0; }
+
+ private:
+  std::map<int, std::shared_ptr<RenderObject>> m_renderObjects;
+};
+
+}  // namespace Rendering
+
+namespace Scene {
+
+/// Shows one geometry as one render object of a gray material.
+template <typename CoreMesh>
+class MeshComponent : public Component {
+ public:
+  MeshComponent(const std::string& name, Entity* entity, CoreMesh&& mesh,
+                Core::Asset::MaterialData* /*mat*/ = nullptr)
+      : Component(name, entity) {
+    auto material = std::make_shared<Data::BlinnPhongMaterial>();
+    material->m_perVertexColor = mesh.hasAttrib(Core::Geometry::getAttribName(Core::Geometry::VERTEX_COLOR));
+    auto shown = std::make_shared<Data::CoreGeometryDisplayable<CoreMesh>>(std::move(mesh));
+    addRenderObject(new Rendering::RenderObject(this, std::move(shown), std::move(material)));
+  }
+  void initialize() override {}
+};
+
+using TriangleMeshComponent = MeshComponent<Core::Geometry::TriangleMesh>;
+using QuadMeshComponent = MeshComponent<Core::Geometry::QuadMesh>;
+using PolyMeshComponent = MeshComponent<Core::Geometry::PolyMesh>;
+
+class PointCloudComponent : public MeshComponent<Core::Geometry::PointCloud> {
+ public:
+  using MeshComponent<Core::Geometry::PointCloud>::MeshComponent;
+  void setSplatSize(float /*size*/) {}
 };
 
 }  // namespace Scene
@@ -471,8 +451,7 @@ class RadiumEngine {
   void getTasks(Core::TaskQueue* tasks, Scalar dt) {
     if (m_playing || m_singleStep) advance(dt + m_step);
     m_singleStep = false;
-    for (const auto& [name, system] : m_systems) system->generateTasks(tasks, {m_time, m_step, m_frame});
-    ++m_frame;
+    for (const auto& [name, system] : m_systems) system->generateTasks(tasks, {m_time, m_step});
   }
   void endFrameSync() { m_entityManager->swapBuffers(); }
 
@@ -514,41 +493,9 @@ class RadiumEngine {
   std::unique_ptr<Rendering::RenderObjectManager> m_renderObjectManager;
   std::unique_ptr<Scene::EntityManager> m_entityManager;
   Scalar m_step = 1.0f / 60, m_start = 0, m_end = 1, m_time = 0;
-  uint m_frame = 0;
   bool m_playing = false;
   bool m_singleStep = true;
 };
-
-inline Core::Transform Rendering::RenderObject::getTransform() const {
-  return m_component->getEntity()->getTransform() * m_localTransform;
-}
-
-inline Core::Aabb Rendering::RenderObject::computeAabb() {
-  const auto& geometry = m_mesh->getAttribArrayGeometry();
-  if (m_boxVersion != geometry.box_version()) {
-    m_aabb.setEmpty();
-    for (const Core::Vector3& vertex : geometry.vertices()) m_aabb.extend(getTransform() * vertex);
-    m_boxVersion = geometry.box_version();
-  }
-  return m_aabb;
-}
-
-inline void Scene::System::registerComponent(const Entity* entity, Component* component) {
-  m_components.emplace_back(entity, component);
-  component->setSystem(this);
-}
-
-inline void Scene::System::unregisterComponent(const Entity* /*entity*/, Component* component) {
-  const auto is_it = [component](const auto& entry) { return entry.second == component; };
-  m_components.erase(std::remove_if(m_components.begin(), m_components.end(), is_it), m_components.end());
-}
-
-inline std::vector<Scene::Component*> Scene::System::getEntityComponents(const Entity* entity) {
-  std::vector<Component*> found;
-  for (const auto& [owner, component] : m_components)
-    if (owner == entity) found.push_back(component);
-  return found;
-}
 
 inline Scene::Component::Component(const std::string& name, Entity* entity) : m_name(name), m_entity(entity) {
   entity->addComponent(this);
