@@ -15,6 +15,4 @@ struct Format {
 /// CMakeLists.txt, and small valid files in corpus/NAME/.
 const Format* find_format(std::string_view name);
 
-void read_checkpoint_bytes(std::string_view bytes);
-
 }  // namespace souple::fuzz

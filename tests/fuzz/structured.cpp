@@ -1,7 +1,5 @@
 #include "structured.h"
 
-#include "structured_text.h"
-
 #include <algorithm>
 #include <cstdint>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "structured_text.h"
+#include "structured.h"
 
 #include <algorithm>
 #include <cctype>
