@@ -1,6 +1,6 @@
 // Souple and Bullet in one run, at equal quality.
 //
-//   beside_bullet [--size N] [--frames N] [--longest MS]
+//   beside_bullet [--quick]   --quick: a small cloth and few frames, to try the program itself
 //
 // For each engine, the cheapest setting with which the benchmark `cloth` keeps its largest strain within a bound. A cloth that
 // hangs at rest has 2 % during the last second. A pushed cloth has 5 % in each frame but the first two. The engines with these
@@ -9,7 +9,6 @@
 
 #include "app/bench_scenes.h"
 #include "benchmarks/bullet.h"
-#include "souple/error.h"
 #include "souple/geometry/measures.h"
 #include "souple/scene/json.h"
 #include "souple/simd/instruction_set.h"
@@ -18,7 +17,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <limits>
 #include <optional>
 #include <span>
@@ -113,13 +111,17 @@ struct Motion {
 };
 constexpr Motion motions[] = {{"hanging", false, 0.02}, {"swinging", true, 0.05}};
 
-/// An engine with one number to choose.
+/// An engine with one number to choose: the substeps of a frame, or the iterations of its only substep.
 struct Family {
   const char* name;
-  bool threaded;
+  bool threaded, chooses_iterations;
   std::unique_ptr<PeerEngine> (*make)(const PeerScene& scene, int size, const Motion& motion, int setting,
                                       int threads);
-  std::string (*describe)(int setting);
+
+  std::string describe(int setting) const {
+    const std::string number = std::to_string(setting);
+    return chooses_iterations ? "1 x " + number : number + " x 1";
+  }
 };
 
 std::unique_ptr<PeerEngine> souple(SolverKind solver, int size, const Motion& motion, int substeps,
@@ -135,31 +137,23 @@ std::unique_ptr<PeerEngine> souple(SolverKind solver, int size, const Motion& mo
   return std::make_unique<SoupleEngine>(std::move(world));
 }
 
-std::string times_one(int setting) {
-  return std::to_string(setting) + " x 1";
-}
-
 constexpr Family families[] = {
-    {"Souple, automatic", true,
+    {"Souple, automatic", true, false,
      [](const PeerScene&, int size, const Motion& motion, int setting, int threads) {
        return souple(SolverKind::automatic, size, motion, setting, threads);
-     },
-     times_one},
-    {"Souple, gauss_seidel", true,
+     }},
+    {"Souple, gauss_seidel", true, false,
      [](const PeerScene&, int size, const Motion& motion, int setting, int threads) {
        return souple(SolverKind::gauss_seidel, size, motion, setting, threads);
-     },
-     times_one},
-    {"Bullet", false,
+     }},
+    {"Bullet", false, false,
      [](const PeerScene& scene, int, const Motion&, int setting, int) {
        return make_bullet(scene, setting, 1);
-     },
-     times_one},
-    {"Bullet, one step a frame", false,
+     }},
+    {"Bullet, one step a frame", false, true,
      [](const PeerScene& scene, int, const Motion&, int setting, int) {
        return make_bullet(scene, 1, setting);
-     },
-     [](int setting) { return "1 x " + std::to_string(setting); }}};
+     }}};
 
 constexpr int settings_to_try[] = {1, 2, 3, 4, 6, 8, 10, 12, 16, 20, 30, 40, 60, 80, 120, 160, 240, 320};
 /// A trial ends when its strain is this many times the bound: the setting is hopeless.
@@ -255,21 +249,6 @@ void compare(const Motion& motion, PeerScene scene, const Options& options, Json
   }
 }
 
-Options parse(int argc, char** argv) {
-  Options options;
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    int* number = word == "--size"      ? &options.size
-                  : word == "--frames"  ? &options.frames
-                  : word == "--longest" ? &options.longest
-                                        : nullptr;
-    if (number == nullptr || i + 1 >= argc || std::atoi(argv[i + 1]) < 1)
-      throw Error(word + ": expected --size N, --frames N or --longest MS, N above 0");
-    *number = std::atoi(argv[++i]);
-  }
-  return options;
-}
-
 void run(const Options& options) {
   const PeerScene scene = cloth_scene(options.size);
   Json result = Json::object(), list = Json::array();
@@ -284,11 +263,6 @@ void run(const Options& options) {
 }  // namespace souple::peers
 
 int main(int argc, char** argv) {
-  try {
-    souple::peers::run(souple::peers::parse(argc, argv));
-    return 0;
-  } catch (const souple::Error& error) {
-    std::fprintf(stderr, "beside_bullet: %s\n", error.what());
-    return 2;
-  }
+  const bool quick = argc > 1 && std::string(argv[1]) == "--quick";
+  souple::peers::run(quick ? souple::peers::Options{30, 80, 30} : souple::peers::Options{});
 }

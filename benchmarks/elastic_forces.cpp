@@ -11,33 +11,24 @@
 
 namespace souple::benchmarks {
 
-/// (M + h^2 K) dv = rhs of the free particles; blocks of 3 x 3, column by column.
+/// (M + h^2 K) dv = rhs of the free particles.
 struct ElasticModel::System {
-  using Matrix = Eigen::SparseMatrix<double>;
-  Matrix matrix;
-  Eigen::VectorXd rhs, solution;
+  Eigen::SparseMatrix<double> matrix;
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::VectorXd rhs;
   std::vector<int> unknown;  // per particle: its first unknown, -1 if it is pinned
-  /// Per element and pair of its particles, and last per particle: the value of the block's first entry, -1 if there is
-  /// none. The entry of the block's next column comes `stride` later.
-  struct Block {
-    int first, stride;
-  };
-  std::vector<Block> blocks;
-  Eigen::SimplicialLDLT<Matrix> ldlt;
-  bool ordered = false;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> ldlt;
+
+  explicit System(const std::vector<bool>& pinned) {
+    int count = 0;
+    for (const bool is_pinned : pinned) {
+      unknown.push_back(is_pinned ? -1 : count);
+      if (!is_pinned) count += 3;
+    }
+    matrix.resize(count, count);
+    rhs.resize(count);
+  }
 };
-
-namespace {
-
-using Pair = std::array<std::uint32_t, 2>;
-
-template <std::size_t n>
-void append_pairs(const std::array<std::uint32_t, n>& particle, std::vector<Pair>& out) {
-  for (const std::uint32_t i : particle)
-    for (const std::uint32_t j : particle) out.push_back({i, j});
-}
-
-}  // namespace
 
 ElasticModel::ElasticModel(const TriangleMesh& mesh, const ClothMaterial& material)
     : x(mesh.positions), v(mesh.positions.size()), mass_(mesh.positions.size()) {
@@ -187,102 +178,66 @@ void ElasticModel::step(Method method, double h) {
 // Finds v' = v + h M^-1 f(x + h v') by one Newton step from v' = v; leaves x.
 //   (M + h^2 K) (v' - v) = h f(x + h v)
 void ElasticModel::implicit_step(double h) {
-  if (!system_) allocate();
+  const bool is_first = !system_;
+  if (is_first) system_ = std::make_unique<System>(pinned_);
   System& system = *system_;
   for (std::size_t i = 0; i < x.size(); ++i)
     if (!pinned_[i]) x[i] += v[i] * h;
   find_forces();
   find_matrix(h * h);
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const int u = system.unknown[i];
-    if (u < 0) continue;
-    const Vec3d r = force_[i] * h;
-    for (int k = 0; k < 3; ++k) system.rhs[u + k] = r[k];
-    const System::Block& diagonal = system.blocks[system.blocks.size() - x.size() + i];
-    for (int k = 0; k < 3; ++k)
-      system.matrix.valuePtr()[diagonal.first + k * (diagonal.stride + 1)] += mass_[i];
-  }
-  if (!system.ordered) system.ldlt.analyzePattern(system.matrix);
-  system.ordered = true;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (int k = 0; system.unknown[i] >= 0 && k < 3; ++k)
+      system.rhs[system.unknown[i] + k] = force_[i][k] * h;
+  if (is_first) system.ldlt.analyzePattern(system.matrix);
   system.ldlt.factorize(system.matrix);
-  system.solution = system.ldlt.solve(system.rhs);
+  const Eigen::VectorXd change = system.ldlt.solve(system.rhs);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const int u = system.unknown[i];
     if (u < 0) continue;
     x[i] -= v[i] * h;
-    v[i] += {system.solution[u], system.solution[u + 1], system.solution[u + 2]};
+    v[i] += {change[u], change[u + 1], change[u + 2]};
   }
 }
 
 // --- matrix
 
-void ElasticModel::allocate() {
-  system_ = std::make_unique<System>();
-  System& system = *system_;
-  int count = 0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    system.unknown.push_back(pinned_[i] ? -1 : count);
-    if (!pinned_[i]) count += 3;
-  }
-  std::vector<Pair> pairs;
-  for (const Spring& spring : springs_) append_pairs(spring.particle, pairs);
-  for (const Tet& tet : tets_) append_pairs(tet.particle, pairs);
-  for (std::uint32_t i = 0; i < x.size(); ++i) pairs.push_back({i, i});
-  std::vector<Eigen::Triplet<double>> entries;
-  for (const auto& [i, j] : pairs)
-    for (int r = 0; system.unknown[i] >= 0 && system.unknown[j] >= 0 && r < 3; ++r)
-      for (int c = 0; c < 3; ++c) entries.emplace_back(system.unknown[i] + r, system.unknown[j] + c, 0.0);
-  system.matrix.resize(count, count);
-  system.matrix.setFromTriplets(entries.begin(), entries.end());
-  const int *const begin = system.matrix.outerIndexPtr(), *const row = system.matrix.innerIndexPtr();
-  for (const auto& [i, j] : pairs) {
-    const int r = system.unknown[i], c = system.unknown[j];
-    if (r < 0 || c < 0)
-      system.blocks.push_back({-1, 0});
-    else
-      system.blocks.push_back(
-          {static_cast<int>(std::lower_bound(row + begin[c], row + begin[c + 1], r) - row),
-           begin[c + 1] - begin[c]});
-  }
-  system.rhs.resize(count);
-}
-
 /// block(a, b): the second derivative of the element's energy by its particles a and b.
 template <std::size_t n, class Block>
-void ElasticModel::add_blocks(std::size_t& next, double factor, const Block& block) {
-  double* const values = system_->matrix.valuePtr();
+void ElasticModel::add_blocks(const std::array<std::uint32_t, n>& particle, const Block& block) {
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = 0; b < n; ++b) {
-      const auto [first, stride] = system_->blocks[next++];
-      if (first < 0) continue;
+      const int i = system_->unknown[particle[a]], j = system_->unknown[particle[b]];
+      if (i < 0 || j < 0) continue;
       const Mat3d m = block(a, b);
-      for (int c = 0; c < 3; ++c)
-        for (int r = 0; r < 3; ++r) values[first + c * stride + r] += factor * m(r, c);
+      for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) system_->entries.emplace_back(i + r, j + c, m(r, c));
     }
 }
 
-// `factor` times the second derivative K. That of a compressed spring across its direction is left out: it is
+// M and `factor` times the second derivative K. That of a compressed spring across its direction is left out: it is
 // negative (Choi and Ko 2002).
 void ElasticModel::find_matrix(double factor) {
-  std::fill_n(system_->matrix.valuePtr(), system_->matrix.nonZeros(), 0.0);
-  std::size_t next = 0;
+  system_->entries.clear();
   for (const Spring& spring : springs_) {
     const Vec3d d = x[spring.particle[0]] - x[spring.particle[1]];
     const double l = length(d), across = std::max(0.0, 1 - spring.length / l);
     const Mat3d along = outer(d, d) * (1 / (l * l));
-    const Mat3d k = (along + (Mat3d::identity() - along) * across) * spring.stiffness;
-    add_blocks<2>(next, factor, [&](std::size_t a, std::size_t b) { return a == b ? k : k * -1.0; });
+    const Mat3d k = (along + (Mat3d::identity() - along) * across) * (factor * spring.stiffness);
+    add_blocks(spring.particle, [&](std::size_t a, std::size_t b) { return a == b ? k : k * -1.0; });
   }
   for (const Tet& tet : tets_) {
     const Strain s = strain_of(tet, x);
     const double pressure = (tet.lambda + tet.mu) * (s.J - 1) - tet.mu;
-    add_blocks<4>(next, factor, [&](std::size_t a, std::size_t b) {
+    add_blocks(tet.particle, [&](std::size_t a, std::size_t b) {
       const Vec3d p = vector(tet.b[a]), q = vector(tet.b[b]), w = s.F * cross(p, q) * pressure;
       const double diagonal = tet.mu * dot(p, q);
       const Mat3d turned{{diagonal, -w.z, w.y}, {w.z, diagonal, -w.x}, {-w.y, w.x, diagonal}};  // u x w
-      return turned + outer(s.cof * p, s.cof * q) * (tet.lambda + tet.mu);
+      return (turned + outer(s.cof * p, s.cof * q) * (tet.lambda + tet.mu)) * factor;
     });
   }
+  for (std::uint32_t i = 0; i < x.size(); ++i)
+    add_blocks(std::array{i}, [&](std::size_t, std::size_t) { return Mat3d::identity() * mass_[i]; });
+  system_->matrix.setFromTriplets(system_->entries.begin(), system_->entries.end());
 }
 
 }  // namespace souple::benchmarks

@@ -62,12 +62,11 @@ class ElasticModel {
   };
   struct System;
 
-  void allocate();
   void find_forces();
   void find_matrix(double factor);
   void implicit_step(double h);
   template <std::size_t n, class Block>
-  void add_blocks(std::size_t& next, double factor, const Block& block);
+  void add_blocks(const std::array<std::uint32_t, n>& particle, const Block& block);
 
   std::vector<double> mass_;
   std::vector<bool> pinned_;

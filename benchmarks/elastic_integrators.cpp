@@ -7,7 +7,9 @@
 
 #include "benchmarks/elastic_integrators.h"
 
-#include "benchmarks/elastic_scenes.h"
+#include "benchmarks/elastic_forces.h"
+#include "souple/geometry/builders.h"
+#include "souple/world/world.h"
 
 #include <algorithm>
 #include <array>
@@ -27,13 +29,79 @@ constexpr std::pair<const char*, Integrator> integrators[] = {{"explicit", Integ
                                                               {"semi-implicit", Integrator::semi_implicit},
                                                               {"implicit", Integrator::implicit_euler}};
 
+// --- two scenes, as forces and as constraints of a world: the same mesh, masses, energies and start
+
+/// Cotton of 1 m and n x n vertices without bending stiffness, hung by its upper row. It starts to swing with `spin`
+/// rad/s about that row.
+struct ClothScene {
+  int n;
+  double spin;
+
+  TriangleMesh mesh() const {
+    TriangleMesh mesh = grid(n, n, 1);
+    for (Vec3d& x : mesh.positions) x = {x.x, -x.z - 0.5, 0};
+    return mesh;
+  }
+  ClothMaterial material() const {
+    ClothMaterial cotton = material::cotton;
+    cotton.bending = BendingModel::none;
+    return cotton;
+  }
+  bool is_pinned(const Vec3d& rest) const { return rest.y > -1e-6; }
+  Vec3f velocity(const Vec3d& rest) const { return {0, 0, static_cast<float>(-rest.y * spin)}; }
+  ObjectId add(World& world) const { return world.add_cloth(mesh(), material()); }
+};
+
+/// A bar of 1 m x 0.2 m x 0.2 m with 25 n^3 tets, straight at the start. One end is fixed.
+struct BarScene {
+  int n;  ///< cells across
+
+  TetMesh mesh() const { return tet_bar(5 * n, n, n, {1, 0.2, 0.2}); }
+  SoftBodyMaterial material() const { return {.young_modulus = 2e6f, .poisson_ratio = 0.4f}; }
+  bool is_pinned(const Vec3d& rest) const { return rest.x < -0.5 + 1e-6; }
+  Vec3f velocity(const Vec3d&) const { return {}; }
+  ObjectId add(World& world) const { return world.add_soft_body(mesh(), material()); }
+};
+
+template <class Scene>
+std::vector<std::uint32_t> pinned(const Scene& scene) {
+  std::vector<std::uint32_t> result;
+  const auto mesh = scene.mesh();
+  for (std::uint32_t i = 0; i < mesh.positions.size(); ++i)
+    if (scene.is_pinned(mesh.positions[i])) result.push_back(i);
+  return result;
+}
+
+/// Adds the scene to a world with these settings.
+template <class Scene>
+ObjectId start(const Scene& scene, World& world) {
+  const ObjectId object = scene.add(world);
+  std::vector<Vec3f> velocity;
+  for (const Vec3d& x : scene.mesh().positions) velocity.push_back(scene.velocity(x));
+  world.set_velocities(object, velocity);
+  world.pin(object, vertices(pinned(scene)));
+  return object;
+}
+
 // --- as forces
+
+/// The scene after its start.
+template <class Scene>
+struct Run : ElasticModel {
+  explicit Run(const Scene& scene) : ElasticModel(scene.mesh(), scene.material()) {
+    pin(pinned(scene));
+    for (std::size_t i = 0; i < x.size(); ++i) v[i] = Vec3d(scene.velocity(x[i]));
+    before = energy();
+  }
+  double gain() const { return energy() - before; }
+
+  double before;
+};
 
 /// The energy that gravity can release, roughly: the unit of energies.
 template <class Scene>
 double energy_scale(const Scene& scene) {
-  ElasticModel model(scene.mesh(), scene.material());
-  start(scene, model);
+  Run model(scene);
   double most = 0;
   for (int i = 0; i < 100; ++i) {
     model.step(Method::implicit_midpoint, 0.01);
@@ -45,14 +113,12 @@ double energy_scale(const Scene& scene) {
 /// Energy after `seconds`, minus that at the start, in units of `scale`; infinite once it has grown tenfold.
 template <class Scene>
 double energy_gain(const Scene& scene, Method method, double h, double seconds, double scale) {
-  ElasticModel model(scene.mesh(), scene.material());
-  start(scene, model);
-  const double before = model.energy();
+  Run model(scene);
   for (int i = 1; i <= std::lround(seconds / h); ++i) {
     model.step(method, h);
-    if (i % 8 == 0 && (!model.is_finite() || model.energy() - before > 10 * scale)) return HUGE_VAL;
+    if (i % 8 == 0 && (!model.is_finite() || model.gain() > 10 * scale)) return HUGE_VAL;
   }
-  return (model.energy() - before) / scale;
+  return model.gain() / scale;
 }
 
 // The step below which the energy does not grow tenfold in a second; infinite above 1/60 s, and 0 below 5
@@ -83,15 +149,12 @@ void print_points(std::span<const Vec3d> x) {
 // Energy over time and the positions at `seconds`.
 template <class Scene>
 void print_run(const Scene& scene, Method method, double h, double seconds, double scale) {
-  ElasticModel model(scene.mesh(), scene.material());
-  start(scene, model);
-  const double before = model.energy();
+  Run model(scene);
   const auto steps = std::lround(seconds / h), every = std::max(1L, steps / 100);
   std::printf("\"step\": %g, \"energy\": [[0, 0]", h);
   for (long i = 1; i <= steps; ++i) {
     model.step(method, h);
-    if (i % every == 0)
-      std::printf(", [%.5g, %.5g]", static_cast<double>(i) * h, (model.energy() - before) / scale);
+    if (i % every == 0) std::printf(", [%.5g, %.5g]", static_cast<double>(i) * h, model.gain() / scale);
   }
   std::printf("], \"x\": ");
   print_points(model.x);
@@ -100,11 +163,9 @@ void print_run(const Scene& scene, Method method, double h, double seconds, doub
 // The time at which explicit Euler has gained `gain` times as much energy as gravity can release.
 template <class Scene>
 double time_of_explosion(const Scene& scene, double h, double gain, double scale) {
-  ElasticModel model(scene.mesh(), scene.material());
-  start(scene, model);
-  const double before = model.energy();
+  Run model(scene);
   double t = 0;
-  while (model.energy() - before < gain * scale) model.step(Method::explicit_euler, h), t += h;
+  while (model.gain() < gain * scale) model.step(Method::explicit_euler, h), t += h;
   return t;
 }
 

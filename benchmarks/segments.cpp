@@ -8,6 +8,7 @@
 #include "souple/error.h"
 #include "souple/geometry/builders.h"
 #include "souple/simd/instruction_set.h"
+#include "tests/collision/random.h"
 
 #include <algorithm>
 #include <chrono>
@@ -32,18 +33,6 @@ constexpr double shortest_try = 0.01;  // s
 /// Rays from inside a ball: to each of its corners, and to the midpoint of each of its edges.
 constexpr int corner_rays = 642, edge_rays = 1920;
 
-/// Uniform in [lo, hi), with equal numbers on every machine.
-class Uniform {
- public:
-  float operator()(float lo, float hi) {
-    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
-    return lo + (hi - lo) * (static_cast<float>(state_ >> 40) / 16777216.0f);
-  }
-
- private:
-  std::uint64_t state_ = 1;
-};
-
 /// Corners of triangles as the tests read them.
 struct Columns {
   std::vector<float> corner[3][3];
@@ -67,19 +56,20 @@ struct Stack {
   std::vector<Segment<float>> segments;
 
   Stack() {
-    Uniform uniform;
+    test::Random random(1);
+    const auto uniform = [&](double lo, double hi) { return static_cast<float>(random.uniform(lo, hi)); };
     for (int i = 0; i < triangle_count; ++i) {
       const float z = static_cast<float>(i + 1) / static_cast<float>(triangle_count);
       const float corners[3][2] = {{-1, -1}, {1, -1}, {-1, 1}};
       for (int k = 0; k < 3; ++k) {
-        const float x = corners[k][0] + uniform(-0.05f, 0.05f), y = corners[k][1] + uniform(-0.05f, 0.05f);
-        triangles.add(k, {x, y, z + uniform(-0.01f, 0.01f)});
+        const float x = corners[k][0] + uniform(-0.05, 0.05), y = corners[k][1] + uniform(-0.05, 0.05);
+        triangles.add(k, {x, y, z + uniform(-0.01, 0.01)});
       }
     }
     for (int i = 0; i < segment_count; ++i) {
-      const float x = uniform(0.4f, 0.6f), y = uniform(0.4f, 0.6f);
-      const float dx = uniform(-0.1f, 0.1f);
-      segments.push_back({{x, y, -1}, {dx, uniform(-0.1f, 0.1f), 3}});
+      const float x = uniform(0.4, 0.6), y = uniform(0.4, 0.6);
+      const float dx = uniform(-0.1, 0.1);
+      segments.push_back({{x, y, -1}, {dx, uniform(-0.1, 0.1), 3}});
     }
   }
 };
