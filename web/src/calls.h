@@ -16,9 +16,9 @@ inline std::string& last_error() {
   return text;
 }
 
-/// Calls f; `otherwise` if it throws.
-template <class F, class R>
-R guarded(R otherwise, const F& f) {
+/// Calls f; returns 0 or nullptr if it throws.
+template <class F>
+auto guarded(const F& f) -> decltype(f()) {
   try {
     return f();
   } catch (const std::bad_alloc&) {
@@ -26,11 +26,7 @@ R guarded(R otherwise, const F& f) {
   } catch (const std::exception& error) {
     last_error() = error.what();
   }
-  return otherwise;
-}
-template <class F>
-void guarded(const F& f) {
-  guarded(0, [&] { return f(), 0; });
+  return decltype(f())();
 }
 
 /// The bytes stay until the next text is kept.

@@ -55,11 +55,7 @@ void HeldWorld::step(double dt) {
     world().step(dt);
   }
   const StepReport& report = world().report();
-  constexpr std::string_view refused = "nothing was done";
-  const bool is_refused =
-      report.message.size() >= refused.size() &&
-      std::string_view(report.message).substr(report.message.size() - refused.size()) == refused;
-  if (!report.ok() || is_refused) throw Error(report.message);
+  if (!report.ok() || report.message.ends_with("nothing was done")) throw Error(report.message);
 }
 
 void HeldWorld::reset() {
@@ -86,14 +82,13 @@ void HeldWorld::set(const std::string& setting) {
                                             source_of(simulation_.scene()), overrides);
   const std::string_view path = std::string_view(setting).substr(0, setting.find('='));
   for (std::size_t i = 0; i < next.objects.size(); ++i) {
-    if (path.rfind("objects." + common(next.objects[i]).name + ".material", 0) != 0) continue;
+    if (!path.starts_with("objects." + common(next.objects[i]).name + ".material")) continue;
     std::visit([&](const auto& object) { simulation_.set_material(i, object.material); }, next.objects[i]);
     return;
   }
-  const auto begins = [&](std::string_view with) { return path.rfind(with, 0) == 0; };
   for (const std::string_view fixed : {"objects", "colliders", "pairs", "connections", "joints", "ties",
                                        "drains", "camera", "frames", "frame_rate", "description", "souple"})
-    if (begins(fixed))
+    if (path.starts_with(fixed))
       throw Error(std::string(path) +
                   ": cannot change while the world runs; open the scene with this override");
   simulation_.set_settings(next.settings);

@@ -19,7 +19,7 @@ constexpr float radians_per_pixel = 0.008f;
 }  // namespace
 
 SOUPLE_CALL PageView* souple_view(const char* canvas) {
-  return guarded<>(static_cast<PageView*>(nullptr), [&] {
+  return guarded([&] {
     EmscriptenWebGLContextAttributes attributes;
     emscripten_webgl_init_context_attributes(&attributes);
     attributes.majorVersion = 2;
@@ -74,13 +74,13 @@ SOUPLE_CALL void souple_view_set_camera(PageView* view, const Vec3f* from_to) {
 
 // --- the user's hand
 SOUPLE_CALL int souple_view_grab(PageView* view, float x, float y) {
-  return guarded(0, [&] { return view->grab(x, y) ? 1 : 0; });
+  return guarded([&] { return view->grab(x, y) ? 1 : 0; });
 }
 SOUPLE_CALL void souple_view_drag(PageView* view, float x, float y) {
   guarded([&] { view->drag(x, y); });
 }
 SOUPLE_CALL int souple_view_pin(PageView* view, float x, float y) {
-  return guarded(0, [&] { return view->toggle_pin(x, y) ? 1 : 0; });
+  return guarded([&] { return view->toggle_pin(x, y) ? 1 : 0; });
 }
 SOUPLE_CALL void souple_view_throw(PageView* view, float x, float y) {
   guarded([&] { view->throw_ball(x, y); });

@@ -54,15 +54,14 @@ SOUPLE_CALL double souple_memory_used() {
 }
 
 SOUPLE_CALL HeldWorld* souple_open_file(const char* file, const char* overrides) {
-  return guarded<>(static_cast<HeldWorld*>(nullptr), [&] {
+  return guarded([&] {
     const std::filesystem::path path(file);
     return new HeldWorld(load_scene(path, lines(overrides)), path.stem().string());
   });
 }
 SOUPLE_CALL HeldWorld* souple_open_text(const char* text, const char* folder, const char* name,
                                         const char* overrides) {
-  return guarded<>(static_cast<HeldWorld*>(nullptr),
-                   [&] { return new HeldWorld(parse_scene(text, folder, name, lines(overrides)), name); });
+  return guarded([&] { return new HeldWorld(parse_scene(text, folder, name, lines(overrides)), name); });
 }
 SOUPLE_CALL void souple_close(HeldWorld* world) {
   delete world;
@@ -81,22 +80,22 @@ SOUPLE_CALL double souple_frame_rate(HeldWorld* world) {
   return world->simulation().frame_rate();
 }
 SOUPLE_CALL const char* souple_hash(HeldWorld* world) {
-  return guarded<>("", [&] { return keep(fmt::format("{:016x}", world->world().hash())); });
+  return guarded([&] { return keep(fmt::format("{:016x}", world->world().hash())); });
 }
 SOUPLE_CALL const char* souple_objects(HeldWorld* world) {
-  return guarded<>("", [&] { return keep(world->objects_text()); });
+  return guarded([&] { return keep(world->objects_text()); });
 }
 SOUPLE_CALL const char* souple_report(HeldWorld* world) {
-  return guarded<>("", [&] { return keep(world->report_text()); });
+  return guarded([&] { return keep(world->report_text()); });
 }
 SOUPLE_CALL const char* souple_scene(HeldWorld* world) {
-  return guarded<>("", [&] { return keep(world->simulation().scene_text()); });
+  return guarded([&] { return keep(world->simulation().scene_text()); });
 }
 SOUPLE_CALL const char* souple_tunables(HeldWorld* world, int object) {
-  return guarded<>("", [&] { return keep(world->tunables_text(static_cast<std::size_t>(object))); });
+  return guarded([&] { return keep(world->tunables_text(static_cast<std::size_t>(object))); });
 }
 SOUPLE_CALL const char* souple_add(HeldWorld* world, const char* object) {
-  return guarded<>("", [&] { return keep(world->add(object)); });
+  return guarded([&] { return keep(world->add(object)); });
 }
 SOUPLE_CALL void souple_set(HeldWorld* world, const char* setting) {
   guarded([&] { world->set(setting); });
@@ -104,23 +103,19 @@ SOUPLE_CALL void souple_set(HeldWorld* world, const char* setting) {
 
 // --- arrays, in the module's memory; 0 where there is none
 SOUPLE_CALL const Vec3f* souple_positions(HeldWorld* world, std::uint32_t object) {
-  return guarded<>(static_cast<const Vec3f*>(nullptr),
-                   [&] { return world->world().positions({object}).data(); });
+  return guarded([&] { return world->world().positions({object}).data(); });
 }
 SOUPLE_CALL const Vec3f* souple_velocities(HeldWorld* world, std::uint32_t object) {
-  return guarded<>(static_cast<const Vec3f*>(nullptr),
-                   [&] { return world->world().velocities({object}).data(); });
+  return guarded([&] { return world->world().velocities({object}).data(); });
 }
 SOUPLE_CALL const Vec3f* souple_normals(HeldWorld* world, std::uint32_t object) {
-  return guarded<>(static_cast<const Vec3f*>(nullptr),
-                   [&] { return world->world().normals({object}).data(); });
+  return guarded([&] { return world->world().normals({object}).data(); });
 }
 SOUPLE_CALL const Triangle* souple_triangles(HeldWorld* world, std::uint32_t object) {
-  return guarded<>(static_cast<const Triangle*>(nullptr),
-                   [&] { return world->world().triangles({object}).data(); });
+  return guarded([&] { return world->world().triangles({object}).data(); });
 }
 SOUPLE_CALL int souple_vertex_count(HeldWorld* world, std::uint32_t object) {
-  return guarded(0, [&] { return static_cast<int>(world->world().positions({object}).size()); });
+  return guarded([&] { return static_cast<int>(world->world().positions({object}).size()); });
 }
 
 // --- pins and the hand
@@ -136,7 +131,7 @@ SOUPLE_CALL void souple_move_pins(HeldWorld* world, std::uint32_t object, const 
   guarded([&] { world->world().move_pins({object}, std::span(which, n), std::span(positions, n)); });
 }
 SOUPLE_CALL int souple_grab(HeldWorld* world, const Vec3f* ray, float reach) {
-  return guarded(0, [&] { return world->grab({ray[0], ray[1]}, reach, ray[2]) ? 1 : 0; });
+  return guarded([&] { return world->grab({ray[0], ray[1]}, reach, ray[2]) ? 1 : 0; });
 }
 SOUPLE_CALL void souple_drag(HeldWorld* world, const Vec3f* ray) {
   guarded([&] { world->drag({ray[0], ray[1]}); });
