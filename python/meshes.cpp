@@ -55,33 +55,20 @@ void bind_builders(py::module_& m) {
         "spacing"_a, "name"_a = "mesh", doc("fill"));
 }
 
-MeshImport import_of(const std::optional<MeshImport>& options, const py::kwargs& kwargs,
-                     const char* function) {
-  return with_keywords(options, kwargs, function);
+/// A function of a path and options, which are a struct or keywords.
+template <class Options, class Read>
+void def_read(py::module_& m, const char* name, const Read& read) {
+  m.def(
+      name,
+      [read, name](const std::filesystem::path& path, const std::optional<Options>& options,
+                   const py::kwargs& kwargs) { return read(path, with_keywords(options, kwargs, name)); },
+      "path"_a, "options"_a = py::none(), doc(name));
 }
 
 void bind_mesh_files(py::module_& m) {
-  m.def(
-      "read_triangle_mesh",
-      [](const std::filesystem::path& path, const std::optional<MeshImport>& options,
-         const py::kwargs& kwargs) {
-        return read_triangle_mesh(path, import_of(options, kwargs, "read_triangle_mesh"));
-      },
-      "path"_a, "options"_a = py::none(), doc("read_triangle_mesh"));
-  m.def(
-      "read_tet_mesh",
-      [](const std::filesystem::path& path, const std::optional<MeshImport>& options,
-         const py::kwargs& kwargs) {
-        return read_tet_mesh(path, import_of(options, kwargs, "read_tet_mesh"));
-      },
-      "path"_a, "options"_a = py::none(), doc("read_tet_mesh"));
-  m.def(
-      "read_mesh_animation",
-      [](const std::filesystem::path& path, const std::optional<MeshAnimationImport>& options,
-         const py::kwargs& kwargs) {
-        return read_mesh_animation(path, with_keywords(options, kwargs, "read_mesh_animation"));
-      },
-      "path"_a, "options"_a = py::none(), doc("read_mesh_animation"));
+  def_read<MeshImport>(m, "read_triangle_mesh", &read_triangle_mesh);
+  def_read<MeshImport>(m, "read_tet_mesh", &read_tet_mesh);
+  def_read<MeshAnimationImport>(m, "read_mesh_animation", &read_mesh_animation);
   m.def("mesh_import_has_assimp", &mesh_import_has_assimp, doc("mesh_import_has_assimp"));
   m.def(
       "obj_text",
