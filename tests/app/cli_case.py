@@ -4,9 +4,12 @@ import json
 import os
 import resource
 import shutil
+import signal
+import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -48,6 +51,12 @@ WATER = {
 EXPLODING = dict(SMALL, drag=10000, integrator="explicit_euler", frames=60)
 
 
+def png_size(path):
+    data = path.read_bytes()
+    assert data[:8] == b"\x89PNG\r\n\x1a\n" and data[-8:-4] == b"IEND", f"{path} is no whole PNG"
+    return struct.unpack(">II", data[16:24])
+
+
 class Case(unittest.TestCase):
     def setUp(self):
         self.folder = Path(tempfile.mkdtemp(prefix="souple-test-"))
@@ -60,21 +69,45 @@ class Case(unittest.TestCase):
         path.write_text(description if isinstance(description, str) else json.dumps(description))
         return str(path)
 
+    def command(self, *words, **options):
+        """Runs a command in the folder. Its return code is not checked."""
+        return subprocess.run([*map(str, words)], cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL,
+                              capture_output=True, text=True, timeout=120, **options)
+
     def souple(self, *arguments, code=0):
-        done = subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, env=self.environment,
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+        done = self.command(PROGRAM, *arguments)
         self.assertEqual(done.returncode, code, f"{arguments}\n{done.stdout}\n{done.stderr}")
         return done
+
+    def start(self, *arguments):
+        """The program in the background, until the test ends at the latest."""
+        process = subprocess.Popen([PROGRAM, *map(str, arguments)], cwd=self.folder, env=self.environment,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        for cleanup in process.stdout.close, process.stderr.close, process.wait, process.kill:
+            self.addCleanup(cleanup)
+        return process
+
+    def wait_for(self, condition, process):
+        """Returns when it holds, or when the process has ended."""
+        for _ in range(6000):
+            if condition() or process.poll() is not None:
+                return
+            time.sleep(0.005)
+        self.fail("nothing happened for thirty seconds")
+
+    def stop(self, process, how=signal.SIGINT, code=130):
+        """Sends a signal and waits for the end. Returns what was printed, and the errors."""
+        process.send_signal(how)
+        out, error = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, code, out + error)
+        return out, error
 
     def limited(self, megabytes, *arguments):
         """Runs the program with a limit of its address space. Its return code is not checked."""
         def limit():
             resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20, megabytes << 20))
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-        return subprocess.run([PROGRAM, *map(str, arguments)], cwd=self.folder, env=self.environment,
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120,
-                              preexec_fn=limit)
+        return self.command(PROGRAM, *arguments, preexec_fn=limit)
 
     def has_sanitizer(self):
         """Whether the program was built with one: no such program starts in 4 GB."""

@@ -7,12 +7,11 @@ import math
 import resource
 import shutil
 import struct
-import subprocess
 import sys
 import unittest
 
 from cli_case import PROGRAM, SMALL, WATER, Case
-from studio_files import Glb, Run, at, compare_glb, compare_usda, ply_frame, stage_metadata, usda
+from studio_files import Glb, Run, at, compare_glb, compare_usda, stage_metadata, usda
 
 # A box of quads whose UVs have seams, with two materials and a group.
 BOX = """mtllib box.mtl
@@ -265,8 +264,7 @@ class ConvertBadInput(ConvertCase):
         for form, layout in itertools.product(("glb", "usda"), ("one", "frames")):
             def limit():
                 resource.setrlimit(resource.RLIMIT_FSIZE, (2500, 2500))
-            done = subprocess.run([PROGRAM, "convert", "out", "--write", form, "--layout", layout], cwd=self.folder,
-                                  env=self.environment, capture_output=True, text=True, timeout=60, preexec_fn=limit)
+            done = self.command(PROGRAM, "convert", "out", "--write", form, "--layout", layout, preexec_fn=limit)
             self.assertEqual(done.returncode, 1, done.stderr)
             self.assert_one_line(done.stderr)
             self.assertEqual([p for p in (self.folder / "out_converted").rglob("*") if p.is_file()], [])

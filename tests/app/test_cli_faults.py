@@ -8,7 +8,6 @@ import os
 import re
 import resource
 import shutil
-import subprocess
 import sys
 import unittest
 
@@ -106,10 +105,8 @@ class OutOfMemory(Case):
                 os.setgid(user)
                 os.setuid(user)
 
-            return subprocess.run([PROGRAM, "run", "small.json", "--frames", "2", "--threads", "8", "--quiet",
-                                   "--out", "out"], cwd=self.folder, env=self.environment,
-                                  stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120,
-                                  preexec_fn=limit)
+            return self.command(PROGRAM, "run", "small.json", "--frames", "2", "--threads", "8", "--quiet", "--out", "out",
+                                preexec_fn=limit)
 
         if limited(100).returncode != 0:
             self.skipTest("another user may not run the program where it lies")
@@ -125,8 +122,7 @@ class WritingErrors(Case):
     """Output that cannot be written: exit code 1 and one line."""
 
     def refused(self, command):
-        done = subprocess.run(["bash", "-c", command, PROGRAM], cwd=self.folder, env=self.environment,
-                              stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+        done = self.command("bash", "-c", command, PROGRAM)
         self.assertEqual(done.returncode, 1, f"{command}\n{done.stdout}\n{done.stderr}")
         self.assert_one_line(done.stderr)
         return done.stderr
@@ -175,11 +171,9 @@ class FullDisk(Case):
         """Runs the program on a disk of that size, as disk/out; what it leaves lies in out/."""
         shutil.rmtree(self.folder / "out", ignore_errors=True)
         (self.folder / "disk").mkdir(exist_ok=True)
-        command = (f'mount -t tmpfs -o size={kilobytes}k none disk || exit 77\n"$0" "$@"; code=$?\n'
-                   "for made in disk/*; do cp -r $made .; done; exit $code")
-        done = subprocess.run(["unshare", "-rm", "bash", "-c", command, PROGRAM, *map(str, arguments)],
-                              cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL,
-                              capture_output=True, text=True, timeout=120)
+        script = (f'mount -t tmpfs -o size={kilobytes}k none disk || exit 77\n"$0" "$@"; code=$?\n'
+                  "for made in disk/*; do cp -r $made .; done; exit $code")
+        done = self.command("unshare", "-rm", "bash", "-c", script, PROGRAM, *arguments)
         if done.returncode == 77 or "unshare" in done.stderr:
             self.skipTest("a file system of its own cannot be mounted here")
         return done

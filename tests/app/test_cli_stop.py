@@ -4,7 +4,6 @@
 import contextlib
 import json
 import signal
-import subprocess
 import sys
 import time
 import unittest
@@ -17,17 +16,6 @@ class Stopping(Case):
         super().setUp()
         # Frames that take long enough for a signal to come before the last one.
         self.slow_frames = dict(SMALL, substeps=5 if self.has_sanitizer() else 20)
-
-    def start(self, scene, *arguments):
-        return subprocess.Popen([PROGRAM, "run", scene, *map(str, arguments)], cwd=self.folder,
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment)
-
-    def wait_for(self, condition):
-        for _ in range(2000):
-            if condition():
-                return
-            time.sleep(0.005)
-        self.fail("nothing happened for ten seconds")
 
     def written(self, folder):
         """Size in bytes of the cache so far, under its final or its temporary name; a run may rename it meanwhile."""
@@ -42,45 +30,34 @@ class Stopping(Case):
         return self.written(folder) > 3000
 
     def test_a_second_run_into_the_folder_is_refused(self):
-        first = self.start("flag", "--frames", 3000, "--write", "pc2", "--out", "busy")
-        self.wait_for(lambda: self.growing("busy"))
+        first = self.start("run", "flag", "--frames", 3000, "--write", "pc2", "--out", "busy")
+        self.wait_for(lambda: self.growing("busy"), first)
         (self.folder / "alias").symlink_to("busy")
         for arguments in (["run", "flag", "--out", "busy"], ["run", "drop", "--out", "alias"],
                           ["run", "--resume", "busy"]):
             second = self.souple(*arguments, code=2)
             self.assertIn("another souple is writing there", second.stderr)
-        first.kill()
-        first.communicate()
+        self.stop(first, signal.SIGKILL, -signal.SIGKILL)
         # A killed run leaves no lock behind, and a finished one no file.
         self.souple("run", "flag", "--frames", 2, "--out", "busy")
         self.assertEqual([], list((self.folder / "busy").glob(".*")))
-
-    def stopped(self, scene, folder, how, *arguments):
-        run = self.start(scene, "--out", folder, *arguments)
-        self.wait_for(lambda: self.growing(folder) or run.poll() is not None)
-        run.send_signal(how)
-        out, error = run.communicate(timeout=60)
-        return run.returncode, out, error
 
     def test_interrupts_and_resumes(self):
         """By each signal in turn; the last resume runs more frames, and writes rest meshes that were deleted."""
         scene = self.scene(dict(self.slow_frames, frames=1500))
         self.souple("run", scene, "--out", "whole", "--write", "pc2,mdd", "--frames", 1600)
-        run = self.start(scene, "--out", "out", "--write", "pc2,mdd")
+        run = self.start("run", scene, "--out", "out", "--write", "pc2,mdd")
         for how in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
             size = self.written("out")
-            self.wait_for(lambda: self.written("out") > size + 3000 or run.poll() is not None)
-            run.send_signal(how)
-            out, error = run.communicate(timeout=60)
-            self.assertEqual(run.returncode, 130, out + error)
+            self.wait_for(lambda: self.written("out") > size + 3000, run)
+            error = self.stop(run, how)[1]
             self.assertRegex(error, r"interrupted after frame \d+ of 1500; resume with: souple run --resume out\n")
             self.assertTrue((self.folder / "out/checkpoint.souple").is_file())
             self.assertFalse([n for n in self.names() if n.endswith(".part")])
             self.assertIn("--frames 1", self.souple("run", "--resume", "out", "--frames", 1, code=2).stderr)
             if how == signal.SIGHUP:
                 break
-            run = subprocess.Popen([PROGRAM, "run", "--resume", "out"], cwd=self.folder, stderr=subprocess.PIPE,
-                                   stdout=subprocess.PIPE, text=True, env=self.environment)
+            run = self.start("run", "--resume", "out")
         for name in "flag", "sand":
             (self.folder / f"out/{name}.obj").unlink()
         said = self.souple("run", "--resume", "out", "--frames", 1600).stderr
@@ -93,12 +70,10 @@ class Stopping(Case):
 
     def test_interrupted_where_no_checkpoint_can_be_written(self):
         scene = self.scene(dict(WATER, frames=3000))
-        run = self.start(scene, "--out", "out", "--surface", "anisotropic")
-        self.wait_for(lambda: self.growing("out") or run.poll() is not None)
+        run = self.start("run", scene, "--out", "out", "--surface", "anisotropic")
+        self.wait_for(lambda: self.growing("out"), run)
         (self.folder / "out/checkpoint.souple.part").mkdir()
-        run.send_signal(signal.SIGINT)
-        out, error = run.communicate(timeout=60)
-        self.assertEqual(run.returncode, 1, out + error)
+        error = self.stop(run, code=1)[1]
         self.assert_one_line(error)
         self.assertIn("checkpoint.souple.part", error)
         frames = int.from_bytes((self.folder / "out/flag.pc2").read_bytes()[28:32], "little")
@@ -110,27 +85,25 @@ class Stopping(Case):
         for how in signal.SIGINT, signal.SIGHUP:
             before = signal.signal(how, signal.SIG_IGN)  # as nohup does, and shells in the background
             try:
-                code, out, error = self.stopped(scene, f"kept{int(how)}", how)
+                run = self.start("run", scene, "--out", f"kept{int(how)}")
             finally:
                 signal.signal(how, before)
-            self.assertEqual(code, 0, out + error)
+            self.wait_for(lambda: self.growing(f"kept{int(how)}"), run)
+            self.stop(run, how, 0)
 
     def test_limit_of_file_sizes_is_a_failed_write(self):
         scene = self.scene(dict(SMALL, frames=600))
         command = f'ulimit -f 8; exec "{PROGRAM}" run {scene} --out limited'
-        run = subprocess.run(["bash", "-c", command], cwd=self.folder, capture_output=True, text=True, timeout=60,
-                             env=self.environment)
+        run = self.command("bash", "-c", command)
         self.assertEqual(run.returncode, 1, run.stdout + run.stderr)
         self.assertIn("souple: ", run.stderr)
 
     def test_killed_and_resumed_from_a_regular_checkpoint(self):
         scene = self.scene(dict(self.slow_frames, frames=1000))
         self.souple("run", scene, "--out", "whole", "--checkpoint-every", 50)
-        run = self.start(scene, "--out", "out", "--checkpoint-every", 50)
-        self.wait_for(lambda: (self.folder / "out/checkpoint.souple").exists() or run.poll() is not None)
-        run.send_signal(signal.SIGKILL)
-        run.communicate()
-        self.assertEqual(run.returncode, -signal.SIGKILL)
+        run = self.start("run", scene, "--out", "out", "--checkpoint-every", 50)
+        self.wait_for(lambda: (self.folder / "out/checkpoint.souple").exists(), run)
+        self.stop(run, signal.SIGKILL, -signal.SIGKILL)
         self.souple("run", "--resume", "out")
         self.assert_same_contents("whole", "out")
 
@@ -139,19 +112,14 @@ class Stopping(Case):
         scene = self.scene(dict(WATER, frames=80))
         arguments = ["--surface", "anisotropic", "--checkpoint-every", 7]
         self.souple("run", scene, "--out", "whole", *arguments)
-        run = self.start(scene, "--out", "out", *arguments)
+        run = self.start("run", scene, "--out", "out", *arguments)
         mesh = self.folder / "out_surface/block_0010.obj"
-        self.wait_for(lambda: mesh.exists() or run.poll() is not None)
-        run.send_signal(signal.SIGKILL)
-        run.communicate()
-        self.assertEqual(run.returncode, -signal.SIGKILL)
-        run = subprocess.Popen([PROGRAM, "run", "--resume", "out"], cwd=self.folder, stderr=subprocess.PIPE,
-                               stdout=subprocess.PIPE, text=True, env=self.environment)
+        self.wait_for(lambda: mesh.exists(), run)
+        self.stop(run, signal.SIGKILL, -signal.SIGKILL)
+        run = self.start("run", "--resume", "out")
         drop = self.folder / "out_surface/tap_0016.obj"  # more particles than at the start
-        self.wait_for(lambda: drop.exists() or run.poll() is not None)
-        run.send_signal(signal.SIGINT)
-        out, error = run.communicate(timeout=60)
-        self.assertEqual(run.returncode, 130, out + error)
+        self.wait_for(lambda: drop.exists(), run)
+        self.stop(run)
         self.souple("surface", "out", "--out", "so_far")  # complete files, and a run.json that lists them
         self.assert_same_contents("out_surface", "so_far")
         self.assertFalse(json.loads((self.folder / "out_surface/run.json").read_text())["complete"])
@@ -170,15 +138,13 @@ class Stopping(Case):
         heavy["frames"] = 100000
         heavy["substeps"] = 10000
         heavy["objects"][0]["mesh"]["grid"] = {"columns": 60, "rows": 60, "size": 1}
-        run = self.start(self.scene(heavy), "--out", "out")
+        run = self.start("run", self.scene(heavy), "--out", "out")
         # The folder is there before interrupts are watched, its files come after.
-        self.wait_for(lambda: list((self.folder / "out").glob("*.obj")))
+        self.wait_for(lambda: list((self.folder / "out").glob("*.obj")), run)
         run.send_signal(signal.SIGINT)
         time.sleep(0.2)
         self.assertIsNone(run.poll(), "a frame of this scene takes seconds")
-        run.send_signal(signal.SIGINT)
-        run.communicate(timeout=5)
-        self.assertEqual(run.returncode, -signal.SIGINT)
+        self.stop(run, code=-signal.SIGINT)
 
 
 if __name__ == "__main__":

@@ -3,13 +3,10 @@
 
 import json
 import shutil
-import signal
-import subprocess
 import sys
-import time
 import unittest
 
-from cli_case import PROGRAM, SMALL, WATER, Case
+from cli_case import SMALL, WATER, Case
 
 
 class Surface(Case):
@@ -95,15 +92,9 @@ class Surface(Case):
 
     def test_interrupt(self):
         self.souple("run", self.scene(dict(self.SAND, frames=600)), "--out", "long")
-        work = subprocess.Popen([PROGRAM, "surface", "long", "--cell", "0.001"], cwd=self.folder, env=self.environment,
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        for _ in range(2000):
-            if (self.folder / "long_surface/sand_0002.obj").exists() or work.poll() is not None:
-                break
-            time.sleep(0.005)
-        work.send_signal(signal.SIGINT)
-        out, error = work.communicate(timeout=60)
-        self.assertEqual(work.returncode, 130, out + error)
+        work = self.start("surface", "long", "--cell", "0.001")
+        self.wait_for((self.folder / "long_surface/sand_0002.obj").exists, work)
+        error = self.stop(work)[1]
         self.assertRegex(error, r"interrupted after frame \d+ of 600; long_surface holds these frames\n")
         manifest = json.loads((self.folder / "long_surface/run.json").read_text())
         self.assertFalse(manifest["complete"])

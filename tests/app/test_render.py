@@ -5,7 +5,6 @@ import json
 import re
 import shlex
 import shutil
-import signal
 import struct
 import subprocess
 import sys
@@ -13,16 +12,10 @@ import time
 import unittest
 import zlib
 
-from cli_case import EXPLODING, PROGRAM, SMALL, SOURCE, Case
+from cli_case import EXPLODING, PROGRAM, SMALL, SOURCE, Case, png_size
 
 QUICK = ["--size", "160x90", "--samples", "1"]
 SCENE = dict(SMALL, camera={"from": [1, 1.5, 3], "to": [0, 1, 0]})
-
-
-def png_size(path):
-    data = path.read_bytes()
-    assert data[:8] == b"\x89PNG\r\n\x1a\n" and data[-8:-4] == b"IEND", f"{path} is no whole PNG"
-    return struct.unpack(">II", data[16:24])
 
 
 def png_pixels(path):
@@ -255,11 +248,9 @@ class Pictures(RenderCase):
 
     def test_a_long_film_says_how_long_it_takes(self):
         scene = self.scene(dict(SCENE, frames=20000))
-        running = subprocess.Popen([PROGRAM, "render", scene, "--out", "all", "--frames", "1-20000"], cwd=self.folder,
-                                   env=self.environment, stdout=subprocess.PIPE, text=True)
+        running = self.start("render", scene, "--out", "all", "--frames", "1-20000")
         said = running.stdout.readline()
-        running.send_signal(signal.SIGINT)
-        running.communicate(timeout=60)
+        self.stop(running)
         self.assertRegex(said, r"small: 20000 pictures of 1280x720 at 4 samples, about \d+ (min|h) \d\d (s|min)")
 
     def test_sheet(self):
@@ -520,16 +511,9 @@ class Trouble(RenderCase):
         self.assertEqual(codes[-1].returncode, 0, codes[-1].stderr)
 
     def interrupted(self, *arguments, wait_for):
-        run = subprocess.Popen([PROGRAM, "render", *map(str, arguments)], cwd=self.folder, env=self.environment,
-                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        for _ in range(3000):
-            if wait_for() or run.poll() is not None:
-                break
-            time.sleep(0.01)
-        self.addCleanup(run.kill)
-        run.send_signal(signal.SIGINT)
-        out, error = run.communicate(timeout=60)
-        self.assertEqual(run.returncode, 130, out + error)
+        run = self.start("render", *arguments)
+        self.wait_for(wait_for, run)
+        error = self.stop(run)[1]
         self.assert_one_line(error)
         self.assertFalse([n for n in self.names() if ".part" in n], self.names())
         return error

@@ -6,7 +6,6 @@ import json
 import signal
 import subprocess
 import sys
-import time
 import unittest
 
 from cli_case import PROGRAM, SMALL, Case
@@ -29,16 +28,8 @@ class SweepCase(Case):
     def results(self, folder):
         return list((self.folder / folder).glob("*/result.json"))
 
-    def start(self, *arguments):
-        return subprocess.Popen([PROGRAM, "sweep", *map(str, arguments)], cwd=self.folder, env=self.environment,
-                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-
     def wait_for_results(self, folder, count, process):
-        for _ in range(6000):
-            if len(self.results(folder)) >= count or process.poll() is not None:
-                return
-            time.sleep(0.005)
-        self.fail("nothing happened for thirty seconds")
+        self.wait_for(lambda: len(self.results(folder)) >= count, process)
 
 
 class Values(SweepCase):
@@ -119,11 +110,9 @@ class Sweeping(SweepCase):
         self.assertEqual([int(row["run"]) for row in whole], list(range(1, 25)))
         times = {}
         for count in 5, 12:
-            process = self.start(*sweep, "--out", "out")
+            process = self.start("sweep", *sweep, "--out", "out")
             self.wait_for_results("out", count, process)
-            process.kill()
-            process.communicate()
-            self.assertEqual(process.returncode, -signal.SIGKILL)
+            self.stop(process, signal.SIGKILL, -signal.SIGKILL)
             for file in self.results("out"):
                 times.setdefault(file, file.stat().st_mtime_ns)
             self.assertLess(len(times), 24)
@@ -135,12 +124,9 @@ class Sweeping(SweepCase):
     def test_interrupted(self):
         scene = self.scene(dict(SMALL, frames=100, substeps=20))
         sweep = [scene, "--set", "drag=1:3:9", "--no-sheet", "--out", "out"]
-        process = self.start(*sweep)
+        process = self.start("sweep", *sweep)
         self.wait_for_results("out", 2, process)
-        process.send_signal(signal.SIGTERM)
-        _, said = process.communicate(timeout=60)
-        self.assertEqual(process.returncode, 130, said)
-        self.assertIn("the same command does the runs that are missing", said)
+        self.assertIn("the same command does the runs that are missing", self.stop(process, signal.SIGTERM)[1])
         states = [row["status"] for row in self.rows("out")]
         self.assertIn("missing", states)
         self.assertEqual(states.count("finished"), len(self.results("out")))
@@ -151,7 +137,7 @@ class Sweeping(SweepCase):
     def test_two_at_once(self):
         scene = self.scene(dict(SMALL, frames=30))
         sweep = [scene, "--set", "drag=1:3:6", "--no-sheet", "--out", "out", "--jobs", 2]
-        processes = [self.start(*sweep) for _ in range(2)]
+        processes = [self.start("sweep", *sweep) for _ in range(2)]
         for process in processes:
             out, error = process.communicate(timeout=60)
             self.assertEqual(process.returncode, 0, out + error)
@@ -212,8 +198,7 @@ class Sweeping(SweepCase):
 
     def test_full_disk_ends_the_sweep(self):
         command = f'ulimit -f 4; exec "{PROGRAM}" sweep {self.scene(SMALL)} --set drag=1:2:9 --write pc2 --out out'
-        run = subprocess.run(["bash", "-c", command], cwd=self.folder, capture_output=True, text=True, timeout=60,
-                             env=self.environment)
+        run = self.command("bash", "-c", command)
         self.assertEqual(run.returncode, 1, run.stdout + run.stderr)
         self.assertIn("souple: ", run.stderr)
 

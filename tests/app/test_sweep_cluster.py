@@ -4,7 +4,6 @@
 A Dask scheduler with two workers, one of which is killed; Slurm with one node, started by an ordinary user. Where Debian's
 python3-distributed or slurm-wlm is not installed, the exit code is 77 and CTest skips the test."""
 
-import csv
 import getpass
 import os
 import shutil
@@ -15,7 +14,8 @@ import sys
 import time
 import unittest
 
-from cli_case import PROGRAM, SMALL, SOURCE, Case
+from cli_case import PROGRAM, SMALL, SOURCE
+from test_sweep import SweepCase
 
 SKIPPED = 77
 # Without munge and without accounting; ports and paths follow.
@@ -50,11 +50,7 @@ def free_port():
         return free.getsockname()[1]
 
 
-class ClusterCase(Case):
-    def rows(self, folder):
-        with open(self.folder / folder / "table.csv", newline="", encoding="utf-8") as file:
-            return [{key: value for key, value in row.items() if key != "seconds"} for row in csv.DictReader(file)]
-
+class ClusterCase(SweepCase):
     def begin(self, *command):
         log = open(self.folder / f"{time.monotonic_ns()}.log", "w")
         self.addCleanup(log.close)
@@ -83,29 +79,23 @@ class Dask(ClusterCase):
         super().setUp()
         self.environment["SOUPLE_PROGRAM"] = PROGRAM
 
-    def start(self, module, *arguments):
+    def begin_dask(self, module, *arguments):
         return self.begin(self.python, "-m", f"distributed.cli.{module}", *arguments, "--no-dashboard")
-
-    def results(self, folder):
-        return list((self.folder / folder).glob("*/result.json"))
 
     def client_until(self, count, address, sweep):
         """Begins the sweep, or continues it, until there are so many results."""
         client = subprocess.Popen([self.python, "-B", SOURCE / "python/souple/sweep.py", "--cluster", address, *sweep,
                                    "--out", "cluster"], cwd=self.folder, env=self.environment, stdout=subprocess.PIPE,
                                   stderr=subprocess.PIPE, text=True)
-        for _ in range(6000):
-            if len(self.results("cluster")) >= count or client.poll() is not None:
-                break
-            time.sleep(0.01)
+        self.wait_for_results("cluster", count, client)
         self.assertLess(len(self.results("cluster")), 24)
         return client
 
     def test_client_is_killed_twice_and_a_worker_once(self):
         port = free_port()
         address = f"tcp://127.0.0.1:{port}"
-        self.start("dask_scheduler", "--host", "127.0.0.1", "--port", str(port))
-        workers = [self.start("dask_worker", address, "--nthreads", "1", "--no-nanny", "--host", "127.0.0.1")
+        self.begin_dask("dask_scheduler", "--host", "127.0.0.1", "--port", str(port))
+        workers = [self.begin_dask("dask_worker", address, "--nthreads", "1", "--no-nanny", "--host", "127.0.0.1")
                    for _ in range(2)]
         scene = self.scene(dict(SMALL, frames=60, substeps=20))
         sweep = [scene, "--set", "objects.flag.material.bending_stiffness=1e-6:1e-4:log8", "--set",
@@ -123,9 +113,9 @@ class Dask(ClusterCase):
         for file, when in times.items():
             self.assertEqual(file.stat().st_mtime_ns, when, f"{file} was done and is done again")
         self.souple("sweep", *sweep, "--out", "local")
-        rows = self.rows("cluster")
+        rows = self.without_times("cluster")
         self.assertEqual([int(row["run"]) for row in rows], list(range(1, 25)))
-        self.assertEqual(rows, self.rows("local"))
+        self.assertEqual(rows, self.without_times("local"))
 
     def test_bad_input(self):
         def said(*arguments):
@@ -153,7 +143,7 @@ class Slurm(ClusterCase):
         return subprocess.run([*map(str, command)], cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=60).stdout
 
-    def wait_for(self, condition):
+    def wait_until(self, condition):
         for _ in range(400):
             if condition():
                 return
@@ -172,7 +162,7 @@ class Slurm(ClusterCase):
         self.environment["SLURM_CONF"] = str(here / "slurm.conf")
         self.begin(self.daemons[0], "-D")
         self.begin(self.daemons[1], "-D", "-N", host)
-        self.wait_for(lambda: "idle" in self.said("sinfo", "--noheader"))
+        self.wait_until(lambda: "idle" in self.said("sinfo", "--noheader"))
 
     def test_array_job(self):
         self.start_node()
@@ -180,10 +170,10 @@ class Slurm(ClusterCase):
         self.souple("sweep", *sweep, "--out", "cluster", "--slurm", "job.sh")
         self.assertIn("to start at", self.said("sbatch", "--test-only", "job.sh"))
         self.assertIn("Submitted batch job", self.said("sbatch", "job.sh"))
-        self.wait_for(lambda: not self.said("squeue", "--noheader"))
+        self.wait_until(lambda: not self.said("squeue", "--noheader"))
         self.assertIn("6 runs, in", self.said("bash", "job.sh", "--table"))
         self.souple("sweep", *sweep, "--out", "local")
-        self.assertEqual(self.rows("cluster"), self.rows("local"))
+        self.assertEqual(self.without_times("cluster"), self.without_times("local"))
 
 
 if __name__ == "__main__":

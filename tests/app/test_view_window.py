@@ -7,24 +7,15 @@ Xvfb provides the screen, xdotool operates mouse and keyboard; without them the 
 
 import os
 import shutil
-import signal
-import struct
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
-from pathlib import Path
 
-PROGRAM = str(Path(sys.argv[1]).resolve()) if len(sys.argv) > 2 else ""
+from cli_case import Case, png_size
+
 MISSING = [name for name in ("Xvfb", "xdotool") if shutil.which(name) is None]
 TIMEOUT = 60  # s; a busy machine without a graphics card draws slowly
-
-
-def png_size(path):
-    head = path.read_bytes()[:24]
-    assert head[:8] == b"\x89PNG\r\n\x1a\n", f"{path} is no PNG"
-    return struct.unpack(">II", head[16:24])
 
 
 class Screen:
@@ -41,50 +32,38 @@ class Screen:
         self.process.wait()
 
 
-class NoScreen(unittest.TestCase):
+class NoScreen(Case):
     def test_is_said(self):
-        environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+        for name in "DISPLAY", "WAYLAND_DISPLAY":
+            self.environment.pop(name, None)
         for display in (None, ":4321"):
             if display:
-                environment["DISPLAY"] = display
-            done = subprocess.run([PROGRAM, "view", "curtain"], env=environment, capture_output=True, text=True,
-                                  timeout=TIMEOUT)
-            self.assertEqual(done.returncode, 2, done.stderr)
-            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+                self.environment["DISPLAY"] = display
+            done = self.souple("view", "curtain", code=2)
+            self.assert_one_line(done.stderr)
             self.assertIn("souple render", done.stderr)
 
     def test_bad_input_comes_before_any_window(self):
         for arguments in (["no_such_scene"], ["curtain", "--size", "0x3"], ["/"]):
-            done = subprocess.run([PROGRAM, "view", *arguments], capture_output=True, text=True, timeout=TIMEOUT)
-            self.assertEqual(done.returncode, 2, done.stderr)
-            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            done = self.souple("view", *arguments, code=2)
+            self.assert_one_line(done.stderr)
             self.assertNotIn("window can be opened", done.stderr)
 
 
 @unittest.skipIf(MISSING, "install the packages of " + ", ".join(MISSING) + " to test a real window")
-class Window(unittest.TestCase):
+class Window(Case):
     def setUp(self):
-        self.folder = Path(tempfile.mkdtemp(prefix="souple-window-"))
-        self.addCleanup(shutil.rmtree, self.folder)
+        super().setUp()
         self.screen = Screen()
         self.addCleanup(self.screen.close)
-        self.environment = dict(os.environ, DISPLAY=self.screen.name, LC_ALL="C.UTF-8")
+        self.environment.update(DISPLAY=self.screen.name, LC_ALL="C.UTF-8")
         self.environment.pop("WAYLAND_DISPLAY", None)
-
-    def start(self, *arguments):
-        process = subprocess.Popen([PROGRAM, "view", *arguments], cwd=self.folder, env=self.environment,
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.addCleanup(process.stdout.close)
-        self.addCleanup(process.stderr.close)
-        self.addCleanup(process.wait)
-        self.addCleanup(process.kill)
-        return process
 
     def hand(self, *arguments):
         return subprocess.run(["xdotool", *map(str, arguments)], env=self.environment, capture_output=True, text=True,
                               timeout=TIMEOUT).stdout.strip()
 
-    def wait_for(self, what, condition):
+    def wait_to_see(self, what, condition):
         end = time.monotonic() + TIMEOUT
         while time.monotonic() < end:
             found = condition()
@@ -94,7 +73,7 @@ class Window(unittest.TestCase):
         self.fail(f"waited in vain for {what}")
 
     def window_called(self, title):
-        return self.wait_for(f"a window called {title}", lambda: self.hand("search", "--name", f"^{title}$"))
+        return self.wait_to_see(f"a window called {title}", lambda: self.hand("search", "--name", f"^{title}$"))
 
     def focus(self, window):
         """Repeats until it has focus: without a window manager, a window that is not mapped yet takes no focus."""
@@ -103,7 +82,7 @@ class Window(unittest.TestCase):
             self.hand("windowfocus", window)
             return self.hand("getwindowfocus") == window
 
-        self.wait_for("the keyboard", has_it)
+        self.wait_to_see("the keyboard", has_it)
 
     def picture(self, number, window):
         path = self.folder / f"souple-curtain-{number:04}.png"
@@ -116,11 +95,11 @@ class Window(unittest.TestCase):
                 asked[0] = time.monotonic()
             return path.exists()
 
-        self.wait_for(path.name, is_there)
+        self.wait_to_see(path.name, is_there)
         return png_size(path)
 
     def test_a_session(self):
-        viewer = self.start("curtain", "--size", "640x400", "--debug")
+        viewer = self.start("view", "curtain", "--size", "640x400", "--debug")
         window = self.window_called("Souple: curtain")
         width, height = self.picture(1, window)
         self.assertTrue(300 < width < 640 and 200 < height < 400, (width, height))
@@ -133,17 +112,17 @@ class Window(unittest.TestCase):
         self.hand("mousemove", "--window", window, 580, 60, "mouseup", 3, "click", 4, "click", 5)
         for key in ("space", "period", "comma", "r", "2", "w", "c", "f", "h"):
             self.hand("key", key)
-        self.wait_for("the panels to be hidden", lambda: self.next_picture(window) == (640, 400))
+        self.wait_to_see("the panels to be hidden", lambda: self.next_picture(window) == (640, 400))
 
         self.hand("windowsize", window, 320, 240)
-        self.wait_for("the smaller picture", lambda: self.next_picture(window) == (320, 240))
+        self.wait_to_see("the smaller picture", lambda: self.next_picture(window) == (320, 240))
         for size in ((1, 1), (200, 1), (400, 300)):
             self.hand("windowsize", window, *size)
             time.sleep(0.3)
         self.hand("windowunmap", window)
         time.sleep(0.5)
         self.hand("windowmap", window)
-        self.wait_for("the picture after that", lambda: self.next_picture(window) == (400, 300))
+        self.wait_to_see("the picture after that", lambda: self.next_picture(window) == (400, 300))
 
         self.hand("key", "p")
         window = self.window_called("Souple: crown_splash")
@@ -160,20 +139,18 @@ class Window(unittest.TestCase):
         return self.picture(1 + len(list(self.folder.glob("*.png"))), window)
 
     def test_an_interrupt_finishes_the_film(self):
-        viewer = self.start("balloon", "--size", "400x200")
+        viewer = self.start("view", "balloon", "--size", "400x200")
         self.focus(self.window_called("Souple: balloon"))
         if shutil.which("ffmpeg"):
             self.hand("key", "v")
-            self.wait_for("the film to begin", lambda: list(self.folder.glob("souple-balloon-0001*")))
+            self.wait_to_see("the film to begin", lambda: list(self.folder.glob("souple-balloon-0001*")))
             time.sleep(1)
-        viewer.send_signal(signal.SIGINT)
-        _, errors = viewer.communicate(timeout=TIMEOUT)
-        self.assertEqual((viewer.returncode, errors), (130, ""))
+        self.assertEqual(self.stop(viewer)[1], "")
         films = ["souple-balloon-0001.mp4"] if shutil.which("ffmpeg") else []
         self.assertEqual([path.name for path in self.folder.iterdir()], films)
 
     def test_ends_after_so_many_pictures(self):
-        viewer = self.start("curtain", "--size", "200x150", "--frames", "3", "--paused", "--debug")
+        viewer = self.start("view", "curtain", "--size", "200x150", "--frames", "3", "--paused", "--debug")
         _, errors = viewer.communicate(timeout=TIMEOUT)
         self.assertEqual((viewer.returncode, errors), (0, ""))
 
