@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/math/reductions.h"
+#include "souple/state/particles.h"
 
 #include <cstddef>
 #include <cstdint>

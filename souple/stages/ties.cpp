@@ -1,6 +1,7 @@
 #include "souple/stages/ties.h"
 
 #include "souple/error.h"
+#include "souple/rigid/impulse.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 #include "souple/contacts/surfaces/motion_filter.h"
 
 #include "souple/contacts/kernels/find_kernels.h"
+#include "souple/contacts/surfaces/element_motion.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
