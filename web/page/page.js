@@ -53,7 +53,7 @@ function fail(words) {
 
 // --- scenes and links ---------------------------------------------------------------------------------
 
-function open(name, { own, overrides = {}, settings = [] } = {}) {
+function open(name, { own, overrides = {} } = {}) {
   guarded(() => {
     const all = own === undefined ? { ...scenes[name], ...overrides } : overrides;
     const next = own === undefined ? souple.World.open(`/scenes/${name}.json`, all)
@@ -65,7 +65,6 @@ function open(name, { own, overrides = {}, settings = [] } = {}) {
     before?.free();
     Object.assign(shown, { scene: name, own, overrides });
     hand = 'none';
-    for (const line of settings) guarded(() => world.set(...line));
     fillPanels();
   });
 }

@@ -3,10 +3,7 @@
 #include "web/src/page_view.h"
 
 #include <emscripten/html5.h>
-#include <memory>
-#include <string>
-
-#include <fmt/format.h>
+#include <filesystem>
 
 // The functions behind View in souple.js: a world on a canvas.
 
@@ -61,15 +58,6 @@ SOUPLE_CALL void souple_view_zoom(PageView* view, float factor) {
 }
 SOUPLE_CALL void souple_view_frame_all(PageView* view) {
   guarded([&] { view->frame_all(); });
-}
-SOUPLE_CALL const char* souple_view_camera(PageView* view) {
-  const render::Camera& c = view->camera();
-  return keep(fmt::format("{:.4g},{:.4g},{:.4g},{:.4g},{:.4g},{:.4g}", c.from.x, c.from.y, c.from.z, c.to.x,
-                          c.to.y, c.to.z));
-}
-SOUPLE_CALL void souple_view_set_camera(PageView* view, const Vec3f* from_to) {
-  view->camera().from = from_to[0];
-  view->camera().to = from_to[1];
 }
 
 // --- the user's hand
