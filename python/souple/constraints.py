@@ -91,14 +91,7 @@ def SetProjector(kind, particles, parameters=None, *, rest=None, compliance=0, d
         parameters = _named_parameters(kind, parameters, len(indices))
     alpha = _numbers(compliance, "compliance")
     if compliances > 1 and alpha.ndim == 0:
-        alpha = numpy.array([alpha if _on_diagonal(k) else 0 for k in range(compliances)])
+        diagonal = {row * (row + 3) // 2 for row in range(compliances)}  # of a packed lower triangle: 0, 2, 5, ...
+        alpha = numpy.array([alpha if k in diagonal else 0 for k in range(compliances)])
     return _souple._constraint_arrays(kind, numpy.ascontiguousarray(indices, dtype="u4"), _numbers(parameters, "parameters"),
                                       alpha, _numbers(damping_time, "damping_time"), _numbers(stiffness, "stiffness"))
-
-
-def _on_diagonal(k):
-    """Whether k is on the diagonal of a packed lower triangle: 0, 2, 5, ..."""
-    row = 0
-    while (row + 1) * (row + 2) // 2 <= k:
-        row += 1
-    return k == (row + 1) * (row + 2) // 2 - 1

@@ -135,7 +135,6 @@ class EveryFunction(unittest.TestCase):
             with self.assertRaises(souple.Error):
                 getattr(world, name)(stale)
 
-
     def test_none_is_no_object(self):
         """Functions called through their class, as map() calls them, and Recorder's world."""
         with self.assertRaises(TypeError):

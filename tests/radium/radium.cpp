@@ -134,6 +134,11 @@ Index Radium::show_points(const std::string& name, const std::vector<Vector3>& v
                                                            points<Ra::Core::Geometry::PointCloud>(vertices));
 }
 
+Index Radium::shown(const std::string& name) const {
+  const Entity* entity = engine->getEntityManager()->getEntity(name);
+  return entity->getComponents().front()->getRenderObjects().front();
+}
+
 void Radium::frames(int count) {
   for (int i = 0; i < count; ++i) {
     Ra::Core::TaskQueue tasks(1);

@@ -52,6 +52,9 @@ class Radium : public testing::Test {
                       const std::vector<std::vector<unsigned>>& polygons);
   Index show_points(const std::string& name, const std::vector<Vector3>& vertices);
 
+  /// The mesh that shows an object or a collider of a scene.
+  Index shown(const std::string& name) const;
+
   /// Runs frames of Radium: its tasks, then the end of the frame. Fails the test if a task fails.
   void frames(int count = 1);
   /// Runs the first frame, before any button press, in which Radium's time advances nevertheless.

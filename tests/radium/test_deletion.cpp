@@ -93,8 +93,7 @@ TEST_P(DeletedInRadium, ASceneLosesAnObject) {
   frames(3);
   const std::size_t objects = session().objects().size();
   for (const char* name : {"sand", "flag", "block"})  // the block hangs on a rope
-    remove_in_radium(
-        engine->getEntityManager()->getEntity(name)->getComponents().front()->getRenderObjects().front());
+    remove_in_radium(shown(name));
   frames(3);
   EXPECT_EQ(session().objects().size(), objects - 3);
   EXPECT_EQ(steps(), 6u);
@@ -142,9 +141,7 @@ TEST_P(DeletedInRadium, AColliderOfASceneGoesOnUnseen) {
   system->open_scene(scenes + "one_room.json");
   system->play();
   frames(2);
-  auto* roller = engine->getEntityManager()->getEntity("roller");
-  const Index index = roller->getComponents().front()->getRenderObjects().front();
-  if (GetParam().name != std::string("Mark")) remove_in_radium(index);  // a collider has none
+  if (GetParam().name != std::string("Mark")) remove_in_radium(shown("roller"));  // a collider has none
   frames(3);
   EXPECT_EQ(steps(), 5u);
   EXPECT_EQ(words(), "");

@@ -66,8 +66,7 @@ TEST_F(Radium, APickedVertexOfAQuadAndOfAPolygonIsThatOfItsTriangle) {
 TEST_F(Radium, APickedVertexOfEitherSideOfAScenesClothIsTheCloths) {
   system->open_scene(scenes + "tablecloth.json");
   const Handle cloth = session().objects().front().handle;
-  auto* entity = engine->getEntityManager()->getEntity("tablecloth");
-  const Index index = entity->getComponents().front()->getRenderObjects().front();
+  const Index index = shown("tablecloth");
   const std::vector<std::uint32_t> own = session().triangles(cloth), drawn = mesh(index).triangles();
   ASSERT_GT(drawn.size(), 2 * own.size());
   std::vector<float> x(3 * session().object(cloth).vertex_count);
@@ -89,9 +88,6 @@ TEST_F(Radium, APickedVertexOfEitherSideOfAScenesClothIsTheCloths) {
 
 TEST_F(Radium, APickedSplatIsAGrainOrTheNearestVertexOfARope) {
   system->open_scene(scenes + "one_room.json");
-  const auto shown = [&](const char* name) {
-    return engine->getEntityManager()->getEntity(name)->getComponents().front()->getRenderObjects().front();
-  };
   const Index sand = shown("sand"), rope = shown("line");
   const Vector3 grain = world_vertex(sand, 17);
   ASSERT_TRUE(system->grab({sand, 17, 0}, above(grain), down));

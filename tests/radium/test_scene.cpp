@@ -17,11 +17,6 @@ using host::Drawable;
 
 class Scene : public Radium {
  protected:
-  /// The mesh that shows an object or a collider of the scene.
-  Index shown(const std::string& name) const {
-    const Entity* entity = engine->getEntityManager()->getEntity(name);
-    return entity->getComponents().front()->getRenderObjects().front();
-  }
   std::size_t entity_count() const { return engine->getEntityManager()->getEntities().size(); }
 };
 
