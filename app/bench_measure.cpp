@@ -185,12 +185,12 @@ Json time_to_residual(const BenchScene& scene, const BenchOptions& options) {
 }
 
 void describe(const Settings& settings, Json& result) {
-  result.set("solver", Json::of(name_of(solver_names, settings.solver.kind)));
-  result.set("sweep", Json::of(name_of(sweep_names, settings.solver.sweep)));
+  result.set("solver", Json::of(name_in(solver_names, settings.solver.kind)));
+  result.set("sweep", Json::of(name_in(sweep_names, settings.solver.sweep)));
   result.set("relaxation", Json::of(settings.solver.relaxation));
   result.set("chebyshev", Json::of(settings.solver.chebyshev));
   result.set("colors", Json::whole(settings.solver.colors));
-  result.set("mode", Json::of(name_of(mode_names, settings.mode)));
+  result.set("mode", Json::of(name_in(mode_names, settings.mode)));
   result.set("substeps", Json::whole(settings.substeps));
   result.set("iterations", Json::whole(settings.iterations));
 }

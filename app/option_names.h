@@ -18,13 +18,6 @@ inline constexpr std::pair<const char*, Threading> threading_names[] = {{"automa
                                                                         {"pool", Threading::pool},
                                                                         {"tbb", Threading::tbb}};
 
-template <class Value, std::size_t n>
-std::string name_of(const std::pair<const char*, Value> (&names)[n], Value value) {
-  for (const auto& [name, known] : names)
-    if (known == value) return name;
-  return "?";
-}
-
 /// Throws Error, starting with the option, when `word` is not a known name.
 template <class Value, std::size_t n>
 Value value_of(const std::pair<const char*, Value> (&names)[n], const std::string& word, const char* option) {

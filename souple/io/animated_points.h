@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,13 +13,10 @@
 namespace souple {
 
 /// Positions of points, frame by frame: the input of AnimatedPoints.
-class PointFrames {
- public:
-  virtual ~PointFrames() = default;
-  virtual std::uint64_t points() const = 0;
-  virtual std::uint64_t frames() const = 0;
-  virtual double time(std::uint64_t frame) const = 0;  ///< seconds since the first frame
-  virtual void read(std::uint64_t frame, std::span<Vec3f> positions) = 0;
+struct PointFrames {
+  std::uint64_t points = 0;
+  std::vector<double> times{};  ///< per frame: time since the first frame [s]
+  std::function<void(std::uint64_t frame, std::span<Vec3f> positions)> read{};
 };
 
 /// The positions of an animated mesh at any time: linear between frames, constant before the first and after
@@ -44,32 +40,29 @@ class AnimatedPoints {
   /// its folder. A NAME_0001.glb beside a NAME_0002.glb is one of a sequence unless Options::animation is given. Throws
   /// Error for an invalid file, no frames, decreasing times, or a changing number of vertices.
   AnimatedPoints(const std::filesystem::path& path, const Options& options, const ReadMesh& read_mesh = {});
-  AnimatedPoints(std::unique_ptr<PointFrames> frames, std::string name, double start_time, bool loop = false);
-  AnimatedPoints(AnimatedPoints&&) noexcept;
-  AnimatedPoints& operator=(AnimatedPoints&&) noexcept;
-  ~AnimatedPoints();
+  AnimatedPoints(AnimatedPoints&&) noexcept = default;
+  AnimatedPoints& operator=(AnimatedPoints&&) noexcept = default;
 
-  std::uint64_t points() const;
-  double start_time() const;  ///< time of the first frame [s]
-  double end_time() const;    ///< time of the last frame [s]
+  std::uint64_t points() const { return frames_.points; }
+  double start_time() const { return start_time_; }                       ///< time of the first frame [s]
+  double end_time() const { return start_time_ + frames_.times.back(); }  ///< time of the last frame [s]
   /// Per frame: time since the first frame. [s]
-  std::span<const double> times() const { return times_; }
+  std::span<const double> times() const { return frames_.times; }
   /// Writes the positions at `time` [s]; `positions` has points() entries. Throws Error if a number of the
   /// file is not finite or the file can no longer be read.
   void evaluate(double time, std::span<Vec3f> positions);
 
  private:
   struct Loaded {
-    std::uint64_t frame;
-    std::vector<Vec3f> positions;
+    std::uint64_t frame = ~std::uint64_t(0);  ///< none
+    std::vector<Vec3f> positions{};
   };
   const std::vector<Vec3f>& load(std::uint64_t frame);
 
-  std::unique_ptr<PointFrames> frames_;
+  PointFrames frames_;
   std::string name_;
   double start_time_;
   bool loop_;
-  std::vector<double> times_;     ///< per frame: time since the first frame [s]
   std::array<Loaded, 2> loaded_;  ///< frame f is in loaded_[f % 2], so successive frames coexist
 };
 

@@ -1,5 +1,7 @@
 #include "souple/io/recorder_report.h"
 
+#include "souple/solver/solver_names.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,29 +25,10 @@ std::string vector(const Vec3f& v) {
   return "[" + number(v.x) + ", " + number(v.y) + ", " + number(v.z) + "]";
 }
 
-const char* word(Mode mode) {
-  switch (mode) {
-    case Mode::small_steps:
-      return "small_steps";
-    case Mode::pbd:
-      return "pbd";
-    case Mode::xpbd:
-      return "xpbd";
-  }
-  return "unknown";
-}
-
-const char* word(Integrator integrator) {
-  switch (integrator) {
-    case Integrator::semi_implicit:
-      return "semi_implicit";
-    case Integrator::explicit_euler:
-      return "explicit_euler";
-    case Integrator::implicit_euler:
-      return "implicit_euler";
-  }
-  return "unknown";
-}
+constexpr std::pair<const char*, Integrator> integrator_names[] = {
+    {"semi_implicit", Integrator::semi_implicit},
+    {"explicit_euler", Integrator::explicit_euler},
+    {"implicit_euler", Integrator::implicit_euler}};
 
 constexpr std::pair<Flag, const char*> flag_names[] = {
     {Flag::non_finite, "non_finite"},       {Flag::large_strain, "large_strain"},
@@ -53,10 +36,6 @@ constexpr std::pair<Flag, const char*> flag_names[] = {
     {Flag::intersecting, "tangled"},        {Flag::coarse_substeps, "coarse_substeps"},
     {Flag::not_converged, "not_converged"}, {Flag::shortened_motion, "shortened_motion"},
     {Flag::out_of_range, "out_of_range"}};
-
-}  // namespace
-
-namespace {
 
 /// Several projectors may be of one kind: largest of the largest, mean over all constraints.
 std::vector<KindReport> by_kind(const std::vector<KindReport>& reports) {
@@ -80,8 +59,9 @@ std::vector<KindReport> by_kind(const std::vector<KindReport>& reports) {
 
 std::string settings_text(const Settings& s) {
   std::string text = fmt::format(R"({{"substeps": {}, "iterations": {}, "mode": "{}", )", s.substeps,
-                                 s.iterations, word(s.mode));
-  text += fmt::format(R"("integrator": "{}", "gravity": {}, )", word(s.integrator), vector(s.gravity));
+                                 s.iterations, name_in(mode_names, s.mode));
+  text += fmt::format(R"("integrator": "{}", "gravity": {}, )", name_in(integrator_names, s.integrator),
+                      vector(s.gravity));
   text += fmt::format(R"("wind": {{"velocity": {}, "gust": {}, "gust_period": {}, "air_density": {}}}, )",
                       vector(s.wind.velocity), number(s.wind.gust), number(s.wind.gust_period),
                       number(s.wind.air_density));

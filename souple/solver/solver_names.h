@@ -2,6 +2,8 @@
 
 #include "souple/solver/solver.h"
 
+#include <cstddef>
+#include <string>
 #include <utility>
 
 // The only list of the names of solvers and their options: in scenes, on the command line, in reports.
@@ -22,5 +24,13 @@ inline constexpr std::pair<const char*, SolverKind> solver_names[] = {
 
 inline constexpr std::pair<const char*, Sweep> sweep_names[] = {{"forward", Sweep::forward},
                                                                 {"symmetric", Sweep::symmetric}};
+
+/// "?" for a value without a name.
+template <class Value, std::size_t n>
+std::string name_in(const std::pair<const char*, Value> (&names)[n], Value value) {
+  for (const auto& [name, known] : names)
+    if (known == value) return name;
+  return "?";
+}
 
 }  // namespace souple

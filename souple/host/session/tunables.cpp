@@ -15,9 +15,7 @@ int Session::iterations() const {
 }
 
 std::string Session::mode() const {
-  for (const auto& [name, mode] : mode_names)
-    if (mode == impl_->contents->world().settings().mode) return name;
-  return "?";
+  return name_in(mode_names, impl_->contents->world().settings().mode);
 }
 
 std::vector<std::string> Session::modes() {
