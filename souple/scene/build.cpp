@@ -2,10 +2,9 @@
 #include "souple/geometry/fill.h"
 #include "souple/geometry/measures.h"
 #include "souple/geometry/tet_mesh.h"
-#include "souple/io/animated_points.h"
+#include "souple/io/animated_target.h"
 #include "souple/io/recorder.h"
 #include "souple/scene/build_joints.h"
-#include "souple/scene/build_ties.h"
 #include "souple/scene/first_frame.h"
 #include "souple/scene/scene.h"
 #include "souple/world/world.h"
@@ -230,35 +229,6 @@ Target keyframed(const World& world, ObjectId object, const std::vector<std::uin
     return middle + rotate(pose.rotation, start[vertex] - middle) + pose.translation;
   };
 }
-
-/// Positions of all vertices from files, evaluated once per time.
-class SequenceSampler {
- public:
-  /// `point_of`: index of each vertex in the files; empty: the same.
-  SequenceSampler(AnimatedPoints points, std::vector<std::uint32_t> point_of, MeshImport import,
-                  const Transform& transform)
-      : points_(std::move(points)),
-        point_of_(std::move(point_of)),
-        import_(std::move(import)),
-        transform_(transform),
-        now_(static_cast<std::size_t>(points_.points())) {}
-
-  std::uint64_t points() const { return points_.points(); }
-  Vec3d at(std::uint32_t vertex, double time) {
-    if (time != time_) points_.evaluate(time, now_);
-    time_ = time;
-    const std::uint32_t point = point_of_.empty() ? vertex : point_of_[vertex];
-    return transform_.point(imported(Vec3d(now_[point]), import_));
-  }
-
- private:
-  AnimatedPoints points_;
-  std::vector<std::uint32_t> point_of_;
-  MeshImport import_;
-  Transform transform_;
-  std::vector<Vec3f> now_;
-  double time_ = std::numeric_limits<double>::quiet_NaN();
-};
 
 /// Reads the vertices of a mesh's file, or of one object in it.
 AnimatedPoints::ReadMesh read_points(const std::string& node) {
@@ -603,9 +573,12 @@ class Builder {
     std::vector<std::uint32_t> point_of =
         point_of_vertices(object, pin, static_cast<std::size_t>(points.points()));
     compare_first_frame(points, sequence.file, import);
-    auto sampler = std::make_shared<SequenceSampler>(std::move(points), std::move(point_of), import,
-                                                     transform_of(common(description).transform));
-    return [sampler](std::uint32_t vertex, double time) { return sampler->at(vertex, time); };
+    return [target = animated_target(std::make_shared<AnimatedPoints>(std::move(points))),
+            point_of = std::move(point_of), import,
+            transform = transform_of(common(description).transform)](std::uint32_t vertex, double time) {
+      const Vec3d x = target(point_of.empty() ? vertex : point_of[vertex], time);
+      return transform.point(imported(x, import));
+    };
   }
 
   static MeshImport import_of(const AnyObjectDescription& object) {

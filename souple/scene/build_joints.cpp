@@ -2,6 +2,7 @@
 
 #include "souple/math/limits.h"
 #include "souple/objects/joint_options.h"
+#include "souple/objects/tie_options.h"
 #include "souple/rigid/joints/joint.h"
 #include "souple/world/world.h"
 
@@ -83,8 +84,9 @@ joint::Kind kind_of(const PulleyJointDescription& j) {
   return joint::Pulley{j.from_wheel, j.to_wheel, j.ratio, j.length.value_or(now), j.compliance, j.damping};
 }
 
-/// The rigid body or collider of a name; none: the world.
-JointSide side_of(const World& world, const std::string& name) {
+/// The object or collider of a name; none: the world.
+template <class Side>
+Side side_of(const World& world, const std::string& name) {
   if (name.empty()) return {};
   for (const ColliderId id : world.colliders())
     if (world.collider_options(id).name == name) return id;
@@ -102,14 +104,33 @@ JointOptions options_of(const Description& j) {
   return options;
 }
 
+TieOptions tie_options_of(const TieDescription& tie) {
+  TieOptions options{.name = tie.name, .point_b = tie.to_point, .rest_length = tie.rest_length};
+  options.compliance = tie.compliance;
+  if (tie.point) options.point = *tie.point;
+  if (tie.breaking_force) options.breaking_force = *tie.breaking_force;
+  if (tie.breaking_strain) options.breaking_strain = *tie.breaking_strain;
+  if (tie.slide) options.slide = TieSlide{tie.slide->along, tie.slide->friction};
+  return options;
+}
+
 }  // namespace
 
 void add_joint(const AnyJointDescription& joint, World& world) {
   std::visit(
       [&world](const auto& j) {
-        world.add_joint(side_of(world, j.from), side_of(world, j.to), kind_of(j), options_of(j));
+        world.add_joint(side_of<JointSide>(world, j.from), side_of<JointSide>(world, j.to), kind_of(j),
+                        options_of(j));
       },
       joint);
+}
+
+void add_tie(const TieDescription& tie, World& world) {
+  if (tie.stitch)
+    world.stitch(world.find_object(tie.from), tie.stitch->where, world.find_object(tie.to),
+                 tie.stitch->distance, tie_options_of(tie));
+  else
+    world.add_tie(side_of<TieSide>(world, tie.from), side_of<TieSide>(world, tie.to), tie_options_of(tie));
 }
 
 const JointDescription& common(const AnyJointDescription& joint) {
