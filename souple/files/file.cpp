@@ -174,10 +174,7 @@ std::string read_whole_file(const std::filesystem::path& path) {
 }
 
 std::string lower_extension(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return extension;
+  return lower_case(file.extension().string());
 }
 
 void create_folder(const std::filesystem::path& folder) {

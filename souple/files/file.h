@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 
 namespace souple {
 
@@ -74,6 +75,14 @@ class ByteSource {
 
 /// Reads a whole file. Throws Error.
 std::string read_whole_file(const std::filesystem::path& path);
+
+/// `text` in lower case (ASCII only, independent of the locale).
+inline std::string lower_case(std::string_view text) {
+  std::string result(text);
+  for (char& c : result)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return result;
+}
 
 /// ".json" of "A.JSON".
 std::string lower_extension(const std::filesystem::path& file);

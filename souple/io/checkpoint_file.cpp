@@ -50,11 +50,7 @@ std::optional<Version> parse_version(std::string_view text) {
 
 class Writer {
  public:
-  void number(std::uint64_t value) {
-    std::array<std::byte, 8> encoded;
-    store<order>(encoded.data(), value);
-    raw(encoded);
-  }
+  void number(std::uint64_t value) { append_binary<order>(bytes_, value); }
   void block(std::span<const std::byte> content) {
     number(content.size());
     raw(content);

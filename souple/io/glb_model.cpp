@@ -19,17 +19,6 @@ namespace {
 constexpr int array_buffer = 34962, element_array_buffer = 34963;  // OpenGL's names of bufferView.target
 constexpr int unsigned_int = 5125, float_number = 5126;            // of accessor.componentType
 
-template <class Unsigned>
-void append(std::string& out, Unsigned value) {
-  std::byte bytes[sizeof(Unsigned)];
-  store<ByteOrder::little>(bytes, value);
-  out.append(reinterpret_cast<const char*>(bytes), sizeof bytes);
-}
-
-void append_float(std::string& out, float value) {
-  append(out, bit_cast<std::uint32_t>(value));
-}
-
 Json bounds(const std::vector<float>& numbers) {
   Json array = Json::array();
   for (const float number : numbers) array.push_back(static_cast<double>(number));  // exact: checkers compare
@@ -150,7 +139,7 @@ class GlbJson {
 GlbModel::Index GlbModel::add(Accessor accessor, std::span<const float> numbers) {
   accessor.offset = data_.size();
   accessor.length = 4 * numbers.size();
-  for (const float number : numbers) append_float(data_, number);
+  for (const float number : numbers) append_binary<ByteOrder::little>(data_, number);
   accessors_.push_back(std::move(accessor));
   return static_cast<Index>(accessors_.size() - 1);
 }
@@ -195,7 +184,7 @@ GlbModel::Index GlbModel::add_indices(std::span<const Triangle> triangles) {
       .is_float = false, .count = 3 * triangles.size(), .offset = data_.size(), .kind = Kind::indices};
   accessor.length = 4 * accessor.count;
   for (const Triangle& t : triangles)
-    for (const std::uint32_t vertex : t) append(data_, vertex);
+    for (const std::uint32_t vertex : t) append_binary<ByteOrder::little>(data_, vertex);
   accessors_.push_back(std::move(accessor));
   return static_cast<Index>(accessors_.size() - 1);
 }
@@ -221,12 +210,12 @@ std::string GlbModel::bytes() const {
         "{}: would be {} bytes as a .glb, which holds at most 4 GiB; write a file per frame", name, size));
   std::string out = "glTF";
   out.reserve(size);
-  append(out, std::uint32_t{2});  // version
-  append(out, static_cast<std::uint32_t>(size));
-  append(out, static_cast<std::uint32_t>(json.size()));
+  append_binary<ByteOrder::little>(out, std::uint32_t{2});  // version
+  append_binary<ByteOrder::little>(out, static_cast<std::uint32_t>(size));
+  append_binary<ByteOrder::little>(out, static_cast<std::uint32_t>(json.size()));
   out += "JSON" + json;
   if (data_.empty()) return out;
-  append(out, static_cast<std::uint32_t>(data_size));
+  append_binary<ByteOrder::little>(out, static_cast<std::uint32_t>(data_size));
   out.append("BIN\0", 4);
   out += data_;
   out.resize(size, '\0');

@@ -56,7 +56,7 @@ std::vector<float> read_times(ByteSource& source, std::uint64_t count) {
   std::vector<std::byte> bytes(4 * count);
   source.read(mdd_header_size, bytes);
   std::vector<float> times(count);
-  for (std::uint64_t i = 0; i < count; ++i) times[i] = load_float<mdd_order>(&bytes[4 * i]);
+  for (std::uint64_t i = 0; i < count; ++i) times[i] = load<mdd_order, float>(&bytes[4 * i]);
   return times;
 }
 
@@ -116,7 +116,7 @@ void MddWriter::change_capacity(std::uint64_t capacity) {
   AtomicFile copy(file_.path());
   copy.write(encode_mdd({capacity, points_}));
   std::vector<std::byte> bytes(4 * capacity);
-  for (std::size_t i = 0; i < times_.size(); ++i) store_float<mdd_order>(&bytes[4 * i], times_[i]);
+  for (std::size_t i = 0; i < times_.size(); ++i) store<mdd_order>(&bytes[4 * i], times_[i]);
   copy.write(bytes);
   bytes.resize(copy_size);
   const std::uint64_t end = frame_offset(frames());
@@ -152,7 +152,7 @@ void MddWriter::append(double time, std::span<const Vec3f> positions) {
   if (frames() == capacity_)
     change_capacity(std::min(point_cache::largest_count, std::max<std::uint64_t>(16, 2 * capacity_)));
   std::array<std::byte, 4> time_bytes;
-  store_float<mdd_order>(time_bytes.data(), static_cast<float>(time));
+  store<mdd_order>(time_bytes.data(), static_cast<float>(time));
   file_.write(mdd_header_size + 4 * frames(), time_bytes);
   buffer_.resize(12 * positions.size());
   const auto bytes = std::as_writable_bytes(std::span(buffer_));

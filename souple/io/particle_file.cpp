@@ -3,16 +3,12 @@
 #include "souple/error.h"
 #include "souple/files/endian.h"
 #include "souple/files/file.h"
-#include "souple/math/bit_cast.h"
 #include "souple/mesh_files/mesh_write.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cstdint>
-#include <iterator>
 #include <system_error>
-#include <utility>
 
 #include <fmt/core.h>
 
@@ -21,114 +17,68 @@ namespace souple {
 namespace {
 
 /// Both formats store the high byte first.
-class BigEndian {
- public:
-  template <class Unsigned>
-  void put(Unsigned value) {
-    std::array<std::byte, sizeof(Unsigned)> bytes;
-    store<ByteOrder::big>(bytes.data(), value);
-    text_.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  }
-  void put(float value) { put(bit_cast<std::uint32_t>(value)); }
-  void put(const Vec3f& v) { put(v.x), put(v.y), put(v.z); }
-  void put_text(std::string_view text) { text_ += text; }
+template <class... Numbers>
+void add_big_endian(std::string& out, Numbers... numbers) {
+  (append_binary<ByteOrder::big>(out, numbers), ...);
+}
 
-  std::string text() && { return std::move(text_); }
-
- private:
-  std::string text_;
-};
+void add_vector(std::string& out, const Vec3f& v) {
+  add_big_endian(out, v.x, v.y, v.z);
+}
 
 // The VTK User's Guide, "Simple legacy formats".
 std::string vtk_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velocities) {
   const std::size_t count = points.size();
-  BigEndian out;
-  out.put_text(
-      fmt::format("# vtk DataFile Version 3.0\nparticles written by Souple\nBINARY\nDATASET POLYDATA\n"
-                  "POINTS {} float\n",
-                  count));
-  for (const Vec3f& x : points) out.put(x);
-  out.put_text(fmt::format("\nVERTICES {} {}\n", count, 2 * count));
-  for (std::uint32_t i = 0; i < points.size(); ++i) out.put(std::uint32_t{1}), out.put(i);
+  std::string out = fmt::format(
+      "# vtk DataFile Version 3.0\nparticles written by Souple\nBINARY\nDATASET POLYDATA\n"
+      "POINTS {} float\n",
+      count);
+  for (const Vec3f& x : points) add_vector(out, x);
+  out += fmt::format("\nVERTICES {} {}\n", count, 2 * count);
+  for (std::uint32_t i = 0; i < points.size(); ++i) add_big_endian(out, std::uint32_t{1}, i);
   if (!velocities.empty()) {
-    out.put_text(fmt::format("\nPOINT_DATA {}\nVECTORS velocity float\n", count));
-    for (const Vec3f& v : velocities) out.put(v);
+    out += fmt::format("\nPOINT_DATA {}\nVECTORS velocity float\n", count);
+    for (const Vec3f& v : velocities) add_vector(out, v);
   }
-  out.put_text("\n");
-  return std::move(out).text();
+  out += "\n";
+  return out;
 }
 
 // A header, the points' attributes beside positions, then the points: x, y, z, 1 and the attributes.
 std::string bgeo_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velocities) {
-  constexpr std::uint32_t format_version = 5, vector_type = 5;
+  constexpr std::uint32_t none = 0, format_version = 5, vector_type = 5;
   const bool has_velocities = !velocities.empty();
-  BigEndian out;
-  out.put_text("BgeoV");
-  out.put(format_version);
-  out.put(static_cast<std::uint32_t>(points.size()));
-  for (int none = 0; none < 3; ++none) out.put(std::uint32_t{0});  // primitives, groups of both
-  out.put(std::uint32_t{has_velocities ? 1u : 0u});
-  for (int none = 0; none < 3; ++none) out.put(std::uint32_t{0});  // attributes of vertices, primitives, all
+  std::string out = "BgeoV";
+  add_big_endian(out, format_version, static_cast<std::uint32_t>(points.size()));
+  add_big_endian(out, none, none, none);  // primitives, groups of both
+  add_big_endian(out, std::uint32_t{has_velocities ? 1u : 0u});
+  add_big_endian(out, none, none, none);  // attributes of vertices, primitives, all
   if (has_velocities) {
-    out.put(std::uint16_t{1});  // length of the name
-    out.put_text("v");
-    out.put(std::uint16_t{3});
-    out.put(vector_type);
-    out.put(Vec3f{});  // default
+    add_big_endian(out, std::uint16_t{1});  // length of the name
+    out += "v";
+    add_big_endian(out, std::uint16_t{3}, vector_type);
+    add_vector(out, {});  // default
   }
   for (std::size_t i = 0; i < points.size(); ++i) {
-    out.put(points[i]);
-    out.put(1.0f);
-    if (has_velocities) out.put(velocities[i]);
+    add_vector(out, points[i]);
+    add_big_endian(out, 1.0f);
+    if (has_velocities) add_vector(out, velocities[i]);
   }
-  out.put(std::uint8_t{0x00}), out.put(std::uint8_t{0xff});
-  return std::move(out).text();
+  add_big_endian(out, std::uint8_t{0x00}, std::uint8_t{0xff});
+  return out;
 }
 
-/// The supported part of a PLY's header.
-struct PlyOfParticles {
-  std::uint64_t points = 0;
-  std::size_t floats = 0;  ///< floats per point
-  bool has_kinds = false;  ///< a byte follows them
-  std::size_t begin = 0;   ///< offset of the first point
+/// The vertices of a PLY in the form that Souple writes.
+struct PlyVertices {
+  std::uint64_t count = 0;
+  std::size_t begin = 0, stride = 0;           ///< of the first vertex in the file, and from one to the next
+  std::vector<std::string_view> properties{};  ///< "float x", "uchar red", ...
+  bool alone = true;                           ///< no other element follows
 };
 
-std::optional<PlyOfParticles> parse_header(std::string_view text) {
-  constexpr std::string_view properties[] = {"x", "y", "z", "vx", "vy", "vz"};
-  constexpr std::string_view element = "element vertex ", property = "property float ";
-  PlyOfParticles found;
-  bool has_points = false;
-  for (std::size_t line_number = 0;; ++line_number) {
-    const std::size_t end = text.find('\n', found.begin);
-    if (end == std::string_view::npos) return std::nullopt;
-    const std::string_view line = text.substr(found.begin, end - found.begin);
-    found.begin = end + 1;
-    if (line_number == 0 || line_number == 1) {
-      if (line != (line_number == 0 ? "ply" : "format binary_little_endian 1.0")) return std::nullopt;
-    } else if (line.starts_with(element) && !has_points) {
-      const std::string_view count = line.substr(element.size());
-      const auto parsed = std::from_chars(count.data(), count.data() + count.size(), found.points);
-      if (parsed.ec != std::errc{} || parsed.ptr != count.data() + count.size()) return std::nullopt;
-      has_points = true;
-    } else if (line.starts_with(property) && has_points && found.floats < std::size(properties) &&
-               line.substr(property.size()) == properties[found.floats]) {
-      ++found.floats;
-    } else if (line == "property uchar kind" && found.floats == std::size(properties) && !found.has_kinds) {
-      found.has_kinds = true;
-    } else if (line == "end_header") {
-      return found.floats == 3 || found.floats == 6 ? std::optional(found) : std::nullopt;
-    } else if (!line.starts_with("comment")) {
-      return std::nullopt;
-    }
-  }
+std::size_t size_of_property(std::string_view property) {
+  return property.starts_with("float ") ? 4 : 1;
 }
-
-/// Where the velocities of a PLY's vertices are.
-struct PlyVelocities {
-  std::uint64_t vertices = 0;
-  std::size_t begin = 0, stride = 0;  ///< of the first vertex in the file, and from one to the next
-  std::optional<std::size_t> offset;  ///< of vx in a vertex; vy and vz follow
-};
 
 /// The next line of a text, without its end, which it loses.
 std::string_view take_line(std::string_view& text) {
@@ -138,56 +88,62 @@ std::string_view take_line(std::string_view& text) {
   return line;
 }
 
-/// Nothing for a PLY that Souple does not write, or one without velocities.
-std::optional<PlyVelocities> find_velocities(std::string_view text) {
+/// Nothing for a PLY that Souple does not write, such as one with lists or other types in its vertices.
+std::optional<PlyVertices> find_vertices(std::string_view text) {
   constexpr std::string_view first = "ply\nformat binary_little_endian 1.0\n", last = "end_header\n",
-                             element = "element vertex ", floats = "property float ",
-                             bytes = "property uchar ";
+                             element = "element vertex ", property = "property ";
   const std::size_t end = text.find(last), vertices = text.find("element ");
   if (!text.starts_with(first) || end == std::string_view::npos || vertices > end) return std::nullopt;
-  PlyVelocities found;
-  found.begin = end + last.size();
+  PlyVertices found{.begin = end + last.size()};
   std::string_view header = text.substr(vertices, end - vertices), line = take_line(header);
   if (!line.starts_with(element)) return std::nullopt;
-  std::from_chars(line.data() + element.size(), line.data() + line.size(), found.vertices);
-  for (int in_succession = 0; !header.empty();) {
+  const auto parsed = std::from_chars(line.data() + element.size(), line.data() + line.size(), found.count);
+  if (parsed.ec != std::errc{} || parsed.ptr != line.data() + line.size()) return std::nullopt;
+  while (!header.empty() && found.alone) {
     line = take_line(header);
-    if (!line.starts_with(floats) && !line.starts_with(bytes)) break;
-    constexpr std::string_view components[] = {"vx", "vy", "vz"};
-    const bool next = in_succession < 3 && line.starts_with(floats) &&
-                      line.substr(floats.size()) == components[in_succession];
-    if (next && ++in_succession == 3) found.offset = found.stride - 8;
-    if (!next && in_succession < 3) in_succession = 0;
-    found.stride += line.starts_with(floats) ? 4 : 1;
+    found.alone = !line.starts_with("element ");
+    if (!found.alone || line.starts_with("comment")) continue;
+    if (!line.starts_with("property float ") && !line.starts_with("property uchar ")) return std::nullopt;
+    found.properties.push_back(line.substr(property.size()));
+    found.stride += size_of_property(found.properties.back());
   }
-  // An element with lists or other types has no fixed size.
-  const bool known = line.starts_with(floats) || line.starts_with(bytes) || line.starts_with("element ");
-  return known && found.offset ? std::optional(found) : std::nullopt;
+  return found.properties.empty() ? std::nullopt : std::optional(found);
+}
+
+void require_held(const PlyVertices& vertices, std::size_t bytes, const std::filesystem::path& path) {
+  const std::uint64_t held = (bytes - vertices.begin) / vertices.stride;
+  if (held < vertices.count)
+    throw Error(fmt::format("{}: holds {} vertices, its header says {}; it is damaged", path.string(), held,
+                            vertices.count));
+}
+
+constexpr std::string_view particle_properties[] = {"float x",  "float y",  "float z",   "float vx",
+                                                    "float vy", "float vz", "uchar kind"};
+
+/// Whether these are a position, also with a velocity, also with a kind of foam.
+bool are_of_particles(std::span<const std::string_view> properties) {
+  const std::size_t count = properties.size();
+  return (count == 3 || count == 6 || count == 7) &&
+         std::equal(properties.begin(), properties.end(), particle_properties);
 }
 
 }  // namespace
 
 std::optional<ParticleFrame> read_particle_ply(const std::filesystem::path& path) {
-  File file(path, File::Mode::read);
-  std::string text(file.size(), '\0');
-  file.read(0, std::as_writable_bytes(std::span(text)));
-  const std::optional<PlyOfParticles> header = parse_header(text);
-  if (!header) return std::nullopt;
-  const std::size_t bytes_each = 4 * header->floats + (header->has_kinds ? 1 : 0),
-                    held = (text.size() - header->begin) / bytes_each;
-  if (held < header->points)
-    throw Error(fmt::format("{}: holds {} points, its header says {}; it is damaged", path.string(), held,
-                            header->points));
+  const std::string text = read_whole_file(path);
+  const std::optional<PlyVertices> header = find_vertices(text);
+  if (!header || !header->alone || !are_of_particles(header->properties)) return std::nullopt;
+  require_held(*header, text.size(), path);
   ParticleFrame frame;
-  frame.positions.resize(header->points);
-  if (header->floats == 6) frame.velocities.resize(header->points);
+  frame.positions.resize(header->count);
+  if (header->properties.size() > 3) frame.velocities.resize(header->count);
   const std::byte* in = std::as_bytes(std::span(text)).data() + header->begin;
-  for (std::size_t i = 0; i < header->points; ++i, in += bytes_each) {
+  for (std::size_t i = 0; i < header->count; ++i, in += header->stride) {
     load_points<ByteOrder::little>(in, std::span(&frame.positions[i], 1));
     if (!frame.velocities.empty())
       load_points<ByteOrder::little>(in + 12, std::span(&frame.velocities[i], 1));
-    if (!header->has_kinds) continue;
-    frame.kinds.push_back(std::to_integer<std::uint8_t>(in[bytes_each - 1]));
+    if (header->properties.size() < 7) continue;
+    frame.kinds.push_back(std::to_integer<std::uint8_t>(in[24]));
     if (frame.kinds.back() > 2)
       throw Error(fmt::format("{}: point {} has the kind {}, expected 0 (spray), 1 (foam) or 2 (bubble)",
                               path.string(), i, frame.kinds.back()));
@@ -196,19 +152,19 @@ std::optional<ParticleFrame> read_particle_ply(const std::filesystem::path& path
 }
 
 std::vector<Vec3f> read_ply_velocities(const std::filesystem::path& path) {
-  File file(path, File::Mode::read);
-  std::string text(file.size(), '\0');
-  file.read(0, std::as_writable_bytes(std::span(text)));
-  const std::optional<PlyVelocities> found = find_velocities(text);
-  if (!found) return {};
-  const std::uint64_t held = (text.size() - found->begin) / found->stride;
-  if (held < found->vertices)
-    throw Error(fmt::format("{}: holds {} vertices, its header says {}; it is damaged", path.string(), held,
-                            found->vertices));
-  std::vector<Vec3f> velocities(found->vertices);
-  const std::byte* in = std::as_bytes(std::span(text)).data() + found->begin + *found->offset;
+  const std::string text = read_whole_file(path);
+  const std::optional<PlyVertices> header = find_vertices(text);
+  if (!header) return {};
+  const auto& properties = header->properties;
+  const auto vx =
+      std::search(properties.begin(), properties.end(), particle_properties + 3, particle_properties + 6);
+  if (vx == properties.end()) return {};
+  require_held(*header, text.size(), path);
+  std::vector<Vec3f> velocities(header->count);
+  const std::byte* in = std::as_bytes(std::span(text)).data() + header->begin;
+  for (auto before = properties.begin(); before != vx; ++before) in += size_of_property(*before);
   for (std::size_t i = 0; i < velocities.size(); ++i)
-    load_points<ByteOrder::little>(in + i * found->stride, std::span(&velocities[i], 1));
+    load_points<ByteOrder::little>(in + i * header->stride, std::span(&velocities[i], 1));
   return velocities;
 }
 

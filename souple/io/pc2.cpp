@@ -33,8 +33,8 @@ std::array<std::byte, pc2_header_size> encode_pc2(const Pc2Header& header) {
   std::memcpy(bytes.data(), pc2_magic, sizeof pc2_magic);
   store<pc2_order>(&bytes[12], std::uint32_t{1});
   store<pc2_order>(&bytes[16], static_cast<std::uint32_t>(header.points));
-  store_float<pc2_order>(&bytes[20], header.start_frame);
-  store_float<pc2_order>(&bytes[24], header.sample_rate);
+  store<pc2_order>(&bytes[20], header.start_frame);
+  store<pc2_order>(&bytes[24], header.sample_rate);
   store<pc2_order>(&bytes[28], static_cast<std::uint32_t>(header.frames));
   return bytes;
 }
@@ -49,8 +49,8 @@ Pc2Header read_pc2_header(ByteSource& source) {
   const auto version = load<pc2_order, std::uint32_t>(&bytes[12]);
   if (version != 1)
     throw Error(fmt::format("{}: is PC2 version {}, only version 1 is known", source.name(), version));
-  const Pc2Header header{load<pc2_order, std::uint32_t>(&bytes[16]), load_float<pc2_order>(&bytes[20]),
-                         load_float<pc2_order>(&bytes[24]), load<pc2_order, std::uint32_t>(&bytes[28])};
+  const Pc2Header header{load<pc2_order, std::uint32_t>(&bytes[16]), load<pc2_order, float>(&bytes[20]),
+                         load<pc2_order, float>(&bytes[24]), load<pc2_order, std::uint32_t>(&bytes[28])};
   point_cache::check_header(source.name(), {header.points, header.frames});
   if (!std::isfinite(header.start_frame) || !std::isfinite(header.sample_rate) || !(header.sample_rate > 0))
     throw Error(source.name() +

@@ -1,5 +1,7 @@
 #include "souple/io/recorder_names.h"
 
+#include "souple/files/file.h"
+
 #include <algorithm>
 
 #include <fmt/core.h>
@@ -30,13 +32,6 @@ bool ends_like_a_frame(const std::string& text) {
   return text.size() - at >= 4 && at > 0 && text[at - 1] == '_';
 }
 
-std::string lower(std::string text) {
-  for (char& c : text) {
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  }
-  return text;
-}
-
 }  // namespace
 
 std::string safe_file_name(std::string_view name) {
@@ -55,7 +50,7 @@ std::string safe_file_name(std::string_view name) {
 std::string FileNames::add(std::string_view name) {
   const std::string base = safe_file_name(name);
   std::string free = base;
-  for (int number = 2; !taken_.insert(lower(free)).second; ++number)
+  for (int number = 2; !taken_.insert(lower_case(free)).second; ++number)
     free = fmt::format("{}-{}", base, number);
   return free;
 }

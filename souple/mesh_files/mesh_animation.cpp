@@ -1,8 +1,8 @@
 #include "souple/mesh_files/mesh_animation.h"
 
 #include "souple/error.h"
+#include "souple/files/file.h"
 #include "souple/mesh_files/assimp_reader.h"
-#include "souple/mesh_files/mesh_text.h"
 #include "souple/mesh_files/read_mesh_bytes.h"
 
 #include <algorithm>
@@ -15,8 +15,7 @@ namespace souple {
 
 bool may_hold_mesh_animation(const std::filesystem::path& path) {
   constexpr std::array<std::string_view, 4> extensions = {".gltf", ".glb", ".fbx", ".dae"};
-  return std::find(extensions.begin(), extensions.end(),
-                   mesh_detail::lower_case(path.extension().string())) != extensions.end();
+  return std::find(extensions.begin(), extensions.end(), lower_extension(path)) != extensions.end();
 }
 
 MeshAnimation read_mesh_animation(const std::filesystem::path& path, const MeshAnimationImport& options) {

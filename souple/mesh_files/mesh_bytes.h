@@ -1,46 +1,15 @@
 #pragma once
 
-#include <algorithm>
+#include "souple/files/endian.h"
+
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <string_view>
-#include <type_traits>
 
 namespace souple::mesh_detail {
 
 static_assert(sizeof(float) == 4 && sizeof(double) == 8);
-
-/// Whether this machine stores the low byte first.
-inline bool is_little_endian() {
-  const std::uint16_t one = 1;
-  unsigned char first = 0;
-  std::memcpy(&first, &one, 1);
-  return first == 1;
-}
-
-/// Reads a number from `bytes` in the given byte order.
-template <class T>
-T number_from_bytes(const char* bytes, bool big_endian) {
-  static_assert(std::is_arithmetic_v<T>);
-  char ordered[sizeof(T)];
-  std::memcpy(ordered, bytes, sizeof(T));
-  if (big_endian == is_little_endian()) std::reverse(ordered, ordered + sizeof(T));
-  T value;
-  std::memcpy(&value, ordered, sizeof(T));
-  return value;
-}
-
-/// Appends the bytes of a number, low byte first.
-template <class T>
-void append_little_endian(std::string& out, T value) {
-  static_assert(std::is_arithmetic_v<T>);
-  char bytes[sizeof(T)];
-  std::memcpy(bytes, &value, sizeof(T));
-  if (!is_little_endian()) std::reverse(bytes, bytes + sizeof(T));
-  out.append(bytes, sizeof(T));
-}
 
 /// Types of numbers in files; those before float32 are integers.
 enum class NumberType { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
@@ -66,9 +35,9 @@ class ByteScanner {
   template <class T>
   T read(const char* what) {
     require(sizeof(T), what);
-    const T value = number_from_bytes<T>(bytes_.data() + at_, big_endian_);
+    const auto* bytes = reinterpret_cast<const std::byte*>(bytes_.data() + at_);
     at_ += sizeof(T);
-    return value;
+    return big_endian_ ? load<ByteOrder::big, T>(bytes) : load<ByteOrder::little, T>(bytes);
   }
   /// A number of an integer type; beyond 2^63 it wraps around.
   std::int64_t integer(NumberType type, const char* what);

@@ -25,7 +25,7 @@ class Writer {
 
   template <class T>
   void number(T value) {
-    append_little_endian(out_, value);
+    append_binary<ByteOrder::little>(out_, value);
   }
   void text(std::string_view text) {
     number(std::uint64_t(text.size()));

@@ -31,14 +31,6 @@ std::string quoted(std::string_view text) {
   return result + "\"";
 }
 
-std::string lower_case(std::string_view text) {
-  std::string result(text);
-  for (char& c : result) {
-    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
-  }
-  return result;
-}
-
 bool parse_real(std::string_view word, double& value) {
   if (!word.empty() && word[0] == '+') word.remove_prefix(1);
   if (word.empty() || word[0] == '+') return false;

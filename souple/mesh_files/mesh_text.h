@@ -13,9 +13,6 @@ constexpr double largest_coordinate = 1e18;
 /// `text` in double quotes, truncated to a readable length, with '?' for unprintable characters.
 std::string quoted(std::string_view text);
 
-/// `text` in lower case (ASCII only, independent of the locale).
-std::string lower_case(std::string_view text);
-
 /// Parses the whole `word` as a number. Returns false if it is none, is NaN or infinite, or exceeds the range
 /// of a double. A number too small for a double becomes 0.
 bool parse_real(std::string_view word, double& value);

@@ -252,7 +252,7 @@ std::string ply_header(std::size_t vertices) {
 }
 
 void append_bytes(std::string& out, const Vec3f& v) {
-  for (float component : {v.x, v.y, v.z}) mesh_detail::append_little_endian(out, component);
+  for (float component : {v.x, v.y, v.z}) append_binary<ByteOrder::little>(out, component);
 }
 
 std::uint8_t color_byte(float channel) {
@@ -274,10 +274,10 @@ void append_ply_faces(std::string& out, const TriangleMesh& mesh, bool long_list
   for (std::size_t face = 0; face < face_count(mesh); ++face) {
     const auto corners = face_corners(mesh, face);
     if (long_lists)
-      mesh_detail::append_little_endian(out, std::uint32_t(corners.size()));
+      append_binary<ByteOrder::little>(out, std::uint32_t(corners.size()));
     else
-      mesh_detail::append_little_endian(out, std::uint8_t(corners.size()));
-    for (std::uint32_t corner : corners) mesh_detail::append_little_endian(out, corner);
+      append_binary<ByteOrder::little>(out, std::uint8_t(corners.size()));
+    for (std::uint32_t corner : corners) append_binary<ByteOrder::little>(out, corner);
   }
 }
 
@@ -326,10 +326,10 @@ std::string ply_bytes(const TriangleMesh& mesh, std::span<const Vec3f> positions
     if (!velocities.empty()) append_bytes(out, velocities[i]);
     if (!mesh.colors.empty()) {
       const Vec3f& c = mesh.colors[i];
-      for (float channel : {c.x, c.y, c.z}) mesh_detail::append_little_endian(out, color_byte(channel));
+      for (float channel : {c.x, c.y, c.z}) append_binary<ByteOrder::little>(out, color_byte(channel));
     }
     if (has_uvs) {
-      for (float coordinate : mesh.uvs[i]) mesh_detail::append_little_endian(out, coordinate);
+      for (float coordinate : mesh.uvs[i]) append_binary<ByteOrder::little>(out, coordinate);
     }
   }
   append_ply_faces(out, mesh, long_lists);
@@ -347,7 +347,7 @@ std::string ply_bytes(std::span<const Vec3f> points, std::span<const Vec3f> velo
   for (std::size_t i = 0; i < points.size(); ++i) {
     append_bytes(out, points[i]);
     if (!velocities.empty()) append_bytes(out, velocities[i]);
-    if (!kinds.empty()) mesh_detail::append_little_endian(out, kinds[i]);
+    if (!kinds.empty()) append_binary<ByteOrder::little>(out, kinds[i]);
   }
   return out;
 }
@@ -391,8 +391,8 @@ std::string ply_bytes(std::span<const Vec3f> positions, std::span<const Vec3f> n
     if (!velocities.empty()) append_bytes(out, velocities[i]);
   }
   for (const Triangle& triangle : triangles) {
-    mesh_detail::append_little_endian(out, std::uint8_t{3});
-    for (const std::uint32_t corner : triangle) mesh_detail::append_little_endian(out, corner);
+    append_binary<ByteOrder::little>(out, std::uint8_t{3});
+    for (const std::uint32_t corner : triangle) append_binary<ByteOrder::little>(out, corner);
   }
   return out;
 }

@@ -1,3 +1,4 @@
+#include "souple/files/file.h"
 #include "souple/mesh_files/mesh_bytes.h"
 #include "souple/mesh_files/mesh_groups.h"
 #include "souple/mesh_files/mesh_parse.h"
@@ -21,15 +22,15 @@ constexpr std::size_t most_triangles = 0xffffffff / 3;
 bool is_ascii(std::string_view bytes, const std::string& name) {
   if (bytes.size() >= header_bytes + 4) {
     const std::uint64_t count =
-        mesh_detail::number_from_bytes<std::uint32_t>(bytes.data() + header_bytes, false);
+        ByteScanner(bytes.substr(header_bytes), name, false).read<std::uint32_t>("the number of triangles");
     if (bytes.size() == header_bytes + 4 + count * triangle_bytes) return false;
   }
   TextScanner scanner(bytes, name, {});
-  if (mesh_detail::lower_case(scanner.word_on_any_line().substr(0, 16)) != "solid") return false;
+  if (lower_case(scanner.word_on_any_line().substr(0, 16)) != "solid") return false;
   // Too short for a binary file: let the text's errors name the line.
   if (bytes.size() < header_bytes + 4) return true;
   scanner.next_line();
-  const std::string second = mesh_detail::lower_case(scanner.word_on_any_line().substr(0, 16));
+  const std::string second = lower_case(scanner.word_on_any_line().substr(0, 16));
   return second == "facet" || second == "endsolid";
 }
 
@@ -55,11 +56,11 @@ class AsciiReader {
   }
 
  private:
-  std::string next() { return mesh_detail::lower_case(scanner_.word_on_any_line()); }
+  std::string next() { return lower_case(scanner_.word_on_any_line()); }
 
   void expect(const char* keyword) {
     const std::string_view word = scanner_.word_on_any_line();
-    if (mesh_detail::lower_case(word) != keyword) {
+    if (lower_case(word) != keyword) {
       scanner_.fail(scanner_.found(word), '"' + std::string(keyword) + '"');
     }
   }
@@ -69,7 +70,7 @@ class AsciiReader {
     const std::size_t begin = mesh_.positions.size();
     while (true) {
       const std::string_view word = scanner_.word_on_any_line();
-      const std::string keyword = mesh_detail::lower_case(word);
+      const std::string keyword = lower_case(word);
       if (keyword == "endsolid") break;
       if (keyword != "facet") scanner_.fail(scanner_.found(word), "\"facet\" or \"endsolid\"");
       read_facet();

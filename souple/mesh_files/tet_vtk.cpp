@@ -1,4 +1,5 @@
 #include "souple/error.h"
+#include "souple/files/file.h"
 #include "souple/mesh_files/mesh_bytes.h"
 #include "souple/mesh_files/mesh_parse.h"
 #include "souple/mesh_files/tet_builder.h"
@@ -14,7 +15,6 @@ namespace souple {
 namespace {
 
 using mesh_detail::ByteScanner;
-using mesh_detail::lower_case;
 using mesh_detail::NumberType;
 using mesh_detail::quoted;
 using mesh_detail::TextScanner;

@@ -1,7 +1,7 @@
 #include "souple/mesh_files/reader/assimp_file.h"
 
 #include "souple/error.h"
-#include "souple/mesh_files/mesh_text.h"
+#include "souple/files/file.h"
 #include "souple/mesh_files/reader/folder_files.h"
 
 #include <cmath>

@@ -1,8 +1,8 @@
 #include "souple/mesh_files/reader/pose.h"
 
 #include "souple/error.h"
+#include "souple/files/file.h"
 #include "souple/math/slerp.h"
-#include "souple/mesh_files/mesh_text.h"
 
 #include <algorithm>
 #include <cmath>
