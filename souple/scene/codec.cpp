@@ -65,10 +65,15 @@ std::string Range::text(const std::string& noun) const {
 }
 
 Json Range::schema(const char* type) const {
-  Json schema = Json::object();
-  schema.set("type", Json::of(type));
-  schema.set(open_low ? "exclusiveMinimum" : "minimum", Json::of(lowest));
-  schema.set(open_high ? "exclusiveMaximum" : "maximum", Json::of(highest));
+  return Json::object({{"type", Json::of(type)},
+                       {open_low ? "exclusiveMinimum" : "minimum", Json::of(lowest)},
+                       {open_high ? "exclusiveMaximum" : "maximum", Json::of(highest)}});
+}
+
+Json list_schema(Json item, std::size_t min_count, std::size_t max_count) {
+  Json schema = Json::object({{"type", Json::of("array")}, {"items", std::move(item)}});
+  if (min_count > 0) schema.set("minItems", Json::whole(static_cast<std::int64_t>(min_count)));
+  schema.set("maxItems", Json::whole(static_cast<std::int64_t>(max_count)));
   return schema;
 }
 
@@ -80,10 +85,7 @@ std::size_t count_characters(std::string_view text) {
 }
 
 Json string_schema(std::size_t max_length) {
-  Json schema = Json::object();
-  schema.set("type", Json::of("string"));
-  schema.set("maxLength", Json::whole(std::int64_t(max_length)));
-  return schema;
+  return Json::object({{"type", Json::of("string")}, {"maxLength", Json::whole(std::int64_t(max_length))}});
 }
 
 class Boolean : public Codec<bool> {
@@ -94,26 +96,25 @@ class Boolean : public Codec<bool> {
   }
   Json write(const bool& value) const override { return Json::of(value); }
   TypeInfo describe(Format&) const override {
-    Json schema = Json::object();
-    schema.set("type", Json::of("boolean"));
-    return {"true or false", schema};
+    return {"true or false", Json::object({{"type", Json::of("boolean")}})};
   }
 };
 
 class Text : public Codec<std::string> {
  public:
+  explicit Text(std::size_t max_length) : max_length_(max_length) {}
   void read(const Json& json, const JsonPath& path, std::string& value) const override {
     if (!json.is(Json::Kind::text)) path.unexpected("text in quotes", json);
-    if (count_characters(json.text) > max_length) {
-      path.fail("expected at most 1000 characters of text, found " + brief(json));
+    if (count_characters(json.text) > max_length_) {
+      path.fail(fmt::format("expected at most {} characters of text, found {}", max_length_, brief(json)));
     }
     value = json.text;
   }
   Json write(const std::string& value) const override { return Json::of(value); }
-  TypeInfo describe(Format&) const override { return {"text", string_schema(max_length)}; }
+  TypeInfo describe(Format&) const override { return {"text", string_schema(max_length_)}; }
 
  private:
-  static constexpr std::size_t max_length = 1000;
+  std::size_t max_length_;
 };
 
 class HexColor : public Codec<std::uint32_t> {
@@ -214,9 +215,7 @@ class Word : public Codec<std::string> {
       words.items.push_back(Json::of(word));
       listed += (listed.empty() ? "\"" : ", \"") + word + "\"";
     }
-    Json schema = Json::object();
-    schema.set("enum", std::move(words));
-    return {noun_ + ": " + listed, schema};
+    return {noun_ + ": " + listed, Json::object({{"enum", std::move(words)}})};
   }
 
  private:
@@ -229,8 +228,8 @@ class Word : public Codec<std::string> {
 CodecPtr<bool> boolean() {
   return std::make_shared<Boolean>();
 }
-CodecPtr<std::string> text() {
-  return std::make_shared<Text>();
+CodecPtr<std::string> text(std::size_t max_length) {
+  return std::make_shared<Text>(max_length);
 }
 CodecPtr<std::uint32_t> color() {
   return std::make_shared<HexColor>();

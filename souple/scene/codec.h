@@ -5,6 +5,7 @@
 #include "souple/scene/json.h"
 #include "souple/scene/nearest.h"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -173,6 +174,9 @@ CodecPtr<T> number(const Range& range) {
   return std::make_shared<Number<T>>(range);
 }
 
+/// The schema of a list with this number of items.
+Json list_schema(Json item, std::size_t min_count, std::size_t max_count);
+
 template <class T>
 class Vector3 : public Codec<Vec3<T>> {
  public:
@@ -188,11 +192,7 @@ class Vector3 : public Codec<Vec3<T>> {
     return Json::array({Json::of(value.x), Json::of(value.y), Json::of(value.z)});
   }
   TypeInfo describe(Format&) const override {
-    Json schema = Json::object();
-    schema.set("type", Json::of("array"));
-    schema.set("items", range_.schema("number"));
-    schema.set("minItems", Json::whole(3));
-    schema.set("maxItems", Json::whole(3));
+    const Json schema = list_schema(range_.schema("number"), 3, 3);
     const bool plain = range_.lowest < 0;
     return {plain ? "[x, y, z]" : "[x, y, z], each a " + range_.text("number"), schema};
   }
@@ -223,8 +223,8 @@ extern template CodecPtr<Vec3f> vector3(const Range& range);
 // --- text ------------------------------------------------------------------------------------------------
 
 CodecPtr<bool> boolean();
-/// Any text, at most 1000 characters.
-CodecPtr<std::string> text();
+/// Any text of at most this number of characters.
+CodecPtr<std::string> text(std::size_t max_length = 1000);
 /// "#rrggbb", sRGB as in HTML, to 0xRRGGBB.
 CodecPtr<std::uint32_t> color();
 /// The name of an object or collider, also used in file names: letters, digits, _ and -, at most 64 characters.
@@ -263,9 +263,7 @@ class Enumeration : public Codec<E> {
   TypeInfo describe(Format&) const override {
     Json words = Json::array();
     for (const auto& entry : words_) words.items.push_back(Json::of(entry.first));
-    Json schema = Json::object();
-    schema.set("enum", std::move(words));
-    return {list(), schema};
+    return {list(), Json::object({{"enum", std::move(words)}})};
   }
 
  private:
@@ -282,6 +280,27 @@ class Enumeration : public Codec<E> {
 template <class E>
 CodecPtr<E> enumeration(std::vector<std::pair<std::string, E>> words) {
   return std::make_shared<Enumeration<E>>(std::move(words));
+}
+
+/// A value that cannot change; `expected` names it in messages.
+template <class T>
+class Constant : public Codec<T> {
+ public:
+  Constant(Json value, std::string expected) : value_(std::move(value)), expected_(std::move(expected)) {}
+  void read(const Json& json, const JsonPath& path, T&) const override {
+    if (!(json == value_)) path.unexpected(expected_, json);
+  }
+  Json write(const T&) const override { return value_; }
+  TypeInfo describe(Format&) const override { return {dump_line(value_), Json::object({{"const", value_}})}; }
+
+ private:
+  Json value_;
+  std::string expected_;
+};
+
+template <class T>
+CodecPtr<T> constant(Json value, std::string expected) {
+  return std::make_shared<Constant<T>>(std::move(value), std::move(expected));
 }
 
 // --- lists -----------------------------------------------------------------------------------------------
@@ -308,12 +327,7 @@ class List : public Codec<std::vector<T>> {
   }
   TypeInfo describe(Format& format) const override {
     const TypeInfo item = item_->describe(format);
-    Json schema = Json::object();
-    schema.set("type", Json::of("array"));
-    schema.set("items", item.schema);
-    if (min_count_ > 0) schema.set("minItems", Json::whole(static_cast<std::int64_t>(min_count_)));
-    schema.set("maxItems", Json::whole(static_cast<std::int64_t>(max_count_)));
-    return {"list of " + item.text, schema};
+    return {"list of " + item.text, list_schema(item.schema, min_count_, max_count_)};
   }
 
  private:
@@ -324,6 +338,30 @@ template <class T>
 CodecPtr<std::vector<T>> list(CodecPtr<T> item, std::size_t min_count = 0, std::size_t max_count = 1000000) {
   return std::make_shared<List<T>>(std::move(item), min_count, max_count);
 }
+
+/// A list of n items. `expected` names it in messages, `text` in the manual.
+template <class T, std::size_t n>
+class Array : public Codec<std::array<T, n>> {
+ public:
+  Array(CodecPtr<T> item, std::string expected, std::string text)
+      : item_(std::move(item)), expected_(std::move(expected)), text_(std::move(text)) {}
+  void read(const Json& json, const JsonPath& path, std::array<T, n>& value) const override {
+    if (!json.is(Json::Kind::array) || json.items.size() != n) path.unexpected(expected_, json);
+    for (std::size_t i = 0; i < n; ++i) item_->read(json.items[i], path.item(i), value[i]);
+  }
+  Json write(const std::array<T, n>& value) const override {
+    Json json = Json::array();
+    for (const T& item : value) json.items.push_back(item_->write(item));
+    return json;
+  }
+  TypeInfo describe(Format& format) const override {
+    return {text_, list_schema(item_->describe(format).schema, n, n)};
+  }
+
+ private:
+  CodecPtr<T> item_;
+  std::string expected_, text_;
+};
 
 /// A key that may be absent; std::nullopt if so.
 template <class T>

@@ -252,10 +252,6 @@ Json Json::of(const char* value) {
   return of(std::string(value));
 }
 
-Json Json::array() {
-  return array(std::vector<Json>{});
-}
-
 Json Json::array(std::vector<Json> items) {
   Json json;
   json.kind = Kind::array;
@@ -264,16 +260,18 @@ Json Json::array(std::vector<Json> items) {
 }
 
 Json Json::object() {
+  return object(std::vector<Member>{});
+}
+
+Json Json::object(std::vector<Member> members) {
   Json json;
   json.kind = Kind::object;
+  json.members = std::move(members);
   return json;
 }
 
 const Json* Json::find(std::string_view key) const {
-  for (const Member& member : members) {
-    if (member.key == key) return &member.value;
-  }
-  return nullptr;
+  return const_cast<Json*>(this)->find(key);
 }
 
 Json* Json::find(std::string_view key) {

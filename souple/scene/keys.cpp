@@ -139,22 +139,6 @@ void complete_and_check(SceneDescription& scene, const JsonPath& path) {
   check_ties(scene, objects, all, path.key("ties"));
 }
 
-/// The key "souple": the version of the format.
-class FormatVersion : public Codec<std::string> {
- public:
-  void read(const Json& json, const JsonPath& path, std::string&) const override {
-    if (!json.is(Json::Kind::number) || json.number != 1) {
-      path.unexpected("1, the only version of the scene format that this Souple reads", json);
-    }
-  }
-  Json write(const std::string&) const override { return Json::whole(1); }
-  TypeInfo describe(Format&) const override {
-    Json schema = Json::object();
-    schema.set("const", Json::whole(1));
-    return {"1", schema};
-  }
-};
-
 /// Completes names after all keys have been read.
 class SceneTable : public Table<SceneDescription> {
  public:
@@ -171,8 +155,11 @@ CodecPtr<SceneDescription> scene_codec() {
   using S = SceneDescription;
   auto keys = std::make_shared<SceneTable>(
       "scene", "The whole file. Units are meters, kilograms and seconds; Y is up, axes are right-handed.");
-  keys->required<&S::source>("souple", CodecPtr<std::string>(std::make_shared<FormatVersion>()),
-                             "version of the format")
+  keys->required<&S::source>(
+          "souple",
+          constant<std::string>(Json::whole(1),
+                                "1, the only version of the scene format that this Souple reads"),
+          "version of the format")
       .key<&S::description>("description", text(), "one line that describes the scene")
       .key<&S::frame_rate>("frame_rate", number<double>(positive(1e5)), "frames per second")
       .key<&S::frames>("frames", number<std::uint32_t>(within(1, 1e7)), "number of frames to simulate");

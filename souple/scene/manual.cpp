@@ -30,38 +30,19 @@ Json properties_of(const TableInfo& table) {
   return properties;
 }
 
-Json requires_key(const std::string& key) {
-  Json json = Json::object();
-  json.set("required", texts({key}));
-  return json;
-}
-
-/// {"oneOf": [{"required": ["a"]}, {"required": ["b"]}]}; for "at most one" also neither key.
+/// {"oneOf": [{"required": ["a"]}, {"required": ["b"]}]}; for "at most one" also neither.
 Json one_of(const std::vector<std::string>& keys, bool none_allowed) {
   Json choices = Json::array();
-  Json any = Json::array();
-  for (const std::string& key : keys) {
-    choices.items.push_back(requires_key(key));
-    any.items.push_back(requires_key(key));
-  }
-  if (none_allowed) {
-    Json neither = Json::object();
-    Json inner = Json::object();
-    inner.set("anyOf", std::move(any));
-    neither.set("not", std::move(inner));
-    choices.items.push_back(std::move(neither));
-  }
-  Json json = Json::object();
-  json.set("oneOf", std::move(choices));
-  return json;
+  for (const std::string& key : keys) choices.items.push_back(Json::object({{"required", texts({key})}}));
+  if (none_allowed) choices.items.push_back(Json::object({{"not", Json::object({{"anyOf", choices}})}}));
+  return Json::object({{"oneOf", std::move(choices)}});
 }
 
 Json schema_of(const TableInfo& table) {
-  Json schema = Json::object();
-  schema.set("description", Json::of(table.doc));
-  schema.set("type", Json::of("object"));
-  schema.set("additionalProperties", Json::of(false));
-  schema.set("properties", properties_of(table));
+  Json schema = Json::object({{"description", Json::of(table.doc)},
+                              {"type", Json::of("object")},
+                              {"additionalProperties", Json::of(false)},
+                              {"properties", properties_of(table)}});
   std::vector<std::string> required;
   for (const KeyInfo& key : table.keys) {
     if (key.required) required.push_back(key.name);
@@ -362,12 +343,11 @@ scene_format::Format scene_tables() {
 std::string scene_schema() {
   Json definitions = Json::object();
   for (const auto& table : scene_tables().tables) definitions.set(table->name, schema_of(*table));
-  Json schema = Json::object();
-  schema.set("$schema", Json::of("https://json-schema.org/draft/2020-12/schema"));
-  schema.set("title", Json::of("Souple scene"));
-  schema.set("$ref", Json::of("#/$defs/scene"));
-  schema.set("$defs", std::move(definitions));
-  return scene_format::dump_json(schema);
+  return scene_format::dump_json(
+      Json::object({{"$schema", Json::of("https://json-schema.org/draft/2020-12/schema")},
+                    {"title", Json::of("Souple scene")},
+                    {"$ref", Json::of("#/$defs/scene")},
+                    {"$defs", std::move(definitions)}}));
 }
 
 std::string scene_manual() {

@@ -2,25 +2,16 @@
 
 #include "souple/scene/table.h"
 
+#include <limits>
+
 namespace souple {
 
 namespace scene_format {
 
 namespace {
 
-/// Text of any length, unlike texts in scenes.
-class LongText : public Codec<std::string> {
- public:
-  void read(const Json& json, const JsonPath& path, std::string& value) const override {
-    if (!json.is(Json::Kind::text)) path.unexpected("text in quotes", json);
-    value = json.text;
-  }
-  Json write(const std::string& value) const override { return Json::of(value); }
-  TypeInfo describe(Format&) const override { return {"text", Json::object()}; }
-};
-
 CodecPtr<RunRecord> record_codec() {
-  const CodecPtr<std::string> text = std::make_shared<LongText>();
+  const CodecPtr<std::string> text = scene_format::text(std::numeric_limits<std::size_t>::max());
   auto keys = std::make_shared<Table<RunRecord>>("run", "A run that can go on.");
   keys->required<&RunRecord::name>("name", text, "name of the scene")
       .required<&RunRecord::source>("source", text, "its file")

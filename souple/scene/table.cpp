@@ -148,9 +148,8 @@ Json TableCore::write_object(const void* object, const void* fallback) const {
 }
 
 TypeInfo TableCore::describe_object(Format& format, const void* fallback) const {
-  Json reference = Json::object();
-  reference.set("$ref", Json::of("#/$defs/" + name_));
-  TypeInfo type{"[" + name_ + "](#" + name_ + ")", std::move(reference)};
+  const TypeInfo type{"[" + name_ + "](#" + name_ + ")",
+                      Json::object({{"$ref", Json::of("#/$defs/" + name_)}})};
   for (const auto& table : format.tables) {
     if (table->name == name_) return type;
   }
@@ -202,15 +201,14 @@ Json KindsCore::write_kind(const void* variant) const {
 }
 
 TypeInfo KindsCore::describe_kinds(Format& format) const {
-  TypeInfo all{"", Json::object()};
+  std::string texts;
   Json any = Json::array();
   for (const Alternative& option : kinds_) {
     TypeInfo one = option.codec->describe(format);
-    all.text += (all.text.empty() ? "" : " or ") + one.text;
+    texts += (texts.empty() ? "" : " or ") + one.text;
     any.items.push_back(std::move(one.schema));
   }
-  all.schema.set("oneOf", std::move(any));
-  return all;
+  return {texts, Json::object({{"oneOf", std::move(any)}})};
 }
 
 }  // namespace souple::scene_format

@@ -88,6 +88,8 @@ class TableCore {
   TableCore(const char* name, const char* doc) : name_(name), doc_(doc) {}
 
   std::vector<std::string> keys() const;
+  /// Keys of other tables and their owners, for better messages.
+  void foreign(std::vector<std::pair<std::string, std::string>> keys) { foreign_ = std::move(keys); }
 
  protected:
   // No templates, and text as plain pointers: otherwise a hundred keys take ten seconds to compile.
@@ -154,13 +156,6 @@ class Table : public Codec<T>, public TableCore {
     fallback_ = std::move(fallback);
     return *this;
   }
-  /// Keys of other tables and their owners, for better messages.
-  // NOLINTNEXTLINE(performance-unnecessary-value-param): moved from
-  Table& foreign(std::vector<std::pair<std::string, std::string>> keys) {
-    foreign_ = std::move(keys);
-    return *this;
-  }
-
   void read(const Json& json, const JsonPath& path, T& value) const override {
     read_object(json, path, &value);
   }

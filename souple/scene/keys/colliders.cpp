@@ -88,12 +88,9 @@ CodecPtr<ColliderDescription> collider_codec() {
       .key<&C::sensor>("sensor", boolean(),
                        "true: pushes nothing and stops no fluid; programs ask which objects overlap it")
       .key<&C::transform>("transform", pose_codec(), "position and rotation")
-      .key<&C::keyframes>("keyframes", keyframes_codec(), "motion, instead of `transform`")
-      .key<&C::loop>("loop", boolean(), "repeats the keyframes after the last")
-      .needs("loop", "keyframes")
       .excludes("transform", "keyframes")
-      .check(check_kinetic_friction<C>)
-      .check([](const C& collider, const JsonPath& path) { check_times(collider.keyframes, path); });
+      .check(check_kinetic_friction<C>);
+  add_keyframe_keys(*keys, "motion, instead of `transform`");
   add_collision_keys(*keys);
   return keys;
 }

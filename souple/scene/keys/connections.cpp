@@ -2,41 +2,14 @@
 
 namespace souple::scene_format {
 
-namespace {
-
-/// A list of exactly two names.
-class TwoNames : public Codec<std::array<std::string, 2>> {
- public:
-  void read(const Json& json, const JsonPath& path, std::array<std::string, 2>& value) const override {
-    if (!json.is(Json::Kind::array) || json.items.size() != 2) path.unexpected("two names: [a, b]", json);
-    for (std::size_t i = 0; i < 2; ++i) name_->read(json.items[i], path.item(i), value[i]);
-  }
-  Json write(const std::array<std::string, 2>& value) const override {
-    return Json::array({Json::of(value[0]), Json::of(value[1])});
-  }
-  TypeInfo describe(Format& format) const override {
-    Json schema = Json::object();
-    schema.set("type", Json::of("array"));
-    schema.set("items", name_->describe(format).schema);
-    schema.set("minItems", Json::whole(2));
-    schema.set("maxItems", Json::whole(2));
-    return {"[name, name]", schema};
-  }
-
- private:
-  CodecPtr<std::string> name_ = name();
-};
-
-}  // namespace
-
 CodecPtr<PairDescription> pair_codec() {
   using P = PairDescription;
+  const auto two_names = std::make_shared<Array<std::string, 2>>(name(), "two names: [a, b]", "[name, name]");
   auto keys = table<P>(
       "pair",
       "Overrides for two objects or colliders: their friction and restitution instead of their materials', "
       "and whether they collide, whatever their groups. A name twice means an object with itself.");
-  keys->required<&P::between>("between", CodecPtr<std::array<std::string, 2>>(std::make_shared<TwoNames>()),
-                              "names of objects or colliders")
+  keys->required<&P::between>("between", two_names, "names of objects or colliders")
       .key<&P::collide>("collide", boolean(), "false: they pass through each other")
       .key<&P::friction>("friction", maybe(number<float>(friction_range)), "Coulomb friction coefficient")
       .key<&P::kinetic_friction>(

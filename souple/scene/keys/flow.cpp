@@ -26,15 +26,11 @@ CodecPtr<EmitterDescription> emitter_codec() {
       .key<&E::radius>("radius", number<float>(from_zero(far_away)),
                        "radius of the nozzle [m]; below the spacing: a single row of particles")
       .key<&E::speed>("speed", number<float>(positive(1e4)), "speed of the fluid [m/s]")
-      .key<&E::keyframes>("keyframes", keyframes_codec(),
-                          "poses that move and rotate the nozzle; the fluid inherits its velocity")
-      .key<&E::loop>("loop", boolean(), "repeats the keyframes after the last")
-      .needs("loop", "keyframes")
       .check([](const E& emitter, const JsonPath& path) {
-        check_times(emitter.keyframes, path);
         if (!(length_squared(Vec3d(emitter.direction)) > 1e-12))
           path.key("direction").fail("must not be zero");
       });
+  add_keyframe_keys(*keys, "poses that move and rotate the nozzle; the fluid inherits its velocity");
   add_times(*keys);
   return keys;
 }

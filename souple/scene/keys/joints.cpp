@@ -109,7 +109,7 @@ std::shared_ptr<Table<T>> joint_table(const char* kind, const char* heading, con
   auto keys = table<T>(heading, doc);
   keys->template key<&T::name>("name", name(),
                                "unique among joints; if not given: the kind, then the kind with 2, 3, ...")
-      .template required<&T::name>("kind", kind_word(kind), "kind of the joint")
+      .template required<&T::name>("kind", constant<std::string>(Json::of(kind), kind), "kind of the joint")
       .template key<&T::from>("from", name(), "a rigid body or collider; if not given, the world")
       .template required<&T::to>("to", name(), "the rigid body that it holds")
       .template required<&T::point>("point", vector3<double>(meters), point)

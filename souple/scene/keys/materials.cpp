@@ -22,10 +22,9 @@ class Stiffness : public Codec<float> {
     return value == rigid ? Json::of("rigid") : number_.write(value);
   }
   TypeInfo describe(Format&) const override {
-    Json word = Json::object(), schema = Json::object();
-    word.set("const", Json::of("rigid"));
-    schema.set("oneOf", Json::array({range_.schema("number"), word}));
-    return {range_.text("number") + ", or \"rigid\"", schema};
+    const Json rigid_word = Json::object({{"const", Json::of("rigid")}});
+    return {range_.text("number") + ", or \"rigid\"",
+            Json::object({{"oneOf", Json::array({range_.schema("number"), rigid_word})}})};
   }
 
  private:

@@ -1,3 +1,4 @@
+#include "souple/files/file.h"
 #include "souple/scene/keys/parts.h"
 
 #include <algorithm>
@@ -43,17 +44,13 @@ class PrintCodec : public Codec<ClothPrint> {
     const TypeInfo pattern = pattern_->describe(format);
     TypeInfo file = file_->describe(format);
     file.schema.set("pattern", Json::of("\\.[Pp][Nn][Gg]$"));
-    Json schema = Json::object();
-    schema.set("oneOf", Json::array({pattern.schema, file.schema}));
-    return {pattern.text + ", or a PNG file, relative to the scene's folder", schema};
+    return {pattern.text + ", or a PNG file, relative to the scene's folder",
+            Json::object({{"oneOf", Json::array({pattern.schema, file.schema})}})};
   }
 
  private:
   static bool is_picture(const Json& json) {
-    if (!json.is(Json::Kind::text) || json.text.size() < 4) return false;
-    std::string ending = json.text.substr(json.text.size() - 4);
-    for (char& c : ending) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-    return ending == ".png";
+    return json.is(Json::Kind::text) && lower_case(json.text).ends_with(".png");
   }
 
   CodecPtr<std::string> file_ = file();
@@ -70,7 +67,7 @@ std::shared_ptr<Table<T>> object_table(const char* kind, const char* doc) {
   keys->template key<&T::name>(
           "name", name(),
           "unique name, also for its files; if not given: the kind, then the kind with 2, 3, ...")
-      .template required<&T::name>("kind", kind_word(kind), "kind of the object");
+      .template required<&T::name>("kind", constant<std::string>(Json::of(kind), kind), "kind of the object");
   return keys;
 }
 
@@ -176,20 +173,32 @@ std::shared_ptr<Table<RopeDescription>> rope_table() {
   return keys;
 }
 
-CodecPtr<GrainsBox> grains_box_codec() {
-  using G = GrainsBox;
-  auto keys = table<G>("grains_box", "A box filled with grains on a cubic lattice.");
-  keys->required<&G::lo>("lo", vector3<double>(meters), "lower corner [m]")
-      .required<&G::hi>("hi", vector3<double>(meters), "upper corner [m]")
-      .key<&G::spacing>("spacing", maybe(number<double>(positive(1000))),
-                        "distance between centers [m]; if not given, two radii plus the space for the jitter")
-      .key<&G::jitter>("jitter", number<double>(unit),
-                       "random displacement of each center along each axis, up to this fraction of a radius")
-      .check([](const G& box, const JsonPath& path) {
+/// Corners of a box.
+template <class T>
+void add_corner_keys(Table<T>& keys) {
+  keys.template required<&T::lo>("lo", vector3<double>(meters), "lower corner [m]")
+      .template required<&T::hi>("hi", vector3<double>(meters), "upper corner [m]")
+      .check([](const T& box, const JsonPath& path) {
         for (int i = 0; i < 3; ++i) {
           if (!(box.lo[i] < box.hi[i])) path.fail("\"lo\" must be below \"hi\" along every axis");
         }
       });
+}
+
+template <class T>
+void add_spacing_keys(Table<T>& keys) {
+  keys.template key<&T::spacing>(
+          "spacing", maybe(number<double>(positive(1000))),
+          "distance between centers [m]; if not given, two radii plus the space for the jitter")
+      .template key<&T::jitter>(
+          "jitter", number<double>(unit),
+          "random displacement of each center along each axis, up to this fraction of a radius");
+}
+
+CodecPtr<GrainsBox> grains_box_codec() {
+  auto keys = table<GrainsBox>("grains_box", "A box filled with grains on a cubic lattice.");
+  add_corner_keys(*keys);
+  add_spacing_keys(*keys);
   return keys;
 }
 
@@ -197,13 +206,10 @@ CodecPtr<GrainsGrid> grains_grid_codec() {
   using G = GrainsGrid;
   auto keys = table<G>("grains_grid", "A cubic lattice of grains, centered at the origin.");
   keys->required<&G::counts>("counts", counts(10000), "grains along X, Y and Z")
-      .key<&G::spacing>("spacing", maybe(number<double>(positive(1000))),
-                        "distance between centers [m]; if not given, two radii plus the space for the jitter")
-      .key<&G::jitter>("jitter", number<double>(unit),
-                       "random displacement of each center along each axis, up to this fraction of a radius")
       .check([](const G& grid, const JsonPath& path) {
         check_count(static_cast<double>(grid.counts[0]) * grid.counts[1] * grid.counts[2], path);
       });
+  add_spacing_keys(*keys);
   return keys;
 }
 
@@ -222,13 +228,7 @@ std::shared_ptr<Table<GrainsDescription>> grains_table() {
 
 CodecPtr<FluidBox> fluid_box_codec() {
   auto keys = table<FluidBox>("fluid_box", "A box filled with a fluid.");
-  keys->required<&FluidBox::lo>("lo", vector3<double>(meters), "lower corner [m]")
-      .required<&FluidBox::hi>("hi", vector3<double>(meters), "upper corner [m]")
-      .check([](const FluidBox& box, const JsonPath& path) {
-        for (int i = 0; i < 3; ++i) {
-          if (!(box.lo[i] < box.hi[i])) path.fail("\"lo\" must be below \"hi\" along every axis");
-        }
-      });
+  add_corner_keys(*keys);
   return keys;
 }
 
@@ -274,25 +274,24 @@ std::shared_ptr<Table<ObstacleDescription>> obstacle_table() {
       .key<&T::transform>("transform", transform_codec(), "position, rotation and scale")
       .key<&T::color>("color", maybe(color()), "color in pictures, as in HTML; if not given: light gray")
       .key<&T::look>("look", surface_look(),
-                     "material in pictures; `glass` is transparent, best with thin walls")
-      .key<&T::keyframes>("keyframes", keyframes_codec(),
-                          "moves the mesh after `transform`: rotated about the origin first, then translated")
-      .key<&T::loop>("loop", boolean(), "repeats the keyframes after the last")
-      .key<&T::sequence>("sequence", maybe(sequence_codec()), "deforms the mesh")
-      .needs("loop", "keyframes")
-      .check([](const T& obstacle, const JsonPath& path) { check_times(obstacle.keyframes, path); });
+                     "material in pictures; `glass` is transparent, best with thin walls");
+  add_keyframe_keys(*keys,
+                    "moves the mesh after `transform`: rotated about the origin first, then translated")
+      .key<&T::sequence>("sequence", maybe(sequence_codec()), "deforms the mesh");
   add_collision_keys(*keys);
   add_layer_key(*keys);
   return keys;
 }
 
-/// Keys of other kinds of objects: their message names the kind that has the key.
-template <class A, class B>
-void add_foreign(const Table<A>& other, const std::string& owner, const Table<B>& mine,
-                 std::vector<std::pair<std::string, std::string>>& foreign) {
-  const std::vector<std::string> own = mine.keys();
-  for (const std::string& key : other.keys()) {
-    if (std::find(own.begin(), own.end(), key) == own.end()) foreign.emplace_back(key, owner);
+/// Tells each table the keys of the other kinds of objects: their message names the kind that has the key.
+void add_foreign_keys(const std::vector<std::pair<std::string, TableCore*>>& kinds) {
+  for (const auto& [kind, mine] : kinds) {
+    const std::vector<std::string> own = mine->keys();
+    std::vector<std::pair<std::string, std::string>> foreign;
+    for (const auto& [owner, other] : kinds)
+      for (const std::string& key : other->keys())
+        if (std::find(own.begin(), own.end(), key) == own.end()) foreign.emplace_back(key, owner);
+    mine->foreign(std::move(foreign));
   }
 }
 
@@ -333,15 +332,11 @@ std::shared_ptr<Table<RigidBodyDescription>> rigid_body_table() {
           "not given: of the solid, for its mass")
       .key<&T::kinematic>("kinematic", boolean(),
                           "true: nothing pushes the body; it pushes others, stands or follows `keyframes`")
-      .key<&T::keyframes>(
-          "keyframes", keyframes_codec(),
-          "motion of a kinematic body after `transform`: rotated about the origin first, then "
-          "translated")
-      .key<&T::loop>("loop", boolean(), "repeats the keyframes after the last")
-      .needs("keyframes", "kinematic")
-      .needs("loop", "keyframes")
+      .needs("keyframes", "kinematic");
+  add_keyframe_keys(*keys,
+                    "motion of a kinematic body after `transform`: rotated about the origin first, then "
+                    "translated")
       .check([](const T& body, const JsonPath& path) {
-        check_times(body.keyframes, path);
         if (!body.keyframes.empty() && !body.kinematic)
           path.key("kinematic")
               .fail("is false, but \"keyframes\" move only a kinematic body: set it to true");
@@ -364,24 +359,13 @@ CodecPtr<AnyObjectDescription> object_codec() {
   const auto obstacle = obstacle_table();
   const auto fluid = fluid_table();
   const auto rigid_body = rigid_body_table();
-  const auto foreign_keys_of = [&](const auto& mine) {
-    std::vector<std::pair<std::string, std::string>> foreign;
-    add_foreign(*cloth, "a cloth", mine, foreign);
-    add_foreign(*soft_body, "a soft_body", mine, foreign);
-    add_foreign(*rope, "a rope", mine, foreign);
-    add_foreign(*grains, "grains", mine, foreign);
-    add_foreign(*obstacle, "an obstacle", mine, foreign);
-    add_foreign(*fluid, "a fluid", mine, foreign);
-    add_foreign(*rigid_body, "a rigid_body", mine, foreign);
-    return foreign;
-  };
-  cloth->foreign(foreign_keys_of(*cloth));
-  soft_body->foreign(foreign_keys_of(*soft_body));
-  rope->foreign(foreign_keys_of(*rope));
-  grains->foreign(foreign_keys_of(*grains));
-  obstacle->foreign(foreign_keys_of(*obstacle));
-  fluid->foreign(foreign_keys_of(*fluid));
-  rigid_body->foreign(foreign_keys_of(*rigid_body));
+  add_foreign_keys({{"a cloth", cloth.get()},
+                    {"a soft_body", soft_body.get()},
+                    {"a rope", rope.get()},
+                    {"grains", grains.get()},
+                    {"an obstacle", obstacle.get()},
+                    {"a fluid", fluid.get()},
+                    {"a rigid_body", rigid_body.get()}});
   using V = AnyObjectDescription;
   return std::make_shared<Kinds<V>>(
       std::vector<Alternative>{alternative<V, ClothDescription>("cloth", cloth, ""),

@@ -35,9 +35,6 @@ CodecPtr<std::uint32_t> groups();
 /// A switch or the word of a SelfCollision, "particles" only where it is possible.
 CodecPtr<SelfCollision> self_collision(bool particles);
 
-/// The key "kind", which selects a table; already read when the table reads it.
-CodecPtr<std::string> kind_word(std::string kind);
-
 /// A struct written as its only field.
 template <class Outer, class Inner, class Access>
 class Wrapped : public Codec<Outer> {
@@ -85,6 +82,14 @@ CodecPtr<TransformDescription> pose_codec();
 CodecPtr<std::vector<KeyframeDescription>> keyframes_codec();
 /// Fails unless each keyframe is later than the previous one.
 void check_times(const std::vector<KeyframeDescription>& keyframes, const JsonPath& path);
+/// Keys of a motion by keyframes.
+template <class T>
+Table<T>& add_keyframe_keys(Table<T>& keys, const char* doc) {
+  return keys.template key<&T::keyframes>("keyframes", keyframes_codec(), doc)
+      .template key<&T::loop>("loop", boolean(), "repeats the keyframes after the last")
+      .needs("loop", "keyframes")
+      .check([](const T& value, const JsonPath& path) { check_times(value.keyframes, path); });
+}
 CodecPtr<SequenceDescription> sequence_codec();
 
 // --- meshes.cpp ------------------------------------------------------------------------------------------

@@ -7,36 +7,23 @@ namespace {
 /// Three counts, or one for all three axes.
 class Counts : public Codec<std::array<int, 3>> {
  public:
-  explicit Counts(int max) : range_(within(1, max)), count_(range_) {}
+  explicit Counts(int max) : range_(within(1, max)) {}
   void read(const Json& json, const JsonPath& path, std::array<int, 3>& value) const override {
-    if (json.is(Json::Kind::number)) {
-      int all = 1;
-      count_.read(json, path, all);
-      value = {all, all, all};
-      return;
-    }
-    if (!json.is(Json::Kind::array) || json.items.size() != 3) {
-      path.unexpected("a whole number or three of them, [x, y, z]", json);
-    }
-    for (std::size_t i = 0; i < 3; ++i) count_.read(json.items[i], path.item(i), value[i]);
+    if (!json.is(Json::Kind::number)) return three_.read(json, path, value);
+    count_->read(json, path, value[0]);
+    value.fill(value[0]);
   }
-  Json write(const std::array<int, 3>& value) const override {
-    return Json::array({Json::whole(value[0]), Json::whole(value[1]), Json::whole(value[2])});
-  }
-  TypeInfo describe(Format&) const override {
-    Json three = Json::object();
-    three.set("type", Json::of("array"));
-    three.set("items", range_.schema("integer"));
-    three.set("minItems", Json::whole(3));
-    three.set("maxItems", Json::whole(3));
-    Json schema = Json::object();
-    schema.set("oneOf", Json::array({range_.schema("integer"), three}));
-    return {range_.text("whole number") + ", or three of them", schema};
+  Json write(const std::array<int, 3>& value) const override { return three_.write(value); }
+  TypeInfo describe(Format& format) const override {
+    return {
+        range_.text("whole number") + ", or three of them",
+        Json::object({{"oneOf", Json::array({range_.schema("integer"), three_.describe(format).schema})}})};
   }
 
  private:
   Range range_;
-  Number<int> count_;
+  CodecPtr<int> count_ = number<int>(range_);
+  Array<int, 3> three_{count_, "a whole number or three of them, [x, y, z]", ""};
 };
 
 /// A bit mask as the list of the bits that are set, or "all".
@@ -64,31 +51,14 @@ class Groups : public Codec<std::uint32_t> {
     return json;
   }
   TypeInfo describe(Format& format) const override {
-    Json all = Json::object(), numbers = Json::object(), schema = Json::object();
-    all.set("const", Json::of("all"));
-    numbers.set("type", Json::of("array"));
-    numbers.set("items", group_.describe(format).schema);
-    schema.set("oneOf", Json::array({numbers, all}));
-    return {"list of whole numbers from 0 to 31, or \"all\"", schema};
+    const Json numbers =
+        Json::object({{"type", Json::of("array")}, {"items", group_.describe(format).schema}});
+    return {"list of whole numbers from 0 to 31, or \"all\"",
+            Json::object({{"oneOf", Json::array({numbers, Json::object({{"const", Json::of("all")}})})}})};
   }
 
  private:
   Number<std::uint32_t> group_{within(0, 31)};
-};
-
-class KindWord : public Codec<std::string> {
- public:
-  explicit KindWord(std::string kind) : kind_(std::move(kind)) {}
-  void read(const Json&, const JsonPath&, std::string&) const override {}
-  Json write(const std::string&) const override { return Json::of(kind_); }
-  TypeInfo describe(Format&) const override {
-    Json schema = Json::object();
-    schema.set("const", Json::of(kind_));
-    return {"\"" + kind_ + "\"", schema};
-  }
-
- private:
-  std::string kind_;
 };
 
 class SelfCollisionWord : public Codec<SelfCollision> {
@@ -111,9 +81,7 @@ class SelfCollisionWord : public Codec<SelfCollision> {
   TypeInfo describe(Format&) const override {
     Json words = Json::array({Json::of(true), Json::of(false), Json::of(surfaces)});
     if (particles_) words.items.push_back(Json::of(particles));
-    Json schema = Json::object();
-    schema.set("enum", words);
-    return {text(), schema};
+    return {text(), Json::object({{"enum", std::move(words)}})};
   }
 
  private:
@@ -133,10 +101,6 @@ CodecPtr<std::array<int, 3>> counts(int max) {
 
 CodecPtr<std::uint32_t> groups() {
   return std::make_shared<Groups>();
-}
-
-CodecPtr<std::string> kind_word(std::string kind) {
-  return std::make_shared<KindWord>(std::move(kind));
 }
 
 CodecPtr<SelfCollision> self_collision(bool particles) {
