@@ -143,14 +143,18 @@ std::int64_t TextScanner::integer_from(std::string_view word, const char* what) 
 std::size_t TextScanner::count(const char* what, std::size_t bytes_each) {
   const std::int64_t value = integer(what);
   if (value < 0) fail(fmt::format("{}", value), fmt::format("an integer >= 0 ({})", what));
+  require_room(std::uint64_t(value), bytes_each, what);
+  return std::size_t(value);
+}
+
+void TextScanner::require_room(std::uint64_t count, std::size_t bytes_each, const char* what) const {
   // The last item of a text needs no blank after it.
   const std::size_t room = (remaining() + 1) / bytes_each;
-  if (std::uint64_t(value) > room) {
-    fail(fmt::format("{} ({})", value, what),
+  if (count > room) {
+    fail(fmt::format("{} ({})", count, what),
          fmt::format("at most {}, for which the file is long enough; it is cut short or its count is wrong",
                      room));
   }
-  return std::size_t(value);
 }
 
 std::string TextScanner::found(std::string_view word) const {

@@ -53,6 +53,8 @@ class TextScanner {
   std::int64_t integer(const char* what) { return integer_from(word_on_any_line(), what); }
   /// An integer >= 0 that may count items of at least `bytes_each` bytes in the rest of the text.
   std::size_t count(const char* what, std::size_t bytes_each);
+  /// Throws Error unless the rest of the text can hold `count` items of at least `bytes_each`.
+  void require_room(std::uint64_t count, std::size_t bytes_each, const char* what) const;
   /// A real within largest_coordinate.
   double coordinate(const char* what) { return coordinate_from(word_on_any_line(), what); }
 

@@ -229,11 +229,7 @@ class AsciiBody {
   // A number and the blank after it, which the last number may lack.
   static std::size_t smallest(NumberType) { return 2; }
   void require_room(std::uint64_t count, std::size_t bytes_each, const char* what) const {
-    const std::size_t room = (scanner_.remaining() + 1) / bytes_each;
-    if (count > room) {
-      fail(fmt::format("{} ({})", count, what),
-           fmt::format("at most {}, for which the file is long enough", room));
-    }
+    scanner_.require_room(count, bytes_each, what);
   }
   [[noreturn]] void fail(std::string_view found, std::string_view expected) const {
     scanner_.fail(found, expected);

@@ -100,7 +100,7 @@ class VtkReader {
   template <class Take>
   void read_numbers(std::size_t count, NumberType type, const char* what, Take take) {
     if (!is_binary_) {
-      require_text_room(count, what);
+      scanner_.require_room(count, 2, what);
       for (std::size_t i = 0; i < count; ++i) {
         const std::string_view word = scanner_.word_on_any_line();
         if (is_integer(type))
@@ -124,12 +124,6 @@ class VtkReader {
     // The text continues after the numbers, where line numbers are meaningless.
     const std::size_t end = first + count * size_of(type);
     scanner_ = TextScanner(bytes_.substr(end), name_, {.bytes_in_errors = true}, scanner_.line(), end);
-  }
-
-  void require_text_room(std::size_t count, const char* what) const {
-    if (count > (scanner_.remaining() + 1) / 2) {
-      scanner_.fail(fmt::format("{} numbers ({})", count, what), "no more than the file is long enough for");
-    }
   }
 
   // POINTS COUNT TYPE
