@@ -1,6 +1,7 @@
 #include "souple/geometry/fill.h"
 
 #include "souple/error.h"
+#include "souple/geometry/measures.h"
 #include "souple/geometry/mesh_report.h"
 
 #include <algorithm>

@@ -551,8 +551,8 @@ Solid solid_of(const TriangleMesh& mesh, const std::string& name, std::vector<st
   Solid solid{std::move(surface.positions), std::move(surface.triangles), 0, 0, {}};
   solid.volume = std::abs(enclosed_volume(solid.positions, solid.triangles));
   solid.area = surface_area(solid.positions, solid.triangles);
-  solid.box =
-      bounding_box(solid.positions, solid.triangles);  // an unused vertex must not enlarge the lattice
+  // An unused vertex must not enlarge the lattice.
+  solid.box = bounding_box(solid.positions, solid.triangles);
   const double diagonal = solid.box.diagonal();
   if (!(solid.volume > 1e-15 * diagonal * diagonal * diagonal) || !std::isfinite(solid.volume))
     throw Error(

@@ -118,7 +118,7 @@ void ExportFrames::remember() {
   remembered_ = playback_.frame();
 }
 
-/// From the positions that were remembered_ of frame `from` and those of frame `to`, the current one or the next.
+/// From the positions that were remembered of frame `from` and those of frame `to`, the current one or the next.
 void ExportFrames::find_velocities(std::uint64_t from, std::uint64_t to) {
   const double seconds = playback_.time(to) - playback_.time(from);
   const auto rate = static_cast<float>(std::abs(seconds) > 1e-9 ? 1 / seconds : 0);

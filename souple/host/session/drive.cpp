@@ -1,9 +1,8 @@
 #include "souple/host/session/drive.h"
 
+#include "souple/collision/collider_motion.h"
 #include "souple/error.h"
 
-#include <algorithm>
-#include <cmath>
 #include <string>
 
 namespace souple::host {
