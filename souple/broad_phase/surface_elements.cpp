@@ -1,5 +1,6 @@
 #include "souple/broad_phase/surface_elements.h"
 
+#include "souple/math/lists.h"
 #include "souple/state/bytes.h"
 
 #include <algorithm>
@@ -16,24 +17,6 @@ struct Grouped {
   std::vector<std::uint32_t> sizes;
 };
 
-/// Triangles of each edge e: items[begin[e] .. begin[e + 1]).
-struct EdgeTriangles {
-  std::vector<std::uint32_t> begin, items;
-};
-
-EdgeTriangles edge_triangles(const TriangleEdges& sides) {
-  EdgeTriangles result;
-  result.begin.assign(sides.edges.size() + 1, 0);
-  for (const auto& three : sides.of_triangle)
-    for (const std::uint32_t e : three) ++result.begin[e + 1];
-  for (std::size_t e = 1; e < result.begin.size(); ++e) result.begin[e] += result.begin[e - 1];
-  std::vector<std::uint32_t> next(result.begin.begin(), result.begin.end() - 1);
-  result.items.resize(3 * sides.of_triangle.size());
-  for (std::uint32_t t = 0; t < sides.of_triangle.size(); ++t)
-    for (const std::uint32_t e : sides.of_triangle[t]) result.items[next[e]++] = t;
-  return result;
-}
-
 /// Grows patches over a mesh. A patch starts at one triangle and adds, of the free triangles at its edges,
 /// the one with the most corners in the patch. So it closes the fan around a vertex and stays round.
 class PatchGrower {
@@ -41,7 +24,11 @@ class PatchGrower {
   explicit PatchGrower(std::span<const Triangle> triangles)
       : triangles_(triangles),
         sides_(triangle_edges(triangles)),
-        edge_triangles_(edge_triangles(sides_)),
+        triangles_of_edge_(sides_.edges.size(),
+                           [this](const auto& add) {
+                             for (std::uint32_t t = 0; t < sides_.of_triangle.size(); ++t)
+                               for (const std::uint32_t e : sides_.of_triangle[t]) add(e, t);
+                           }),
         used_(triangles.size()) {
     std::uint32_t vertices = 0;
     for (const Triangle& t : triangles) vertices = std::max({vertices, t[0] + 1, t[1] + 1, t[2] + 1});
@@ -79,8 +66,7 @@ class PatchGrower {
     long max_corners = 0;
     for (const std::uint32_t p : patch_)
       for (const std::uint32_t e : sides_.of_triangle[p])
-        for (std::uint32_t k = edge_triangles_.begin[e]; k < edge_triangles_.begin[e + 1]; ++k) {
-          const std::uint32_t t = edge_triangles_.items[k];
+        for (const std::uint32_t t : triangles_of_edge_[e]) {
           if (used_[t]) continue;
           const long corners = corners_in_patch(t);
           if (corners > max_corners) best = t, max_corners = corners;
@@ -91,7 +77,7 @@ class PatchGrower {
 
   std::span<const Triangle> triangles_;
   TriangleEdges sides_;
-  EdgeTriangles edge_triangles_;
+  Lists<std::uint32_t> triangles_of_edge_;
   std::vector<bool> used_;
   std::vector<std::uint32_t> patch_;
   std::vector<std::uint32_t> patch_of_;  // per vertex: number of the last patch that has it, from 1
@@ -104,19 +90,14 @@ class PatchGrower {
 // element owns follow those of the element before it.
 void SurfaceElements::add_patches(std::size_t first_element, std::span<const std::uint32_t> sizes) {
   auto e = elements_.begin() + static_cast<std::ptrdiff_t>(first_element);
-  SurfacePatch next;
-  if (!patches_.empty()) {
-    const SurfacePatch& last = patches_.back();
-    next = {last.first_triangle + last.triangles,
-            last.first_edge + last.edges,
-            last.first_vertex + last.vertices,
-            0,
-            0,
-            0,
-            0};
-  }
   for (const std::uint32_t size : sizes) {
-    SurfacePatch patch = next;
+    SurfacePatch patch;
+    if (!patches_.empty()) {
+      const SurfacePatch& last = patches_.back();
+      patch.first_triangle = last.first_triangle + last.triangles;
+      patch.first_edge = last.first_edge + last.edges;
+      patch.first_vertex = last.first_vertex + last.vertices;
+    }
     patch.object = e->object;
     for (std::uint32_t k = 0; k < size; ++k, ++e) {
       patch.triangles = static_cast<std::uint8_t>(patch.triangles + (e->corners == 3 ? 1 : 0));
@@ -126,13 +107,6 @@ void SurfaceElements::add_patches(std::size_t first_element, std::span<const std
           static_cast<std::uint8_t>(patch.vertices + std::popcount(static_cast<unsigned>(e->owns_particle)));
     }
     patches_.push_back(patch);
-    next = {patch.first_triangle + patch.triangles,
-            patch.first_edge + patch.edges,
-            patch.first_vertex + patch.vertices,
-            0,
-            0,
-            0,
-            0};
   }
   extend_columns();
 }

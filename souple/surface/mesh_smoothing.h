@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/lists.h"
 #include "souple/surface/marching_cubes.h"
 
 #include <span>
@@ -20,9 +21,7 @@ class MeshSmoothing {
   void smooth(SurfaceMesh& mesh, std::span<const float> weights, int passes, float factor, Threads& threads);
 
  private:
-  void find_neighbors(const SurfaceMesh& mesh);
-
-  std::vector<std::uint32_t> first_, neighbor_;
+  Lists<std::uint32_t> neighbors_;  // per vertex
   std::vector<Vec3f> before_;
 };
 

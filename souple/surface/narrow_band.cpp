@@ -4,11 +4,11 @@
 #include "souple/error.h"
 #include "souple/geometry/closest_point.h"
 #include "souple/math/limits.h"
+#include "souple/math/lists.h"
 #include "souple/surface/bricks.h"
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include <fmt/core.h>
 
@@ -225,37 +225,6 @@ void for_bricks(const Ball& ball, const F& f) {
       for (at[0] = first[0]; at[0] <= last[0]; ++at[0]) f(at);
 }
 
-/// The triangles near each brick, ascending: those of brick b are triangle[first[b]] to triangle[first[b +
-/// 1]].
-struct Lists {
-  Bricks bricks;
-  std::vector<std::size_t> first;
-  std::vector<std::uint32_t> triangle;
-};
-
-Lists lists_of(std::span<const Ball> balls) {
-  Lists lists;
-  lists.bricks.clear();
-  for (const Ball& ball : balls)
-    for_bricks(ball, [&](const Bricks::Coordinates& at) { lists.bricks.add(at, false); });
-  lists.bricks.sort();
-  std::vector<std::size_t>& first = lists.first;
-  first.assign(lists.bricks.size() + 1, 0);
-  for (const Ball& ball : balls)
-    for_bricks(ball, [&](const Bricks::Coordinates& at) { ++first[lists.bricks.find(at)]; });
-  std::size_t sum = 0;
-  for (std::size_t& of_brick : first) sum += std::exchange(of_brick, sum);
-  lists.triangle.resize(sum);
-  // After the fill, first[b] is the end of brick b, which is the begin of the next: shift all by one.
-  for (std::size_t t = 0; t < balls.size(); ++t)
-    for_bricks(balls[t], [&](const Bricks::Coordinates& at) {
-      lists.triangle[first[lists.bricks.find(at)]++] = static_cast<std::uint32_t>(t);
-    });
-  for (std::size_t b = lists.bricks.size(); b > 0; --b) first[b] = first[b - 1];
-  first[0] = 0;
-  return lists;
-}
-
 /// `width` cells [m], never rounded below: readers count the cells in it.
 float width_of(float cell, int width) {
   const double exact = double(cell) * width;
@@ -277,16 +246,23 @@ NarrowBand narrow_band(std::span<const Vec3f> positions, std::span<const Triangl
   for (const Vec3f& x : positions) in_cells.push_back(Vec3d(x) / double(cell));
   const std::vector<Ball> balls = balls_of(in_cells, triangles, width);
   const MeshTree tree(in_cells, triangles);
-  const Lists lists = lists_of(balls);
+  Bricks bricks;
+  bricks.clear();
+  for (const Ball& ball : balls)
+    for_bricks(ball, [&](const Bricks::Coordinates& at) { bricks.add(at, false); });
+  bricks.sort();
+  // The triangles near each brick, ascending.
+  const Lists<std::uint32_t> near(bricks.size(), [&](const auto& add) {
+    for (std::uint32_t t = 0; t < balls.size(); ++t)
+      for_bricks(balls[t], [&](const Bricks::Coordinates& at) { add(bricks.find(at), t); });
+  });
 
-  band.bricks.resize(lists.bricks.size());
+  band.bricks.resize(bricks.size());
   threads.for_each(band.bricks.size(), 1, [&](std::size_t begin, std::size_t end) {
     BrickSearch search(balls, tree, band, width);
     for (std::size_t b = begin; b < end; ++b) {
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        band.bricks[b].first[axis] = lists.bricks.at(b)[axis] * side;
-      const std::span<const std::uint32_t> all(lists.triangle);
-      search.fill(all.subspan(lists.first[b], lists.first[b + 1] - lists.first[b]), band.bricks[b]);
+      for (std::size_t axis = 0; axis < 3; ++axis) band.bricks[b].first[axis] = bricks.at(b)[axis] * side;
+      search.fill(near[b], band.bricks[b]);
     }
   });
   std::erase_if(band.bricks, [](const NarrowBand::Brick& brick) {
