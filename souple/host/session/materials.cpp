@@ -21,11 +21,6 @@ std::optional<AnyMaterial> find_preset(Kind kind, const std::string& name) {
   return find == nullptr ? std::nullopt : find(name);
 }
 
-template <class M>
-concept has_tunables = requires(const M& m) {
-  tunables(m);
-};
-
 }  // namespace
 
 AnyMaterial make_material(Kind kind, const std::string& preset) {
@@ -45,15 +40,14 @@ std::vector<std::string> preset_names(Kind kind) {
 std::vector<Parameter> parameters_of(const AnyMaterial& material, Mode mode) {
   std::vector<Parameter> parameters;
   const auto add = [&](const auto& m) {
-    if constexpr (has_tunables<decltype(m)>)
-      for (const auto& tunable : tunables(m)) {
-        if (!is_used(tunable, m, mode == Mode::pbd)) continue;
-        const std::string label = tunable.label;
-        const double value = static_cast<double>(m.*tunable.field);
-        parameters.push_back({tunable.name, label.substr(label.find_first_not_of(' ')), tunable.unit, value,
-                              static_cast<double>(tunable.range.least),
-                              static_cast<double>(tunable.range.most), tunable.range.logarithmic});
-      }
+    for (const auto& tunable : tunables(m)) {
+      if (!is_used(tunable, m, mode == Mode::pbd)) continue;
+      const std::string label = tunable.label;
+      const double value = static_cast<double>(m.*tunable.field);
+      parameters.push_back({tunable.name, label.substr(label.find_first_not_of(' ')), tunable.unit, value,
+                            static_cast<double>(tunable.range.least), static_cast<double>(tunable.range.most),
+                            tunable.range.logarithmic});
+    }
   };
   std::visit(add, material);
   return parameters;
@@ -62,13 +56,12 @@ std::vector<Parameter> parameters_of(const AnyMaterial& material, Mode mode) {
 AnyMaterial with_parameter(const AnyMaterial& material, const std::string& name, double value) {
   const auto change = [&](auto m) -> AnyMaterial {
     std::vector<std::string> known;
-    if constexpr (has_tunables<decltype(m)>)
-      for (const auto& tunable : tunables(m)) {
-        known.emplace_back(tunable.name);
-        if (tunable.name != name) continue;
-        m.*tunable.field = static_cast<float>(value);
-        return m;
-      }
+    for (const auto& tunable : tunables(m)) {
+      known.emplace_back(tunable.name);
+      if (tunable.name != name) continue;
+      m.*tunable.field = static_cast<float>(value);
+      return m;
+    }
     throw Error("there is no parameter \"" + name + "\"" + scene_format::suggestion(name, known));
   };
   return std::visit(change, material);
