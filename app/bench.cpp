@@ -5,7 +5,6 @@
 #include "app/exit_codes.h"
 #include "app/option_names.h"
 #include "souple/error.h"
-#include "souple/scene/nearest.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/threads/threads.h"
 #include "souple/version.h"
@@ -33,17 +32,6 @@ int list_benchmarks() {
   return success;
 }
 
-/// Throws Error that suggests the nearest name.
-const BenchScene& find_benchmark(const std::string& name) {
-  std::vector<std::string> names;
-  for (const BenchScene& scene : bench_scenes()) {
-    if (name == scene.name) return scene;
-    names.emplace_back(scene.name);
-  }
-  throw Error("unknown benchmark \"" + name + "\"" + scene_format::suggestion(name, names) +
-              "; `souple bench` lists them");
-}
-
 /// Sets `value` to an option's number; throws Error when it is out of range.
 void set_option(const std::optional<std::uint32_t>& given, const char* option, std::uint32_t min_value,
                 std::uint32_t max_value, int& value) {
@@ -55,8 +43,9 @@ void set_option(const std::optional<std::uint32_t>& given, const char* option, s
 
 SolverSettings solver_settings(const BenchRequest& request) {
   SolverSettings solver;
-  if (!request.solver.empty()) solver.kind = value_of(solver_names, request.solver, "--solver");
-  if (!request.sweep.empty()) solver.sweep = value_of(sweep_names, request.sweep, "--sweep");
+  if (!request.solver.empty())
+    solver.kind = value_of(option_values(solver_names), request.solver, "--solver");
+  if (!request.sweep.empty()) solver.sweep = value_of(option_values(sweep_names), request.sweep, "--sweep");
   if (request.relaxation) solver.relaxation = *request.relaxation;
   if (request.chebyshev) solver.chebyshev = *request.chebyshev;
   set_option(request.colors, "--colors", 0, 64, solver.colors);
@@ -68,9 +57,9 @@ BenchOptions options_of(const BenchRequest& request) {
   Settings& settings = options.settings;
   settings.threads = 1;
   settings.solver = solver_settings(request);
-  if (!request.mode.empty()) settings.mode = value_of(mode_names, request.mode, "--mode");
+  if (!request.mode.empty()) settings.mode = value_of(option_values(mode_names), request.mode, "--mode");
   if (!request.threading.empty())
-    settings.threading = value_of(threading_names, request.threading, "--threading");
+    settings.threading = value_of(option_values(threading_names), request.threading, "--threading");
   set_option(request.size, "--size", 1, 100000000, options.size);
   set_option(request.threads, "--threads", 0, 1024, settings.threads);
   set_option(request.substeps, "--substeps", 1, 10000, settings.substeps);
@@ -105,7 +94,7 @@ Json measure(const BenchScene& scene, BenchOptions options) {
 
 int bench(const BenchRequest& request) {
   if (request.name.empty()) return list_benchmarks();
-  const BenchScene& scene = find_benchmark(request.name);
+  const BenchScene& scene = find_bench_scene(request.name);
   Json before;
   if (!request.compare.empty()) before = read_bench_json(request.compare);
   const bool compares = before.is(Json::Kind::object);

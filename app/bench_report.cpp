@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include <fmt/core.h>
+
 namespace souple::app {
 
 using scene_format::Json;
@@ -86,9 +88,7 @@ Json count_json(std::size_t count) {
 }
 
 Json hash_json(std::uint64_t hash) {
-  char text[20];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
-  return Json::of(text);
+  return Json::of(fmt::format("{:016x}", hash));
 }
 
 Json read_bench_json(const std::filesystem::path& file) {

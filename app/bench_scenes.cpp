@@ -4,6 +4,7 @@
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/builders.h"
 #include "souple/geometry/fill.h"
+#include "souple/scene/nearest.h"
 
 #include <algorithm>
 #include <array>
@@ -205,9 +206,13 @@ std::span<const BenchScene> bench_scenes() {
 }
 
 const BenchScene& find_bench_scene(const std::string& name) {
-  for (const BenchScene& scene : all_bench_scenes)
+  std::vector<std::string> names;
+  for (const BenchScene& scene : all_bench_scenes) {
     if (scene.name == name) return scene;
-  throw Error("unknown scene \"" + name + "\"");
+    names.emplace_back(scene.name);
+  }
+  throw Error("unknown benchmark \"" + name + "\"" + scene_format::suggestion(name, names) +
+              "; `souple bench` lists them");
 }
 
 TriangleMesh hanging_grid(int size) {

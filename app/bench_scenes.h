@@ -26,7 +26,7 @@ struct BenchScene {
 /// All scenes, in listing order.
 std::span<const BenchScene> bench_scenes();
 
-/// Finds a scene by name. Throws Error.
+/// Finds a scene by name. Throws Error that suggests the nearest name.
 const BenchScene& find_bench_scene(const std::string& name);
 
 /// The sheet of the scene `cloth`. It is vertical; row 0 (vertices 0 to size - 1) is its upper edge.

@@ -33,7 +33,8 @@ struct RenderRequest {
   std::string source;  ///< a scene, a run's folder, or its run.json
   std::filesystem::path out, sky;
   std::string frames, sheet, size, camera;
-  std::string display = "shaded", constraints = "none", liquid_splats, liquid_filter;
+  std::string display = "shaded", constraints = "none";
+  std::string liquid_splats = "ellipsoids", liquid_filter = "narrow-range";
   std::optional<std::uint32_t> samples, colors, liquid_steps;
   std::optional<double> focus, aperture, shutter;  ///< m, m, fraction of a frame
   std::optional<double> film_rate;                 ///< pictures per second

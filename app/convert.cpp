@@ -2,6 +2,7 @@
 #include "app/convert_files.h"
 #include "app/exit_codes.h"
 #include "app/interrupt.h"
+#include "app/option_names.h"
 #include "app/surface_files.h"
 #include "souple/error.h"
 #include "souple/files/file.h"

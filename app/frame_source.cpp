@@ -7,6 +7,7 @@
 #include "app/pictures.h"
 #include "app/scene_colors.h"
 #include "souple/error.h"
+#include "souple/io/export_frames.h"
 
 #include <optional>
 #include <utility>
@@ -75,10 +76,8 @@ class SceneFrames : public FrameSource {
 
 class CacheFrames : public FrameSource {
  public:
-  CacheFrames(const fs::path& path, bool velocities) : cache_(path), velocities_(velocities) {
-    const fs::path folder = fs::absolute(path.filename() == "run.json" ? path.parent_path() : path);
-    const fs::path plain = folder.lexically_normal();
-    name_ = (plain.has_filename() ? plain : plain.parent_path()).filename().string();
+  CacheFrames(const fs::path& path, bool velocities)
+      : name_(run_name(path)), cache_(path), velocities_(velocities) {
     if (cache_.frames() == 0) throw Error(path.string() + ": holds no frame yet; expected at least one");
   }
 

@@ -15,7 +15,7 @@ void require_vdb() {
       "libboost-dev and build it again (CMake option SOUPLE_WITH_VDB), or choose obj or ply");
 }
 
-std::string vdb_bytes(const NarrowBand&, const std::string&, std::span<const BrickVelocities>) {
+std::string vdb_bytes(const NarrowBand&, const std::string&, std::span<const Vec3f>) {
   require_vdb();
   return {};
 }

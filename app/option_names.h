@@ -5,7 +5,9 @@
 #include "souple/solver/solver_names.h"
 #include "souple/stages/settings.h"
 
+#include <iterator>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,15 +20,36 @@ inline constexpr std::pair<const char*, Threading> threading_names[] = {{"automa
                                                                         {"pool", Threading::pool},
                                                                         {"tbb", Threading::tbb}};
 
-/// Throws Error, starting with the option, when `word` is not a known name.
-template <class Value, std::size_t n>
-Value value_of(const std::pair<const char*, Value> (&names)[n], const std::string& word, const char* option) {
+/// The arguments that an option accepts, with their values.
+template <class Value>
+using OptionValues = std::vector<std::pair<std::string, Value>>;
+
+/// Throws Error that names the option and lists the accepted arguments.
+template <class Value>
+Value value_of(const OptionValues<Value>& words, const std::string& word, const char* option) {
   std::vector<std::string> known;
-  for (const auto& [name, value] : names) {
+  std::string list;
+  for (const auto& [name, value] : words) {
     if (name == word) return value;
-    known.emplace_back(name);
+    known.push_back(name);
+    list += (list.empty() ? "" : ", ") + name;
   }
-  throw Error(std::string(option) + ": there is no \"" + word + "\"" + scene_format::suggestion(word, known));
+  const std::string nearest = scene_format::nearest_word(word, known);
+  throw Error(std::string(option) + " \"" + word + "\": expected one of " + list +
+              (nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?"));
+}
+
+template <class Value, std::size_t n>
+OptionValues<Value> option_values(const std::pair<const char*, Value> (&names)[n]) {
+  return {std::begin(names), std::end(names)};
+}
+
+/// An enumeration of `n` values, whose names a function knows.
+template <std::size_t n, class Value>
+OptionValues<Value> option_values(std::string_view (*name)(Value)) {
+  OptionValues<Value> words;
+  for (std::size_t i = 0; i < n; ++i) words.emplace_back(name(static_cast<Value>(i)), static_cast<Value>(i));
+  return words;
 }
 
 }  // namespace souple::app

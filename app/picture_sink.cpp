@@ -6,10 +6,10 @@
 #include "souple/error.h"
 #include "souple/files/atomic_file.h"
 #include "souple/files/file.h"
+#include "souple/io/sequence.h"
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <utility>
 #include <vector>
 
@@ -79,12 +79,10 @@ class Folder : public PictureSink {
  public:
   Folder(fs::path folder, std::string name, int colors)
       : folder_(std::move(folder)), name_(std::move(name)), colors_(colors) {
-    require_writable(folder_ / (name_ + "_0001.png"));
+    require_writable(folder_ / frame_file_name(name_, 1, "png"));
   }
   void add(const render::Image& image, std::uint64_t frame) override {
-    std::array<char, 32> number{};
-    std::snprintf(number.data(), number.size(), "_%04llu.png", static_cast<unsigned long long>(frame));
-    render::write_png(folder_ / (name_ + number.data()), image, colors_);
+    render::write_png(folder_ / frame_file_name(name_, frame, "png"), image, colors_);
   }
   void finish() override {}
 

@@ -30,14 +30,6 @@ void add_collider(const render::ColliderBody& collider, render::ExtremePoints& e
 
 }  // namespace
 
-render::Bounds bounds_of(const render::Subject& subject) {
-  render::Bounds bounds;
-  for (const render::Body& body : subject.bodies) {
-    for (const Vec3f& x : body.positions) bounds.add(x, body.radius);
-  }
-  return bounds;
-}
-
 render::ExtremePoints extent_of(const render::Subject& subject) {
   render::ExtremePoints extent;
   for (const render::Body& body : subject.bodies) {

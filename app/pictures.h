@@ -31,9 +31,6 @@ struct PictureStyle {
   float aspect() const { return static_cast<float>(size.width) / static_cast<float>(size.height); }
 };
 
-/// Bounding box of all objects, without colliders.
-render::Bounds bounds_of(const render::Subject& subject);
-
 /// Extreme points of all objects, without colliders.
 render::ExtremePoints extent_of(const render::Subject& subject);
 

@@ -5,6 +5,8 @@
 #include <unistd.h>
 #include <utility>
 
+#include <fmt/core.h>
+
 namespace souple::app {
 
 Progress::Progress(std::string name, std::uint64_t frames, std::uint64_t done_before, bool quiet)
@@ -35,28 +37,17 @@ void Progress::frame_done(std::uint64_t frame) {
 }
 
 std::string bytes_text(double bytes) {
-  char text[64];
-  if (bytes < 1e3) {
-    std::snprintf(text, sizeof(text), "%.0f bytes", bytes);
-    return text;
-  }
+  if (bytes < 1e3) return fmt::format("{:.0f} bytes", bytes);
   const char* unit = bytes < 1e6 ? "kB" : bytes < 1e9 ? "MB" : "GB";
   const double value = bytes / (bytes < 1e6 ? 1e3 : bytes < 1e9 ? 1e6 : 1e9);
-  std::snprintf(text, sizeof(text), value < 10 ? "%.1f %s" : "%.0f %s", value, unit);
-  return text;
+  return fmt::format("{:.{}f} {}", value, value < 10 ? 1 : 0, unit);
 }
 
 std::string duration_text(double seconds) {
-  char text[64];
   const long long whole = std::llround(seconds);
-  if (whole < 60) {
-    std::snprintf(text, sizeof(text), "%lld s", whole);
-  } else if (whole < 3600) {
-    std::snprintf(text, sizeof(text), "%lld min %02lld s", whole / 60, whole % 60);
-  } else {
-    std::snprintf(text, sizeof(text), "%lld h %02lld min", whole / 3600, whole / 60 % 60);
-  }
-  return text;
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{} min {:02} s", whole / 60, whole % 60);
+  return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
 }
 
 }  // namespace souple::app

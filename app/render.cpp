@@ -2,6 +2,7 @@
 #include "app/exit_codes.h"
 #include "app/frame_source.h"
 #include "app/interrupt.h"
+#include "app/option_names.h"
 #include "app/out_of_memory.h"
 #include "app/picture_files.h"
 #include "app/picture_sink.h"
@@ -12,7 +13,6 @@
 #include "souple/error.h"
 #include "souple/files/file.h"
 #include "souple/files/output_lock.h"
-#include "souple/scene/nearest.h"
 
 #include <algorithm>
 #include <chrono>
@@ -43,30 +43,11 @@ struct RenderJob {
   bool quiet = false;
 };
 
-render::ConstraintDisplay constraint_display_of(const std::string& name) {
-  std::vector<std::string> known;
-  for (std::size_t i = 0; i < render::constraint_display_count; ++i) {
-    const auto display = static_cast<render::ConstraintDisplay>(i);
-    known.emplace_back(render::constraint_display_name(display));
-    if (known.back() == name) return display;
-  }
-  std::string list;
-  for (const std::string& word : known) list += (list.empty() ? "" : ", ") + word;
-  throw Error("--constraints \"" + name + "\": expected one of " + list);
-}
-
 void choose_liquids(const RenderRequest& request, PictureStyle& style) {
-  try {
-    if (!request.liquid_splats.empty())
-      style.display.liquid_splats = render::splat_shape_of(request.liquid_splats);
-  } catch (const Error& error) {
-    throw Error(std::string("--liquid-splats: ") + error.what());
-  }
-  try {
-    if (!request.liquid_filter.empty()) style.liquid_filter = render::liquid_filter_of(request.liquid_filter);
-  } catch (const Error& error) {
-    throw Error(std::string("--liquid-filter: ") + error.what());
-  }
+  style.display.liquid_splats = value_of(option_values<render::splat_shape_count>(render::splat_shape_name),
+                                         request.liquid_splats, "--liquid-splats");
+  style.liquid_filter = value_of(option_values<render::liquid_filter_count>(render::liquid_filter_name),
+                                 request.liquid_filter, "--liquid-filter");
   if (!request.liquid_steps) return;
   if (*request.liquid_steps < 1 || *request.liquid_steps > render::max_liquid_steps)
     throw Error(
@@ -92,12 +73,11 @@ void choose_lens(const RenderRequest& request, PictureStyle& style) {
 
 PictureStyle style_of(const RenderRequest& request) {
   PictureStyle style;
-  try {
-    style.display.display = render::display_of(request.display);
-  } catch (const Error& error) {
-    throw Error(std::string("--display: ") + error.what());
-  }
-  style.display.constraints = constraint_display_of(request.constraints);
+  style.display.display =
+      value_of(option_values<render::display_count>(render::display_name), request.display, "--display");
+  style.display.constraints =
+      value_of(option_values<render::constraint_display_count>(render::constraint_display_name),
+               request.constraints, "--constraints");
   style.display.pins = false;
   choose_liquids(request, style);
   choose_lens(request, style);
@@ -241,13 +221,6 @@ std::string counted(std::uint64_t count, const std::string& one) {
   return fmt::format("{} {}{}", count, one, count == 1 ? "" : "s");
 }
 
-std::string label_of(const FrameSource& source) {
-  char text[64];
-  std::snprintf(text, sizeof(text), "frame %llu, %.2f s", static_cast<unsigned long long>(source.frame()),
-                source.time());
-  return text;
-}
-
 /// Renders frame by frame.
 class Rendering {
  public:
@@ -317,7 +290,9 @@ class Rendering {
     filled_.width = std::min(filled_.width, filled.width);
     filled_.height = std::min(filled_.height, filled.height);
     const Clock::time_point start = Clock::now();
-    const std::string label = job_.kind == OutputKind::sheet ? label_of(source_) : "";
+    const std::string label = job_.kind == OutputKind::sheet
+                                  ? fmt::format("frame {}, {:.2f} s", source_.frame(), source_.time())
+                                  : "";
     sink_.add(maker_.picture(subject, *camera_, job_.style, label), source_.frame());
     if (++pictures_ == 1) announce(std::chrono::duration<double>(Clock::now() - start).count());
   }

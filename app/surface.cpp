@@ -1,6 +1,7 @@
 #include "app/commands.h"
 #include "app/exit_codes.h"
 #include "app/interrupt.h"
+#include "app/option_names.h"
 #include "app/progress.h"
 #include "app/surface_files.h"
 #include "app/surface_recorder.h"

@@ -1,5 +1,6 @@
 #include "app/surface_files.h"
 
+#include "app/option_names.h"
 #include "app/surface_velocities.h"
 #include "app/vdb.h"
 #include "souple/mesh_files/mesh_write.h"
@@ -109,7 +110,6 @@ void SurfaceFiles::write(std::uint64_t frame, std::span<const Vec3f> positions,
   if (velocities.empty() && needs_velocities) velocities = differences(positions, static_cast<float>(rate));
   particles_now_ = positions;
   velocities_now_ = velocities;
-  vertices_ += mesh.positions.size();
   triangles_ += mesh.triangles.size();
   if (!mesh.triangles.empty()) {
     meshes_.skip_to(frame);
@@ -167,7 +167,8 @@ std::string SurfaceFiles::volume_bytes() {
   const NarrowBand band = narrow_band(mesh.positions, mesh.triangles, options.cell, band_cells, threads_);
   // As far as the outermost point of the band is from a particle below the surface.
   const float radius = options.spacing + (band_cells + 1) * options.cell;
-  return vdb_bytes(band, object_, band_velocities(band, particles_now_, velocities_now_, radius));
+  return vdb_bytes(band, object_,
+                   surface_velocities(band_points(band), particles_now_, velocities_now_, radius, threads_));
 }
 
 void SurfaceFiles::add_first_to_manifest(std::uint64_t frame, const SurfaceMesh& mesh) {
@@ -203,12 +204,9 @@ std::string surface_summary(std::uint64_t frames, const ObjectFiles& objects) {
   std::uint64_t triangles = 0;
   double milliseconds = 0;
   for (const auto& object : objects) triangles += object->triangles(), milliseconds += object->milliseconds();
-  char text[160];
   const double count = static_cast<double>(std::max<std::uint64_t>(1, frames));
-  std::snprintf(text, sizeof text, "%llu frames, %.0f triangles and %.1f ms each",
-                static_cast<unsigned long long>(frames), static_cast<double>(triangles) / count,
-                milliseconds / count);
-  return text;
+  return fmt::format("{} frames, {:.0f} triangles and {:.1f} ms each", frames,
+                     static_cast<double>(triangles) / count, milliseconds / count);
 }
 
 }  // namespace souple::app

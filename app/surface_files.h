@@ -4,7 +4,6 @@
 #include "souple/io/manifest.h"
 #include "souple/io/particle_file.h"
 #include "souple/io/sequence.h"
-#include "souple/scene/nearest.h"
 #include "souple/scene/scene.h"
 #include "souple/surface/fluid_surface.h"
 
@@ -21,24 +20,6 @@
 // the run (`souple run --surface`).
 
 namespace souple::app {
-
-/// The arguments that an option accepts, with their values.
-template <class Value>
-using OptionValues = std::vector<std::pair<std::string, Value>>;
-
-/// Throws Error that lists the accepted arguments.
-template <class Value>
-Value value_of(const OptionValues<Value>& words, const std::string& word, const char* option) {
-  std::vector<std::string> known;
-  for (const auto& [name, value] : words) {
-    if (name == word) return value;
-    known.push_back(name);
-  }
-  std::string list;
-  for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
-  throw Error(std::string(option) + " \"" + word + "\": expected one of " + list +
-              scene_format::suggestion(word, known));
-}
 
 /// Meshes, or volumes around them.
 enum class SurfaceFormat { obj, ply, vdb };
@@ -103,7 +84,7 @@ class SurfaceFiles {
   ManifestObject manifest_object_;
   std::vector<Vec3f> previous_, velocities_;
   std::span<const Vec3f> particles_now_, velocities_now_;  // of the frame that is written
-  std::uint64_t vertices_ = 0, triangles_ = 0;
+  std::uint64_t triangles_ = 0;
   double milliseconds_ = 0;
 };
 

@@ -43,19 +43,19 @@ openvdb::FloatGrid::Ptr grid_of(const NarrowBand& band, const std::string& objec
 
 /// Velocities at the points of the band.
 openvdb::Vec3SGrid::Ptr velocity_grid_of(const NarrowBand& band, const std::string& object,
-                                         std::span<const BrickVelocities> velocities) {
+                                         std::span<const Vec3f> velocities) {
   const openvdb::GridBase::Ptr made = openvdb::GridBase::createGrid(openvdb::Vec3SGrid::gridType());
   openvdb::Vec3SGrid::Ptr grid = openvdb::gridPtrCast<openvdb::Vec3SGrid>(made);
   grid->setName("velocity");
   grid->setVectorType(openvdb::VEC_CONTRAVARIANT_RELATIVE);
   grid->setSaveFloatAsHalf(true);  // three digits are enough for motion blur
   describe(*grid, band, object);
-  for (std::size_t b = 0; b < band.bricks.size(); ++b) {
-    const NarrowBand::Brick& brick = band.bricks[b];
+  auto velocity = velocities.begin();
+  for (const NarrowBand::Brick& brick : band.bricks) {
     auto* leaf = grid->tree().touchLeaf({brick.first[0], brick.first[1], brick.first[2]});
     for (std::size_t i = 0; i < NarrowBand::brick_points; ++i) {
       if (!brick.in_band(i)) continue;
-      const Vec3f& v = velocities[b][i];
+      const Vec3f& v = *velocity++;
       leaf->setValueOn(static_cast<openvdb::Index>(i), openvdb::Vec3s(v.x, v.y, v.z));
     }
   }
@@ -101,8 +101,7 @@ bool has_vdb() {
 
 void require_vdb() {}
 
-std::string vdb_bytes(const NarrowBand& band, const std::string& object,
-                      std::span<const BrickVelocities> velocities) {
+std::string vdb_bytes(const NarrowBand& band, const std::string& object, std::span<const Vec3f> velocities) {
   openvdb::initialize();
   openvdb::GridCPtrVec grids{grid_of(band, object)};
   if (!velocities.empty()) grids.push_back(velocity_grid_of(band, object, velocities));

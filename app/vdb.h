@@ -1,6 +1,6 @@
 #pragma once
 
-#include "app/band_velocities.h"
+#include "app/surface_velocities.h"
 #include "souple/surface/narrow_band.h"
 
 #include <span>
@@ -14,9 +14,9 @@ bool has_vdb();
 void require_vdb();
 
 /// An OpenVDB file with a level set named "surface" (float, negative inside, meters), tiles inside filled.
-/// `object` becomes its metadata entry of that name. Unless `velocities`, per brick, are empty, a grid "velocity" (vectors,
+/// `object` becomes its metadata entry of that name. Unless `velocities`, of `band_points`, are empty, a grid "velocity" (vectors,
 /// m/s) has them at the points of the band. Equal values give equal bytes.
 std::string vdb_bytes(const NarrowBand& band, const std::string& object,
-                      std::span<const BrickVelocities> velocities = {});
+                      std::span<const Vec3f> velocities = {});
 
 }  // namespace souple::app

@@ -209,19 +209,18 @@ void BodyDrawing::add_picture(const Body& body, Surface& surface) {
 }
 
 void BodyDrawing::draw_tube(std::uint32_t pick, const DrawContext& context) {
-  Surface surface;
-  surface.key = key_;
-  surface.topology = topology_;
-  surface.version = version_;
-  surface.positions = tube_.positions();
-  surface.normals = tube_.normals();
-  surface.triangles = tube_.triangles();
-  surface.texture = tube_.texture();
-  surface.colors = colors_;
-  surface.look = look(context);
-  surface.wireframe = context.options.wireframe || context.options.display == Display::wireframe;
-  surface.pick = pick;
-  context.list.surfaces.push_back(surface);
+  context.list.surfaces.push_back(
+      {.key = key_,
+       .topology = topology_,
+       .version = version_,
+       .positions = tube_.positions(),
+       .normals = tube_.normals(),
+       .triangles = tube_.triangles(),
+       .texture = tube_.texture(),
+       .colors = colors_,
+       .look = look(context),
+       .wireframe = context.options.wireframe || context.options.display == Display::wireframe,
+       .pick = pick});
 }
 
 void BodyDrawing::draw_liquid(const Body& body, std::uint32_t pick, const DrawContext& context) {
@@ -243,13 +242,8 @@ void BodyDrawing::draw_liquid(const Body& body, std::uint32_t pick, const DrawCo
   liquid.pick = pick;
   context.list.liquids.push_back(liquid);
   if (body.foam.empty()) return;
-  Foam foam;
-  foam.key = key_;
-  foam.version = version_;
-  foam.centers = body.foam;
-  foam.radius = 0.16f * spacing;
-  foam.opacity = 0.38f;
-  context.list.foams.push_back(foam);
+  context.list.foams.push_back(
+      {.key = key_, .version = version_, .centers = body.foam, .radius = 0.16f * spacing, .opacity = 0.38f});
 }
 
 void BodyDrawing::draw_grains(const Body& body, std::uint32_t pick, const DrawContext& context) {

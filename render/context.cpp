@@ -72,16 +72,12 @@ EGLConfig any_config(EGLDisplay display, Api api) {
 
 EGLContext make_context(EGLDisplay display, Api api) {
   if (eglBindAPI(api == Api::es3 ? EGL_OPENGL_ES_API : EGL_OPENGL_API) != EGL_TRUE) return EGL_NO_CONTEXT;
-  const std::array<EGLint, 5> es{EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 0, EGL_NONE};
-  const std::array<EGLint, 7> desktop{EGL_CONTEXT_MAJOR_VERSION,
-                                      3,
-                                      EGL_CONTEXT_MINOR_VERSION,
-                                      3,
-                                      EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                      EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                      EGL_NONE};
-  return eglCreateContext(display, any_config(display, api), EGL_NO_CONTEXT,
-                          api == Api::es3 ? es.data() : desktop.data());
+  const bool es = api == Api::es3;
+  std::vector<EGLint> wanted{EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, es ? 0 : 3};
+  if (!es)
+    wanted.insert(wanted.end(), {EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT});
+  wanted.push_back(EGL_NONE);
+  return eglCreateContext(display, any_config(display, api), EGL_NO_CONTEXT, wanted.data());
 }
 
 // Messages of the debug callback and of glGetError, per thread, since a context is current in one thread.

@@ -7,7 +7,6 @@
 #include "render/looks.h"
 #include "render/rope_strain.h"
 #include "souple/collision/collider_mesh.h"
-#include "souple/error.h"
 #include "souple/math/fnv1a.h"
 #include "souple/objects/kind_traits.h"
 #include "souple/world/debug_draw.h"
@@ -47,32 +46,28 @@ struct ColliderDrawing {
   ColliderMesh mesh;
 };
 
-bool same_vector(const Vec3f& a, const Vec3f& b) {
-  return a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
 struct SameShape {
   const Shape& other;
 
   bool operator()(const Plane& a) const {
     const auto* b = std::get_if<Plane>(&other);
-    return b && same_vector(a.normal, b->normal) && a.offset == b->offset;
+    return b && a.normal == b->normal && a.offset == b->offset;
   }
   bool operator()(const Sphere& a) const {
     const auto* b = std::get_if<Sphere>(&other);
-    return b && same_vector(a.center, b->center) && a.radius == b->radius;
+    return b && a.center == b->center && a.radius == b->radius;
   }
   bool operator()(const Box& a) const {
     const auto* b = std::get_if<Box>(&other);
-    return b && same_vector(a.center, b->center) && same_vector(a.half_extents, b->half_extents);
+    return b && a.center == b->center && a.half_extents == b->half_extents;
   }
   bool operator()(const Capsule& a) const {
     const auto* b = std::get_if<Capsule>(&other);
-    return b && same_vector(a.center, b->center) && a.radius == b->radius && a.half_height == b->half_height;
+    return b && a.center == b->center && a.radius == b->radius && a.half_height == b->half_height;
   }
   bool operator()(const Cylinder& a) const {
     const auto* b = std::get_if<Cylinder>(&other);
-    return b && same_vector(a.center, b->center) && a.radius == b->radius && a.half_height == b->half_height;
+    return b && a.center == b->center && a.radius == b->radius && a.half_height == b->half_height;
   }
   bool operator()(const SignedDistanceField& a) const {
     const auto* b = std::get_if<SignedDistanceField>(&other);
@@ -91,17 +86,6 @@ std::optional<float> floor_height(const ColliderBody& collider) {
       collider.pose.point(n * (static_cast<double>(plane->offset) / length_squared(n))).y);
 }
 
-/// The value with this name. Throws Error that begins with `missing` and lists the names.
-template <class Value, std::size_t n>
-Value value_of(const std::array<std::string_view, n>& names, std::string_view name, const char* missing) {
-  std::string known;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (names[i] == name) return static_cast<Value>(i);
-    known += (i > 0 ? ", " : "") + std::string(names[i]);
-  }
-  throw Error(missing + (" '" + std::string(name)) + "'; expected one of: " + known);
-}
-
 /// Edge of the floor's slabs: 1, 2 or 5 times a power of ten, so that it gives scale. Scenes of a few meters get 0.5 m.
 float tile_for(float radius) {
   const float wanted = 0.3f * std::clamp(radius, 1e-3f, 1e4f);
@@ -115,20 +99,12 @@ std::string_view display_name(Display display) {
   return display_names[static_cast<std::size_t>(display)];
 }
 
-Display display_of(std::string_view name) {
-  return value_of<Display>(display_names, name, "unknown display");
-}
-
 std::string_view constraint_display_name(ConstraintDisplay display) {
   return constraint_display_names[static_cast<std::size_t>(display)];
 }
 
 std::string_view splat_shape_name(SplatShape shape) {
   return splat_shape_names[static_cast<std::size_t>(shape)];
-}
-
-SplatShape splat_shape_of(std::string_view name) {
-  return value_of<SplatShape>(splat_shape_names, name, "unknown liquid splats");
 }
 
 struct SubjectDrawing::Impl {
@@ -291,13 +267,8 @@ void SubjectDrawing::Impl::draw_pins(const Subject& subject) {
     pins = std::move(centers);
     ++pins_version;
   }
-  Spheres spheres;
-  spheres.key = pins_key;
-  spheres.version = pins_version;
-  spheres.centers = pins;
-  spheres.radii = pin_radii;
-  spheres.look = pin_look();
-  list.spheres.push_back(spheres);
+  list.spheres.push_back(
+      {.key = pins_key, .version = pins_version, .centers = pins, .radii = pin_radii, .look = pin_look()});
 }
 
 void SubjectDrawing::Impl::draw_lattice(const World& world) {
@@ -329,14 +300,12 @@ void SubjectDrawing::Impl::draw_contacts(const World& world) {
   legend.entry(against_object, fmt::format("between objects  {}", count[1]));
   if (contact_points.empty()) return;
   if (contacts_key == 0) contacts_key = allocate_key();
-  Spheres spheres;
-  spheres.key = contacts_key;
-  spheres.version = ++contacts_version;
-  spheres.centers = contact_points;
-  spheres.radius = 0.006f * size();
-  spheres.colors = contact_colors;
-  spheres.casts_shadow = false;
-  list.spheres.push_back(spheres);
+  list.spheres.push_back({.key = contacts_key,
+                          .version = ++contacts_version,
+                          .centers = contact_points,
+                          .radius = 0.006f * size(),
+                          .colors = contact_colors,
+                          .casts_shadow = false});
 }
 
 /// Adds the meaning of the surface colors to the legend, and a note on data that a cache lacks.

@@ -24,8 +24,6 @@ enum class Display {
 };
 inline constexpr std::size_t display_count = 9;
 std::string_view display_name(Display display);
-/// Throws Error that lists the names.
-Display display_of(std::string_view name);
 
 /// Display of constraints over the objects; the viewer's key C cycles through the values.
 enum class ConstraintDisplay { none, kind, color, strain, residual };
@@ -39,8 +37,6 @@ enum class SplatShape {
 };
 inline constexpr std::size_t splat_shape_count = 2;
 std::string_view splat_shape_name(SplatShape shape);
-/// Throws Error that lists the names.
-SplatShape splat_shape_of(std::string_view name);
 
 struct DisplayOptions {
   Display display = Display::shaded;

@@ -44,17 +44,17 @@ using CornerUvs = std::array<std::array<float, 2>, 3>;
 /// Triangles, two-sided by default. The renderer keeps their buffers on the GPU between pictures, under
 /// `key`.
 struct Surface {
-  std::uint64_t key = 0;             ///< unique among the surfaces of all lists drawn by one renderer
-  std::uint64_t topology = 0;        ///< changes when triangles or texture have changed
-  std::uint64_t version = 0;         ///< changes when positions, normals or colors have changed
-  std::span<const Vec3f> positions;  ///< m
-  std::span<const Vec3f> normals;    ///< unit, one per vertex; empty: flat shading
-  std::span<const Triangle> triangles;
-  std::span<const Vec3f> texture;       ///< empty, or each vertex's coordinates in a solid checker
-  std::shared_ptr<const Image> print;   ///< printed over look.color where `uvs` say; nullptr: none
-  std::span<const CornerUvs> uvs;       ///< of `print`, one per triangle; v = 0 is the picture's lower edge
-  std::span<const PackedColor> colors;  ///< empty, or one per vertex instead of look.color
-  Transform pose{};                     ///< transforms positions and normals
+  std::uint64_t key = 0;               ///< unique among the surfaces of all lists drawn by one renderer
+  std::uint64_t topology = 0;          ///< changes when triangles or texture have changed
+  std::uint64_t version = 0;           ///< changes when positions, normals or colors have changed
+  std::span<const Vec3f> positions{};  ///< m
+  std::span<const Vec3f> normals{};    ///< unit, one per vertex; empty: flat shading
+  std::span<const Triangle> triangles{};
+  std::span<const Vec3f> texture{};       ///< empty, or each vertex's coordinates in a solid checker
+  std::shared_ptr<const Image> print{};   ///< printed over look.color where `uvs` say; nullptr: none
+  std::span<const CornerUvs> uvs{};       ///< of `print`, one per triangle; v = 0 is the picture's lower edge
+  std::span<const PackedColor> colors{};  ///< empty, or one per vertex instead of look.color
+  Transform pose{};                       ///< transforms positions and normals
   Look look{};
   bool wireframe = false;  ///< edges drawn over the surface
   bool one_sided = false;  ///< visible, lit by the sun and pickable only from its front
@@ -65,10 +65,10 @@ struct Surface {
 /// Balls, exact at any size.
 struct Spheres {
   std::uint64_t key = 0, version = 0;  ///< as in Surface
-  std::span<const Vec3f> centers;      ///< m
-  std::span<const float> radii;        ///< empty: `radius` for all [m]
+  std::span<const Vec3f> centers{};    ///< m
+  std::span<const float> radii{};      ///< empty: `radius` for all [m]
   float radius = 0.01f;
-  std::span<const PackedColor> colors;  ///< empty, or one per ball instead of look.color
+  std::span<const PackedColor> colors{};  ///< empty, or one per ball instead of look.color
   Look look{};
   bool casts_shadow = true;
   std::uint32_t pick = 0;
@@ -89,12 +89,12 @@ Vec3f absorption_of(const Color& left, float distance);
 /// A liquid, given by the particles that fill it: drawn as one smooth, clear volume.
 struct Liquid {
   std::uint64_t key = 0, version = 0;  ///< as in Surface
-  std::span<const Vec3f> centers;      ///< m
+  std::span<const Vec3f> centers{};    ///< m
   float radius = 0.015f;  ///< radius of the balls whose surface is smoothed: 0.6 to 0.9 of the spacing [m]
   float spacing = 0.02f;  ///< each particle represents a cube with this edge [m]
   /// Empty, or an ellipsoid instead of each ball: A times the unit ball [m]. A particle with A = 0 is
   /// invisible and only adds to the liquid's thickness.
-  std::span<const Mat3f> ellipsoids;
+  std::span<const Mat3f> ellipsoids{};
   LiquidLook look{};
   bool casts_shadow = true;
   std::uint32_t pick = 0;
@@ -103,7 +103,7 @@ struct Liquid {
 /// Foam, spray and bubbles: small white particles, too many to be distinguished.
 struct Foam {
   std::uint64_t key = 0, version = 0;  ///< `key` is unique among foams; as in Surface
-  std::span<const Vec3f> centers;      ///< m
+  std::span<const Vec3f> centers{};    ///< m
   float radius = 0.01f;                ///< m
   float opacity = 0.5f;                ///< of one particle at its center, in [0, 1)
 };
@@ -117,7 +117,7 @@ struct Line {
 
 /// Text on the picture.
 struct Label {
-  std::string text;    ///< UTF-8; '\n' starts a line
+  std::string text{};  ///< UTF-8; '\n' starts a line
   float x = 0, y = 0;  ///< top left corner, rounded to whole pixels
   float size = 16;     ///< height of a line, rounded to a whole number in [6, 128] [pixels]
   Color color = srgb(0xffffff);

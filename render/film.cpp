@@ -46,12 +46,6 @@ std::string size_text(int width, int height) {
   return fmt::format("{}x{}", width, height);
 }
 
-std::string number_text(double number) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.9g", number);
-  return text;
-}
-
 /// Detects failure now, not after minutes of work.
 void require_writable(const fs::path& file) {
   std::FILE* const opened = std::fopen(file.c_str(), "wb");
@@ -116,7 +110,7 @@ struct Film::Impl {
         max_bytes(max_bytes_),
         kind(kind_of(file)) {
     if (!(std::isfinite(rate) && rate > 0))
-      throw Error(file.string() + ": a film needs a frame rate above 0, not " + number_text(rate));
+      throw Error(fmt::format("{}: a film needs a frame rate above 0, not {:.9g}", file.string(), rate));
     if (max_bytes > 0 && kind != Kind::webp)
       throw Error(file.string() + ": only a film .webp is made to fit into a number of bytes");
     if (kind == Kind::none) throw Error(file.string() + ": a film is .mp4, .gif or .webp");
@@ -147,9 +141,9 @@ struct Film::Impl {
     film_width = (width + side - 1) / side * side;
     film_height = (height + side - 1) / side * side;
     std::vector<std::string> arguments =
-        words(fmt::format("-f rawvideo -pixel_format rgba -video_size {} -framerate {} -i pipe:0 -an "
+        words(fmt::format("-f rawvideo -pixel_format rgba -video_size {} -framerate {:.9g} -i pipe:0 -an "
                           "-fflags +bitexact -flags:v +bitexact",
-                          size_text(film_width, film_height), number_text(rate)));
+                          size_text(film_width, film_height), rate));
     // A .gif has one palette and a .webp one quality, known only after the last picture: until then, pictures are
     // stored without loss.
     const std::vector<std::string> encoding =

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <imgui.h>
 #include <iterator>
+#include <system_error>
 
 // Dear ImGui serves only as a font rasterizer: an ImFontAtlas needs no context.
 
@@ -92,8 +93,10 @@ std::filesystem::path Font::default_file() {
 }
 
 Font::Font(const std::filesystem::path& file) {
+  std::error_code error;
   std::ifstream in(file, std::ios::binary);
-  if (in) data_.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
+  if (in && std::filesystem::is_regular_file(file, error))
+    data_.assign(std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>());
   if (!is_whole_font(data_)) data_.clear();
 }
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -36,6 +37,8 @@ class Font {
   explicit Font(const std::filesystem::path& file = default_file());
 
   bool built_in() const { return data_.empty(); }
+  /// The whole file, which is a TrueType font; empty for the built-in font.
+  std::span<const char> data() const { return data_; }
   /// `size` is the line height [pixels].
   GlyphSheet sheet(int size, const std::vector<char32_t>& characters) const;
 

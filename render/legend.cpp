@@ -3,8 +3,9 @@
 #include "render/looks.h"
 
 #include <cmath>
-#include <cstdio>
 #include <utility>
+
+#include <fmt/core.h>
 
 namespace souple::render {
 namespace {
@@ -53,16 +54,12 @@ Color unpack(PackedColor color) {
 }
 
 std::string short_number(double value) {
-  char text[32];
   const double size = std::abs(value);
-  const bool plain = size == 0 || (size >= 1e-3 && size < 1e6);
-  // %g would write 123000 as 1.23e+05.
+  if (size != 0 && (size < 1e-3 || size >= 1e6)) return fmt::format("{:.1e}", value);
+  if (size < 1000) return fmt::format("{:.3g}", value);
+  // {:g} would write 123000 as 1.23e+05.
   const double rounding = std::pow(10, std::floor(std::log10(size)) - 2);
-  if (plain && size >= 1000)
-    std::snprintf(text, sizeof text, "%.0f", std::round(value / rounding) * rounding);
-  else
-    std::snprintf(text, sizeof text, plain ? "%.3g" : "%.1e", value);
-  return text;
+  return fmt::format("{:.0f}", std::round(value / rounding) * rounding);
 }
 
 }  // namespace souple::render

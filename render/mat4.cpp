@@ -68,44 +68,30 @@ Mat4 to_mat4(const Transform& transform) {
 Mat4 perspective(float fov, float aspect, float near, float far) {
   const float scale = 1 / std::tan(fov / 2);
   Mat4 result;
-  result.m = {scale / aspect,
-              0,
-              0,
-              0,
-              0,
-              scale,
-              0,
-              0,
-              0,
-              0,
-              (far + near) / (near - far),
-              -1,
-              0,
-              0,
-              2 * far * near / (near - far),
-              0};
+  result.m = {};
+  result.m[0] = scale / aspect;
+  result.m[5] = scale;
+  result.m[10] = (far + near) / (near - far);
+  result.m[11] = -1;
+  result.m[14] = 2 * far * near / (near - far);
   return result;
 }
 
 Mat4 orthographic(float left, float right, float bottom, float top, float near, float far) {
   Mat4 result;
-  result.m = {2 / (right - left),
-              0,
-              0,
-              0,
-              0,
-              2 / (top - bottom),
-              0,
-              0,
-              0,
-              0,
-              2 / (near - far),
-              0,
-              (left + right) / (left - right),
-              (bottom + top) / (bottom - top),
-              (near + far) / (near - far),
-              1};
+  result.m[0] = 2 / (right - left);
+  result.m[5] = 2 / (top - bottom);
+  result.m[10] = 2 / (near - far);
+  result.m[12] = (left + right) / (left - right);
+  result.m[13] = (bottom + top) / (bottom - top);
+  result.m[14] = (near + far) / (near - far);
   return result;
+}
+
+Mat4 to_texture(const Mat4& clip) {
+  Mat4 half;
+  half.m = {0.5f, 0, 0, 0, 0, 0.5f, 0, 0, 0, 0, 0.5f, 0, 0.5f, 0.5f, 0.5f, 1};
+  return half * clip;
 }
 
 Mat4 look_at(const Vec3f& eye, const Vec3f& target, const Vec3f& up) {

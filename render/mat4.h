@@ -24,6 +24,8 @@ Mat4 to_mat4(const Transform& transform);
 /// OpenGL clip space: x, y, z in [-w, w]; the eye looks along -z. `fov` is vertical [rad].
 Mat4 perspective(float fov, float aspect, float near, float far);
 Mat4 orthographic(float left, float right, float bottom, float top, float near, float far);
+/// World -> (x, y, depth), each in [0, 1], from world -> clip.
+Mat4 to_texture(const Mat4& clip);
 Mat4 look_at(const Vec3f& eye, const Vec3f& target, const Vec3f& up);
 
 }  // namespace souple::render

@@ -1,13 +1,12 @@
 #include "render/image.h"
 #include "render/palette_image.h"
 #include "souple/error.h"
-#include "souple/files/write_error.h"
+#include "souple/files/atomic_file.h"
 
 #include <cstring>
-#include <fstream>
 #include <png.h>
 #include <string>
-#include <system_error>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -38,7 +37,7 @@ std::vector<std::uint8_t> without_alpha(const Image& image) {
   return rgb;
 }
 
-std::vector<std::uint8_t> encode(const Image& image, int palette) {
+std::string encode(const Image& image, int palette) {
   Png png;
   png.image.width = png_uint_32(image.width);
   png.image.height = png_uint_32(image.height);
@@ -56,7 +55,7 @@ std::vector<std::uint8_t> encode(const Image& image, int palette) {
     png.image.format = PNG_FORMAT_RGB;
   }
   png_alloc_size_t size = 0;
-  std::vector<std::uint8_t> bytes;
+  std::string bytes;
   // The first call returns the size. Both calls encode; encoding a picture takes milliseconds.
   bool good = png_image_write_to_memory(&png.image, nullptr, &size, 0, samples.data(), 0, colors) != 0;
   if (good) {
@@ -70,34 +69,6 @@ std::vector<std::uint8_t> encode(const Image& image, int palette) {
   return bytes;
 }
 
-void write_whole(const std::filesystem::path& file, const std::vector<std::uint8_t>& bytes) {
-  const std::filesystem::path part = file.string() + ".part";
-  std::error_code failure;
-  {
-    std::ofstream out(part, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
-    out.close();
-    if (!out) failure = std::make_error_code(std::errc::io_error);
-  }
-  if (!failure) std::filesystem::rename(part, file, failure);
-  if (!failure) return;
-  std::error_code ignored;
-  std::filesystem::remove(part, ignored);
-  const std::filesystem::path folder =
-      file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
-  if (!std::filesystem::is_directory(folder, ignored)) {
-    throw WriteError(
-        fmt::format("{}: the folder {} does not exist; make it first", file.string(), folder.string()));
-  }
-  throw WriteError(fmt::format("{}: cannot be written; check permissions and free space", file.string()));
-}
-
-std::vector<std::uint8_t> bytes_of(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw Error(fmt::format("{}: cannot be opened", file.string()));
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
 }  // namespace
 
 void write_png(const std::filesystem::path& file, const Image& image, int palette) {
@@ -108,12 +79,12 @@ void write_png(const std::filesystem::path& file, const Image& image, int palett
   if (palette < 0 || palette > 256) {
     throw Error(fmt::format("{}: a palette of {} colors; expected at most 256", file.string(), palette));
   }
-  write_whole(file, encode(image, palette));
+  write_file_atomically(file, encode(image, palette));
 }
 
 Image read_png(const std::filesystem::path& file) {
   constexpr png_uint_32 largest = 16384;  // a header may claim any size
-  const std::vector<std::uint8_t> bytes = bytes_of(file);
+  const std::string bytes = read_whole_file(file);
   Png png;
   if (png_image_begin_read_from_memory(&png.image, bytes.data(), bytes.size()) == 0) {
     throw Error(fmt::format("{}: not a PNG picture: {}", file.string(), png.image.message));

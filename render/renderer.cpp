@@ -190,15 +190,6 @@ std::string_view liquid_filter_name(LiquidFilter filter) {
   return liquid_filter_names[std::size_t(filter)];
 }
 
-LiquidFilter liquid_filter_of(std::string_view name) {
-  std::string known;
-  for (std::size_t i = 0; i < liquid_filter_count; ++i) {
-    if (liquid_filter_names[i] == name) return LiquidFilter(i);
-    known += (i > 0 ? ", " : "") + std::string(liquid_filter_names[i]);
-  }
-  throw Error("unknown liquid filter '" + std::string(name) + "'; expected one of: " + known);
-}
-
 struct Renderer::Impl {
   Impl() { require_extensions(); }
 
@@ -229,7 +220,6 @@ struct Renderer::Impl {
   bool filters_sunlight() const { return liquid_splats.casts_shadow() || surfaces.glass_casts_shadow(); }
   Frame frame(const DrawList& list, const Camera& camera, const RenderOptions& options, const Bounds& bounds,
               int width, int height, int sample) const;
-  void bind(const Frame& frame);
   PassContext begin_picking(const DrawList& list, const Camera& camera, int width, int height);
   void draw_material(const DrawList& list, const PassContext& context);
   bool has_caustics(const DrawList& list) const {
@@ -303,19 +293,12 @@ Frame Renderer::Impl::frame(const DrawList& list, const Camera& camera, const Re
   return f;
 }
 
-void Renderer::Impl::bind(const Frame& frame) {
-  frame_buffer.upload_one(frame);
-  glBindBufferBase(GL_UNIFORM_BUFFER, gl::Program::frame_binding, frame_buffer.id());
-}
-
 void Renderer::Impl::draw_material(const DrawList& list, const PassContext& context) {
   targets->material.bind();
   glEnable(GL_DEPTH_TEST);
-  const std::array<float, 4> zero{};
-  const float far = 1;
-  glClearBufferfv(GL_COLOR, 0, zero.data());
-  glClearBufferfv(GL_COLOR, 1, zero.data());
-  glClearBufferfv(GL_DEPTH, 0, &far);
+  clear_color(0);
+  clear_color(1);
+  clear_depth(1);
   surfaces.draw(context);
   spheres.draw(context);
   if (list.ground.shown) {
@@ -415,7 +398,7 @@ void Renderer::Impl::draw_one(const DrawList& list, const Camera& camera, const 
   shadow.draw(at, surfaces, spheres);
   if (at.shadow_size.w != 0 && filters_sunlight()) shadow.draw_light(liquid_splats, surfaces, options.coarse);
   if (has_caustics(list)) draw_caustics(list, at);
-  bind(at);
+  bind_frame(frame_buffer, at);
   draw_sample(list, {width, height, Target::material, at.view, at.projection, lens.camera.from}, at, options);
   if (samples > 1) finish.add(targets->color, sample == 0, empty_array);
 }
@@ -452,13 +435,18 @@ Image Renderer::Impl::picture(const ListAt& list_at, int steps, const Camera& ca
     canvas.emplace(width, height);
   }
   draw(list_at, steps, camera, options, canvas->target.id());
-  canvas->target.bind();
-  Image bottom_up(width, height), image(width, height);
+  return read_framebuffer(canvas->target.id(), width, height);
+}
+
+Image read_framebuffer(std::uint32_t framebuffer, int width, int height) {
+  Image image(width, height);
+  glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
   glPixelStorei(GL_PACK_ALIGNMENT, 4);
-  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, bottom_up.pixels.data());
+  glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, image.pixels.data());
   glBindFramebuffer(GL_FRAMEBUFFER, 0);
-  for (int y = 0; y < height; ++y)
-    std::copy_n(bottom_up.at(0, height - 1 - y), 4 * std::size_t(width), image.at(0, y));
+  const std::size_t row = 4 * std::size_t(width);
+  for (int y = 0; y < height / 2; ++y)  // OpenGL's rows begin at the bottom
+    std::swap_ranges(image.at(0, y), image.at(0, y) + row, image.at(0, height - 1 - y));
   return image;
 }
 
@@ -495,7 +483,7 @@ PassContext Renderer::Impl::begin_picking(const DrawList& list, const Camera& ca
   spheres.update(list.spheres);
   liquid_splats.update(list.liquids, {});
   const Frame picked = frame(list, camera, {}, list.bounds(), width, height, 0);
-  bind(picked);
+  bind_frame(frame_buffer, picked);
   return {width, height, Target::pick, picked.view, picked.projection, camera.from};
 }
 

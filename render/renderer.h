@@ -22,8 +22,6 @@ enum class LiquidFilter {
 };
 inline constexpr std::size_t liquid_filter_count = 3;
 std::string_view liquid_filter_name(LiquidFilter filter);
-/// Throws Error that lists the names.
-LiquidFilter liquid_filter_of(std::string_view name);
 inline constexpr int max_liquid_steps = 500;
 
 struct RenderOptions {
@@ -76,6 +74,9 @@ struct LiquidImage {
   std::vector<float> depth;
   std::vector<float> thickness;  ///< along the ray through each pixel; opaque objects are ignored [m]
 };
+
+/// The color of a framebuffer of this size; 0 is the window's.
+Image read_framebuffer(std::uint32_t framebuffer, int width, int height);
 
 /// Draws lists with the OpenGL context that was current at construction; it must be current for every use.
 /// Requires OpenGL ES 3.0 with EXT_color_buffer_float (and EXT_float_blend for samples > 1).

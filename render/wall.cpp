@@ -1,7 +1,8 @@
 #include "render/wall.h"
 
+#include "souple/geometry/weld.h"
+
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -26,27 +27,14 @@ bool is_closed(std::span<const Triangle> triangles) {
   return !forward.empty() && forward == backward;
 }
 
-/// Number of each vertex's position: creased surfaces repeat vertices at equal positions.
-std::vector<std::uint32_t> welded(std::span<const Vec3f> positions) {
-  std::vector<std::uint32_t> order(positions.size()), number(positions.size());
-  for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
-  const auto key = [&](std::uint32_t i) {
-    return std::array<float, 3>{positions[i].x, positions[i].y, positions[i].z};
-  };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
-  for (std::size_t i = 0; i < order.size(); ++i)
-    number[order[i]] = i > 0 && key(order[i]) == key(order[i - 1]) ? number[order[i - 1]] : order[i];
-  return number;
-}
-
 }  // namespace
 
 Wall wall_of(std::span<const Vec3f> positions, std::span<const Triangle> triangles) {
-  const bool finite = std::all_of(positions.begin(), positions.end(), [](const Vec3f& x) {
-    return std::isfinite(x.x) && std::isfinite(x.y) && std::isfinite(x.z);
-  });
+  const bool finite =
+      std::all_of(positions.begin(), positions.end(), [](const Vec3f& x) { return is_finite(x); });
   if (!finite) return {};
-  const std::vector<std::uint32_t> number = welded(positions);
+  // Creased surfaces repeat vertices at equal positions.
+  const Weld weld = weld_vertices(std::vector<Vec3d>(positions.begin(), positions.end()));
   std::vector<Triangle> joined(triangles.begin(), triangles.end());
   double volume = 0, area = 0;
   for (Triangle& t : joined) {
@@ -54,7 +42,7 @@ Wall wall_of(std::span<const Vec3f> positions, std::span<const Triangle> triangl
     const Vec3d a(positions[t[0]]), b(positions[t[1]]), c(positions[t[2]]);
     volume += dot(a, cross(b, c)) / 6;
     area += length(cross(b - a, c - a)) / 2;
-    for (std::uint32_t& vertex : t) vertex = number[vertex];
+    for (std::uint32_t& vertex : t) vertex = weld.to_welded[vertex];
   }
   const double thickness = 2 * volume / area;
   if (!(thickness > 0) || !is_closed(joined)) return {};

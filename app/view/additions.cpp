@@ -92,6 +92,17 @@ NewObject grains(double size) {
   return {std::move(heap), {}, 0.4 * size * std::sqrt(3.0)};
 }
 
+struct AdditionKind {
+  const char* label;
+  NewObject (*described)(double size);
+};
+/// In the order of Addition.
+constexpr std::array<AdditionKind, all_additions.size()> addition_kinds{{{"Cloth", cloth},
+                                                                         {"Soft ball", soft_ball},
+                                                                         {"Stiff box", stiff_box},
+                                                                         {"Rope", rope},
+                                                                         {"Grains", grains}}};
+
 /// The file's name without its ending, as a name of an object.
 std::string name_of(const std::filesystem::path& file) {
   std::string name = file.stem().string().substr(0, 40);
@@ -149,35 +160,11 @@ AnyObjectDescription thrown(const Ball& ball, const Vec3f& from, const Vec3f& di
 }
 
 const char* label(Addition addition) {
-  switch (addition) {
-    case Addition::cloth:
-      return "Cloth";
-    case Addition::soft_ball:
-      return "Soft ball";
-    case Addition::stiff_box:
-      return "Stiff box";
-    case Addition::rope:
-      return "Rope";
-    case Addition::grains:
-      return "Grains";
-  }
-  return "?";
+  return addition_kinds.at(static_cast<std::size_t>(addition)).label;
 }
 
 NewObject described(Addition addition, double size) {
-  switch (addition) {
-    case Addition::cloth:
-      return cloth(size);
-    case Addition::soft_ball:
-      return soft_ball(size);
-    case Addition::stiff_box:
-      return stiff_box(size);
-    case Addition::rope:
-      return rope(size);
-    case Addition::grains:
-      break;
-  }
-  return grains(size);
+  return addition_kinds.at(static_cast<std::size_t>(addition)).described(size);
 }
 
 NewObject described(const std::filesystem::path& mesh_file) {

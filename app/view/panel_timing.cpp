@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <imgui.h>
 #include <string>
 
@@ -116,12 +115,6 @@ void legend(const StageTimes& mean) {
   }
 }
 
-std::string text(const char* format, double value) {
-  char buffer[64];
-  std::snprintf(buffer, sizeof(buffer), format, value);
-  return buffer;
-}
-
 /// The object that is stretched most by forces out of balance.
 void balance_row(const StepReport& report) {
   const auto worst = std::max_element(report.objects.begin(), report.objects.end(),
@@ -172,8 +165,8 @@ void numbers_panel(const Simulation& simulation) {
   value_row("Particles", fmt::format("{}", report.particles));
   value_row("Constraints", fmt::format("{}", report.constraints));
   value_row("Contacts", fmt::format("{}", report.contacts));
-  value_row("Deepest contact", text("%.2g mm", 1e3 * report.deepest_contact));
-  value_row("Largest strain", text("%.2g %%", 100 * report.largest_strain));
+  value_row("Deepest contact", fmt::format("{:.2g} mm", 1e3 * report.deepest_contact));
+  value_row("Largest strain", fmt::format("{:.2g} %", 100 * report.largest_strain));
   balance_row(report);
   residual_table(report);
   if (report.message.empty() || simulation.failure()) return;

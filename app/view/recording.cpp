@@ -2,6 +2,7 @@
 
 #include "app/view/simulation.h"
 #include "souple/error.h"
+#include "souple/io/export_frames.h"
 
 #include <algorithm>
 
@@ -14,16 +15,9 @@ namespace {
 // A delayed frame of the viewer catches up by at most this many frames of the recording.
 constexpr int max_frames = 8;
 
-std::filesystem::path folder_of(const std::filesystem::path& path) {
-  std::filesystem::path folder = path.filename() == "run.json" ? path.parent_path() : path;
-  if (!folder.has_filename()) folder = folder.parent_path();  // "out/flag/"
-  return folder;
-}
-
 }  // namespace
 
-Recording::Recording(const std::filesystem::path& path)
-    : Session(folder_of(path).filename().string()), cache_(path) {
+Recording::Recording(const std::filesystem::path& path) : Session(run_name(path)), cache_(path) {
   if (cache_.frames() == 0) {
     throw Error(path.string() +
                 ": holds no frame to play; expected PC2, MDD, OBJ or PLY files from `souple run`");

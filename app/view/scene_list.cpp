@@ -3,6 +3,7 @@
 #include "app/view/recording.h"
 #include "app/view/simulation.h"
 #include "souple/error.h"
+#include "souple/io/export_frames.h"
 
 namespace souple::viewer {
 
@@ -15,12 +16,6 @@ bool is_run(const fs::path& path) {
   return fs::is_directory(path, error) || path.filename() == "run.json";
 }
 
-std::string name_of(fs::path path) {
-  if (path.filename() == "run.json") path = path.parent_path();
-  if (!path.has_filename()) path = path.parent_path();  // "out/flag/"
-  return is_run(path) ? path.filename().string() : path.stem().string();
-}
-
 }  // namespace
 
 std::unique_ptr<Session> SceneList::open(const fs::path& path) {
@@ -28,7 +23,7 @@ std::unique_ptr<Session> SceneList::open(const fs::path& path) {
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     if (entries_[i].file == path || fs::equivalent(entries_[i].file, path, error)) return open(i);
   }
-  entries_.push_back({name_of(path), path});
+  entries_.push_back({is_run(path) ? run_name(path) : path.stem().string(), path});
   return open(entries_.size() - 1);
 }
 

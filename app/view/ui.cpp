@@ -1,13 +1,13 @@
 #include "app/view/ui.h"
 
+#include "render/font.h"
 #include "souple/error.h"
 
 #include <backends/imgui_impl_opengl3.h>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <imgui.h>
-#include <iterator>
+#include <span>
 #include <vector>
 
 namespace souple::viewer {
@@ -16,22 +16,12 @@ namespace {
 
 constexpr float font_size = 15;
 
-/// The file's bytes if it is a TrueType font: ImGui asserts on any other file. Otherwise empty.
-std::vector<char> font_bytes(const std::filesystem::path& file) {
-  if (std::error_code error; !std::filesystem::is_regular_file(file, error)) return {};
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return {};
-  std::vector<char> bytes(std::istreambuf_iterator<char>(stream), {});
-  constexpr char magic[] = {0, 1, 0, 0};
-  const bool good = bytes.size() > 1000 && std::memcmp(bytes.data(), magic, sizeof(magic)) == 0;
-  return good ? bytes : std::vector<char>();
-}
-
 std::string add_font(float scale, const std::vector<std::filesystem::path>& fonts) {
   ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
   for (const std::filesystem::path& file : fonts) {
-    std::vector<char> bytes = font_bytes(file);
-    if (bytes.empty()) continue;
+    const render::Font font(file);
+    const std::span<const char> bytes = font.data();
+    if (font.built_in()) continue;  // ImGui asserts on a file that is no TrueType font
     // The atlas frees this copy with its own allocator.
     void* copy = ImGui::MemAlloc(bytes.size());
     std::memcpy(copy, bytes.data(), bytes.size());

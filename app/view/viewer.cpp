@@ -138,9 +138,10 @@ void Viewer::draw_scene(std::uint32_t framebuffer) {
     render::RenderOptions rendering = rendering_;
     rendering.labels = false;  // at the full resolution below
     rendering.coarse = true;
-    renderer_.draw(drawing_.list(), camera_, rendering, target_.width(), target_.height(),
-                   target_.framebuffer());
-    target_.copy_to(framebuffer, area_.x, bottom, area_.width, area_.height);
+    const render::gl::Framebuffer& target = target_.framebuffer();
+    renderer_.draw(drawing_.list(), camera_, rendering, target.width(), target.height(), target.id());
+    glDisable(GL_SCISSOR_TEST);
+    target.copy_to(framebuffer, area_.x, bottom, area_.width, area_.height);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     glViewport(area_.x, bottom, area_.width, area_.height);
     renderer_.draw_labels(drawing_.list(), area_.width, area_.height);
@@ -201,10 +202,9 @@ void Viewer::report_failure() {
 }
 
 void Viewer::frame_all() {
-  const render::Bounds bounds = app::bounds_of(session_->subject());
   const float aspect =
       area_.empty() ? 1.6f : static_cast<float>(area_.width) / static_cast<float>(area_.height);
-  if (!bounds.empty()) camera_.frame(bounds, aspect);
+  camera_.frame(app::extent_of(session_->subject()).points(), aspect);
 }
 
 // --- keys ----------------------------------------------------------------------------------------
@@ -306,9 +306,8 @@ std::optional<Mouse::PickedVertex> Viewer::pick(int x, int y) {
 /// souple-NAME-0001.png, or the first unused number: existing files are never overwritten.
 fs::path Viewer::new_file(const std::string& ending) const {
   for (int number = 1; number < 10000; ++number) {
-    std::array<char, 16> digits{};
-    std::snprintf(digits.data(), digits.size(), "-%04d", number);
-    const fs::path file = options_.folder / ("souple-" + session_->name() + digits.data() + ending);
+    const fs::path file =
+        options_.folder / fmt::format("souple-{}-{:04}{}", session_->name(), number, ending);
     if (std::error_code error; !fs::exists(fs::symlink_status(file, error))) return file.lexically_normal();
   }
   throw Error(options_.folder.string() + ": holds 9999 pictures of " + session_->name() + "; move some away");

@@ -40,12 +40,6 @@ void dim_text(const std::string& text) {
   ImGui::PopStyleColor();
 }
 
-std::string formatted(const char* format, double value) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), format, value);
-  return text.data();
-}
-
 /// Right-aligned text on a dark background; (right, y) is its upper right corner.
 void text_from_right(float right, float y, unsigned color, const std::string& text) {
   ImDrawList& draw = *ImGui::GetBackgroundDrawList();
@@ -147,7 +141,7 @@ void Viewer::simulation_sections(Simulation& simulation) {
 void Viewer::recording_section(const Recording& recording) {
   if (section("Recording")) {
     value_row("Frames", fmt::format("{}", recording.frames()));
-    value_row("Frame rate", formatted("%.4g frames/s", recording.frame_rate()));
+    value_row("Frame rate", fmt::format("{:.4g} frames/s", recording.frame_rate()));
     std::size_t points = 0;
     for (const render::Body& body : recording.subject().bodies) points += body.positions.size();
     value_row("Points", fmt::format("{}", points));
@@ -166,7 +160,7 @@ void Viewer::draw_status() {
     text_from_right(right, 12 + line, ui_color(theme::warm), "paused");
   } else if (session_->speed() < 0.9) {
     text_from_right(right, 12 + line, ui_color(theme::warm),
-                    formatted("runs at %.2g of real time", session_->speed()));
+                    fmt::format("runs at {:.2g} of real time", session_->speed()));
   } else {
     text_from_right(right, 12 + line, ui_color(theme::dim), "real time");
   }

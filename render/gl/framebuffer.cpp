@@ -47,4 +47,11 @@ void Framebuffer::bind() const {
   glViewport(0, 0, width_, height_);
 }
 
+void Framebuffer::copy_to(GLuint other, int x, int y, int width, int height) const {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, id());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, other);
+  const GLenum filter = width == width_ && height == height_ ? GL_NEAREST : GL_LINEAR;
+  glBlitFramebuffer(0, 0, width_, height_, x, y, x + width, y + height, GL_COLOR_BUFFER_BIT, filter);
+}
+
 }  // namespace souple::render::gl

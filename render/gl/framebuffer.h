@@ -24,6 +24,8 @@ class Framebuffer {
 
   /// Binds it for drawing, with a viewport of its whole size.
   void bind() const;
+  /// Copies color 0 into another framebuffer, stretched to this rectangle from the lower left.
+  void copy_to(GLuint other, int x, int y, int width, int height) const;
   GLuint id() const { return handle_.id(); }
   int width() const { return width_; }
   int height() const { return height_; }

@@ -1,9 +1,5 @@
 #include "render/passes/caustics.h"
 
-#include "render/gl/buffer.h"
-
-#include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace souple::render {
@@ -15,25 +11,13 @@ constexpr float room = 1.1f;  // width of the map, in those of the bounding sphe
 /// Smoothing, in that of the visible surface: rays over some depth show slopes that the eye does not see.
 constexpr float smoother = 2;
 
-Mat4 to_texture(const Mat4& clip) {
-  Mat4 half;
-  half.m = {0.5f, 0, 0, 0, 0, 0.5f, 0, 0, 0, 0, 0.5f, 0, 0.5f, 0.5f, 0.5f, 1};
-  return half * clip;
-}
-
 /// The sun as an eye, above a sphere around the bounds.
 Frame sun_frame(const Frame& frame, const Bounds& bounds) {
   const Vec3f to_sun{frame.to_sun.x, frame.to_sun.y, frame.to_sun.z}, middle = bounds.center();
   const float half = room * bounds.radius();
-  Frame sun = frame;
-  sun.view =
-      look_at(middle + to_sun * half, middle, std::abs(to_sun.y) < 0.99f ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0});
-  sun.projection = orthographic(-half, half, -half, half, 0, 2 * half);
-  sun.inverse_view = inverse(sun.view);
-  sun.inverse_projection = inverse(sun.projection);
-  sun.size = {side, side, 1.0f / side, 1.0f / side};
-  sun.eye = {to_sun.x, to_sun.y, to_sun.z, 0};
-  return sun;
+  const Vec3f up = std::abs(to_sun.y) < 0.99f ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0};
+  return frame_from_sun(frame, look_at(middle + to_sun * half, middle, up),
+                        orthographic(-half, half, -half, half, 0, 2 * half), side);
 }
 
 }  // namespace
@@ -44,15 +28,13 @@ CausticsPass::CausticsPass()
 void CausticsPass::draw(const Frame& frame, const LiquidSplats& splats, const Bounds& bounds, float height,
                         const gl::VertexArray& empty_array) {
   const Frame sun = sun_frame(frame, bounds);
-  frame_buffer_.upload_one(sun);
-  glBindBufferBase(GL_UNIFORM_BUFFER, gl::Program::frame_binding, frame_buffer_.id());
+  bind_frame(frame_buffer_, sun);
   to_map_ = to_texture(sun.projection * sun.view);
   floor_ = {height, 0.01f * bounds.radius(), 0, 0};
   surface_.find_depth(splats, side, {}, smoother, empty_array);
 
   target_.bind();
-  const std::array<float, 4> none{};
-  glClearBufferfv(GL_COLOR, 0, none.data());
+  clear_color(0);
   surface_.bind_surface();
   surface_.bind_look();
   rays_.use();

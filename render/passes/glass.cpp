@@ -1,7 +1,5 @@
 #include "render/passes/glass.h"
 
-#include <array>
-
 namespace souple::render {
 
 namespace {
@@ -11,11 +9,6 @@ constexpr int uncounted_layers = 4;  // where the last layer cannot be found out
 
 int parts_of(int side, int scale) {
   return (side + scale - 1) / scale;
-}
-
-void clear_buffer(GLint buffer) {
-  const std::array<float, 4> zero{};
-  glClearBufferfv(GL_COLOR, buffer, zero.data());
 }
 
 }  // namespace
@@ -42,11 +35,10 @@ GlassPass::GlassPass() {
 /// The farthest fronts before the layer behind, and the nearest backs behind them. False where there are none.
 bool GlassPass::find_layer(int layer, SurfacesPass& surfaces, PassContext& context) {
   const auto now = std::size_t(layer % 2);
-  const float near = 0, far = 1;
   targets_->entry_target[now].bind();
-  clear_buffer(0);
-  clear_buffer(1);
-  glClearBufferfv(GL_DEPTH, 0, &near);
+  clear_color(0);
+  clear_color(1);
+  clear_depth(0);
   targets_->entry[1 - now].bind(gl::Unit::albedo);
   context.target = Target::glass_entry;
   context.layer = layer;
@@ -60,19 +52,12 @@ bool GlassPass::find_layer(int layer, SurfacesPass& surfaces, PassContext& conte
   if (counts) glGetQueryObjectuiv(query_.id(), GL_QUERY_RESULT, &any);
   if (any == 0) return false;
   targets_->exit_target.bind();
-  clear_buffer(0);
-  glClearBufferfv(GL_DEPTH, 0, &far);
+  clear_color(0);
+  clear_depth(1);
   targets_->entry[now].bind(gl::Unit::albedo);
   context.target = Target::glass_exit;
   surfaces.draw(context);
   return true;
-}
-
-void GlassPass::copy(const gl::Framebuffer& color) {
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, color.id());
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, targets_->copy.id());
-  glBlitFramebuffer(0, 0, color.width(), color.height(), 0, 0, color.width(), color.height(),
-                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
 void GlassPass::draw(GlassPart part, const LitScene& scene, const Bounds& bounds, const Window& liquids,
@@ -100,7 +85,7 @@ void GlassPass::draw(GlassPart part, const LitScene& scene, const Bounds& bounds
     if (!found) break;
     // Rays may leave the window; only the first copy needs what is outside.
     if (layer == 0) glDisable(GL_SCISSOR_TEST);
-    copy(scene.color);
+    scene.color.copy_to(targets_->copy.id(), 0, 0, scene.color.width(), scene.color.height());
     keep_within(window, 1);
     scene.color.bind();
     glDepthMask(GL_FALSE);

@@ -45,7 +45,6 @@ class GlassPass {
     Targets(int width, int height, int layer_scale);
   };
   bool find_layer(int layer, SurfacesPass& surfaces, PassContext& context);
-  void copy(const gl::Framebuffer& color);
 
   SkyProgram shade_{"glass.frag.glsl"};
   std::optional<Targets> targets_;

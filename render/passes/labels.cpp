@@ -1,6 +1,5 @@
 #include "render/passes/labels.h"
 
-#include "render/font.h"
 #include "render/gl/program.h"
 #include "render/gl/texture.h"
 #include "render/gl/vertex_array.h"
@@ -117,7 +116,6 @@ struct LabelsPass::Impl {
   gl::VertexArray array;
 };
 
-LabelsPass::LabelsPass() : LabelsPass(Font::default_file()) {}
 LabelsPass::LabelsPass(const std::filesystem::path& font) : impl_(std::make_unique<Impl>(font)) {}
 LabelsPass::~LabelsPass() = default;
 

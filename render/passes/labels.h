@@ -1,6 +1,7 @@
 #pragma once
 
 #include "render/draw_list.h"
+#include "render/font.h"
 
 #include <filesystem>
 #include <memory>
@@ -11,9 +12,8 @@ namespace souple::render {
 /// Text over the finished picture: writes sRGB-encoded colors into the bound framebuffer.
 class LabelsPass {
  public:
-  LabelsPass();
   /// Uses a built-in font if this font file (TrueType) is missing.
-  explicit LabelsPass(const std::filesystem::path& font);
+  explicit LabelsPass(const std::filesystem::path& font = Font::default_file());
   ~LabelsPass();
 
   void draw(std::span<const Label> labels, int width, int height);

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "render/gl/vertex_array.h"
 #include "render/passes/pass_context.h"
 
-#include <memory>
 #include <span>
 
 namespace souple::render {
@@ -12,13 +12,13 @@ namespace souple::render {
 class LinesPass {
  public:
   LinesPass();
-  ~LinesPass();
 
   void draw(std::span<const Line> lines, const PassContext& context);
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  gl::Program program_{"line.vert.glsl", "line.frag.glsl"};
+  gl::Buffer buffer_;
+  gl::VertexArray array_;
 };
 
 }  // namespace souple::render

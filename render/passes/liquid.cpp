@@ -1,7 +1,6 @@
 #include "render/passes/liquid.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -22,11 +21,6 @@ constexpr int default_flow_steps = 40, default_range_passes = 2;
 GLenum sum_format() {
   const bool filters = !gl::is_es() || gl::has_extension("GL_OES_texture_float_linear");
   return filters && gl::can_blend_floats() ? GL_RGBA32F : GL_RGBA16F;
-}
-
-void clear_color(GLint buffer) {
-  const std::array<float, 4> zero{};
-  glClearBufferfv(GL_COLOR, buffer, zero.data());
 }
 
 /// One channel of a framebuffer of floats. OpenGL ES reads all four.
@@ -77,8 +71,7 @@ void LiquidPass::clear() {
   targets_->balls.bind();
   clear_color(0);
   clear_color(1);
-  const float far = 1;
-  glClearBufferfv(GL_DEPTH, 0, &far);
+  clear_depth(1);
 }
 
 void LiquidPass::draw_balls(const LiquidSplats& splats) {
@@ -136,13 +129,6 @@ void LiquidPass::sum_thickness(const LiquidSplats& splats, const gl::Texture& de
   splats.draw(SplatTarget::thickness, targets_->scale);
   splats.draw(SplatTarget::foam);
   glDisable(GL_BLEND);
-}
-
-void LiquidPass::copy(const gl::Framebuffer& color) {
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, color.id());
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, targets_->copy.id());
-  glBlitFramebuffer(0, 0, color.width(), color.height(), 0, 0, color.width(), color.height(),
-                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
 }
 
 void LiquidPass::shade(const LiquidSplats& splats, const LitScene& scene, const ShadowPass& shadow,
@@ -222,7 +208,7 @@ void LiquidPass::find_surface(const LiquidSplats& splats, const Bounds& bounds, 
 
 void LiquidPass::draw(const LiquidSplats& splats, const LitScene& scene, const ShadowPass& shadow,
                       const gl::VertexArray& empty_array) {
-  copy(scene.color);
+  scene.color.copy_to(targets_->copy.id(), 0, 0, scene.color.width(), scene.color.height());
   keep_within(window_, 1);
   shade(splats, scene, shadow, empty_array);
   glDisable(GL_SCISSOR_TEST);

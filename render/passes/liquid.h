@@ -65,7 +65,6 @@ class LiquidPass {
   void resize(int width, int height, int thickness_scale);
   void step();
   void sum_thickness(const LiquidSplats& splats, const gl::Texture& depth);
-  void copy(const gl::Framebuffer& color);
   void shade(const LiquidSplats& splats, const LitScene& scene, const ShadowPass& shadow,
              const gl::VertexArray& empty_array);
 

@@ -1,5 +1,7 @@
 #include "render/passes/pass_context.h"
 
+#include <array>
+
 namespace souple::render {
 
 std::string target_define(Target target) {
@@ -18,6 +20,32 @@ std::string target_define(Target target) {
       return "TARGET_PICK";
   }
   return {};
+}
+
+Frame frame_from_sun(const Frame& frame, const Mat4& view, const Mat4& projection, int side) {
+  Frame sun = frame;
+  sun.view = view;
+  sun.projection = projection;
+  sun.inverse_view = inverse(view);
+  sun.inverse_projection = inverse(projection);
+  const auto pixels = float(side);
+  sun.size = {pixels, pixels, 1 / pixels, 1 / pixels};
+  sun.eye = {frame.to_sun.x, frame.to_sun.y, frame.to_sun.z, 0};
+  return sun;
+}
+
+void bind_frame(gl::Buffer& buffer, const Frame& frame) {
+  buffer.upload_one(frame);
+  glBindBufferBase(GL_UNIFORM_BUFFER, gl::Program::frame_binding, buffer.id());
+}
+
+void clear_color(GLint attachment) {
+  const std::array<float, 4> zero{};
+  glClearBufferfv(GL_COLOR, attachment, zero.data());
+}
+
+void clear_depth(float depth) {
+  glClearBufferfv(GL_DEPTH, 0, &depth);
 }
 
 void draw_screen() {

@@ -2,6 +2,7 @@
 
 #include "render/camera.h"
 #include "render/draw_list.h"
+#include "render/gl/buffer.h"
 #include "render/gl/program.h"
 #include "render/mat4.h"
 
@@ -74,6 +75,13 @@ struct PassContext {
   int glass_scale = 1;   ///< targets of glass: pixels of the picture per pixel along an edge
 };
 
+/// The uniform block for the sun as the eye, which draws `side` x `side` pixels.
+Frame frame_from_sun(const Frame& frame, const Mat4& view, const Mat4& projection, int side);
+/// Uploads the uniform block and binds it.
+void bind_frame(gl::Buffer& buffer, const Frame& frame);
+/// Fill an attachment of the bound framebuffer: with zeros, with a depth.
+void clear_color(GLint attachment);
+void clear_depth(float depth);
 /// Draws a triangle that covers the screen; the vertex shader is screen.vert.glsl.
 void draw_screen();
 

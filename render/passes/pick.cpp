@@ -2,12 +2,10 @@
 
 #include "render/gl/framebuffer.h"
 #include "render/gl/vertex_array.h"
-#include "render/point_tree.h"
 #include "souple/math/bit_cast.h"
 
 #include <array>
 #include <limits>
-#include <map>
 #include <optional>
 #include <vector>
 
@@ -97,9 +95,8 @@ std::vector<Texel> PickPass::Impl::read(const Pickable& pickable, const PassCont
   buffers->drawing.bind();
   glEnable(GL_DEPTH_TEST);
   const std::array<GLuint, 4> nobody{};
-  const float far = 1;
   glClearBufferuiv(GL_COLOR, 0, nobody.data());
-  glClearBufferfv(GL_DEPTH, 0, &far);
+  clear_depth(1);
   pickable.surfaces.draw(context);
   pickable.spheres.draw(context);
   pickable.liquids.draw(SplatTarget::pick);
@@ -139,11 +136,6 @@ Picked PickPass::pick(const DrawList& list, const Pickable& pickable, const Pass
 PickImage PickPass::image(const DrawList& list, const Pickable& pickable, const PassContext& context) {
   const int width = context.width, height = context.height;
   const std::vector<Texel> texels = impl_->read(pickable, context, {0, 0, width, height});
-  struct Found {
-    const Surface* surface;
-    PointTree tree;
-  };
-  std::map<std::uint32_t, std::optional<Found>> found;  // by pick; empty for spheres and liquids
   const Mat4 inverse_view = inverse(context.view);
   PickImage image{width, height, {}, {}, {}};
   for (int y = 0; y < height; ++y) {
@@ -152,13 +144,8 @@ PickImage PickPass::image(const DrawList& list, const Pickable& pickable, const 
       image.pick.push_back(texel.pick);
       image.element.push_back(texel.element);
       image.depth.push_back(texel.depth());
-      if (texel.pick == 0) continue;
-      const auto [place, inserted] = found.try_emplace(texel.pick);
-      const Surface* surface = inserted ? surface_of(list, texel.pick) : nullptr;
-      if (surface != nullptr) place->second.emplace(Found{surface, PointTree(surface->positions)});
-      if (!place->second) continue;
-      const Vec3f point = point_at(context, inverse_view, x, y, texel.depth());
-      image.element.back() = place->second->tree.nearest(to_local(place->second->surface->pose, point));
+      if (const Surface* surface = texel.pick != 0 ? surface_of(list, texel.pick) : nullptr)
+        image.element.back() = nearest_vertex(*surface, point_at(context, inverse_view, x, y, texel.depth()));
     }
   }
   return image;

@@ -17,13 +17,6 @@ float stepped(float size) {
   return std::exp2(std::ceil(4 * std::log2(size)) / 4);
 }
 
-// World to the sun's view volume, in [0, 1].
-Mat4 to_texture(const Mat4& clip) {
-  Mat4 half;
-  half.m = {0.5f, 0, 0, 0, 0, 0.5f, 0, 0, 0, 0, 0.5f, 0, 0.5f, 0.5f, 0.5f, 1};
-  return half * clip;
-}
-
 Vec3f moved(const Vec3f& to_sun, float x, float y) {
   const Vec3f side = normalized(cross(to_sun, std::abs(to_sun.y) < 0.9f ? Vec3f{0, 1, 0} : Vec3f{1, 0, 0}));
   return normalized(to_sun + side * x + cross(side, to_sun) * y);
@@ -63,19 +56,11 @@ void ShadowPass::aim(Frame& frame, const Light& light, const Bounds& casters, fl
 }
 
 void ShadowPass::draw(const Frame& frame, SurfacesPass& surfaces, SpheresPass& spheres) {
-  Frame sun = frame;
-  sun.view = view_;
-  sun.projection = projection_;
-  sun.inverse_view = inverse(view_);
-  sun.inverse_projection = inverse(projection_);
-  const auto side = float(map_side);
-  sun.size = {side, side, 1 / side, 1 / side};
-  sun.eye = {frame.to_sun.x, frame.to_sun.y, frame.to_sun.z, 0};
-  frame_buffer_.upload_one(sun);
-  glBindBufferBase(GL_UNIFORM_BUFFER, gl::Program::frame_binding, frame_buffer_.id());
+  const Frame sun = frame_from_sun(frame, view_, projection_, map_side);
+  bind_frame(frame_buffer_, sun);
+
   framebuffer_.bind();
-  const float far = 1;
-  glClearBufferfv(GL_DEPTH, 0, &far);
+  clear_depth(1);
   if (frame.shadow_size.w == 0) return;
   glEnable(GL_DEPTH_TEST);
   const PassContext context{map_side, map_side, Target::depth, sun.view, sun.projection, {}};

@@ -110,13 +110,15 @@ class OffscreenViewer {
   /// Draws one frame, 1/60 s after the last one.
   void picture(double seconds = 1 / 60.0) {
     io().DeltaTime = static_cast<float>(seconds > 0 ? seconds : 1e-3);
-    viewer_->frame(seconds, window_.framebuffer());
+    viewer_->frame(seconds, window_.framebuffer().id());
     render::throw_gl_errors();
   }
   void pictures(int count) {
     for (int i = 0; i < count; ++i) picture();
   }
-  render::Image image() const { return read_framebuffer(window_.framebuffer(), width_, height_); }
+  render::Image image() const {
+    return render::read_framebuffer(window_.framebuffer().id(), width_, height_);
+  }
 
   /// Keys that type characters, each released before the next frame.
   void type(const char* characters) {

@@ -403,8 +403,8 @@ class Refused(RenderCase):
         for camera in "from 1,2", "fov 180", "to nan,0,0", "from 1,2,3 from 1,2,3":
             self.refused(scene, "--camera", camera, said=f'--camera "{camera}": expected')
         self.refused(scene, "--samples", "0", said="--samples 0: expected 1 to 1024")
-        self.refused(scene, "--liquid-filter", "blur", said="--liquid-filter: unknown liquid filter 'blur'")
-        self.refused(scene, "--liquid-splats", "cubes", said="--liquid-splats: unknown liquid splats 'cubes'")
+        self.refused(scene, "--liquid-filter", "blur", said='--liquid-filter "blur": expected one of none, curvature-flow, n')
+        self.refused(scene, "--liquid-splats", "cubes", said='--liquid-splats "cubes": expected one of spheres, ellipsoids')
         self.refused(scene, "--liquid-steps", "0", said="--liquid-steps 0: expected 1 to 500")
         for option, bad in ("--focus", "0"), ("--focus", "-1"), ("--aperture", "0"), ("--shutter", "1.5"), ("--shutter", "nan"):
             self.refused(scene, f"{option}={bad}", said=f"{option} {bad}: expected a number above 0 and at most")

@@ -107,8 +107,8 @@ TEST(Vdb, HasVelocities) {
       }
   const auto workers = make_threads(Threading::pool, 2);
   const NarrowBand band = narrow_band(positions, mesh.triangles, float(cell), 3, *workers);
-  const std::string bytes =
-      vdb_bytes(band, "ball", band_velocities(band, particles, velocities, 6 * float(cell)));
+  const std::string bytes = vdb_bytes(
+      band, "ball", surface_velocities(band_points(band), particles, velocities, 6 * float(cell), *workers));
   const auto grid = openvdb::gridPtrCast<openvdb::Vec3SGrid>(read_grid(bytes, "velocity", 2));
   ASSERT_TRUE(grid);
   EXPECT_EQ(grid->getVectorType(), openvdb::VEC_CONTRAVARIANT_RELATIVE);

@@ -325,7 +325,7 @@ TEST(ViewFont, OfImGuiServesWhereNoneIsInstalled) {
   SceneList scenes({});
   std::unique_ptr<Session> session = scenes.open(folder.write("cloth.json", cloth));
   Viewer viewer(std::move(scenes), std::move(session), {folder.path(), false});
-  for (int i = 0; i < 3; ++i) viewer.frame(1 / 60.0, window.framebuffer());
+  for (int i = 0; i < 3; ++i) viewer.frame(1 / 60.0, window.framebuffer().id());
   EXPECT_GT(viewer.session().frame(), 0u);
 }
 

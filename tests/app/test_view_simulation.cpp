@@ -42,6 +42,11 @@ SceneDescription scene(const char* text) {
   return parse_scene(text, source_path("scenes"), "test.json");
 }
 
+/// The scene as it would be saved now.
+SceneDescription copied(const Simulation& simulation) {
+  return parse_scene(simulation.scene_text(), source_path(), "copy.json");
+}
+
 Vec3f at(const Simulation& simulation, const char* object, std::size_t vertex) {
   return simulation.world().positions(simulation.world().find_object(object))[vertex];
 }
@@ -188,7 +193,7 @@ TEST(ViewerSimulation, PinsHoldAndLetGo) {
   EXPECT_EQ(at(simulation, "cloth", 19), held);
   EXPECT_GT(length(at(simulation, "cloth", 0) - freed), 0.05);
   // Pins are part of the scene file, and restored from it.
-  Simulation again(parse_scene(simulation.scene_text(), source_path(), "copy.json"), "again");
+  Simulation again(copied(simulation), "again");
   EXPECT_EQ(again.world().pinned(again.world().find_object("cloth")), (std::vector<std::uint32_t>{4, 19}));
   simulation.reset();
   EXPECT_EQ(simulation.world().pinned(simulation.world().find_object("cloth")),
@@ -201,7 +206,7 @@ TEST(ViewerSimulation, OneVertexOfABoxOfPinsLetsGo) {
   ASSERT_EQ(simulation.world().pinned(rope), (std::vector<std::uint32_t>{0, 1}));
   for (int i = 0; i < 3; ++i) simulation.step_frame();
   simulation.toggle_pin(rope, 0);
-  Simulation again(parse_scene(simulation.scene_text(), source_path(), "copy.json"), "again");
+  Simulation again(copied(simulation), "again");
   EXPECT_EQ(again.world().pinned(again.world().find_object("rope")), (std::vector<std::uint32_t>{1}));
 }
 
@@ -214,7 +219,7 @@ TEST(ViewerSimulation, TheCopiedSceneIsWhatRuns) {
   material.young_modulus = 3e6f;
   simulation.set_material(2, material);
   simulation.reset();  // pins and settings of a world that was built with them
-  Simulation copy(parse_scene(simulation.scene_text(), source_path(), "copy.json"), "copy");
+  Simulation copy(copied(simulation), "copy");
   for (int i = 0; i < 10; ++i) simulation.step_frame(), copy.step_frame();
   EXPECT_EQ(simulation.world().hash(), copy.world().hash());
 }
@@ -429,12 +434,11 @@ TEST(ViewerAdditions, StayAfterAResetButForThrownBalls) {
   simulation.add(thrown({}, {0, 5, 0}, {1, 0, 0}), true);
   simulation.add(placed_above({0, 0, 0}, simulation.world(), described(Addition::rope, 1)));
   EXPECT_EQ(simulation.scene().objects.size(), 5u);
-  const auto copied = [&] { return parse_scene(simulation.scene_text(), source_path(), "copy.json"); };
-  EXPECT_EQ(copied().objects.size(), 4u);
+  EXPECT_EQ(copied(simulation).objects.size(), 4u);
   simulation.reset();
   ASSERT_EQ(simulation.scene().objects.size(), 4u);
   EXPECT_EQ(common(simulation.scene().objects[3]).name, "rope2");
-  Simulation copy(copied(), "copy");
+  Simulation copy(copied(simulation), "copy");
   for (int i = 0; i < 10; ++i) simulation.step_frame(), copy.step_frame();
   EXPECT_EQ(simulation.world().hash(), copy.world().hash());
 }
@@ -455,7 +459,7 @@ TEST(ViewerAdditions, OfAMeshFileDependOnItsSurface) {
   EXPECT_EQ(simulation.world().name(body), "a_b");
   EXPECT_EQ(simulation.world().kind(sheet), ObjectKind::cloth);
   EXPECT_LT(length(simulation.world().positions(sheet)[0] - Vec3f{8.5f, 0.4f, -0.5f}), 0.1f);
-  Simulation copy(parse_scene(simulation.scene_text(), source_path(), "copy.json"), "copy");
+  Simulation copy(copied(simulation), "copy");
   EXPECT_EQ(copy.world().objects().size(), 2u);
   expect_error([&] { described(file("text.obj", "nothing")); }, {"text.obj"});
 }

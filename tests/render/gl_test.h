@@ -34,11 +34,7 @@ inline double deviation(std::span<const double> values) {
 }
 
 inline Camera camera_at(const Vec3f& from, const Vec3f& to, float fov) {
-  Camera camera;
-  camera.from = from;
-  camera.to = to;
-  camera.fov = fov;
-  return camera;
+  return {from, to, fov};
 }
 
 /// A static mesh as a surface; spans refer to this object.

@@ -45,38 +45,31 @@ Studio::Studio(int steps, int cloth_side)
 
 DrawList Studio::list() const {
   DrawList list;
-  Surface cloth;
-  cloth.key = 1;
-  cloth.pick = 1;
-  cloth.positions = world_.positions(cloth_);
-  cloth.normals = world_.normals(cloth_);
-  cloth.triangles = world_.triangles(cloth_);
-  cloth.texture = cloth_rest_;
-  cloth.look.color = srgb(0xd9483b);
-  cloth.look.second = srgb(0xf1e3d3);
-  cloth.look.checker_size = 0.1f;
-  cloth.look.roughness = 0.8f;
-  cloth.look.sheen = 0.5f;
-  list.surfaces.push_back(cloth);
+  list.surfaces.push_back({.key = 1,
+                           .positions = world_.positions(cloth_),
+                           .normals = world_.normals(cloth_),
+                           .triangles = world_.triangles(cloth_),
+                           .texture = cloth_rest_,
+                           .look = {.color = srgb(0xd9483b),
+                                    .second = srgb(0xf1e3d3),
+                                    .checker_size = 0.1f,
+                                    .roughness = 0.8f,
+                                    .sheen = 0.5f},
+                           .pick = 1});
   list.surfaces.push_back(ball_.surface(2, true, {0, 0.42, 0}, srgb(0x6f7f92)));
   list.surfaces.push_back(box_.surface(3, false, {0.85, 0.3, -0.35}, srgb(0x4a7fb5)));
   list.surfaces.push_back(small_box_.surface(4, false, {-0.6, 0.12, 0.75}, srgb(0xe0a030)));
-  Surface ring;
-  ring.key = 5;
-  ring.pick = 5;
-  ring.positions = world_.positions(ring_);
-  ring.normals = world_.normals(ring_);
-  ring.triangles = world_.triangles(ring_);
-  ring.look.color = srgb(0x4fae7a);
-  ring.look.roughness = 0.35f;
-  list.surfaces.push_back(ring);
-  Spheres grains;
-  grains.key = 6;
-  grains.pick = 6;
-  grains.centers = world_.positions(grains_);
-  grains.radius = 0.035f;
-  grains.look.color = srgb(0xd8b365);
-  list.spheres.push_back(grains);
+  list.surfaces.push_back({.key = 5,
+                           .positions = world_.positions(ring_),
+                           .normals = world_.normals(ring_),
+                           .triangles = world_.triangles(ring_),
+                           .look = {.color = srgb(0x4fae7a), .roughness = 0.35f},
+                           .pick = 5});
+  list.spheres.push_back({.key = 6,
+                          .centers = world_.positions(grains_),
+                          .radius = 0.035f,
+                          .look = {.color = srgb(0xd8b365)},
+                          .pick = 6});
   return list;
 }
 

@@ -14,13 +14,7 @@ class Studio {
   explicit Studio(int steps, int cloth_side = 64);
   /// Spans refer to the studio.
   DrawList list() const;
-  static Camera camera() {
-    Camera camera;
-    camera.from = {2.1f, 1.45f, 2.7f};
-    camera.to = {0.1f, 0.33f, 0};
-    camera.fov = 32;
-    return camera;
-  }
+  static Camera camera() { return {{2.1f, 1.45f, 2.7f}, {0.1f, 0.33f, 0}, 32}; }
 
  private:
   World world_;

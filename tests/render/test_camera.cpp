@@ -29,11 +29,7 @@ Bounds box(const Vec3f& lo, const Vec3f& hi) {
 }
 
 Camera some_camera(float fov = 40) {
-  Camera camera;
-  camera.from = {3, 2, -4};
-  camera.to = {0.5f, -0.2f, 0.3f};
-  camera.fov = fov;
-  return camera;
+  return {{3, 2, -4}, {0.5f, -0.2f, 0.3f}, fov};
 }
 
 }  // namespace
@@ -127,9 +123,7 @@ TEST(Camera, OrbitKeepsTheDistanceAndStopsShortOfThePoles) {
 }
 
 TEST(Camera, OrbitTurnsTheWayItSays) {
-  Camera camera;
-  camera.to = {};
-  camera.from = {0, 0, 2};
+  Camera camera{{0, 0, 2}, {}};
   camera.orbit(1.57079633f, 0);
   EXPECT_LT(distance_between(camera.from, {2, 0, 0}), 1e-5f);
   camera.orbit(0, 0.52359878f);
@@ -265,9 +259,7 @@ TEST(Camera, FrameFitsPointsTighterThanTheirBox) {
 }
 
 TEST(Camera, LooksStraightDownWithoutNaN) {
-  Camera camera;
-  camera.from = {1, 5, 1};
-  camera.to = {1, 0, 1};
+  Camera camera{{1, 5, 1}, {1, 0, 1}};
   const auto seen = camera.project({1.1f, 0, 1}, 100, 100);
   ASSERT_TRUE(seen);
   EXPECT_TRUE(std::isfinite(seen->x));

@@ -1,4 +1,3 @@
-#include "../expect_error.h"
 #include "render/constraint_lines.h"
 #include "render/display.h"
 #include "render/legend.h"
@@ -114,14 +113,6 @@ TEST(Legend, WritesNumbersAsUsersReadThem) {
   EXPECT_EQ(short_number(123'456), "123000");
   EXPECT_EQ(short_number(-1234), "-1230");
   EXPECT_EQ(short_number(1.2e9), "1.2e+09");
-}
-
-TEST(Display, NamesAreFoundAgain) {
-  for (std::size_t i = 0; i < display_count; ++i) {
-    const auto display = static_cast<Display>(i);
-    EXPECT_EQ(display_of(display_name(display)), display);
-  }
-  expect_error([] { display_of("shiny"); }, {"'shiny'", "shaded", "contacts"});
 }
 
 TEST(Display, EveryDisplayOfEveryKindIsSound) {

@@ -149,13 +149,8 @@ class EnvironmentPicture : public GlTest {
  protected:
   EnvironmentPicture() {
     list_ = without_ground();
-    Spheres ball;
-    ball.key = 1;
-    ball.centers = {&center_, 1};
-    ball.radius = 1;
-    ball.look.color = srgb(0xffffff);
-    ball.look.roughness = 1;
-    list_.spheres.push_back(ball);
+    list_.spheres.push_back(
+        {.key = 1, .centers = {&center_, 1}, .radius = 1, .look = {.color = srgb(0xffffff), .roughness = 1}});
   }
   void surround(const Panorama& panorama, const EnvironmentOptions& options = {}) {
     list_.light.environment = std::make_shared<Environment>(panorama, options);

@@ -110,13 +110,8 @@ TEST_F(GlassTest, EachWallTintsAndALiquidShowsGlassBehindIt) {
   for (float x = -1; x < 1; x += 0.05f)
     for (float y = -0.5f; y < 0.5f; y += 0.05f)
       for (float z = 2; z < 2.2f; z += 0.05f) centers.push_back({x, y, z});
-  Liquid liquid;
-  liquid.key = 9;
-  liquid.centers = centers;
-  liquid.spacing = 0.05f;
-  liquid.radius = 0.0375f;
-  liquid.look.absorption = {};
-  list.liquids.push_back(liquid);
+  list.liquids.push_back(
+      {.key = 9, .centers = centers, .radius = 0.0375f, .spacing = 0.05f, .look = {.absorption = {}}});
   const Vec3f wet = middle(list);
   list.surfaces.push_back(plate.surface({0, 0, 1}, 0, green, true));
   const Vec3f behind = middle(list);

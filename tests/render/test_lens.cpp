@@ -53,13 +53,11 @@ class LensTest : public GlTest {
     center_ = {0, 0, 4 - depth};
     DrawList list;
     make_dark(list);
-    Spheres ball;
-    ball.key = 1;
-    ball.version = ++version_;
-    ball.centers = {&center_, 1};
-    ball.radius = 0.02f;
-    ball.look.color = srgb(0xffffff);
-    list.spheres.push_back(ball);
+    list.spheres.push_back({.key = 1,
+                            .version = ++version_,
+                            .centers = {&center_, 1},
+                            .radius = 0.02f,
+                            .look = {.color = srgb(0xffffff)}});
     return spot_in(renderer().picture(list, camera(), options, width, height));
   }
 

@@ -1,5 +1,4 @@
 // Screen-space liquids, compared with bodies of known outline, surface and thickness.
-#include "../expect_error.h"
 #include "gl_test.h"
 #include "ray_balls.h"
 #include "render/display.h"
@@ -110,6 +109,16 @@ class LiquidTest : public GlTest {
     options.liquid_filter = filter;
     options.liquid_steps = steps;
     return options;
+  }
+  /// Linear light of a liquid on an even floor, which gets all sunlight.
+  static Image over_floor(const Ellipsoids& ellipsoids, const Vec3f& absorption, const Camera& camera) {
+    DrawList list = with(ellipsoids.liquid(SplatShape::ellipsoids));
+    list.ground = Ground{.height = 0, .tile = 100};
+    list.liquids[0].look.absorption = absorption;
+    list.liquids[0].casts_shadow = false;
+    RenderOptions options = filtered(LiquidFilter::narrow_range);
+    options.tone_curve = false;
+    return renderer().picture(list, camera, options, width, height);
   }
   /// Surface points in a window around the center of the picture.
   static std::vector<Vec3f> surface_points(const LiquidImage& image, const Camera& camera, int reach_x,
@@ -373,15 +382,7 @@ TEST_F(FlatPool, IsAsDarkAtItsBackAsInItsMiddle) {
   const float elevation = float(pi) / 6, depth = 0.15f;
   const Camera camera =
       camera_at({0, depth + 8 * std::sin(elevation), 8 * std::cos(elevation)}, {0, depth, 0}, 14);
-  const auto picture = [&](const Vec3f& absorption) {
-    DrawList list = with(ellipsoids_.liquid(SplatShape::ellipsoids));
-    list.ground = Ground{.height = 0, .tile = 100};
-    list.liquids[0].look.absorption = absorption;
-    list.liquids[0].casts_shadow = false;
-    RenderOptions options = filtered(LiquidFilter::narrow_range);
-    options.tone_curve = false;
-    return renderer().picture(list, camera, options, width, height);
-  };
+  const auto picture = [&](const Vec3f& absorption) { return over_floor(ellipsoids_, absorption, camera); };
   const Vec3f absorption{4, 2, 1};
   const Image wet = picture(absorption), clear = picture({}), black = picture({99, 99, 99});
   const double sine = std::cos(double(elevation)) / 1.33, way = double(depth) / std::sqrt(1 - sine * sine);
@@ -451,13 +452,11 @@ class LiquidAndBall : public LiquidTest {
   std::array<double, 3> middle(float z, bool wet, const Vec3f& absorption = {1.5f, 1.5f, 1.5f}) {
     position_ = {0, 0, z};
     DrawList list = without_ground();
-    Spheres ball;
-    ball.key = 2;
-    ball.version = ++version_;
-    ball.centers = {&position_, 1};
-    ball.radius = 0.2f;
-    ball.look.color = srgb(0xb0b0b0);
-    list.spheres.push_back(ball);
+    list.spheres.push_back({.key = 2,
+                            .version = ++version_,
+                            .centers = {&position_, 1},
+                            .radius = 0.2f,
+                            .look = {.color = srgb(0xb0b0b0)}});
     list.light.to_sun = {0, 1, 0.4f};
     if (wet) {
       Liquid liquid = liquid_of(centers_);
@@ -512,15 +511,7 @@ TEST_F(LiquidTest, AWedgeDarkensTheFloorByItsDepth) {
       fill({0, 0, -0.6f}, {1.25f, 0.5f, 0.6f}, [&](const Vec3f& x) { return x.y < slope * x.x; });
   const Ellipsoids wedge(centers);
   const Camera camera = camera_at({0.6f, 6, 0}, {0.6f, 0, 0}, 14);
-  const auto picture = [&](const Vec3f& absorption) {
-    DrawList list = with(wedge.liquid(SplatShape::ellipsoids));
-    list.ground = Ground{.height = 0, .tile = 100};
-    list.liquids[0].look.absorption = absorption;
-    list.liquids[0].casts_shadow = false;
-    RenderOptions options = filtered(LiquidFilter::narrow_range);
-    options.tone_curve = false;
-    return renderer().picture(list, camera, options, width, height);
-  };
+  const auto picture = [&](const Vec3f& absorption) { return over_floor(wedge, absorption, camera); };
   const Image wet = picture({3, 1.5f, 0.5f}), clear = picture({}), black = picture({99, 99, 99});
   const auto color_at = [&](const Image& image, double x) {
     Vec3d sum{};
@@ -581,11 +572,7 @@ TEST_F(LiquidTest, ThrowsALightShadowInItsColor) {
   const Image wet = renderer().picture(list, camera, options, width, height);
   DrawList solid = list;
   solid.liquids.clear();
-  Spheres balls;
-  balls.key = 11;
-  balls.centers = centers;
-  balls.radius = liquid.radius;
-  solid.spheres.push_back(balls);
+  solid.spheres.push_back({.key = 11, .centers = centers, .radius = liquid.radius});
   const Image dry = renderer().picture(solid, camera, options, width, height);
   const auto dim = color_at(wet, shadow), bright = color_at(wet, lit), dark = color_at(dry, shadow);
   for (std::size_t c = 0; c < 3; ++c) {
@@ -659,12 +646,8 @@ TEST_F(LiquidTest, FoamIsWhiteAndHiddenByWhatIsBeforeIt) {
   foam.radius = 0.02f;
   DrawList list = without_ground();
   const Vec3f place{0, 0, -1};
-  Spheres dark;
-  dark.key = 3;
-  dark.centers = {&place, 1};
-  dark.radius = 0.5f;
-  dark.look.color = srgb(0x101010);
-  list.spheres.push_back(dark);
+  list.spheres.push_back(
+      {.key = 3, .centers = {&place, 1}, .radius = 0.5f, .look = {.color = srgb(0x101010)}});
   const Camera camera = camera_at({0, 0, 3}, {}, 25);
   const auto middle = [&] {
     return linear(renderer().picture(list, camera, plain(), width, height).at(width / 2, height / 2)[1]);
@@ -713,19 +696,6 @@ TEST_F(LiquidTest, IsSeenFromInsideWithoutHarm) {
   const Camera camera = camera_at({0, 0, 0.1f}, {0, 0, -1}, 60);
   const LiquidImage image = renderer().liquid_image(with(liquid_of(centers)), camera, plain(), 80, 60);
   EXPECT_NEAR(image.thickness[std::size_t{30} * 80 + 40], 0.5f, 0.03f);
-}
-
-TEST(LiquidFilters, AreKnownByName) {
-  for (std::size_t i = 0; i < liquid_filter_count; ++i) {
-    const auto filter = static_cast<LiquidFilter>(i);
-    EXPECT_EQ(liquid_filter_of(liquid_filter_name(filter)), filter);
-  }
-  expect_error([] { liquid_filter_of("median"); }, {"median", "narrow-range"});
-}
-
-TEST(LiquidSplatShapes, AreKnownByName) {
-  for (const SplatShape splat : splats) EXPECT_EQ(splat_shape_of(splat_shape_name(splat)), splat);
-  expect_error([] { splat_shape_of("cubes"); }, {"cubes", "ellipsoids"});
 }
 
 TEST(LiquidColors, AreThoseOfLightThatHasGoneThatFar) {

@@ -94,10 +94,7 @@ class Page {
     glClearColor(0, 0, 0, 1);
     glClear(GL_COLOR_BUFFER_BIT);
     pass_.draw(labels, width, height);
-    Image bottom_up(width, height), image(width, height);
-    glReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, bottom_up.pixels.data());
-    for (int y = 0; y < height; ++y) std::copy_n(bottom_up.at(0, height - 1 - y), 4 * width, image.at(0, y));
-    return image;
+    return read_framebuffer(framebuffer_.id(), width, height);
   }
   Box box(const std::vector<Label>& labels) { return difference(draw(labels), draw({})); }
 
@@ -380,11 +377,7 @@ TEST_F(OverlayTest, TheSameListIsTheSamePictureInAnyRenderer) {
     centers.push_back({0.01f * float(i * 7 % 50) - 0.25f, 0.008f * float(i) - 0.2f, 0.01f * float(i % 9)});
   DrawList list;
   list.ground.height = -0.3f;
-  Spheres spheres;
-  spheres.key = 1;
-  spheres.centers = centers;
-  spheres.radius = 0.03f;
-  list.spheres.push_back(spheres);
+  list.spheres.push_back({.key = 1, .centers = centers, .radius = 0.03f});
   list.lines.push_back({under(3, 7), under(200, 140), 0xff00ff00, 1.5f});
   list.top_lines.push_back({under(3, 140), under(200, 7), 0xff0000ff, 1.5f});
   list.labels.push_back(label("twice the same", 5, 5));

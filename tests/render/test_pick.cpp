@@ -1,6 +1,5 @@
 #include "gl_test.h"
 #include "ray_balls.h"
-#include "render/point_tree.h"
 #include "souple/geometry/builders.h"
 
 #include <algorithm>
@@ -78,12 +77,7 @@ TEST_F(PickTest, TheParticleUnderThePixelForAThousandPixels) {
     balls.push_back({Vec3d(centers.back()), double(radius)});
   }
   DrawList list;  // with the ground, which cannot be picked
-  Spheres spheres;
-  spheres.key = 1;
-  spheres.centers = centers;
-  spheres.radius = radius;
-  spheres.pick = 42;
-  list.spheres.push_back(spheres);
+  list.spheres.push_back({.key = 1, .centers = centers, .radius = radius, .pick = 42});
   const Camera camera = a_camera();
   const PickImage image = renderer().pick_image(list, camera, width, height);
   std::uniform_int_distribution<int> column(0, width - 1), row(0, height - 1);
@@ -151,29 +145,6 @@ TEST_F(PickTest, WhatCannotBePickedIsTransparentAndNothingIsNothing) {
   list.surfaces[0].pick = 0;
   EXPECT_EQ(pick(int(at->x), int(at->y)), 0u);
   EXPECT_EQ(renderer().pick(DrawList{}, camera, 0, 0, 1, 1).pick, 0u);
-}
-
-TEST(PointTree, FindsWhatLookingAtEveryPointFinds) {
-  std::mt19937 random(2);
-  std::uniform_int_distribution<int> coarse(0, 6);  // many points coincide, many are equally near
-  std::uniform_real_distribution<float> fine(-1, 7);
-  for (const std::size_t count : {1u, 2u, 3u, 50u, 700u}) {
-    std::vector<Vec3f> points;
-    for (std::size_t i = 0; i < count; ++i) {
-      points.push_back({float(coarse(random)), float(coarse(random)), float(coarse(random))});
-    }
-    const PointTree tree(points);
-    for (int i = 0; i < 300; ++i) {
-      const bool on_grid = i % 2 == 0;
-      const Vec3f to = on_grid ? Vec3f{float(coarse(random)), float(coarse(random)), 0.5f}
-                               : Vec3f{fine(random), fine(random), fine(random)};
-      const auto nearest = std::min_element(
-          points.begin(), points.end(),
-          [&](const Vec3f& a, const Vec3f& b) { return length_squared(a - to) < length_squared(b - to); });
-      ASSERT_EQ(tree.nearest(to), std::uint32_t(nearest - points.begin()));
-    }
-  }
-  EXPECT_EQ(PointTree({}).nearest({}), 0u);
 }
 
 }  // namespace souple::render

@@ -57,11 +57,7 @@ class PictureOfBall : public Picture {
     if (as_mesh) {
       list.surfaces.push_back(mesh_.surface(1, true, {center_.x, center_.y, center_.z}, srgb(0xcc8844)));
     } else {
-      Spheres spheres;
-      spheres.key = 1;
-      spheres.centers = {&center_, 1};
-      spheres.radius = 0.3f;
-      list.spheres.push_back(spheres);
+      list.spheres.push_back({.key = 1, .centers = {&center_, 1}, .radius = 0.3f});
     }
     list.ground.second = list.ground.color;
     list.light.to_sun = {0.7f, 1, 0.1f};
@@ -69,7 +65,7 @@ class PictureOfBall : public Picture {
   }
   Vec3f shadow_of(const Light& light) const { return center_ - light.to_sun * (center_.y / light.to_sun.y); }
 
-  Camera camera_;
+  Camera camera_{{0, 3.5f, 4}, {0, 0.2f, 0}, 40};
   Vec3f center_{0.5f, 1, 0};
   Solid mesh_{sphere(4, 0.3)};
 };
@@ -181,10 +177,7 @@ TEST(PictureOfContexts, IsTheSameInBoth) {
     liquid.radius = 0.05f;
     liquid.spacing = 0.07f;
     list.liquids.push_back(liquid);
-    Foam foam;
-    foam.key = 1;
-    foam.centers = liquid.centers;
-    list.foams.push_back(foam);
+    list.foams.push_back({.key = 1, .centers = liquid.centers});
     Image image = renderer.picture(list, Studio::camera(), {.samples = samples}, width, height);
     EXPECT_NO_THROW(throw_gl_errors());
     return image;
@@ -200,9 +193,7 @@ TEST_F(Picture, IsDarkerInCornersWithAmbientOcclusion) {
   DrawList list;
   list.surfaces.push_back(box_mesh.surface(1, false, {0, 0.25, 0}, srgb(0xcccccc)));
   list.ground.second = list.ground.color;
-  Camera camera;
-  camera.from = {0.8f, 1, 2};
-  camera.to = {0, 0.2f, 0};
+  const Camera camera{{0.8f, 1, 2}, {0, 0.2f, 0}};
   Renderer renderer;
   const Image with = renderer.picture(list, camera, {.shadows = false}, width, height);
   const Image without =
@@ -221,9 +212,7 @@ TEST_F(Picture, DoesNotDependOnTheScale) {
     list.surfaces.push_back(ball_mesh.surface(2, true, Vec3d{0.6, 0.3, 0.1} * double(scale), srgb(0xcc6644)));
     for (Surface& surface : list.surfaces) surface.pose.scale = double(scale);
     list.ground.tile *= scale;
-    Camera camera;
-    camera.from = Vec3f{1, 1, 2} * scale;
-    camera.to = Vec3f{0, 0.2f, 0} * scale;
+    const Camera camera{Vec3f{1, 1, 2} * scale, Vec3f{0, 0.2f, 0} * scale};
     Renderer renderer;
     return renderer.picture(list, camera, {.samples = 4}, width, height);
   };
@@ -256,9 +245,7 @@ TEST_F(Picture, FollowsVersionsAndTopology) {
   surface.look.color = srgb(0xcc0000);
   DrawList list;
   list.surfaces.push_back(surface);
-  Camera camera;
-  camera.from = {0, 0.7f, 4};
-  camera.to = {0, 0.7f, 0};
+  const Camera camera{{0, 0.7f, 4}, {0, 0.7f, 0}};
   Renderer renderer;
   const auto is_red = [&](const Vec3f& point) {
     const Image image = renderer.picture(list, camera, {}, width, height);
@@ -307,9 +294,7 @@ TEST_F(Picture, OfNothingIsGroundAndSky) {
   Renderer renderer;
   DrawList list;
   list.ground.second = list.ground.color;
-  Camera camera;
-  camera.from = {0, 1, 5};
-  camera.to = {0, 1, 0};
+  const Camera camera{{0, 1, 5}, {0, 1, 0}};
   const Image image = renderer.picture(list, camera, {}, width, height);
   list.ground.shown = false;
   const Image sky = renderer.picture(list, camera, {}, width, height);
@@ -321,9 +306,7 @@ TEST_F(Picture, FromBelowTheFloorStillShowsThings) {
   const Solid box_mesh(box({0.5, 0.5, 0.5}));
   DrawList list;
   list.surfaces.push_back(box_mesh.surface(1, false, {0, 0.25, 0}, srgb(0xcc0000)));
-  Camera camera;
-  camera.from = {0, -1, 2};
-  camera.to = {0, 0.2f, 0};
+  const Camera camera{{0, -1, 2}, {0, 0.2f, 0}};
   Renderer renderer;
   const Image image = renderer.picture(list, camera, {}, width, height);
   const std::uint8_t* p = image.at(width / 2, height / 2);
@@ -354,13 +337,11 @@ TEST_F(Picture, SurvivesBrokenGeometry) {
   DrawList list;
   for (const std::vector<Triangle>* faces : {&triangles, &out_of_range}) {
     for (const bool wireframe : {false, true}) {
-      Surface surface;
-      surface.key = list.surfaces.size();
-      surface.positions = positions;
-      surface.normals = normals;
-      surface.triangles = *faces;
-      surface.wireframe = wireframe;
-      list.surfaces.push_back(surface);
+      list.surfaces.push_back({.key = list.surfaces.size(),
+                               .positions = positions,
+                               .normals = normals,
+                               .triangles = *faces,
+                               .wireframe = wireframe});
     }
   }
   list.surfaces.emplace_back().key = 99;

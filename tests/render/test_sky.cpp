@@ -87,12 +87,7 @@ TEST_F(SkyPicture, BlacksAreBlackAndMiddleGrayStays) {
 TEST_F(SkyPicture, GlassShowsWhatIsBehindIt) {
   DrawList list = without_ground();
   const Vec3f center{0, 0, -2};
-  Spheres ball;
-  ball.key = 1;
-  ball.centers = {&center, 1};
-  ball.radius = 1;
-  ball.look.color = srgb(0xc02020);
-  list.spheres.push_back(ball);
+  list.spheres.push_back({.key = 1, .centers = {&center, 1}, .radius = 1, .look = {.color = srgb(0xc02020)}});
   const Solid pane(box({1.0, 1.0, 0.05}));
   const auto middle = [&] {
     return color_at(renderer().picture(list, camera_at({0, 0, 4}, {}, 40), plain(), width, height), width / 2,

@@ -121,12 +121,7 @@ TEST_F(SpheresTest, NearestOfInterpenetratingBallsIsSeenAtEveryPixel) {
   std::vector<float> radii;
   const std::vector<Ball> balls = random_balls(40, 3, centers, radii);
   DrawList list = without_ground();
-  Spheres spheres;
-  spheres.key = 2;
-  spheres.centers = centers;
-  spheres.radii = radii;
-  spheres.pick = 9;
-  list.spheres.push_back(spheres);
+  list.spheres.push_back({.key = 2, .centers = centers, .radii = radii, .pick = 9});
   const Camera camera = camera_at({0.5f, 0.8f, 3}, {}, 45);
   const PickImage image = renderer().pick_image(list, camera, width, height);
   int wrong = 0, seen = 0;
@@ -153,12 +148,7 @@ TEST_F(SpheresTest, CutASurfaceWhereTheyMeetIt) {
   const std::array<Vec3f, 4> corners{Vec3f{-9, -9, 0}, Vec3f{9, -9, 0}, Vec3f{9, 9, 0}, Vec3f{-9, 9, 0}};
   const std::array<Triangle, 2> triangles{Triangle{0, 1, 2}, Triangle{0, 2, 3}};
   DrawList list = without_ground();
-  Surface wall;
-  wall.key = 1;
-  wall.pick = 1;
-  wall.positions = corners;
-  wall.triangles = triangles;
-  list.surfaces.push_back(wall);
+  list.surfaces.push_back({.key = 1, .positions = corners, .triangles = triangles, .pick = 1});
   list.spheres.push_back(one_ball({0.2f, 0.1f, -0.3f}, 0.5f));
   const Camera camera = camera_at({0, 0, 2}, {}, 40);
   const PickImage image = renderer().pick_image(list, camera, width, height);
