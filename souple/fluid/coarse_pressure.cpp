@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace souple {
 
@@ -28,12 +29,6 @@ Eight element(const Eight& y) {
     result[e] = y[e] / 3 - (sum - y[e] - along_edges) / 12;
   }
   return result;
-}
-
-double dot(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
 }
 
 }  // namespace
@@ -248,7 +243,7 @@ void CoarsePressure::iterate() {
   iterations_ = 0;
   while (iterations_ < max_iterations && rz > tolerance * tolerance * bb) {
     apply(p, ap);
-    const double curvature = dot(p, ap);
+    const double curvature = std::inner_product(p.begin(), p.end(), ap.begin(), 0.0);
     // Only rounding makes it negative: the matrix does not feel p, as where many particles are at one place.
     if (curvature <= 0) break;
     const double alpha = rz / curvature;

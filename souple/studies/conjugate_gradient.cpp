@@ -16,16 +16,8 @@ constexpr std::size_t grain = 512;
 // A^-1 y for the rows of a block.
 void apply_inverse_compliance(const LinearSystem& system, const LinearSystem::Block& block, const double* y,
                               double* result) {
-  const double* inverse = &system.inverse[block.compliance];
-  if (block.rows == 1) {
-    result[0] = inverse[0] * y[0];
-    return;
-  }
-  for (int r = 0; r < block.rows; ++r) {
-    result[r] = 0;
-    for (int s = 0; s < block.rows; ++s)
-      result[r] += inverse[r >= s ? r * (r + 1) / 2 + s : s * (s + 1) / 2 + r] * y[s];
-  }
+  for (int r = 0; r < block.rows; ++r)
+    result[r] = row_times(block.rows, &system.inverse[block.compliance], r, y);
 }
 
 }  // namespace

@@ -141,9 +141,7 @@ void Direct::Impl::fill_primal(const LinearSystem& system) {
   for (const LinearSystem::Block& block : system.blocks()) {
     const auto of = system.members(block);
     const double* inverse = &system.inverse[block.compliance];
-    const auto stiffness = [&](int r, int s) {
-      return inverse[r >= s ? r * (r + 1) / 2 + s : s * (s + 1) / 2 + r];
-    };
+    const auto stiffness = [&](int r, int s) { return inverse[packed_index(r, s)]; };
     for_each_pair(of, [&](std::size_t a, std::size_t b) {
       const auto at = static_cast<int>(3 * slot[next++]);
       for (int s = 0; s < block.rows; ++s) {
@@ -156,9 +154,7 @@ void Direct::Impl::fill_primal(const LinearSystem& system) {
       }
     });
     for (int r = 0; r < block.rows; ++r) {
-      double force = 0;
-      for (int s = 0; s < block.rows; ++s)
-        force += stiffness(r, s) * system.b[block.row + static_cast<std::size_t>(s)];
+      const double force = row_times(block.rows, inverse, r, &system.b[block.row]);
       for (std::size_t k = 0; k < block.arity; ++k)
         for (int axis = 0; axis < 3; ++axis)
           if (of[k] != LinearSystem::pinned)

@@ -20,11 +20,6 @@ constexpr double gravity = 9.81;
 // the scene.
 constexpr double floor_ratio = 1e-6;
 
-std::size_t packed(int row, int column) {
-  return static_cast<std::size_t>(row >= column ? row * (row + 1) / 2 + column
-                                                : column * (column + 1) / 2 + row);
-}
-
 // The inverse of a symmetric positive definite matrix, packed lower, by Gauss-Jordan elimination.
 void invert_packed(int n, const double* a, double* result) {
   if (n == 1) {
@@ -33,7 +28,7 @@ void invert_packed(int n, const double* a, double* result) {
   }
   double m[LinearSystem::max_rows][2 * LinearSystem::max_rows] = {};
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) m[i][j] = a[packed(i, j)];
+    for (int j = 0; j < n; ++j) m[i][j] = a[packed_index(i, j)];
     m[i][n + i] = 1;
   }
   for (int i = 0; i < n; ++i) {
@@ -47,14 +42,7 @@ void invert_packed(int n, const double* a, double* result) {
     }
   }
   for (int i = 0; i < n; ++i)
-    for (int j = 0; j <= i; ++j) result[packed(i, j)] = m[i][n + j];
-}
-
-// y = S x for a packed symmetric S.
-double row_times(int n, const double* s, int row, const double* x) {
-  double sum = 0;
-  for (int j = 0; j < n; ++j) sum += s[packed(row, j)] * x[j];
-  return sum;
+    for (int j = 0; j <= i; ++j) result[packed_index(i, j)] = m[i][n + j];
 }
 
 double shortest_distance(std::span<const std::uint32_t> members, const ParticleView& particles) {
@@ -167,7 +155,7 @@ void LinearSystem::raise_to_floor(const Block& block, double inverse_h2) {
       if (of[k] != pinned) weighted += squared / mass[of[k]];
     }
     const double floor = std::min(floor_ * block.size * steepest * inverse_h2, floor_ratio * weighted);
-    double& diagonal = compliance[block.compliance + packed(r, r)];
+    double& diagonal = compliance[block.compliance + packed_index(r, r)];
     // A row without a gradient moves nothing, but must not make A singular.
     if (weighted == 0 && diagonal == 0) diagonal = 1;
     if (diagonal >= floor) continue;
@@ -181,7 +169,7 @@ void LinearSystem::deactivate(Block& block) {
   const std::size_t rows = block.rows;
   std::fill_n(gradient.data() + block.gradient, rows * block.arity, Vec3f{});
   std::fill_n(compliance.data() + block.compliance, rows * (rows + 1) / 2, 0.0);
-  for (int r = 0; r < block.rows; ++r) compliance[block.compliance + packed(r, r)] = 1;
+  for (int r = 0; r < block.rows; ++r) compliance[block.compliance + packed_index(r, r)] = 1;
   std::fill_n(b.data() + block.row, rows, 0.0);
 }
 

@@ -2,12 +2,25 @@
 
 #include "souple/solver/facets.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
 
 namespace souple {
+
+/// Index of an element of a symmetric matrix that is packed lower.
+inline std::size_t packed_index(int row, int column) {
+  return static_cast<std::size_t>(row >= column ? row * (row + 1) / 2 + column
+                                                : column * (column + 1) / 2 + row);
+}
+/// A row of S x for a packed symmetric S.
+inline double row_times(int n, const double* s, int row, const double* x) {
+  double sum = 0;
+  for (int j = 0; j < n; ++j) sum += s[packed_index(row, j)] * x[j];
+  return sum;
+}
 
 /// The constraints of all kinds that have a linear form, linearized at the current positions: the common base
 /// of the solvers of the global system. All in double; J stays in the float in which it is computed.

@@ -17,6 +17,7 @@
 #include "souple/world/step_scratch.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <iterator>
 
@@ -115,6 +116,13 @@ void raise_flags(WorldState& world) {
 }
 
 }  // namespace
+
+std::string_view stage_name(Stage stage) {
+  constexpr std::array<std::string_view, stage_count> names{
+      "broad_phase", "integrate", "fluids", "contacts", "solve", "finish", "velocity", "foam"};
+  const auto index = static_cast<std::size_t>(stage);
+  return index < names.size() ? names[index] : "?";
+}
 
 void restore_last_valid(WorldState& world) {
   Particles& particles = world.particles;

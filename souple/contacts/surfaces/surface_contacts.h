@@ -34,7 +34,7 @@ class SurfaceNarrowPhase;
 /// a particle that was pushed back start earlier by that correction, in this substep and some following ones.
 ///
 /// With discrete detection only a vertex whose path crosses a triangle gets a contact, at the crossing and
-/// along the triangle's normal (path_crossing.h).
+/// along the triangle's normal (surface_narrow_phase.cpp).
 ///
 /// After the solver, `after_solve` tests all motions again (motion_filter.h).
 ///

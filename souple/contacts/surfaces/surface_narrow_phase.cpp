@@ -3,6 +3,7 @@
 #include "souple/assert.h"
 #include "souple/broad_phase/spatial_hash.h"
 #include "souple/collision/nearest.h"
+#include "souple/collision/segment_triangle/segment_triangle.h"
 #include "souple/contacts/anchor.h"
 #include "souple/contacts/contact_law.h"
 #include "souple/contacts/kernels/find_kernels.h"
@@ -57,6 +58,41 @@ bool can_move(const NearPair& pair, const ParticleView& particles) {
   for (std::size_t k = 0; k < 3; ++k)
     inverse_mass += particles.inverse_mass(i[k + 1]) * weight[k] * weight[k];
   return inverse_mass > 0;
+}
+
+/// Discrete detection of a vertex v and a triangle (Müller et al. 2007, section 3.4: "the ray x_i -> p_i enters an
+/// object"). The vertex' path within the substep must cross the triangle of the substep's start.
+///
+///   path: x_v + t d,  0 <= t <= 1,   d = (p_v - x_v) - 1/3 sum_k (p_k - x_k)
+///
+/// Deviations: the path is relative to the triangle's mean motion, so that a moving triangle meets a vertex at
+/// rest. If the path ends on the side of the triangle's plane where it begins, a segment longer by the thickness along
+/// the normal also counts. So a vertex that rests on a triangle keeps its contact. Pairs whose particles cannot move do
+/// not cross.
+PathCrossing find_path_crossing(const CrossingTest& test, const NearPair& pair, float thickness,
+                                const ParticleView& particles) {
+  const std::uint32_t v = pair.particle[0], a = pair.particle[1], b = pair.particle[2], c = pair.particle[3];
+  float inverse_mass = 0;
+  for (const std::uint32_t i : pair.particle) inverse_mass += particles.inverse_mass(i);
+  if (!(inverse_mass > 0)) return {};
+  // Not from differences of positions: all triangles of a rigid mesh must see the same path, to the bit.
+  const Vec3f moved = particles.moved(v);
+  const Vec3f path = moved - (particles.moved(a) + particles.moved(b) + particles.moved(c)) * (1.0f / 3);
+  const auto start = [&](std::uint32_t i) {
+    return particles.difference(i, v) - (particles.moved(i) - moved);
+  };
+  const Corners<float> corners{start(a), start(b), start(c)};
+  const Vec3f twice_area = cross(corners.b - corners.a, corners.c - corners.a);
+  const float size = length(twice_area);
+  if (!(size > 0)) return {};
+  Crossing<float> crossing = test.in_float({{}, path}, corners);
+  const float before = -dot(twice_area, corners.a), after = dot(twice_area, path - corners.a);
+  if (crossing.side == 0 && before * after > 0) {
+    const Vec3f down = twice_area * ((before > 0 ? -thickness : thickness) / size);
+    crossing = test.in_float({{}, path + down}, corners);
+  }
+  if (crossing.side == 0) return {};
+  return {true, crossing.weight, twice_area * (crossing.side / size)};
 }
 
 void find_chunk_violations(ElementPairs& candidates, std::size_t chunk, const ParticleView& particles,

@@ -3,12 +3,18 @@
 #include "souple/contacts/contact_material.h"
 #include "souple/contacts/surfaces/element_pairs.h"
 #include "souple/contacts/surfaces/feature_owners.h"
-#include "souple/contacts/surfaces/path_crossing.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace souple {
+
+/// Crossing of a vertex' path and a triangle.
+struct PathCrossing {
+  bool found = false;
+  Vec3f weight;  ///< barycentric coordinates of the crossing for the three corners
+  Vec3f normal;  ///< unit normal of the triangle, to the side that the vertex comes from
+};
 
 /// Finds which candidate pairs touch, and describes their contacts: weights, normal, friction.
 class SurfaceNarrowPhase {

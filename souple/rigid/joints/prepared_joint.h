@@ -1,11 +1,21 @@
 #pragma once
 
 #include "souple/rigid/joints/joint.h"
-#include "souple/rigid/joints/row_target.h"
 
 #include <span>
 
 namespace souple::joint {
+
+/// The values of a row when the substep began, and one substep before.
+struct RowHistory {
+  double start = 0, before = 0;
+};
+
+/// Equation of a row for the solve: value - goal + alpha lambda = 0.
+struct RowTarget {
+  double goal = 0;   ///< m or rad
+  double alpha = 0;  ///< 1/kg or 1/(kg m^2)
+};
 
 /// From a body's center of mass to the joint's point [m].
 struct Arm {

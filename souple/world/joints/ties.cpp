@@ -1,5 +1,6 @@
 #include "souple/world/joints/ties.h"
 
+#include "souple/collision/nearest.h"
 #include "souple/geometry/closest_point.h"
 #include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
@@ -237,10 +238,9 @@ class NewTie {
     double least = std::numeric_limits<double>::infinity();
     for (std::uint32_t k = 0; k + 1 < tie_.chain.size(); ++k) {
       const Vec3d from = world_.particles.exact_position(object.begin + tie_.chain[k]);
-      const Vec3d d = world_.particles.exact_position(object.begin + tie_.chain[k + 1]) - from;
-      const double square = length_squared(d);
-      const double t = square > 0 ? std::clamp(dot(point - from, d) / square, 0.0, 1.0) : 0;
-      const double distance = length_squared(from + d * t - point);
+      const Vec3d to = world_.particles.exact_position(object.begin + tie_.chain[k + 1]);
+      const double t = nearest_on_edge(point, from, to);
+      const double distance = length_squared(from + (to - from) * t - point);
       if (distance < least) least = distance, state_.segment = k, state_.along = t;
     }
   }
@@ -322,9 +322,7 @@ SurfacePoint World::surface_point(ObjectId id, const Vec3d& p) const {
   }
   const bool is_line = object.traits().shape == ObjectShape::line;
   for (std::uint32_t v = 0; is_line && v + 1 < x.size(); ++v) {
-    const Vec3d from(x[v]), d = Vec3d(x[v + 1]) - from;
-    const double square = length_squared(d);
-    const double t = square > 0 ? std::clamp(dot(p - from, d) / square, 0.0, 1.0) : 0;
+    const double t = nearest_on_edge(p, Vec3d(x[v]), Vec3d(x[v + 1]));
     closest.take(p, x, {v, v + 1, v}, {1 - t, t, 0});
   }
   for (std::uint32_t v = 0; !std::isfinite(closest.least) && v < x.size(); ++v)
