@@ -1,7 +1,7 @@
 #pragma once
 
-#include "souple/error.h"
 #include "souple/math/vec3.h"
+#include "tests/expect_error.h"
 #include "tests/folder_test.h"
 
 #include <csignal>
@@ -42,22 +42,6 @@ inline std::vector<Vec3f> frame_of(std::size_t points, int frame) {
     positions[i] = {0.1f * static_cast<float>(i) + static_cast<float>(frame), -static_cast<float>(i),
                     1.0f / static_cast<float>(frame + 3)};
   return positions;
-}
-
-/// The message of the Error that `action` throws; a test failure if it throws none.
-template <class Action>
-std::string error_of(Action action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "expected an Error";
-  return "";
-}
-
-inline void expect_says(const std::string& message, const std::string& part) {
-  EXPECT_NE(message.find(part), std::string::npos) << "\"" << message << "\" does not say \"" << part << "\"";
 }
 
 }  // namespace souple::test

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <initializer_list>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -20,6 +21,20 @@ class AssimpTest : public test::FolderTest {
     if (!mesh_import_has_assimp()) GTEST_SKIP() << "built without assimp";
   }
 };
+
+struct BadText {
+  std::string text;
+  std::initializer_list<std::string> words;  ///< of the message
+};
+
+/// Expects that reading throws Error for each text.
+template <class Read>
+void expect_bad(const Read& read, std::initializer_list<BadText> cases) {
+  for (const BadText& bad : cases) {
+    SCOPED_TRACE(bad.text);
+    expect_error([&] { read(bad.text); }, bad.words);
+  }
+}
 
 /// The bytes of numbers in the given order.
 template <class... T>

@@ -1,8 +1,10 @@
 #pragma once
 
 #include "souple/geometry/builders.h"
+#include "souple/io/recorder.h"
 #include "souple/world/world.h"
 
+#include <string>
 #include <vector>
 
 namespace souple::test {
@@ -20,6 +22,31 @@ inline World everything() {
   world.add_grains(centers, {}, {.name = "sand"});
   world.add_collider(Plane{.normal = {0, 1, 0}, .offset = 0});
   return world;
+}
+
+/// Positions by frame and object.
+using Shown = std::vector<std::vector<std::vector<Vec3f>>>;
+
+/// Steps and captures; returns what the world showed.
+inline Shown run(World& world, Recorder& recorder, int frames) {
+  Shown shown;
+  for (int i = 0; i < frames; ++i) {
+    world.step(1.0 / 60);
+    recorder.capture();
+    auto& objects = shown.emplace_back();
+    for (const ObjectId object : world.objects())
+      objects.emplace_back(world.positions(object).begin(), world.positions(object).end());
+  }
+  return shown;
+}
+
+/// A run into a folder, from its first frame to its last.
+inline Shown record(World& world, const std::string& folder, int frames,
+                    const RecorderOptions& options = {}) {
+  Recorder recorder(world, folder, options);
+  Shown shown = run(world, recorder, frames);
+  recorder.finish();
+  return shown;
 }
 
 }  // namespace souple::test

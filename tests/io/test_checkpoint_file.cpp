@@ -1,4 +1,5 @@
 #include "io_test.h"
+#include "souple/files/atomic_file.h"
 #include "souple/io/checkpoint_file.h"
 #include "souple/math/fnv1a.h"
 
@@ -46,12 +47,12 @@ TEST_F(CheckpointFileTest, ReadsBackWhatWasWritten) {
 TEST_F(CheckpointFileTest, ANewerVersionIsNamed) {
   Checkpoint newer = example();
   newer.version = "0.2.0";
-  expect_says(error_for(checkpoint_bytes(newer)), "was written by Souple 0.2.0, this is 0.1.0");
+  expect_words(error_for(checkpoint_bytes(newer)), {"was written by Souple 0.2.0, this is 0.1.0"});
   newer.version = "0.10.0";
-  expect_says(error_for(checkpoint_bytes(newer), "0.9.5"), "was written by Souple 0.10.0, this is 0.9.5");
+  expect_words(error_for(checkpoint_bytes(newer), "0.9.5"), {"was written by Souple 0.10.0, this is 0.9.5"});
   std::string format_2 = checkpoint_bytes(example());
   format_2[8] = 2;
-  expect_says(error_for(sealed(format_2)), "was written by Souple 0.1.0");
+  expect_words(error_for(sealed(format_2)), {"was written by Souple 0.1.0"});
 }
 
 TEST_F(CheckpointFileTest, EveryFlippedBitIsFound) {
@@ -73,9 +74,9 @@ TEST_F(CheckpointFileTest, EveryOtherLengthIsFound) {
     bad.resize(length);
     EXPECT_THROW(parse_checkpoint(bad, "a", "0.1.0"), Error) << length;
   }
-  expect_says(error_for(good.substr(0, good.size() - 1)), "cut short");
-  expect_says(error_for(good.substr(0, 40)), "cut short");
-  expect_says(error_for("# Blender OBJ"), "is not a checkpoint");
+  expect_words(error_for(good.substr(0, good.size() - 1)), {"cut short"});
+  expect_words(error_for(good.substr(0, 40)), {"cut short"});
+  expect_words(error_for("# Blender OBJ"), {"is not a checkpoint"});
 }
 
 TEST_F(CheckpointFileTest, SizesThatLieUnderRightChecksumsAreFound) {
@@ -93,15 +94,15 @@ TEST_F(CheckpointFileTest, SizesThatLieUnderRightChecksumsAreFound) {
   }
   std::string scene_size = good;
   put_number(scene_size, 72, ~0ull);
-  expect_says(error_for(sealed(scene_size)), "its scene is said to have 18446744073709551615 bytes");
-  expect_says(error_for(sealed(good + "x")), "follow its end");
+  expect_words(error_for(sealed(scene_size)), {"its scene is said to have 18446744073709551615 bytes"});
+  expect_words(error_for(sealed(good + "x")), {"follow its end"});
 }
 
 TEST_F(CheckpointFileTest, CachesStayInTheirFolder) {
   Checkpoint outside = example();
   for (const char* path : {"../cloth.pc2", "/cloth.pc2", "", "a/../../b"}) {
     outside.caches[0].path = path;
-    expect_says(error_for(checkpoint_bytes(outside)), "outside its folder");
+    expect_words(error_for(checkpoint_bytes(outside)), {"outside its folder"});
   }
 }
 
@@ -111,6 +112,62 @@ TEST_F(CheckpointFileTest, AVersionIsThreeNumbers) {
     bad.version = version;
     EXPECT_THROW(checkpoint_bytes(bad), Error) << version;
   }
+}
+
+using AtomicFileTest = FolderTest;
+
+TEST_F(AtomicFileTest, AppearsWholeAtCommit) {
+  AtomicFile file(folder / "a.txt");
+  file.write("one ");
+  file.write("two");
+  EXPECT_FALSE(has("a.txt"));
+  file.commit(Sync::yes);
+  EXPECT_EQ(get("a.txt"), "one two");
+  EXPECT_EQ(count(), 1);
+}
+
+TEST_F(AtomicFileTest, WithoutCommitTheOldFileStaysAndNothingElse) {
+  put("a.txt", "old");
+  {
+    AtomicFile file(folder / "a.txt");
+    file.write("new");
+  }
+  EXPECT_EQ(get("a.txt"), "old");
+  EXPECT_EQ(count(), 1);
+}
+
+TEST_F(AtomicFileTest, ReplacesAnOldFile) {
+  put("a.txt", "old and longer");
+  write_file_atomically(folder / "a.txt", "new");
+  EXPECT_EQ(get("a.txt"), "new");
+}
+
+TEST_F(AtomicFileTest, ErrorsNamePathAndReason) {
+  const auto missing = folder / "nowhere" / "a.txt";
+  expect_error([&] { write_file_atomically(missing, "x"); }, {missing.string(), "there is no folder"});
+  std::filesystem::create_directories(folder / "taken" / "inside");
+  expect_error([&] { write_file_atomically(folder / "taken", "x"); }, {"cannot be renamed"});
+  EXPECT_FALSE(has("taken.part"));
+  expect_error([&] { read_whole_file(folder / "none"); }, {"No such file"});
+  expect_error([&] { read_whole_file(folder / "taken"); }, {"is not a file"});
+}
+
+TEST_F(AtomicFileTest, AFullDiskIsAnErrorAndTheOldFileStays) {
+  put("a.txt", "old");
+  const std::string large(100000, 'x');
+  const FileSizeLimit limit(50000);
+  expect_error([&] { write_file_atomically(folder / "a.txt", large); },
+               {"a.txt.part: cannot be written: File too large"});
+  EXPECT_EQ(get("a.txt"), "old");
+  EXPECT_EQ(count(), 1);
+}
+
+TEST(Fnv1a, KnownValues) {
+  // From the authors' test suite.
+  EXPECT_EQ(fnv1a64(""), 0xcbf29ce484222325ull);
+  EXPECT_EQ(fnv1a64("a"), 0xaf63dc4c8601ec8cull);
+  EXPECT_EQ(fnv1a64("foobar"), 0x85944171f73967e8ull);
+  EXPECT_EQ(fnv1a64("bar", fnv1a64("foo")), fnv1a64("foobar"));
 }
 
 }  // namespace souple::test::test_io_checkpoint_file

@@ -62,31 +62,25 @@ TEST(MshReader, NamesFileAndLineOfBadInput) {
   const auto elements = [](const std::string& line) {
     return format_2 + nodes_2 + "$Elements\n1\n" + line + "\n$EndElements\n";
   };
-  const struct {
-    std::string text;
-    std::initializer_list<std::string> parts;
-  } cases[] = {
-      {"", {"a.msh:1:", "$MeshFormat"}},
-      {"$MeshFormat\n3.0 0 8\n", {"a.msh:2:", "3.0", "2.2 or 4.1"}},
-      {"$MeshFormat\n4.1 1 8\n", {"a.msh:2:", "binary", "Mesh.Binary 0"}},
-      {format_2 + "$Nodes\n1000000000\n1 0 0 0\n$EndNodes\n", {"a.msh:5:", "1000000000", "long enough"}},
-      {format_4 + "$Nodes\n1 99999999 1 1\n", {"a.msh:5:", "99999999", "long enough"}},
-      {format_2 + "$Nodes\n2\n1 0 0 0\n1 1 1 1\n$EndNodes\n", {"a.msh:", "node 1 twice"}},
-      {format_2 + nodes_2, {"a.msh:", "no tet"}},
-      {format_2 + elements_2, {"a.msh:4:", "$Nodes before"}},
-      {elements("1 4 2 1 1 10 20 30 41"), {"a.msh:14:", "node 41"}},
-      {elements("1 4 2 1 1 10 20 30 30"), {"a.msh:14:", "flat"}},
-      {elements("1 4 2 1 1 10 20 30"), {"a.msh:15:", "$EndElements", "node of an element"}},
-      {elements("1 5 2 1 1 10 20 30 40 7 10 20 30"), {"a.msh:14:", "type 5", "tets of four nodes"}},
-      {elements("1 11 2 1 1 10 20 30 40 7 7 7 7 7 7"), {"a.msh:14:", "type 11"}},
-      {format_2 + nodes_2 + "$Elements\n2\n1 4 0 10 20 30 40\n1 4 0 10 20 30 40\n$EndElements\n",
-       {"a.msh:", "element 1 twice"}},
-      {format_2 + "$Nodes\n1\n1 0 0 inf\n", {"a.msh:6:", "\"inf\""}},
-      {format_2 + "$Other\n1\n", {"a.msh:4:", "$EndOther"}}};
-  for (const auto& bad : cases) {
-    SCOPED_TRACE(bad.text);
-    expect_error([&] { msh(bad.text); }, bad.parts);
-  }
+  expect_bad(
+      msh,
+      {{"", {"a.msh:1:", "$MeshFormat"}},
+       {"$MeshFormat\n3.0 0 8\n", {"a.msh:2:", "3.0", "2.2 or 4.1"}},
+       {"$MeshFormat\n4.1 1 8\n", {"a.msh:2:", "binary", "Mesh.Binary 0"}},
+       {format_2 + "$Nodes\n1000000000\n1 0 0 0\n$EndNodes\n", {"a.msh:5:", "1000000000", "long enough"}},
+       {format_4 + "$Nodes\n1 99999999 1 1\n", {"a.msh:5:", "99999999", "long enough"}},
+       {format_2 + "$Nodes\n2\n1 0 0 0\n1 1 1 1\n$EndNodes\n", {"a.msh:", "node 1 twice"}},
+       {format_2 + nodes_2, {"a.msh:", "no tet"}},
+       {format_2 + elements_2, {"a.msh:4:", "$Nodes before"}},
+       {elements("1 4 2 1 1 10 20 30 41"), {"a.msh:14:", "node 41"}},
+       {elements("1 4 2 1 1 10 20 30 30"), {"a.msh:14:", "flat"}},
+       {elements("1 4 2 1 1 10 20 30"), {"a.msh:15:", "$EndElements", "node of an element"}},
+       {elements("1 5 2 1 1 10 20 30 40 7 10 20 30"), {"a.msh:14:", "type 5", "tets of four nodes"}},
+       {elements("1 11 2 1 1 10 20 30 40 7 7 7 7 7 7"), {"a.msh:14:", "type 11"}},
+       {format_2 + nodes_2 + "$Elements\n2\n1 4 0 10 20 30 40\n1 4 0 10 20 30 40\n$EndElements\n",
+        {"a.msh:", "element 1 twice"}},
+       {format_2 + "$Nodes\n1\n1 0 0 inf\n", {"a.msh:6:", "\"inf\""}},
+       {format_2 + "$Other\n1\n", {"a.msh:4:", "$EndOther"}}});
 }
 
 const std::string node_1 =
@@ -158,27 +152,21 @@ TEST(VtkReader, ReadsBinary) {
 
 TEST(VtkReader, NamesFileAndPlaceOfBadInput) {
   const auto cells = [](const std::string& rest) { return vtk("ASCII", points_text + rest); };
-  const struct {
-    std::string text;
-    std::initializer_list<std::string> parts;
-  } cases[] = {{"hello", {"a.vtk:1:", "# vtk DataFile"}},
-               {"# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\n", {"a.vtk:4:", "POLYDATA"}},
-               {vtk("ASCII", "POINTS 1000000000 float\n0 0 0\n"), {"a.vtk:5:", "1000000000", "long enough"}},
-               {vtk("ASCII", "POINTS 4 half\n0 0 0\n 0 0 0 0 0 0"), {"a.vtk:5:", "\"half\""}},
-               {vtk("ASCII", "POINTS 1 float\n0 0 x\n"), {"a.vtk:6:", "\"x\""}},
-               {cells("CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 2\n10 10\n"), {"a.vtk:10:", "2 cell types"}},
-               {cells("CELLS 1 5\n4 0 1 2 5\nCELL_TYPES 1\n10\n"), {"a.vtk", "cell 0 with point 5"}},
-               {cells("CELLS 1 5\n4 0 1 2 2\nCELL_TYPES 1\n10\n"), {"a.vtk", "flat tet"}},
-               {cells("CELLS 1 5\n5 0 1 2 3\nCELL_TYPES 1\n10\n"), {"a.vtk:9:", "0 whole cells"}},
-               {cells("CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n10\n"), {"a.vtk", "without four points"}},
-               {cells("CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5\n"), {"a.vtk", "no tet"}},
-               {cells("CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n12\n"), {"a.vtk", "type 12", "type 10"}},
-               {cells("CELLS 2 4\nOFFSETS int\n0 5\nCONNECTIVITY int\n0 1 2 3\n"), {"a.vtk:12:", "OFFSETS"}},
-               {cells("NOTHING\n"), {"a.vtk:8:", "\"NOTHING\""}}};
-  for (const auto& bad : cases) {
-    SCOPED_TRACE(bad.text);
-    expect_error([&] { parse_grid(bad.text); }, bad.parts);
-  }
+  expect_bad(parse_grid,
+             {{"hello", {"a.vtk:1:", "# vtk DataFile"}},
+              {"# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\n", {"a.vtk:4:", "POLYDATA"}},
+              {vtk("ASCII", "POINTS 1000000000 float\n0 0 0\n"), {"a.vtk:5:", "1000000000", "long enough"}},
+              {vtk("ASCII", "POINTS 4 half\n0 0 0\n 0 0 0 0 0 0"), {"a.vtk:5:", "\"half\""}},
+              {vtk("ASCII", "POINTS 1 float\n0 0 x\n"), {"a.vtk:6:", "\"x\""}},
+              {cells("CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 2\n10 10\n"), {"a.vtk:10:", "2 cell types"}},
+              {cells("CELLS 1 5\n4 0 1 2 5\nCELL_TYPES 1\n10\n"), {"a.vtk", "cell 0 with point 5"}},
+              {cells("CELLS 1 5\n4 0 1 2 2\nCELL_TYPES 1\n10\n"), {"a.vtk", "flat tet"}},
+              {cells("CELLS 1 5\n5 0 1 2 3\nCELL_TYPES 1\n10\n"), {"a.vtk:9:", "0 whole cells"}},
+              {cells("CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n10\n"), {"a.vtk", "without four points"}},
+              {cells("CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5\n"), {"a.vtk", "no tet"}},
+              {cells("CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n12\n"), {"a.vtk", "type 12", "type 10"}},
+              {cells("CELLS 2 4\nOFFSETS int\n0 5\nCONNECTIVITY int\n0 1 2 3\n"), {"a.vtk:12:", "OFFSETS"}},
+              {cells("NOTHING\n"), {"a.vtk:8:", "\"NOTHING\""}}});
 }
 
 }  // namespace souple::test_io_mesh_tets
