@@ -1,8 +1,10 @@
+#include "souple/geometry/builders.h"
 #include "souple/scene/scene.h"
 #include "souple/souple.h"
 #include "tests/expect_error.h"
 #include "tests/host/player.h"
 
+#include <cmath>
 #include <fstream>
 #include <thread>
 
@@ -27,10 +29,8 @@ TEST(Session, ASceneMovesAsInAPureRunToTheBit) {
 
 TEST(Session, MeshesOfTheHostMoveAsInAPureRunToTheBit) {
   const Corners sheet(grid(13, 13, 1.0)), ball(sphere(2, 0.2)), post(box({0.3, 0.3, 0.3}, {1, 1, 1}));
-  const At above(0.125f, 1, 0);
   Player host;
-  MeshOptions options;
-  options.transform = above;
+  Placed options(0.125f, 1, 0);
   options.preset = "silk";
   options.self_collision = true;
   const Handle cloth = host.session.add_cloth(sheet.soup(), options);
@@ -64,11 +64,7 @@ TEST(Session, MeshesOfTheHostMoveAsInAPureRunToTheBit) {
 
 // --- time
 
-TEST(Session, PlayPauseStepAndResetMakeExactlyTheirSteps) {
-  const Corners sheet(grid(5, 5, 1.0));
-  Player host;
-  Session& s = host.session;
-  const Handle cloth = s.add_cloth(sheet.soup());
+TEST_F(SmallCloth, PlayPauseStepAndResetMakeExactlyTheirSteps) {
   const std::uint64_t start = s.hash();
   EXPECT_EQ(s.advance(0, dt), Tick::step);  // the first frame
   for (int i = 0; i < 3; ++i) EXPECT_EQ(s.advance(0, dt), Tick::nothing);
@@ -111,16 +107,11 @@ TEST(Session, MayBeginInTheMiddleOfTheHostsTime) {
   expect_error([&] { s.start_at(static_cast<double>(nan)); }, {"not finite"});
 }
 
-TEST(Session, AResetKeepsWhatTheUserChanged) {
+TEST_F(HostedSession, AResetKeepsWhatTheUserChanged) {
   const Corners sheet(grid(7, 7, 1.0));
-  Player host;
-  Session& s = host.session;
   s.open_scene(scenes + "flag.json");
   const Handle flag = s.objects()[0].handle;
-  const At above(0, 9, 0);
-  MeshOptions options;
-  options.transform = above;
-  const Handle cloth = s.add_cloth(sheet.soup(), options);
+  const Handle cloth = s.add_cloth(sheet.soup(), Placed(0, 9, 0));
   const Handle other = s.add_cloth(sheet.soup());
   host.play(3);
   s.set_pinned(cloth, 0, true);
@@ -168,15 +159,12 @@ TEST(Session, AResetMakesTheSceneFromTheMaterialsOfNow) {
 
 TEST(Session, AStepThatGoesBadPausesSaysSoAndLeavesTheWorldAsItWas) {
   const Corners sheet(grid(5, 5, 1.0)), block(box({2, 0.2, 2}, {4, 1, 4}));
-  const At above(0, 0.12f, 0);
   const At higher(0, 0.02f, 0);
   Player host{Session({1000})}, undisturbed;
-  MeshOptions options;
-  options.transform = above;
   Handle table = 0;
   for (Player* player : {&host, &undisturbed}) {
     table = player->session.add_obstacle(block.soup());
-    player->session.add_cloth(sheet.soup(), options);
+    player->session.add_cloth(sheet.soup(), Placed(0, 0.12f, 0));
     player->play(20);
   }
   Session& s = host.session;
@@ -201,13 +189,11 @@ TEST(Session, AStepThatGoesBadPausesSaysSoAndLeavesTheWorldAsItWas) {
 }
 
 /// Its solver takes no more than a few constraints; a mesh of the host has more.
-TEST(Session, AStepThatCannotBeginPausesAndSaysSo) {
+TEST_F(HostedSession, AStepThatCannotBeginPausesAndSaysSo) {
   const std::string file = testing::TempDir() + "host_dense.json";
   std::ofstream(file) << R"({"souple": 1, "solver": "dense", "objects": [
       {"kind": "cloth", "mesh": {"grid": {"columns": 3, "rows": 3, "size": 1}}}]})";
   const Corners sheet(grid(60, 60, 1.0));
-  Player host;
-  Session& s = host.session;
   s.open_scene(file);
   host.play(2);
   const Handle large = s.add_cloth(sheet.soup());
@@ -224,16 +210,12 @@ TEST(Session, AStepThatCannotBeginPausesAndSaysSo) {
 
 // --- the user's actions
 
-TEST(Session, PostedActionsWaitForTheNextFrame) {
-  const Corners sheet(grid(5, 5, 1.0));
-  Player host;
-  Session& s = host.session;
-  const Handle cloth = s.add_cloth(sheet.soup());
+TEST_F(SmallCloth, PostedActionsWaitForTheNextFrame) {
   std::thread user([&] {
     s.post("substeps", [](Session& session) { session.set_substeps(3); });
     s.post("substeps", [](Session& session) { session.set_substeps(5); });
-    s.post("remove", [cloth](Session& session) { session.remove(cloth); });
-    s.post("pin", [cloth](Session& session) { session.set_pinned(cloth, 0, true); });
+    s.post("remove", [this](Session& session) { session.remove(cloth); });
+    s.post("pin", [this](Session& session) { session.set_pinned(cloth, 0, true); });
     s.post("mode", [](Session& session) { session.set_mode("xpbd"); });
   });
   user.join();
@@ -269,11 +251,7 @@ TEST(Session, WhatWasMendedInAMeshIsTold) {
 }
 
 /// A sheet of rubber that hangs on a corner: too long in every step, and it is said once.
-TEST(Session, AWarningThatLastsIsOneMessage) {
-  const Corners sheet(grid(9, 9, 1.0));
-  Player host;
-  Session& s = host.session;
-  const Handle cloth = s.add_cloth(sheet.soup());
+TEST_F(LargeCloth, AWarningThatLastsIsOneMessage) {
   s.set_parameter(cloth, "membrane_stiffness", 3);
   s.set_pinned(cloth, 0, true);
   host.play(60);
@@ -283,11 +261,7 @@ TEST(Session, AWarningThatLastsIsOneMessage) {
   EXPECT_EQ(messages[0], s.statistics().warnings);
 }
 
-TEST(Session, EverythingAboutAnObjectThatIsGoneIsSaidInWords) {
-  const Corners sheet(grid(5, 5, 1.0));
-  Player host;
-  Session& s = host.session;
-  const Handle cloth = s.add_cloth(sheet.soup());
+TEST_F(SmallCloth, EverythingAboutAnObjectThatIsGoneIsSaidInWords) {
   const Ray ray{{0, 1, 0}, {0, -1, 0}};
   ASSERT_TRUE(s.grab_vertex(cloth, 0, ray));
   s.remove(cloth);
@@ -321,11 +295,7 @@ TEST(Session, EverythingAboutAnObjectThatIsGoneIsSaidInWords) {
 
 // --- what cannot be done
 
-TEST(Session, WhatCannotBeDoneIsOneSentenceAndChangesNothing) {
-  Corners sheet(grid(5, 5, 1.0));
-  Player host;
-  Session& s = host.session;
-  const Handle cloth = s.add_cloth(sheet.soup());
+TEST_F(SmallCloth, WhatCannotBeDoneIsOneSentenceAndChangesNothing) {
   const std::uint64_t before = s.hash();
   expect_error([&] { s.open_scene(scenes + "no_such_scene.json"); }, {"no_such_scene.json"});
   MeshOptions options;
@@ -368,6 +338,161 @@ TEST(Session, TwoSessionsAndClosingWhileSomethingIsHeld) {
     EXPECT_NE(a.hash(), 0u);
   }
   EXPECT_EQ(a.advance(9, dt), Tick::step);
+}
+
+/// Wherever it goes, what is left moves on, and a reset brings back nothing that was removed.
+TEST_F(HostedSession, ObjectsAreRemovedDuringPlay) {
+  const Corners sheet(grid(7, 7, 1.0)), ball(sphere(1, 0.2)), block(box({1, 1, 1}, {1, 1, 1}));
+  s.open_scene(scenes + "flag.json");
+  const Handle flag = s.objects()[0].handle;
+  const Handle table = s.add_obstacle(block.soup());
+  Placed options(0, 0.8f, 0);
+  const Handle pinned = s.add_cloth(sheet.soup(), options);
+  options.lattice_tets = 100;
+  const Handle soft = s.add_soft_body(ball.soup(), options);
+  s.set_pinned(pinned, 0, true);
+  s.set_pinned(soft, 0, true);
+  host.play(5);
+  std::size_t left = 4;
+  EXPECT_EQ(s.statistics().objects, left);
+  for (const Handle gone : {pinned, flag, table, soft}) {
+    const std::uint64_t version = s.version();
+    s.remove(gone);
+    EXPECT_GT(s.version(), version);
+    EXPECT_FALSE(s.contains(gone));
+    EXPECT_EQ(s.objects().size(), --left);
+    EXPECT_EQ(s.statistics().objects, left);
+    host.play(3);
+    s.reset();
+    EXPECT_EQ(s.objects().size(), left);
+    EXPECT_EQ(s.statistics().objects, left);
+    host.play(3);
+    EXPECT_TRUE(s.playing());
+    for (const ObjectInfo& info : s.objects())
+      for (const float x : drawn(s, info.handle)) ASSERT_TRUE(std::isfinite(x)) << info.name;
+  }
+  EXPECT_TRUE(s.take_messages().empty());
+  const Handle again = s.add_cloth(sheet.soup(), options);  // into a world without objects
+  host.play(3);
+  EXPECT_LT(drawn(s, again)[1], 0);
+}
+
+/// An object that comes after one is removed is as if that one had never been.
+TEST(Session, AResetAfterARemovalIsTheWorldWithoutIt) {
+  const Corners sheet(grid(7, 7, 1.0));
+  Placed options(0, 0.8f, 0);
+  options.name = "kept";
+  Player with, without;
+  const Handle gone = with.session.add_cloth(sheet.soup());
+  with.session.set_pinned(with.session.add_cloth(sheet.soup(), options), 0, true);
+  without.session.set_pinned(without.session.add_cloth(sheet.soup(), options), 0, true);
+  with.play(5);
+  with.session.remove(gone);
+  with.session.reset();
+  with.play(20);
+  without.play(20);
+  EXPECT_EQ(with.session.hash(), without.session.hash());
+}
+
+TEST_F(HostedSession, RemovingWhatIsHeldLetsGoAndRemovingAnotherDoesNot) {
+  const Corners sheet(grid(7, 7, 1.0));
+  s.set_gravity(0, 0, 0);
+  const Handle other = s.add_cloth(sheet.soup());
+  const Handle held = s.add_cloth(sheet.soup(), Placed(3, 0, 0));
+  const Vec3f start = sheet.at(0) + Vec3f(3, 0, 0), goal = start + Vec3f(0, 0.3f, 0),
+              eye = start + Vec3f(0, 0, 4);
+  ASSERT_TRUE(s.grab_vertex(held, 0, {eye, start - eye}));
+  s.drag({eye, goal - eye});
+  host.play(2);
+  s.remove(other);
+  EXPECT_TRUE(s.grabbing());
+  host.play(120);
+  EXPECT_LT(length(s.grabbed_point() - goal), 0.05f);
+  s.remove(held);
+  EXPECT_FALSE(s.grabbing());
+  EXPECT_EQ(s.drag_target(), Vec3f());
+  s.drag({eye, start - eye});
+  s.release();
+  host.play(2);
+  s.reset();
+  EXPECT_TRUE(s.objects().empty());
+  host.play(2);
+}
+
+/// Vertices of a soft body share the tets that carry them: of two that share one, the last word counts.
+TEST(Session, PinsComeBackInTheOrderInWhichTheyWereSaid) {
+  const Corners ball(sphere(2, 0.3));
+  MeshOptions options;
+  options.lattice_tets = 40;  // so coarse that neighbors share
+  std::uint32_t near = 1;
+  while (ball.at(near) == ball.at(0)) ++near;
+  for (const bool freed_first : {false, true}) {
+    Player host, again;
+    for (Player* player : {&host, &again}) {
+      Session& s = player->session;
+      const Handle soft = s.add_soft_body(ball.soup(), options);
+      s.set_pinned(soft, 0, true);
+      s.set_pinned(soft, near, freed_first);
+      s.set_pinned(soft, 0, !freed_first);
+    }
+    again.session.reset();
+    for (Player* player : {&host, &again}) player->play(20);
+    EXPECT_EQ(again.session.hash(), host.session.hash()) << freed_first;
+  }
+}
+
+/// Writes a scene of one cloth; `mesh` and `end` are where the tests break it.
+std::string written_scene(const std::string& name, const std::string& mesh, const std::string& end) {
+  std::string file = testing::TempDir() + name;
+  std::ofstream(file) << R"({"souple": 1, "objects": [{"kind": "cloth", "mesh": )" << mesh << "}]" << end;
+  return file;
+}
+
+TEST(Session, ASceneThatFailsToOpenLeavesTheSessionAsItWas) {
+  const std::string whole = R"({"grid": {"columns": 4, "rows": 4, "size": 1}})";
+  std::ofstream(testing::TempDir() + "host_broken.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n";
+  const struct {
+    std::string file;
+    std::initializer_list<std::string> words;
+  } failures[] = {
+      {"no/such_scene.json", {"no/such_scene.json"}},
+      {testing::TempDir(), {"folder"}},
+      {written_scene("host_text.json", whole, ""), {"host_text.json"}},
+      {written_scene("host_key.json", whole, R"(, "substps": 3})"), {"substps", "substeps"}},
+      {written_scene("host_mesh.json", R"({"file": "no_such_mesh.obj"})", "}"), {"no_such_mesh.obj"}},
+      {written_scene("host_obj.json", R"({"file": "host_broken.obj"})", "}"), {"host_broken.obj"}},
+      {written_scene("host_pin.json", whole + R"(, "pins": [{"vertices": [99]}])", "}"), {"pins[0]", "99"}}};
+  const Corners sheet(grid(7, 7, 1.0));
+  Player host, undisturbed;
+  for (Player* player : {&host, &undisturbed}) {
+    player->session.open_scene(scenes + "flag.json");
+    player->session.set_pinned(player->session.add_cloth(sheet.soup()), 0, true);
+    player->session.set_substeps(4);
+    player->play(3);
+  }
+  Session& s = host.session;
+  const std::vector<ObjectInfo> before = s.objects();
+  const Vec3f corner = sheet.at(9);
+  ASSERT_TRUE(s.grab_vertex(before[1].handle, 9, {corner + Vec3f(0, 1, 0), {0, -1, 0}}));
+  for (const auto& [file, words] : failures) {
+    SCOPED_TRACE(file);
+    const std::uint64_t hash = s.hash(), version = s.version();
+    expect_error([&, &file = file] { s.open_scene(file); }, words);
+    EXPECT_EQ(s.hash(), hash);
+    EXPECT_EQ(s.version(), version);
+    EXPECT_EQ(s.steps(), 3u);
+    EXPECT_TRUE(s.playing());
+    EXPECT_TRUE(s.grabbing());
+    EXPECT_EQ(s.substeps(), 4);
+    ASSERT_EQ(s.objects().size(), before.size());
+    for (std::size_t i = 0; i < before.size(); ++i) EXPECT_EQ(s.objects()[i].handle, before[i].handle);
+    EXPECT_EQ(s.colliders().size(), 2u);
+  }
+  s.release();
+  for (Player* player : {&host, &undisturbed}) player->play(5);
+  EXPECT_EQ(s.hash(), undisturbed.session.hash());
+  for (Player* player : {&host, &undisturbed}) player->session.reset(), player->play(5);
+  EXPECT_EQ(s.hash(), undisturbed.session.hash());
 }
 
 }  // namespace souple::host::test_host_session

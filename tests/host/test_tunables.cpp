@@ -1,19 +1,17 @@
+#include "souple/host/material_tunables.h"
 #include "souple/souple.h"
 #include "tests/expect_error.h"
 #include "tests/host/player.h"
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
-namespace souple::host::test_host_session_tunables {
+namespace souple::host::test_host_tunables {
 
-TEST(Session, ParametersAreThoseOfTheMaterial) {
-  const Corners sheet(grid(9, 9, 1.0));
-  Player host;
-  Session& s = host.session;
-  const Handle cloth = s.add_cloth(sheet.soup());
+TEST_F(LargeCloth, ParametersAreThoseOfTheMaterial) {
   const std::vector<Parameter> parameters = s.parameters(cloth);
   ASSERT_FALSE(parameters.empty());
   for (const Parameter& p : parameters) {
@@ -81,4 +79,36 @@ TEST(Session, StatisticsAreOfTheLastStep) {
   EXPECT_NE(statistics.text().find("step 2"), std::string::npos);
 }
 
-}  // namespace souple::host::test_host_session_tunables
+template <class Material>
+class MaterialTunables : public testing::Test {};
+
+using Materials = testing::Types<ClothMaterial, SoftBodyMaterial, RopeMaterial, GrainsMaterial, FluidMaterial,
+                                 ObstacleMaterial, RigidBodyMaterial>;
+TYPED_TEST_SUITE(MaterialTunables, Materials, );
+
+TYPED_TEST(MaterialTunables, SpanWhatIsUsual) {
+  const TypeParam material;
+  for (const auto& tunable : tunables(material)) {
+    SCOPED_TRACE(tunable.name);
+    EXPECT_LT(tunable.range.least, tunable.range.most);
+    EXPECT_TRUE(!tunable.range.logarithmic || tunable.range.least > 0);
+    const float value = material.*tunable.field;
+    EXPECT_TRUE(value == 0 || (value >= tunable.range.least && value <= tunable.range.most)) << value;
+  }
+}
+
+TEST(MaterialTunablesOfCloth, AreShownWhenTheyTurnSomething) {
+  ClothMaterial plain, membrane;
+  membrane.stretch = StretchModel::membrane;
+  for (const Tunable<ClothMaterial>& tunable : tunables(plain)) {
+    const std::string name = tunable.name;
+    const bool of_pbd = name.rfind("pbd_", 0) == 0;
+    const bool of_membrane = name == "weft_stiffness" || name == "shear_stiffness" || name == "poisson_ratio";
+    for (const bool pbd : {false, true}) {
+      EXPECT_EQ(is_used(tunable, plain, pbd), !of_membrane && (pbd || !of_pbd)) << name;
+      EXPECT_EQ(is_used(tunable, membrane, pbd), pbd || !of_pbd) << name;
+    }
+  }
+}
+
+}  // namespace souple::host::test_host_tunables
