@@ -1,7 +1,7 @@
 #pragma once
 
-#include "souple/error.h"
 #include "souple/scene/scene.h"
+#include "tests/expect_error.h"
 #include "tests/paths.h"
 
 #include <algorithm>
@@ -38,12 +38,7 @@ inline std::vector<std::filesystem::path> shipped_scenes() {
 
 /// The error message of parsing `text`; empty if parsing succeeds.
 inline std::string error_message(const std::string& text, const std::vector<std::string>& overrides = {}) {
-  try {
-    parse_scene(text, scenes_folder(), "test.json", overrides);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
+  return error_of([&] { parse_scene(text, scenes_folder(), "test.json", overrides); });
 }
 
 /// A scene of one object with these keys.

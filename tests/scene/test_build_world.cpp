@@ -1,6 +1,7 @@
 // A world built from a scene matches its description.
-#include "scene_test.h"
 #include "souple/world/world.h"
+#include "tests/expect_error.h"
+#include "tests/scene/scene_test.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,12 +14,7 @@ World built(const std::string& text, const std::vector<std::string>& overrides =
 
 /// The error message of building a scene.
 std::string build_error(const std::string& text) {
-  try {
-    built(text);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return {};
+  return error_of([&] { built(text); });
 }
 
 TEST(BuildWorld, MakesWhatTheSceneSays) {
@@ -57,10 +53,9 @@ TEST(BuildWorld, ASignedDistanceFieldIsWhatItsMeshIs) {
 }
 
 TEST(BuildWorld, AnOpenMeshMakesNoSignedDistanceField) {
-  const std::string said =
-      build_error(with_field(R"({"mesh": {"grid": {"columns": 3, "rows": 3, "size": 1}}, "spacing": 0.1})"));
-  for (const char* word : {"test.json: colliders[0]: signed distance field", "8 edges are open"})
-    EXPECT_NE(said.find(word), std::string::npos) << said;
+  expect_words(
+      build_error(with_field(R"({"mesh": {"grid": {"columns": 3, "rows": 3, "size": 1}}, "spacing": 0.1})")),
+      {"test.json: colliders[0]: signed distance field", "8 edges are open"});
   EXPECT_THROW(built(with_field(R"({"mesh": {"sphere": {"radius": 1}}, "spacing": 0.1, "resolution": 9})")),
                Error);
 }
@@ -131,33 +126,19 @@ TEST(BuildWorld, ConnectionHoldsARopeToACloth) {
 TEST(BuildWorld, ErrorsNameTheirPlace) {
   const std::string cloth =
       R"("name": "flag", "kind": "cloth", "mesh": {"grid": {"columns": 4, "rows": 4, "size": 1}}, )";
-  const std::string pin = build_error(with_object(cloth + R"("pins": [{"all": true}, {"vertices": [99]}])"));
-  EXPECT_EQ(pin.find("test.json: objects[0].pins[1]: "), 0u) << pin;
-  EXPECT_NE(pin.find("99"), std::string::npos) << pin;
-  const std::string group = build_error(with_object(cloth + R"("pins": [{"group": "hem"}])"));
-  EXPECT_EQ(group.find("test.json: objects[0].pins[0]: "), 0u) << group;
-  EXPECT_NE(group.find("hem"), std::string::npos) << group;
-  const std::string colors =
-      build_error(with_object(cloth + R"("maps": {"stiffness": {"color": "red", "value": 2}})"));
-  EXPECT_EQ(colors.find("test.json: objects[0]: "), 0u) << colors;
-  const std::string open = build_error(with_object(cloth + R"("pressure": 10)"));
-  EXPECT_EQ(open.find("test.json: objects[0]: "), 0u) << open;
-  const std::string sizes = build_error(R"({"souple": 1, "objects": [
+  const auto expect = [](const std::string& text, const std::string& place, const char* word = "") {
+    const std::string said = build_error(text);
+    EXPECT_EQ(said.find("test.json: " + place + ": "), 0u) << said;
+    expect_words(said, {word});
+  };
+  expect(with_object(cloth + R"("pins": [{"all": true}, {"vertices": [99]}])"), "objects[0].pins[1]", "99");
+  expect(with_object(cloth + R"("pins": [{"group": "hem"}])"), "objects[0].pins[0]", "hem");
+  expect(with_object(cloth + R"("maps": {"stiffness": {"color": "red", "value": 2}})"), "objects[0]");
+  expect(with_object(cloth + R"("pressure": 10)"), "objects[0]");
+  expect(R"({"souple": 1, "objects": [
       {"name": "a", "kind": "rope", "points": [[0, 0, 0], [1, 0, 0]]}],
-      "connections": [{"from": {"object": "a", "vertices": [0, 1]}, "to": {"object": "a", "vertices": [2, 3, 4]}}]})");
-  EXPECT_EQ(sizes.find("test.json: connections[0]: "), 0u) << sizes;
-}
-
-TEST(BuildWorld, SameSceneSameBits) {
-  for (const char* name : {"flag", "stiff_boxes"}) {
-    std::uint64_t hashes[2];
-    for (std::uint64_t& hash : hashes) {
-      World world = build_world(load_scene(scenes_folder() / (std::string(name) + ".json")));
-      for (int i = 0; i < 3; ++i) world.step(1.0 / 60);
-      hash = world.hash();
-    }
-    EXPECT_EQ(hashes[0], hashes[1]) << name;
-  }
+      "connections": [{"from": {"object": "a", "vertices": [0, 1]}, "to": {"object": "a", "vertices": [2, 3, 4]}}]})",
+         "connections[0]");
 }
 
 /// A normalized scene builds an identical world.
@@ -171,6 +152,68 @@ TEST(BuildWorld, WrittenSceneBuildsTheSameWorld) {
     second.step(1 / scene.frame_rate);
     EXPECT_EQ(first.hash(), second.hash());
   }
+}
+
+// The keys of rigid bodies.
+
+std::string with_body(const std::string& keys) {
+  return with_object(R"("name": "body", "kind": "rigid_body", )" + keys);
+}
+
+RigidBodyState state_of(const World& world) {
+  return world.rigid_body(world.find_object("body"));
+}
+
+const std::string ball = R"("shape": {"sphere": {"radius": 0.1}})";
+
+TEST(SceneRigidBody, MassCenterAndInertiaAreGiven) {
+  const RigidBodyState state = state_of(built(
+      with_body(ball + R"(, "transform": {"translate": [1, 2, 3]}, "mass": 3, "center_of_mass": [0, -0.05, 0],
+                             "inertia": [0.01, 0.02, 0.025])")));
+  EXPECT_NEAR(state.mass, 3, 1e-12);
+  EXPECT_LT(length(state.pose.translation - Vec3d{1, 1.95, 3}), 1e-9);
+  EXPECT_NEAR(state.inertia.x, 0.01, 1e-12);
+  EXPECT_NEAR(state.inertia.y, 0.02, 1e-12);
+  EXPECT_NEAR(state.inertia.z, 0.025, 1e-12);
+}
+
+TEST(SceneRigidBody, SeveralShapesAreOneBody) {
+  const RigidBodyState state = state_of(built(with_body(R"("shapes": [
+      {"shape": {"box": {"half_extents": [0.1, 0.1, 0.1]}}, "density": 500},
+      {"shape": {"box": {"half_extents": [0.1, 0.1, 0.1]}}, "transform": {"translate": [0.2, 0, 0]}}],
+      "material": {"density": 1500})")));
+  EXPECT_NEAR(state.mass, 4 + 12, 1e-5);
+  EXPECT_NEAR(state.pose.translation.x, 0.15, 1e-7);
+}
+
+TEST(SceneRigidBody, KeyframesMoveAKinematicOne) {
+  World world = built(with_body(ball + R"(, "kinematic": true,
+      "keyframes": [{"time": 0, "translate": [0, 0, 0]}, {"time": 1, "translate": [2, 0, 0]}])"));
+  EXPECT_TRUE(world.is_kinematic(world.find_object("body")));
+  for (int frame = 0; frame < 30; ++frame) world.step(1.0 / 60);
+  EXPECT_NEAR(state_of(world).pose.translation.x, 1, 1e-9);
+  World stands = built(with_body(ball + R"(, "kinematic": true)"));
+  for (int frame = 0; frame < 30; ++frame) stands.step(1.0 / 60);
+  EXPECT_EQ(state_of(stands).pose.translation.y, 0);
+}
+
+TEST(SceneRigidBody, WhatIsWrittenIsRead) {
+  const std::string text = with_body(R"("shapes": [{"shape": {"sphere": {"radius": 0.1}},
+      "transform": {"translate": [1, 0, 0]}, "density": 20}], "mass": 2, "inertia": [1, 1, 1], "kinematic": true)");
+  const std::string once = to_json(parse_scene(text, scenes_folder(), "test.json"));
+  EXPECT_NE(once.find("\"shapes\""), std::string::npos);
+  EXPECT_EQ(to_json(parse_scene(once, scenes_folder(), "test.json")), once);
+}
+
+TEST(SceneRigidBody, ErrorsNameTheKey) {
+  expect_words(error_message(with_body(ball + R"(, "keyframes": [{"time": 0}])")), {"kinematic"});
+  expect_words(error_message(with_body(ball + R"(, "kinematic": false, "keyframes": [{"time": 0}])")),
+               {"kinematic", "true"});
+  expect_words(error_message(with_body(ball + R"(, "mass": 0)")), {"mass", "0"});
+  expect_words(error_message(with_body(R"("shapes": [])")), {"shapes"});
+  expect_words(error_message(with_body(ball + R"(, "shapes": [{"shape": {"sphere": {"radius": 1}}}])")),
+               {"shape"});
+  expect_error([&] { built(with_body(ball + R"(, "inertia": [1, 1, 5])")); }, {"body", "inertia"});
 }
 
 }  // namespace souple::scene_test::test_scene_build_world
