@@ -2,6 +2,7 @@
 #include "souple/error.h"
 #include "souple/geometry/builders.h"
 #include "souple/geometry/circle.h"
+#include "tests/expect_error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -194,12 +195,7 @@ TEST(Builders, RefuseWhatCannotBeBuilt) {
   EXPECT_THROW(tet_ball(1, 0, 1), Error);
   EXPECT_THROW(tet_ball(-1, 1, 1), Error);
   EXPECT_THROW(tet_ball(20, 1, 1), Error);
-  try {
-    grid(0, 5, 1);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_STREQ(error.what(), "grid: columns is 0, expected at least 2");
-  }
+  EXPECT_EQ(error_of([] { grid(0, 5, 1); }), "grid: columns is 0, expected at least 2");
 }
 
 }  // namespace souple::test_geometry_builders

@@ -448,29 +448,16 @@ TEST(ConvexHull, MeshHasThePolygonsAsFaces) {
 TEST(ConvexHull, RefusesPointsWithoutVolumeInSentences) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   expect_error([] { convex_hull({}); }, {"convex hull", "0 points", "at least 4"});
-  expect_error(
-      [] {
-        convex_hull(Points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}, "crate");
-      },
-      {"crate", "3 points"});
-  expect_error(
-      [&] {
-        convex_hull(Points{{0, 0, 0}, {1, 0, 0}, {0, nan, 0}, {0, 0, 1}});
-      },
-      {"point 2", "finite"});
-  expect_error(
-      [] {
-        convex_hull(Points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1e300}});
-      },
-      {"point 3", "1e9"});
-  expect_error([] { convex_hull(Points(10, Vec3d{1, 2, 3})); }, {"coincide", "thickness"});
-  expect_error([] { convex_hull(Points{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {5, 5, 5}}); }, {"on a line"});
-  expect_error(
-      [] {
-        convex_hull(placed(grid(20, 20, 1).positions, {{3, 2, 1}, oblique, 1}));
-      },
-      {"in a plane"});
-  expect_error([] { convex_hull(box({1, 1e-7, 1}).positions); }, {"in a plane", "tolerance"});
+  const auto refused = [](const Points& points, std::initializer_list<std::string> words) {
+    expect_error([&] { convex_hull(points, {}, "crate"); }, words);
+  };
+  refused({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {"crate", "3 points"});
+  refused({{0, 0, 0}, {1, 0, 0}, {0, nan, 0}, {0, 0, 1}}, {"point 2", "finite"});
+  refused({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1e300}}, {"point 3", "1e9"});
+  refused(Points(10, Vec3d{1, 2, 3}), {"coincide", "thickness"});
+  refused({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {5, 5, 5}}, {"on a line"});
+  refused(placed(grid(20, 20, 1).positions, {{3, 2, 1}, oblique, 1}), {"in a plane"});
+  refused(box({1, 1e-7, 1}).positions, {"in a plane", "tolerance"});
   EXPECT_EQ(convex_hull(box({1, 1e-7, 1}).positions, {1e-9, 0}).faces.size(), 6u);
   expect_error([] { convex_hull(cube_corners(), {-1, 0}); }, {"tolerance is -1", "0 to 0.1"});
   expect_error([&] { convex_hull(cube_corners(), {nan, 0}); }, {"tolerance"});

@@ -5,6 +5,7 @@
 #include "souple/geometry/lattice.h"
 #include "souple/geometry/measures.h"
 #include "souple/geometry/mesh_report.h"
+#include "tests/expect_error.h"
 
 #include <chrono>
 #include <cmath>
@@ -50,14 +51,9 @@ TEST(MeshReport, CountsWhatIsBroken) {
   EXPECT_FALSE(report.is_closed);
   EXPECT_EQ(describe(report).size(), 6u);
   EXPECT_EQ(describe(report)[2].substr(0, 40), "1 vertex coincides with an earlier one (");
-  try {
-    require_closed(report, "duck.obj");
-    FAIL();
-  } catch (const Error& error) {
-    const std::string text = error.what();
-    EXPECT_EQ(text.find("duck.obj: a closed surface is needed here, but 1 vertex is not finite"), 0u) << text;
-    EXPECT_NE(text.find("3 edges are open (the first is between vertices"), std::string::npos) << text;
-  }
+  const std::string text = error_of([&] { require_closed(report, "duck.obj"); });
+  EXPECT_EQ(text.find("duck.obj: a closed surface is needed here, but 1 vertex is not finite"), 0u) << text;
+  expect_words(text, {"3 edges are open (the first is between vertices"});
 }
 
 // Tetrahedra that are inside out, in rows; every tenth one in a box, as the wall of a cavity.
@@ -256,15 +252,8 @@ TEST(Lattice, FillsASurfaceWithSmallHoles) {
 }
 
 TEST(Lattice, NamesTheHolesOfABowlAndWhatClosesThem) {
-  try {
-    build_lattice(open_ball(0), {.cell_size = 0.2}, "bowl");
-    FAIL() << "a bowl is no solid";
-  } catch (const Error& error) {
-    const std::string text = error.what();
-    EXPECT_NE(text.find("1 hole ("), std::string::npos) << text;
-    EXPECT_NE(text.find("m wide at ("), std::string::npos) << text;
-    EXPECT_NE(text.find("Remesh"), std::string::npos) << text;
-  }
+  expect_error([] { build_lattice(open_ball(0), {.cell_size = 0.2}, "bowl"); },
+               {"1 hole (", "m wide at (", "Remesh"});
 }
 
 }  // namespace souple::test_geometry_mesh_report

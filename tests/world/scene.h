@@ -23,6 +23,18 @@ inline ObjectOptions at(double x, double y, double z) {
   return at(Vec3d{x, y, z});
 }
 
+inline ClothMaterial thick_cloth() {
+  ClothMaterial material = material::cotton;
+  material.thickness = 0.01f;
+  return material;
+}
+
+inline World on_the_ground() {
+  World world({.threads = 1});
+  world.add_collider(Plane{});
+  return world;
+}
+
 using test::crossings;
 
 inline const Box small_box{{}, {0.1f, 0.1f, 0.1f}};

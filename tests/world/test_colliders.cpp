@@ -25,12 +25,6 @@ double lowest_in_triangles(const World& world, ObjectId object, const Shape& sha
   return lowest;
 }
 
-ClothMaterial thick_cloth() {
-  ClothMaterial material = material::cotton;
-  material.thickness = 0.01f;
-  return material;
-}
-
 // Edges of 0.2 m: four times the diameter of the ball.
 TEST(ColliderElementContacts, ACoarseClothStaysOutsideASmallBall) {
   const Shape shapes[] = {Sphere{{0.03f, 0, 0.02f}, 0.05f}, SignedDistanceField(sphere(3, 0.05), 0.01)};

@@ -491,11 +491,9 @@ TEST(Layers, WhatIsNoLayerIsRefused) {
                {"veil", "layer", "-1", "from 0 to 1000"});
   expect_error([&] { world.set_layer(sheet, 1001); }, {"sheet", "layer", "1001", "from 0 to 1000"});
   expect_error([&] { world.set_layer(grains, 1); }, {"sand", "layer", "its own surface"});
-  expect_error(
-      [&] {
-        world.add_soft_body(box({1, 1, 1}), {}, {.cells = 10}, layer("jelly", 1));
-      },
-      {"jelly", "layer", "its own surface"});
+  const TriangleMesh crate = box({1, 1, 1});
+  expect_error([&] { world.add_soft_body(crate, {}, {.cells = 10}, layer("jelly", 1)); },
+               {"jelly", "layer", "its own surface"});
   EXPECT_EQ(world.layer(sheet), 1000);
   EXPECT_EQ(world.objects().size(), 2u);
 }

@@ -14,12 +14,6 @@
 
 namespace souple::test_world_joints {
 
-World on_the_ground() {
-  World world({.threads = 1});
-  world.add_collider(Plane{});
-  return world;
-}
-
 const Box brick{{}, {0.1f, 0.05f, 0.05f}};  // half extents
 
 /// A chain of `count` bricks along x, hung by its first end from the origin, with a ball at the other end.

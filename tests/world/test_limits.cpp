@@ -57,11 +57,8 @@ TEST(Limits, ValuesThatNoEnumerationHasAreRefused) {
                {"self_collision", "77"});
   expect_error([&] { world.add_cloth(grid(2, 2, 1), {.stretch = StretchModel(77)}); }, {"stretch", "77"});
   expect_error([&] { world.add_cloth(grid(2, 2, 1), {.bending = BendingModel(77)}); }, {"bending", "77"});
-  expect_error(
-      [&] {
-        world.add_soft_body(tet_bar(1, 1, 1, {1, 1, 1}), {.model = SoftBodyModel(77)});
-      },
-      {"model", "77"});
+  const TetMesh bar = tet_bar(1, 1, 1, {1, 1, 1});
+  expect_error([&] { world.add_soft_body(bar, {.model = SoftBodyModel(77)}); }, {"model", "77"});
   EXPECT_TRUE(world.objects().empty());
 }
 
@@ -80,24 +77,14 @@ TEST(Limits, PositionsAndVelocitiesBeyondABillionAreRefused) {
   expect_error([&] { world.add_cloth(grid(2, 2, 1), {}, {.velocity = {0, 1e30f, 0}}); }, {"velocity"});
   expect_error([&] { world.add_collider(Sphere{.center = {1e30f, 0, 0}}); }, {"center", "1e+09"});
   expect_error([&] { world.move_collider(ball, moved_to(-2e9)); }, {"translation"});
-  expect_error(
-      [&] {
-        ColliderMotion::keyframes({{0, {}, {}}, {1, {0, 5e9, 0}, {}}});
-      },
-      {"keyframe 1", "1e+09"});
-  expect_error(
-      [&] {
-        ColliderMotion::keyframes({{0, {}, {}}, {1e300, {}, {}}});
-      },
-      {"keyframe 1", "1e+300 s"});
+  const std::vector<PoseKey> far_key{{0, {}, {}}, {1, {0, 5e9, 0}, {}}}, late{{0, {}, {}}, {1e300, {}, {}}};
+  expect_error([&] { ColliderMotion::keyframes(far_key); }, {"keyframe 1", "1e+09"});
+  expect_error([&] { ColliderMotion::keyframes(late); }, {"keyframe 1", "1e+300 s"});
   expect_error([&] { world.add_emitter(fluid, {.position = {0, 2e9f, 0}}); }, {"position"});
   expect_error([&] { world.add_emitter(fluid, {.speed = 1e30f}); }, {"speed"});
   world.pin(cloth, vertices({0}));
-  expect_error(
-      [&] {
-        world.move_pins(cloth, std::vector<std::uint32_t>{0}, std::vector<Vec3f>{{0, 0, 2e9f}});
-      },
-      {"move_pins", "1e+09"});
+  const std::uint32_t corner[] = {0};
+  expect_error([&] { world.move_pins(cloth, corner, std::span(far).first(1)); }, {"move_pins", "1e+09"});
   world.teleport(cloth, moved_to(0.9e9));
   expect_error([&] { world.teleport(cloth, moved_to(0.9e9)); }, {"teleport", "flag"});
   world.teleport(cloth, moved_to(-0.9e9));
@@ -295,14 +282,8 @@ void expect_calm(World& world, const char* what) {
 void expect_refused_or_calm(const Spoilt& spoilt, const std::function<void(World&)>& add) {
   World world;
   world.add_collider(Plane{.offset = -0.5f});
-  std::string error;
-  try {
-    add(world);
-  } catch (const Error& e) {
-    error = e.what();
-    expect_clear(error, spoilt.what);
-  }
-  EXPECT_TRUE(!spoilt.refused || !error.empty()) << spoilt.what << " was taken";
+  const std::string error = error_of([&] { add(world); });
+  if (spoilt.refused || !error.empty()) expect_clear(error, spoilt.what);
   world.add_cloth(grid(8, 8, 0.8), {.thickness = 0.02f}, with_self_collision(0.05));
   expect_calm(world, spoilt.what);
 }
@@ -359,12 +340,7 @@ TEST(BadSurfaces, PositionsThatAreNoNumbersAreRefused) {
   const ObjectId cloth = world.add_cloth(grid(4, 4, 1), {}, with_self_collision());
   std::vector<Vec3f> positions(16);
   positions[5].x = std::numeric_limits<float>::quiet_NaN();
-  try {
-    world.set_positions(cloth, positions);
-    FAIL() << "they were taken";
-  } catch (const Error& error) {
-    expect_clear(error.what(), "set_positions");
-  }
+  expect_clear(error_of([&] { world.set_positions(cloth, positions); }), "set_positions");
   // All vertices at one point: accepted.
   world.set_positions(cloth, std::vector<Vec3f>(16, Vec3f{0.1f, 0.2f, 0.3f}));
   for (int frame = 0; frame < 60; ++frame) EXPECT_TRUE(world.step(frame_time).ok());

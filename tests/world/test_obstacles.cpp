@@ -274,12 +274,6 @@ ColliderMotion sliding(double speed) {
   return ColliderMotion::callback([=](double t) { return Transform{.translation = {speed * t, 0, 0}}; });
 }
 
-ClothMaterial thick_cloth() {
-  ClothMaterial material = material::cotton;
-  material.thickness = 0.01f;
-  return material;
-}
-
 /// Number of edges of either object that pass through triangles of the other.
 int crossings(const World& world, ObjectId one, ObjectId other) {
   test::CrossingCounter both;

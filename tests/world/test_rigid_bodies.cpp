@@ -9,12 +9,6 @@
 
 namespace souple::test_world_rigid_bodies {
 
-World on_the_ground(int threads = 1) {
-  World world({.threads = threads});
-  world.add_collider(Plane{});
-  return world;
-}
-
 TEST(RigidBodies, HaveTheMassOfTheirShape) {
   World world;
   const RigidBodyMaterial material{.density = 500};
@@ -450,16 +444,9 @@ TEST(RigidBodyParts, ScaleWithTheBody) {
 TEST(RigidBodyParts, ThatCannotBeAreRefusedInWords) {
   World world;
   expect_error([&] { world.add_rigid_body(std::vector<RigidPart>{}); }, {"no shapes"});
-  expect_error(
-      [&] {
-        world.add_rigid_body(std::vector<RigidPart>{{Plane{}, {}, {}}});
-      },
-      {"shape 0", "plane"});
-  expect_error(
-      [&] {
-        world.add_rigid_body(std::vector<RigidPart>{{Sphere{}, {{}, {}, 2}, {}}});
-      },
-      {"shape 0", "scale"});
+  const std::vector<RigidPart> plane{{Plane{}, {}, {}}}, scaled{{Sphere{}, {{}, {}, 2}, {}}};
+  expect_error([&] { world.add_rigid_body(plane); }, {"shape 0", "plane"});
+  expect_error([&] { world.add_rigid_body(scaled); }, {"shape 0", "scale"});
 }
 
 // Rigid bodies that prescribed motion moves.
