@@ -74,6 +74,18 @@ struct SolverScene {
   }
 };
 
+/// Calls link(a, b) for the rows, columns and both diagonals of n x n particles.
+template <class Link>
+void for_each_link(std::uint32_t n, const Link& link) {
+  for (std::uint32_t row = 0; row < n; ++row)
+    for (std::uint32_t column = 0; column < n; ++column) {
+      const std::uint32_t i = row * n + column;
+      if (column + 1 < n) link(i, i + 1);
+      if (row + 1 < n) link(i, i + n);
+      if (row + 1 < n && column + 1 < n) link(i, i + n + 1), link(i + 1, i + n);
+    }
+}
+
 /// A flat sheet of n x n particles in the XZ plane, at distances of `spacing`, with springs along rows,
 /// columns and both diagonals. `pinned`: pins the first row.
 inline SolverScene sheet(std::size_t n, double spacing, double mass, float compliance, bool pinned) {
@@ -83,17 +95,9 @@ inline SolverScene sheet(std::size_t n, double spacing, double mass, float compl
       scene.add({spacing * static_cast<double>(column), 0, spacing * static_cast<double>(row)},
                 pinned && row == 0 ? 0 : mass);
   auto& links = scene.add<Distance>();
-  const auto link = [&](std::size_t a, std::size_t b) {
-    links.add({static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b)},
-              {static_cast<float>(length(scene.body.at(a) - scene.body.at(b)))}, {compliance});
-  };
-  for (std::size_t row = 0; row < n; ++row)
-    for (std::size_t column = 0; column < n; ++column) {
-      const std::size_t i = row * n + column;
-      if (column + 1 < n) link(i, i + 1);
-      if (row + 1 < n) link(i, i + n);
-      if (row + 1 < n && column + 1 < n) link(i, i + n + 1), link(i + 1, i + n);
-    }
+  for_each_link(static_cast<std::uint32_t>(n), [&](std::uint32_t a, std::uint32_t b) {
+    links.add({a, b}, {static_cast<float>(length(scene.body.at(a) - scene.body.at(b)))}, {compliance});
+  });
   return scene;
 }
 

@@ -185,16 +185,9 @@ SolverScene hung_cloth(SolverKind solver) {
   for (std::uint32_t i = 0; i < n * n; ++i)
     scene.add({l * (i % n), -l * (i / n), 0}, i < n ? 0 : 0.2 / (n * n));
   auto& links = scene.add<Kind>();
-  const auto link = [&](std::uint32_t a, std::uint32_t b) {
+  test::for_each_link(n, [&](std::uint32_t a, std::uint32_t b) {
     links.add({a, b}, {static_cast<float>(length(scene.body.at(a) - scene.body.at(b)))});
-  };
-  for (std::uint32_t row = 0; row < n; ++row)
-    for (std::uint32_t column = 0; column < n; ++column) {
-      const std::uint32_t i = row * n + column;
-      if (column + 1 < n) link(i, i + 1);
-      if (row + 1 < n) link(i, i + n);
-      if (row + 1 < n && column + 1 < n) link(i, i + n + 1), link(i + 1, i + n);
-    }
+  });
   scene.gravity = {0, -9.81f, 0};
   scene.substep = {.h = 1.0f / 600, .count = 10};
   scene.use(test::kind_of(solver));
