@@ -155,6 +155,11 @@ void expect_flat(const Manifold& m, double separation, double area) {
   EXPECT_NEAR(length(cross(x[2] - x[0], x[3] - x[1])) / 2, area, 1e-9);
 }
 
+/// Of a body and one at the origin.
+Manifold on_origin(const ConvexShape& a, const BodyPose& pose, const ConvexShape& b) {
+  return test::find_fresh(a, pose, b, {}, margin);
+}
+
 std::set<std::uint32_t> features(const Manifold& m) {
   std::set<std::uint32_t> out;
   for (std::size_t k = 0; k < static_cast<std::size_t>(m.count); ++k) out.insert(m.points[k].feature);
@@ -163,9 +168,7 @@ std::set<std::uint32_t> features(const Manifold& m) {
 
 TEST(BoxManifold, ABoxOnABoxHasFourPointsOfEqualDepth) {
   const ConvexShape small = convex_box({0.5, 0.5, 0.5}), large = convex_box({2, 1, 2});
-  const Manifold m =
-      test::find_fresh(small, turned({0.3, 1.49, -0.2}, {0, 1, 0}, 0.4), large, at(0, 0, 0), margin);
-  ASSERT_EQ(m.count, 4);
+  const Manifold m = on_origin(small, turned({0.3, 1.49, -0.2}, {0, 1, 0}, 0.4), large);
   expect_vector(m.normal, {0, 1, 0});
   expect_flat(m, -0.01, 1);
   EXPECT_EQ(features(m).size(), 4u);
@@ -178,16 +181,14 @@ TEST(BoxManifold, ABoxOnABoxHasFourPointsOfEqualDepth) {
 
 TEST(BoxManifold, BoxesThatOverlapInPartTouchInTheOverlap) {
   const ConvexShape box = convex_box({0.5, 0.5, 0.5});
-  const Manifold m = test::find_fresh(box, at(0.7, 1.02, 0.4), box, at(0, 0, 0), margin);
-  ASSERT_EQ(m.count, 4);
+  const Manifold m = on_origin(box, at(0.7, 1.02, 0.4), box);
   expect_vector(m.normal, {0, 1, 0});
   expect_flat(m, 0.02, 0.3 * 0.6);
 }
 
 TEST(BoxManifold, OctagonsKeepFourPointsThatSpanThem) {
   const ConvexShape box = convex_box({0.5, 0.5, 0.5});
-  const Manifold m =
-      test::find_fresh(box, turned({0, 0.999, 0}, {0, 1, 0}, pi / 4), box, at(0, 0, 0), margin);
+  const Manifold m = on_origin(box, turned({0, 0.999, 0}, {0, 1, 0}, pi / 4), box);
   ASSERT_EQ(m.count, 4);
   Vec3d sum{};
   for (std::size_t k = 0; k < 4; ++k) sum += m.points[k].on_b;
@@ -197,8 +198,7 @@ TEST(BoxManifold, OctagonsKeepFourPointsThatSpanThem) {
 TEST(BoxManifold, AnEdgeOnAFaceHasTwoPoints) {
   const ConvexShape box = convex_box({0.5, 0.5, 0.5}), floor = convex_box({5, 1, 5});
   const double height = 1 + std::sqrt(0.5) - 0.02;
-  const Manifold m =
-      test::find_fresh(box, turned({0, height, 0}, {0, 0, 1}, pi / 4), floor, at(0, 0, 0), margin);
+  const Manifold m = on_origin(box, turned({0, height, 0}, {0, 0, 1}, pi / 4), floor);
   ASSERT_EQ(m.count, 2);
   expect_vector(m.normal, {0, 1, 0});
   for (std::size_t k = 0; k < 2; ++k) {
@@ -213,7 +213,7 @@ TEST(BoxManifold, ACornerOnAFaceHasOnePoint) {
                             Quatd::from_axis_angle({0, 0, 1}, pi / 4);
   for (const double depth : {0.03, -0.03}) {
     const BodyPose pose{{0, 1 + std::sqrt(0.75) - depth, 0}, corner_down};
-    const Manifold m = test::find_fresh(box, pose, floor, at(0, 0, 0), margin);
+    const Manifold m = on_origin(box, pose, floor);
     ASSERT_EQ(m.count, 1);
     expect_vector(m.normal, {0, 1, 0});
     EXPECT_NEAR(m.points[0].separation, -depth, 1e-9);
@@ -240,13 +240,13 @@ TEST(BoxManifold, CrossedEdgesTouchInOnePoint) {
 TEST(BoxManifold, ApartAcrossACornerItHasTheDirectionOfTheClosestPoints) {
   const ConvexShape box = convex_box({0.5, 0.5, 0.5});
   const Vec3d gap{0.03, 0.04, 0.05};
-  const Manifold m = test::find_fresh(box, {Vec3d{1, 1, 1} + gap, {}}, box, at(0, 0, 0), margin);
+  const Manifold m = on_origin(box, {Vec3d{1, 1, 1} + gap, {}}, box);
   ASSERT_EQ(m.count, 1);
   expect_vector(m.normal, normalized(gap));
   EXPECT_NEAR(m.points[0].separation, length(gap), 1e-12);
   expect_vector(m.points[0].on_b, {0.5, 0.5, 0.5});
   expect_vector(m.points[0].on_a, {-0.5, -0.5, -0.5});
-  EXPECT_EQ(test::find_fresh(box, {Vec3d{1, 1, 1} + gap * 1.5, {}}, box, at(0, 0, 0), margin).count, 0);
+  EXPECT_EQ(on_origin(box, {Vec3d{1, 1, 1} + gap * 1.5, {}}, box).count, 0);
 }
 
 TEST(BoxManifold, TheLastAxisOfAFaceIsKeptWithinTheTolerance) {
@@ -329,25 +329,25 @@ TEST(BoxManifold, FeaturesAreTheSameWhicheverBoxIsTheReference) {
 
 TEST(BoxManifold, ABoxInTheMiddleOfAnotherIsPushedOutTheShortestWay) {
   const ConvexShape box = convex_box({1, 0.2, 1}), small = convex_box({0.1, 0.1, 0.1});
-  const Manifold m = test::find_fresh(small, at(0.1, 0.02, 0.1), box, at(0, 0, 0), margin);
+  const Manifold m = on_origin(small, at(0.1, 0.02, 0.1), box);
   ASSERT_EQ(m.count, 4);
   expect_vector(m.normal, {0, 1, 0});
   EXPECT_NEAR(test::least_separation(m), -0.28, 1e-9);
-  EXPECT_GT(test::find_fresh(small, at(0, 0, 0), box, at(0, 0, 0), margin).count, 0);
+  EXPECT_GT(on_origin(small, at(0, 0, 0), box).count, 0);
 }
 
 TEST(RoundManifold, OfTwoSpheres) {
   const ConvexShape a = convex_sphere(0.3), b = convex_sphere(0.5);
   for (const double gap : {-0.4, -0.01, 0.05}) {
     const Vec3d n = normalized(Vec3d{1, 2, -2});
-    const Manifold m = test::find_fresh(a, {n * (0.8 + gap), {}}, b, at(0, 0, 0), margin);
+    const Manifold m = on_origin(a, {n * (0.8 + gap), {}}, b);
     ASSERT_EQ(m.count, 1);
     expect_vector(m.normal, n);
     EXPECT_NEAR(m.points[0].separation, gap, 1e-12);
     expect_vector(m.points[0].on_b, n * 0.5);
     expect_vector(m.points[0].on_a, n * -0.3);
   }
-  const Manifold same = test::find_fresh(a, at(0, 0, 0), b, at(0, 0, 0), margin);
+  const Manifold same = on_origin(a, at(0, 0, 0), b);
   ASSERT_EQ(same.count, 1);
   EXPECT_NEAR(length(same.normal), 1, 1e-12);
   EXPECT_NEAR(same.points[0].separation, -0.8, 1e-12);
@@ -358,7 +358,7 @@ TEST(RoundManifold, OfASphereOnTheFaceEdgeAndCornerOfABox) {
   for (const Vec3d outward : {Vec3d{0, 1, 0}, Vec3d{0, 1, 1}, Vec3d{-1, 1, 1}}) {
     for (const double gap : {-0.05, 0.05}) {
       const Vec3d n = normalized(outward), on_box = outward * 0.5;
-      const Manifold m = test::find_fresh(sphere, {on_box + n * (0.25 + gap), {}}, box, at(0, 0, 0), margin);
+      const Manifold m = on_origin(sphere, {on_box + n * (0.25 + gap), {}}, box);
       ASSERT_EQ(m.count, 1);
       expect_vector(m.normal, n);
       EXPECT_NEAR(m.points[0].separation, gap, 1e-9);
@@ -366,7 +366,7 @@ TEST(RoundManifold, OfASphereOnTheFaceEdgeAndCornerOfABox) {
       expect_vector(m.points[0].on_a, n * -0.25);
     }
   }
-  const Manifold inside = test::find_fresh(sphere, at(0.1, 0.3, 0), box, at(0, 0, 0), margin);
+  const Manifold inside = on_origin(sphere, at(0.1, 0.3, 0), box);
   ASSERT_EQ(inside.count, 1);
   expect_vector(inside.normal, {0, 1, 0});
   EXPECT_NEAR(inside.points[0].separation, -0.45, 1e-9);
@@ -374,22 +374,20 @@ TEST(RoundManifold, OfASphereOnTheFaceEdgeAndCornerOfABox) {
 
 TEST(RoundManifold, ACapsuleThatLiesOnAFaceHasTwoPointsAndUprightOne) {
   const ConvexShape capsule = convex_capsule(0.2, 0.6), box = convex_box({5, 0.5, 5});
-  const Manifold lying =
-      test::find_fresh(capsule, turned({0, 0.69, 0}, {0, 0, 1}, pi / 2), box, at(0, 0, 0), margin);
+  const Manifold lying = on_origin(capsule, turned({0, 0.69, 0}, {0, 0, 1}, pi / 2), box);
   ASSERT_EQ(lying.count, 2);
   expect_vector(lying.normal, {0, 1, 0});
   for (std::size_t k = 0; k < 2; ++k) {
     EXPECT_NEAR(lying.points[k].separation, -0.01, 1e-9);
     EXPECT_NEAR(std::abs(lying.points[k].on_b.x), 0.6, 1e-9);
   }
-  const Manifold upright = test::find_fresh(capsule, at(0, 1.29, 0), box, at(0, 0, 0), margin);
+  const Manifold upright = on_origin(capsule, at(0, 1.29, 0), box);
   ASSERT_EQ(upright.count, 1);
   expect_vector(upright.normal, {0, 1, 0});
   EXPECT_NEAR(upright.points[0].separation, -0.01, 1e-9);
   // Beyond the face it is held by the part that lies on the face.
   const ConvexShape pillar = convex_box({0.3, 0.5, 0.3});
-  const Manifold over =
-      test::find_fresh(capsule, turned({0, 0.69, 0}, {0, 0, 1}, pi / 2), pillar, at(0, 0, 0), margin);
+  const Manifold over = on_origin(capsule, turned({0, 0.69, 0}, {0, 0, 1}, pi / 2), pillar);
   ASSERT_EQ(over.count, 2);
   EXPECT_NEAR(std::abs(over.points[0].on_b.x), 0.3, 1e-3);
 }
@@ -399,7 +397,7 @@ TEST(RoundManifold, ACapsuleOnTheEdgeOfABox) {
   const Vec3d n = normalized(Vec3d{1, 1, 0});
   // Perpendicular to n, at an angle to the edge.
   const BodyPose pose{Vec3d{0.5, 0.5, 0.1} + n * 0.17, Quatd::from_axis_angle({0, 0, 1}, pi / 4)};
-  const Manifold m = test::find_fresh(capsule, pose, box, at(0, 0, 0), margin);
+  const Manifold m = on_origin(capsule, pose, box);
   ASSERT_EQ(m.count, 1);
   expect_vector(m.normal, n);
   EXPECT_NEAR(m.points[0].separation, -0.03, 1e-9);
@@ -411,7 +409,7 @@ TEST(RoundManifold, ACapsuleAlongTheEdgeOfABoxHasTwoPoints) {
   const Vec3d n = normalized(Vec3d{1, 0, 1});
   for (const double tilt : {0.0, 1e-4}) {
     const BodyPose pose = turned(Vec3d{0.5, 0.3, 0.5} + n * 0.19, cross(Vec3d{0, 1, 0}, n), tilt);
-    const Manifold m = test::find_fresh(capsule, pose, box, at(0, 0, 0), margin);
+    const Manifold m = on_origin(capsule, pose, box);
     ASSERT_EQ(m.count, 2);
     expect_vector(m.normal, n, 1e-3);
     EXPECT_NEAR(std::abs(m.points[0].on_b.y - m.points[1].on_b.y), 0.8, 1e-3);
@@ -428,12 +426,12 @@ TEST(RoundManifold, CapsulesThatCrossTouchInOnePointAndParallelOnesInTwo) {
     EXPECT_NEAR(std::abs(crossed.normal.y), 1, 1e-9);
     EXPECT_NEAR(crossed.points[0].separation, height - 0.4, 1e-9);
   }
-  const Manifold parallel = test::find_fresh(capsule, at(0.41, 0.3, 0), capsule, at(0, 0, 0), margin);
+  const Manifold parallel = on_origin(capsule, at(0.41, 0.3, 0), capsule);
   ASSERT_EQ(parallel.count, 2);
   expect_vector(parallel.normal, {1, 0, 0});
   EXPECT_NEAR(std::abs(parallel.points[0].on_b.y - parallel.points[1].on_b.y), 0.9, 1e-9);
   for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(parallel.points[k].separation, 0.01, 1e-9);
-  const Manifold in_line = test::find_fresh(capsule, at(0, 1.58, 0), capsule, at(0, 0, 0), margin);
+  const Manifold in_line = on_origin(capsule, at(0, 1.58, 0), capsule);
   ASSERT_EQ(in_line.count, 1);
   expect_vector(in_line.normal, {0, 1, 0});
   EXPECT_NEAR(in_line.points[0].separation, -0.02, 1e-9);
@@ -441,8 +439,7 @@ TEST(RoundManifold, CapsulesThatCrossTouchInOnePointAndParallelOnesInTwo) {
 
 TEST(RoundManifold, ACylinderStandsOnFourPoints) {
   const ConvexShape cylinder = convex_cylinder(0.5, 1, 32), box = convex_box({5, 0.5, 5});
-  const Manifold standing = test::find_fresh(cylinder, at(0, 1.49, 0), box, at(0, 0, 0), margin);
-  ASSERT_EQ(standing.count, 4);
+  const Manifold standing = on_origin(cylinder, at(0, 1.49, 0), box);
   expect_vector(standing.normal, {0, 1, 0});
   expect_flat(standing, -0.01, 0.5);  // the square in a circle
 }
@@ -457,8 +454,7 @@ TEST(RoundManifold, ACylinderOnItsSideIsRoundAtAnyAngle) {
     AxisCache cache;
     // On a box, a triangle, a plane and a cylinder that lies in parallel.
     const std::array<Manifold, 4> all{
-        test::find_fresh(cylinder, pose, floor, at(0, 0, 0), margin),
-        find_manifold(cylinder, pose, triangle, {}, margin, cache),
+        on_origin(cylinder, pose, floor), find_manifold(cylinder, pose, triangle, {}, margin, cache),
         find_manifold(cylinder, pose, Plane{.offset = 0.5f}, {}, margin),
         test::find_fresh(cylinder, pose, across, {{0, 0.25, 0}, pose.rotation}, margin)};
     for (const Manifold& m : all) {
@@ -494,8 +490,8 @@ TEST(RoundManifold, ACylinderHasNoRoundEnds) {
   const ConvexShape cylinder = convex_cylinder(0.5, 1, 24), post = convex_box({0.1, 0.5, 0.1});
   const Quatd lie = Quatd::from_axis_angle({0, 0, 1}, pi / 2);
   // A post beside the end, below the axis, and one under the end.
-  EXPECT_EQ(test::find_fresh(cylinder, {{1.25, 0.9, 0}, lie}, post, at(0, 0, 0), margin).count, 0);
-  const Manifold m = test::find_fresh(cylinder, {{1.05, 0.99, 0}, lie}, post, at(0, 0, 0), margin);
+  EXPECT_EQ(on_origin(cylinder, {{1.25, 0.9, 0}, lie}, post).count, 0);
+  const Manifold m = on_origin(cylinder, {{1.05, 0.99, 0}, lie}, post);
   ASSERT_EQ(m.count, 2);
   expect_vector(m.normal, {0, 1, 0});
   EXPECT_NEAR(test::least_separation(m), -0.01, 1e-9);
@@ -510,8 +506,7 @@ TEST(RoundManifold, ARoundedBoxStandsOnFourPoints) {
   }
   const ConvexShape rounded = convex_polyhedron(core.vertices, faces, 0.1);
   for (const double gap : {-0.02, 0.02, -0.12}) {  // the last one: overlapping cores
-    const Manifold m = test::find_fresh(rounded, at(0.2, 1.1 + gap, 0.1), core, at(0, 0, 0), margin);
-    ASSERT_EQ(m.count, 4);
+    const Manifold m = on_origin(rounded, at(0.2, 1.1 + gap, 0.1), core);
     expect_vector(m.normal, {0, 1, 0});
     expect_flat(m, gap, 0.8 * 0.9);
   }
