@@ -63,7 +63,7 @@ ALLOWED = [
     ("script/gallery", r"reef knot"),
     ("docs/collisions.md", r"reef knot"),
     ("tests/physics/collision_cases.*", r"[Kk]not"),
-    ("tests/physics/test_collision_cloth.cpp", r"[Kk]not"),
+    ("tests/physics/test_collision_surfaces.cpp", r"[Kk]not"),
     ("souple/io/recorder_report.cpp", r'"tangled"'),  # a key of run.json
     ("souple/scene/nearest.cpp", r".*"),   # names of older scene files
     ("tests/scene/test_messages.cpp", r".*colour|.*neighbour"),

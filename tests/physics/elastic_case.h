@@ -13,6 +13,16 @@
 
 namespace souple {
 
+/// Settings of a run to the static state: `drag` [1/s], `gravity` [m/s^2] downward.
+inline Settings static_case(int substeps, int iterations, double drag, double gravity = 0) {
+  return {.substeps = substeps,
+          .iterations = iterations,
+          .mode = Mode::xpbd,
+          .gravity = {0, static_cast<float>(-gravity), 0},
+          .drag = static_cast<float>(drag),
+          .measure_residuals = false};
+}
+
 /// Runs until `measure` changes by less than the relative `tolerance` over three consecutive blocks of
 /// `frames`, and returns it. Returns NaN if that does not happen within `blocks`, or if a value becomes
 /// non-finite.

@@ -48,12 +48,7 @@ double tip_of_finite_elements(const TetMesh& mesh) {
 double tip_of_world(const TetMesh& mesh, int cells) {
   const double cell = size.y / cells, speed = std::sqrt(E / density);
   const double slowest = 1.015 * speed * size.y / (size.x * size.x);  // of a clamped beam [rad/s]
-  World world({.substeps = 50,
-               .iterations = 2,
-               .mode = Mode::xpbd,
-               .gravity = {0, static_cast<float>(-gravity), 0},
-               .drag = static_cast<float>(1.6 * slowest),
-               .measure_residuals = false});
+  World world(static_case(50, 2, 1.6 * slowest, gravity));
   const ObjectId bar = world.add_soft_body(mesh, {.young_modulus = static_cast<float>(E),
                                                   .poisson_ratio = static_cast<float>(nu),
                                                   .density = static_cast<float>(density)});

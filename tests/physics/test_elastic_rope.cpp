@@ -15,11 +15,7 @@ constexpr double area = pi * radius * radius;
 /// of each particle.
 double hang(double E, std::uint32_t segments, Curves& curves) {
   const double speed = std::sqrt(E / density);
-  World world({.substeps = 20,
-               .iterations = 3,
-               .mode = Mode::xpbd,
-               .drag = static_cast<float>(pi * speed / L),
-               .measure_residuals = false});
+  World world(static_case(20, 3, pi * speed / L, 9.81));
   const ObjectId rope = world.add_rope(std::vector<Vec3d>{{0, 0, 0}, {0, -L, 0}}, segments,
                                        {.radius = static_cast<float>(radius),
                                         .young_modulus = static_cast<float>(E),
@@ -60,12 +56,7 @@ double droop(double EI, std::uint32_t segments, double wanted, Curves& curves) {
   const double fastest = 4 * std::sqrt(EI / q) / (segment * segment);  // of a zigzag
   const double E =
       40 * EI / (area * segment * segment);  // stretches ten times less than it bends, and is no faster
-  World world({.substeps = 100,
-               .iterations = 3,
-               .mode = Mode::xpbd,
-               .gravity = {0, static_cast<float>(-gravity), 0},
-               .drag = static_cast<float>(1.6 * slowest),
-               .measure_residuals = false});
+  World world(static_case(100, 3, 1.6 * slowest, gravity));
   const ObjectId rope = world.add_rope(std::vector<Vec3d>{{0, 0, 0}, {L, 0, 0}}, segments,
                                        {.radius = static_cast<float>(radius),
                                         .young_modulus = static_cast<float>(E),

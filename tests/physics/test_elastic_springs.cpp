@@ -56,12 +56,7 @@ TriangleMesh sheet(Cut cut) {
 /// Energy per area of the sheet under the strain (exx, ezz, 2 exz), 0.2 % large.
 double energy_density(const TriangleMesh& mesh, const std::array<double, 3>& strain) {
   const double cell = side / cells, density = 0.1, speed = std::sqrt(Y / density);
-  World world({.substeps = 20,
-               .iterations = 2,
-               .mode = Mode::xpbd,
-               .gravity = {},
-               .drag = static_cast<float>(3 * speed / side),
-               .measure_residuals = false});
+  World world(static_case(20, 2, 3 * speed / side));
   const ObjectId cloth = world.add_cloth(mesh, {.areal_density = static_cast<float>(density),
                                                 .membrane_stiffness = static_cast<float>(Y),
                                                 .bending = BendingModel::none});

@@ -91,12 +91,7 @@ std::vector<Vec3d> hang(const Strip& strip) {
   const double slowest = 3.516 * std::sqrt(D / density) / (L * L);
   const double fastest =
       std::max(4 * std::sqrt(D / density) / (cell * cell), 2.8 * std::sqrt(Y / density) / cell);
-  World world({.substeps = 50,
-               .iterations = 2,
-               .mode = Mode::xpbd,
-               .gravity = {0, static_cast<float>(-gravity), 0},
-               .drag = static_cast<float>(2 * slowest),
-               .measure_residuals = false});
+  World world(static_case(50, 2, 2 * slowest, gravity));
   const ObjectId cloth =
       world.add_cloth(sheet(columns, strip.rows, cell * (columns - 1), strip.cut),
                       {.areal_density = static_cast<float>(density),

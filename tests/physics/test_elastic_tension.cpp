@@ -25,12 +25,7 @@ Strain pull_bar(double E, double nu, double wanted) {
   const Vec3d size{0.4, 0.1, 0.1};
   const double density = 1000, cell = 0.05, speed = std::sqrt(E / density);
   const TetMesh mesh = tet_bar(8, 2, 2, size);
-  World world({.substeps = 10,
-               .iterations = 3,
-               .mode = Mode::xpbd,
-               .gravity = {},
-               .drag = static_cast<float>(2 * pi * speed / size.x),
-               .measure_residuals = false});
+  World world(static_case(10, 3, 2 * pi * speed / size.x));
   const ObjectId bar = world.add_soft_body(
       mesh,
       {.young_modulus = static_cast<float>(E), .poisson_ratio = static_cast<float>(nu), .density = 1000});
@@ -102,12 +97,7 @@ Strain pull_sheet(const TriangleMesh& mesh, const ClothMaterial& material, const
   const double half = 0.1, cell = 0.02;
   const double stiff = static_cast<double>(material.membrane_stiffness);
   const double speed = std::sqrt(stiff / static_cast<double>(material.areal_density));
-  World world({.substeps = 10,
-               .iterations = 3,
-               .mode = Mode::xpbd,
-               .gravity = {},
-               .drag = static_cast<float>(pi * speed / (2 * half)),
-               .measure_residuals = false});
+  World world(static_case(10, 3, pi * speed / (2 * half)));
   const ObjectId sheet = world.add_cloth(mesh, material);
 
   std::vector<Vec3d> force(mesh.positions.size());
@@ -231,12 +221,7 @@ double pressure_of(double s) {
 /// Mean distance of the vertices from their center over R0, in equilibrium under the pressure of stretch s.
 double inflate(int subdivisions, double s) {
   const double density = 0.2, cell = 2.2 * R0 / std::pow(2, subdivisions), speed = std::sqrt(Y / density);
-  World world({.substeps = 10,
-               .iterations = 2,
-               .mode = Mode::xpbd,
-               .gravity = {},
-               .drag = static_cast<float>(2 * speed / R0),
-               .measure_residuals = false});
+  World world(static_case(10, 2, 2 * speed / R0));
   const ObjectId ball =
       world.add_cloth(sphere(subdivisions, R0), {.areal_density = static_cast<float>(density),
                                                  .membrane_stiffness = static_cast<float>(Y),

@@ -2,6 +2,7 @@
 #include "souple/scene/scene.h"
 #include "souple/souple.h"
 #include "tests/paths.h"
+#include "tests/world/scene.h"
 #include "validation.h"
 
 #include <algorithm>
@@ -184,14 +185,7 @@ TEST(FluidRobustness, GoesOnFromASnapshotToTheBit) {
     world.add_fluid(fill(Vec3d{-0.25, 0, -0.15}, Vec3d{0, 0.3, 0.15}, d), water);
     return world;
   };
-  World world = make();
-  for (int frame = 0; frame < 20; ++frame) world.step(1.0 / 60);
-  const Snapshot snapshot = world.snapshot();
-  for (int frame = 0; frame < 20; ++frame) world.step(1.0 / 60);
-  World other = make();
-  other.restore(snapshot);
-  for (int frame = 0; frame < 20; ++frame) other.step(1.0 / 60);
-  EXPECT_EQ(other.hash(), world.hash());
+  expect_resumes(make, 20.0 / 60, 20.0 / 60);
 }
 
 // No gravity, no walls, no vorticity confinement, no drag: no external source of momentum.

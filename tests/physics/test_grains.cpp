@@ -47,11 +47,7 @@ TEST(InclinedPlane, SticksBelowTheFrictionAngleAndSlidesAbove) {
     for (const Mode mode : {Mode::small_steps, Mode::xpbd, Mode::pbd}) {
       const Settings settings{.substeps = 10, .iterations = mode == Mode::small_steps ? 1 : 4, .mode = mode};
       const bool drawn = mode == Mode::small_steps && mu == 0.5;
-      const std::string at = std::string("mu = ") +
-                             (mu == 0.2   ? "0.2"
-                              : mu == 0.5 ? "0.5"
-                                          : "1") +
-                             ", " + mode_name(mode) + ": ";
+      const std::string at = "mu = " + detail::number(mu) + ", " + mode_name(mode) + ": ";
       const Slide stuck = slide(gentle, mu, settings, drawn ? &curves : nullptr, "tan = 0.95 mu");
       validate_below(name, at + "creep at tan = 0.95 mu in 2 s [m]", std::fabs(stuck.traveled), 1e-3);
       for (const double angle : {steep, steeper}) {

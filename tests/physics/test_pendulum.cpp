@@ -1,5 +1,6 @@
 #include "tests/physics/motion.h"
 #include "tests/physics/validation.h"
+#include "tests/rigid/one_body.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,15 +9,8 @@ namespace souple::test_physics_pendulum {
 
 constexpr double g = 9.81f;
 
-// T = 4 sqrt(L/g) K(sin(theta0/2)), K(sin a) = pi / (2 agm(1, cos a)).
 double elliptic_period(double theta0, double L) {
-  double a = 1, b = std::cos(theta0 / 2);
-  for (int i = 0; i < 8; ++i) {
-    const double mean = (a + b) / 2;
-    b = std::sqrt(a * b);
-    a = mean;
-  }
-  return 2 * pi * std::sqrt(L / g) / a;
+  return 4 * std::sqrt(L / g) * complete_elliptic(std::sin(theta0 / 2));
 }
 
 // sin(theta/2) = k sn(K - t sqrt(g/L)), k = sin(theta0/2): the angle at t after a release at theta0. sn by

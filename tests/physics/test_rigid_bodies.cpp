@@ -1,5 +1,6 @@
 #include "souple/souple.h"
 #include "tests/physics/validation.h"
+#include "tests/rigid/one_body.h"
 
 #include <algorithm>
 #include <cmath>
@@ -189,14 +190,9 @@ TEST(RigidBodyPhysics, AStackStands) {
 
 // --- joints ------------------------------------------------------------------------------------------
 
-/// Period of a pendulum relative to small swings: 2 K(sin(amplitude / 2)) / pi, by the arithmetic-geometric mean.
+/// Period of a pendulum relative to small swings.
 double period_factor(double amplitude) {
-  double a = 1, b = std::cos(amplitude / 2);
-  for (int i = 0; i < 10; ++i) {
-    const double mean = (a + b) / 2;
-    b = std::sqrt(a * b), a = mean;
-  }
-  return 1 / a;
+  return 2 / pi * complete_elliptic(std::sin(amplitude / 2));
 }
 
 TEST(RigidBodyPhysics, APendulumSwingsWithItsPeriod) {
