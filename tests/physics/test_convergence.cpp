@@ -27,7 +27,7 @@ double top_speed(const World& world, ObjectId object) {
   return top;
 }
 
-/// Of the frames of a run.
+/// The largest strain over the frames of a run.
 double largest_strain(World& world, int frames) {
   double largest = 0;
   for (int frame = 0; frame < frames; ++frame) {

@@ -155,7 +155,7 @@ void expect_flat(const Manifold& m, double separation, double area) {
   EXPECT_NEAR(length(cross(x[2] - x[0], x[3] - x[1])) / 2, area, 1e-9);
 }
 
-/// Of a body and one at the origin.
+/// The manifold of a body and one at the origin.
 Manifold on_origin(const ConvexShape& a, const BodyPose& pose, const ConvexShape& b) {
   return test::find_fresh(a, pose, b, {}, margin);
 }
