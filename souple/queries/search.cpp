@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <compare>
 
 #include <fmt/core.h>
 
@@ -58,7 +57,10 @@ std::uint32_t nearest_corner(std::span<const Vec3f> x, const Triangle& triangle,
 /// Object, then triangle or vertex: of equally distant candidates the first wins.
 struct Order {
   std::uint32_t object = 0, element = 0;
-  friend auto operator<=>(const Order&, const Order&) = default;
+  friend bool operator==(const Order&, const Order&) = default;
+  friend bool operator<(const Order& a, const Order& b) {
+    return a.object != b.object ? a.object < b.object : a.element < b.element;
+  }
 };
 constexpr Order after_objects{~0u, ~0u};
 

@@ -252,6 +252,10 @@ Json Json::of(const char* value) {
   return of(std::string(value));
 }
 
+Json Json::array() {
+  return array(std::vector<Json>{});
+}
+
 Json Json::array(std::vector<Json> items) {
   Json json;
   json.kind = Kind::array;

@@ -30,7 +30,8 @@ struct Json {
   static Json whole(std::int64_t value);
   static Json of(std::string value);
   static Json of(const char* value);
-  static Json array(std::vector<Json> items = {});
+  static Json array();
+  static Json array(std::vector<Json> items);
   static Json object();
   static Json object(std::vector<Member> members);
 

@@ -148,8 +148,7 @@ Json TableCore::write_object(const void* object, const void* fallback) const {
 }
 
 TypeInfo TableCore::describe_object(Format& format, const void* fallback) const {
-  const TypeInfo type{"[" + name_ + "](#" + name_ + ")",
-                      Json::object({{"$ref", Json::of("#/$defs/" + name_)}})};
+  TypeInfo type{"[" + name_ + "](#" + name_ + ")", Json::object({{"$ref", Json::of("#/$defs/" + name_)}})};
   for (const auto& table : format.tables) {
     if (table->name == name_) return type;
   }

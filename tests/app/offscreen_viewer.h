@@ -161,7 +161,8 @@ class OffscreenViewer {
             (static_cast<float>(area.y) + at->y) / area.scale};
   }
 
-  /// The center of a control in an ImGui window, found by pointing at it as a user does, and then remembered.
+  /// The center of a control in an ImGui window, found by pointing at it as a user does. Remembered until the panel's
+  /// layout changes (`invalidate_layout`).
   ImVec2 control(const char* id, const char* window = "##panel", float x = -1) {
     const ImGuiWindow* found = ImGui::FindWindowByName(window);
     if (found == nullptr) return {-1, -1};
@@ -172,6 +173,7 @@ class OffscreenViewer {
     const auto at = seen.find(ImHashStr(id, 0, found->ID));
     return at == seen.end() ? ImVec2{-1, -1} : ImVec2{x, (at->second.first + at->second.second) / 2};
   }
+  void invalidate_layout() { controls_.clear(); }
 
  private:
   using Rows = std::map<ImGuiID, std::pair<float, float>>;  // first and last y of each control

@@ -37,6 +37,15 @@ TEST_F(View, SlidersActAtOnce) {
   EXPECT_NEAR(world().settings().wind.gust, 0.5, 0.2);
 }
 
+TEST_F(View, TinyValuesHaveSlidersToo) {
+  pause();
+  const ImVec2 bending = view.control("##bending_stiffness");
+  view.click(bending.x - 85, bending.y);
+  const float bent = world().cloth_material(world().find_object("cloth")).bending_stiffness;
+  EXPECT_LT(bent, 1e-6f);
+  EXPECT_GE(bent, 1e-8f);
+}
+
 TEST_F(View, ANumberCanBeTyped) {
   pause();
   const ImVec2 stiffness = view.control("##membrane_stiffness");
@@ -51,6 +60,39 @@ TEST_F(View, ANumberCanBeTyped) {
   view.picture();
   EXPECT_EQ(world().cloth_material(world().find_object("cloth")).membrane_stiffness, 1234);
   EXPECT_EQ(view.viewer().display().display, render::Display::shaded);
+}
+
+TEST_F(View, ButtonsDoWhatTheKeysDo) {
+  view.picture();
+  const ImVec2 play = view.control("###play", "##panel", 50);
+  ASSERT_GT(play.x, 0);
+  view.click(play.x, play.y);
+  EXPECT_FALSE(view.viewer().session().playing());
+  const double time = view.viewer().session().time();
+  const ImVec2 frame = view.control("###frame", "##panel", 220);
+  view.click(frame.x, frame.y);
+  EXPECT_NEAR(view.viewer().session().time(), time + 1 / 60.0, 1e-9);
+  const ImVec2 reset = view.control("###reset", "##panel", 300);
+  view.click(reset.x, reset.y);
+  EXPECT_EQ(view.viewer().session().time(), 0);
+  const ImVec2 next = view.control("##next", "##panel", 318);
+  view.click(next.x, next.y);
+  EXPECT_EQ(view.viewer().session().name(), "grains");
+}
+
+TEST_F(View, TheRewindSliderGoesAnywhere) {
+  view.pictures(20);
+  const double end = view.viewer().session().time();
+  const ImVec2 slider = view.control("##rewind");
+  ASSERT_GT(slider.x, 0);
+  view.click(20, slider.y);
+  EXPECT_FALSE(view.viewer().session().playing());
+  EXPECT_EQ(view.viewer().session().time(), 0);
+  view.click(300, slider.y);
+  EXPECT_GE(view.viewer().session().time(), end);
+  view.click(150, slider.y);
+  EXPECT_LT(view.viewer().session().time(), end);
+  EXPECT_GT(view.viewer().session().time(), 0);
 }
 
 TEST_F(View, TheCopiedSceneIsTheOneOnScreen) {
@@ -72,6 +114,24 @@ TEST_F(View, TheCopiedSceneIsTheOneOnScreen) {
     view.type(".");
   }
   EXPECT_EQ(copied.world().hash(), world().hash());
+}
+
+TEST_F(View, EveryKindOfMaterialHasItsSliders) {
+  const std::vector<std::string> objects{
+      R"("name": "body", "kind": "soft_body", "mesh": {"tet_bar": {"cells": [1, 1, 1], "size": [1, 1, 1]}})",
+      R"("name": "rope", "kind": "rope", "points": [[0, 1, 0], [1, 1, 0]], "segments": 3)",
+      R"("name": "sand", "kind": "grains", "points": [[0, 1, 0]])"};
+  for (const std::string& object : objects) {
+    view.viewer().open(scenes.folder.write(std::to_string(&object - objects.data()) + ".json",
+                                           "{\"souple\": 1, \"objects\": [{" + object + "}]}"));
+    pause();
+    view.invalidate_layout();
+    const ImVec2 friction = view.control("##friction");
+    ASSERT_GT(friction.x, 0) << object;
+    const std::string before = view.simulation().scene_text();
+    view.click(friction.x + 50, friction.y);
+    EXPECT_NE(view.simulation().scene_text(), before) << object;
+  }
 }
 
 // --- the manual's picture; SOUPLE_VIEWER_PICTURE=docs/pictures/viewer.png replaces it

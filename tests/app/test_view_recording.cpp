@@ -51,6 +51,17 @@ TEST_F(ViewRecording, PlaysToItsEndAndAgainAndGoesFrameByFrame) {
   EXPECT_EQ(view.viewer().session().frame(), 1u);
 }
 
+TEST_F(ViewRecording, TheSliderGoesAnywhere) {
+  view.pictures(2);
+  const ImVec2 slider = view.control("##frame_shown", "##time", 670);
+  ASSERT_GT(slider.x, 0);
+  view.click(970, slider.y);
+  EXPECT_EQ(view.viewer().session().frame(), 30u);
+  EXPECT_FALSE(view.viewer().session().playing());
+  view.click(380, slider.y);
+  EXPECT_LE(view.viewer().session().frame(), 2u);
+}
+
 TEST_F(ViewRecording, GoesBackButTakesNoBalls) {
   view.type(".r..b");
   EXPECT_EQ(view.viewer().session().frame(), 2u);

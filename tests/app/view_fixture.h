@@ -46,7 +46,8 @@ struct TestScenes {
       {"broken", folder.write("broken.json", "{ \"souple\": 1, \"objets\": [] }")}};
 };
 
-/// The tests of a suite share one viewer, whose start takes longer than most tests; each begins with a rebuilt scene of the cloth.
+/// The tests of a suite share one viewer, whose start takes longer than most tests. Each begins with a rebuilt scene of
+/// the cloth.
 class View : public ::testing::Test {
  public:
   static void SetUpTestSuite() { shared() = std::make_unique<Shared>(); }

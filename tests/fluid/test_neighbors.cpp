@@ -6,6 +6,7 @@
 #include "souple/simd/instruction_set.h"
 #include "tests/count_allocations.h"
 #include "tests/fluid/clouds.h"
+#include "tests/instruction_sets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -237,8 +238,8 @@ TEST(Smoothing, SlopesAreDerivatives) {
   check(kernels::CubicSpline{});  // poly6 and spiky are different kernels: spiky is not the slope of poly6
 }
 
-// Two particles at one position push each other nowhere, and nothing becomes infinite.
-TEST(DensityKernels, AreFiniteWhereParticlesCoincide) {
+// Also where two particles have one position: they push each other nowhere, and nothing becomes infinite.
+TEST(FluidKernels, GiveTheSameBitsOnEveryInstructionSet) {
   std::vector<Vec4f> records = test::random_cloud(300, 1, 1), values = test::random_cloud(300, 1, 2);
   for (std::size_t i = 0; i < values.size(); ++i)
     records[i].w = values[i].w = 0.1f + 0.01f * static_cast<float>(i);
@@ -249,18 +250,28 @@ TEST(DensityKernels, AreFiniteWhereParticlesCoincide) {
   records.push_back({1e15f, 1e15f, 1e15f, 0});
   values.push_back({});
   const Smoothing smoothing(0.2f);
-  for (const SmoothingShape shape : shapes) {
-    const auto& density = kernels::find_density_kernels(instruction_set(), shape);
-    const auto sums = density.sums(records.data(), records[7], list.data(), list.size(), smoothing.factors());
-    EXPECT_TRUE(std::isfinite(sums.density) && is_finite(sums.gradient));
-    const auto& velocity = kernels::find_velocity_kernels(instruction_set(), shape);
+  const auto sums = [&](InstructionSet set, SmoothingShape shape, std::uint32_t i) {
     const auto sum = [&](const auto& function, const auto&... more) {
-      return function(records.data(), values.data(), records[7], values[7], list.data(), list.size(),
+      return function(records.data(), values.data(), records[i], values[i], list.data(), list.size(),
                       smoothing.factors(), more...);
     };
-    EXPECT_TRUE(is_finite(sum(velocity.strain)) && is_finite(sum(velocity.curl)));
-    EXPECT_TRUE(is_finite(sum(velocity.cohesion, kernels::CohesionFactors{0.3f, 0.2f})));
-  }
+    const auto density = kernels::find_density_kernels(set, shape)
+                             .sums(records.data(), records[i], list.data(), list.size(), smoothing.factors());
+    const auto& velocity = kernels::find_velocity_kernels(set, shape);
+    return std::tuple(density.density, density.gradient, sum(velocity.exchange), sum(velocity.strain),
+                      sum(velocity.curl), sum(velocity.closing_speed),
+                      sum(velocity.cohesion, kernels::CohesionFactors{0.3f, 0.2f}));
+  };
+  for (const SmoothingShape shape : shapes)
+    for (const std::uint32_t i : {0u, 7u, 100u, 299u}) {
+      const auto scalar = sums(InstructionSet::scalar, shape, i);
+      for (const InstructionSet set : all_sets())
+        EXPECT_TRUE(sums(set, shape, i) == scalar) << simd_name(set);
+      const auto& [density, gradient, exchange, strain, curl, closing_speed, cohesion] = scalar;
+      EXPECT_TRUE(std::isfinite(density) && is_finite(gradient) && is_finite(strain) && is_finite(cohesion));
+      EXPECT_GT(length(curl), 0);
+      EXPECT_GT(closing_speed, 0);
+    }
 }
 
 }  // namespace souple::test_fluid_neighbors
