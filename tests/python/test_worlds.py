@@ -2,10 +2,12 @@
 
 import concurrent.futures
 import copy
+import itertools
 import json
 import os
 import pathlib
 import pickle
+import re
 import threading
 import time
 import traceback
@@ -132,6 +134,55 @@ class Structs(unittest.TestCase):
                 if not member.startswith("_") and callable(function) and not (function.__doc__ or "").strip():
                     missing.append(f"{name}.{member}")
         self.assertEqual(missing, [])
+
+
+def rows_below(page, head):
+    """Cells of the table of docs/ that begins with the head."""
+    lines = (SOURCE / "docs" / page).read_text().split(f"\n| {head} |")[1].split("\n")[2:]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in itertools.takewhile(bool, lines)]
+
+
+def numbers(cell):
+    return [float(n) for n in re.findall(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?", cell)]
+
+
+class Manual(unittest.TestCase):
+    PRESETS = {
+        "cloth | kg/m^2": ["areal_density", "membrane_stiffness weft_stiffness", "shear_stiffness", "bending_stiffness",
+                           "thickness", "friction"],
+        "soft body | E [Pa]": ["young_modulus", "poisson_ratio", "density"],
+        "rope | radius [mm]": ["radius", "young_modulus", "density", "bending_stiffness"],
+        "grains | radius [mm]": ["radius", "density", "friction", "rolling_friction"],
+        "fluid | kg/m^3": ["density", "viscosity"],
+    }
+    DEFAULTS = {
+        ("fluids.md", "`FluidMaterial`, `material`"): souple.FluidMaterial,
+        ("fluids.md", "`Settings::fluid`, `fluid` of a scene"): souple.FluidSettings,
+        ("fluid-surface.md", "`Settings::fluid.foam`, `fluid.foam` of a scene"): souple.FoamParameters,
+        ("fluid-surface.md", "`SurfaceOptions`, lengths in d"): souple.SurfaceOptions,
+    }
+
+    def test_presets_are_those_of_the_program(self):
+        seen = []
+        for head, columns in self.PRESETS.items():
+            for name, *cells in rows_below("materials.md", head):
+                seen.append(name)
+                for cell, fields in zip(cells, columns):
+                    for field, said in itertools.zip_longest(fields.split(), numbers(cell), fillvalue=0):
+                        value = getattr(getattr(souple.material, name), field)
+                        unit = 1000 if field in ("radius", "thickness") else 1
+                        self.assertAlmostEqual(said, unit * value, delta=1e-3 * abs(said), msg=f"{name}, {field}")
+        self.assertEqual(sorted(seen), sorted(souple.material.names()))
+
+    def test_defaults_are_those_of_the_structs(self):
+        for (page, head), struct in self.DEFAULTS.items():
+            for names, default, *_ in rows_below(page, head):
+                fields = [getattr(struct(), name) for name in re.findall(r"`(\w+)`", names)]
+                values = [fields[0].low, fields[0].high] if hasattr(fields[0], "low") else fields
+                for value, said in zip(values, numbers(default)):
+                    if isinstance(value, (int, float)) and len(values) == len(numbers(default)):
+                        with self.subTest(struct=struct.__name__, row=names):
+                            self.assertAlmostEqual(said, value, delta=1e-6 * abs(value))
 
 
 class Callbacks(unittest.TestCase):
