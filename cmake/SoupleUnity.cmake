@@ -7,7 +7,11 @@
 # compiles it alone (tests/package/check_shared.cmake). Sources with options of their own are grouped apart. Vector kernels
 # and sources with definitions of their own are compiled alone.
 option(SOUPLE_UNITY "Compile several sources of a folder at a time" ${PROJECT_IS_TOP_LEVEL})
+# Without precompiled headers, larger groups read the headers less often (SouplePrecompile.cmake).
 set(SOUPLE_UNITY_SOURCES 8)
+if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
+  set(SOUPLE_UNITY_SOURCES 20)
+endif()
 
 function(souple_unite)
   if(NOT SOUPLE_UNITY)
