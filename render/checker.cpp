@@ -2,6 +2,7 @@
 
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/measures.h"
+#include "souple/math/scalar.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +12,6 @@
 namespace souple::render {
 namespace {
 
-constexpr double pi = 3.14159265358979;
 constexpr double fields_across = 8;  ///< along the shorter side
 constexpr double rim = 0.06;         ///< fraction by which a field at the rim is narrower
 constexpr double flat = 1e-3;        ///< a cloth is flat if it is thinner than this fraction of its size

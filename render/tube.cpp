@@ -1,5 +1,7 @@
 #include "render/tube.h"
 
+#include "souple/math/scalar.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,7 +12,6 @@
 namespace souple::render {
 namespace {
 
-constexpr float pi = 3.14159265f;
 constexpr std::size_t max_rings = 2000;     ///< long ropes have enough points to look smooth
 constexpr float fields_per_radius = 0.18f;  ///< pitch of the strands
 
@@ -142,8 +143,8 @@ void Tube::propagate_frames() {
 void Tube::set_ring(std::size_t ring, const Frame& frame, float angle, float radius) {
   const float out = std::cos(angle), forward = std::sin(angle);
   for (std::uint32_t s = 0; s < row; ++s) {
-    const float turn = 2 * pi * static_cast<float>(s % sides) / static_cast<float>(sides);
-    const Vec3f around = frame.across * std::cos(turn) + frame.up * std::sin(turn);
+    const float turned = 2 * float(pi) * static_cast<float>(s % sides) / static_cast<float>(sides);
+    const Vec3f around = frame.across * std::cos(turned) + frame.up * std::sin(turned);
     const Vec3f normal = around * out + frame.along * forward;
     normals_[1 + ring * row + s] = normal;
     positions_[1 + ring * row + s] = frame.center + normal * radius;
@@ -156,7 +157,7 @@ void Tube::update(std::span<const Vec3f> points, float radius) {
   propagate_frames();
   for (std::size_t j = 0; j < frames_.size(); ++j) set_ring(cap_rings - 1 + j, frames_[j], 0, radius);
   for (std::size_t c = 1; c < cap_rings; ++c) {
-    const float angle = 0.5f * pi * static_cast<float>(c) / static_cast<float>(cap_rings);
+    const float angle = 0.5f * float(pi) * static_cast<float>(c) / static_cast<float>(cap_rings);
     set_ring(cap_rings - 1 - c, frames_.front(), -angle, radius);
     set_ring(cap_rings - 2 + frames_.size() + c, frames_.back(), angle, radius);
   }

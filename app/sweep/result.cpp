@@ -17,7 +17,7 @@ using scene_format::Json;
 
 namespace {
 
-constexpr const char* names[] = {"finished", "diverged", "failed", "missing"};
+constexpr const char* status_names[] = {"finished", "diverged", "failed", "missing"};
 
 fs::path result_file(const Sweep& sweep, std::uint64_t run) {
   return sweep.folder_of(run) / "result.json";
@@ -56,8 +56,8 @@ RunResult result_in(const fs::path& file, const std::string& id) {
   RunResult result;
   if (reader.text("sweep") != id) return result;
   const std::string& status = reader.text("status");
-  for (std::size_t i = 0; i < std::size(names); ++i)
-    if (status == names[i]) result.status = static_cast<RunResult::Status>(i);
+  for (std::size_t i = 0; i < std::size(status_names); ++i)
+    if (status == status_names[i]) result.status = static_cast<RunResult::Status>(i);
   result.error = reader.text("error");
   result.frames = reader.count("frames");
   result.hash = reader.text("hash");
@@ -73,7 +73,7 @@ RunResult result_in(const fs::path& file, const std::string& id) {
 }  // namespace
 
 const char* status_name(RunResult::Status status) {
-  return names[static_cast<std::size_t>(status)];
+  return status_names[static_cast<std::size_t>(status)];
 }
 
 void write_result(const Sweep& sweep, std::uint64_t run, const RunResult& result) {

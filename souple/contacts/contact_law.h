@@ -3,9 +3,13 @@
 #include "souple/contacts/contact_material.h"
 #include "souple/math/vec3.h"
 
-// Friction and restitution of one contact, for T = float or a pack of floats. Both give the same bits.
+// When a contact begins; its friction and restitution, for T = float or a pack of floats. Both give the same bits.
 
 namespace souple {
+
+/// Speculative margin, as a part of the distance at which sides touch: contacts exist before sides are near enough for a
+/// correction, because the solver moves them too.
+inline constexpr float speculative_part = 0.1f;
 
 /// Coulomb's law for sums over a substep. `sticking` is the tangential correction that would stop all
 /// sliding. It is returned unchanged up to mu_s times the normal correction. Beyond that limit the contact

@@ -10,8 +10,6 @@
 namespace souple {
 namespace {
 
-// Pairs within this part of their distance beyond it become contacts: other constraints may push them together.
-constexpr float speculative_part = 0.1f;
 constexpr std::size_t chunk_size = 1024;  // balls
 constexpr std::size_t batch_size = 1024;  // pairs
 

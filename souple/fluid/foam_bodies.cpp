@@ -10,7 +10,7 @@ namespace souple {
 
 namespace {
 
-constexpr std::size_t chunk_size = 512;
+constexpr std::size_t foam_chunk = 512;
 
 }  // namespace
 
@@ -78,10 +78,10 @@ Vec3f FoamBodies::stopped(const Vec3f& start, const Vec3f& x, std::vector<std::u
 
 void FoamBodies::keep_out(std::span<const Vec3f> start, std::span<Vec3f> x, Threads& threads) {
   if (none()) return;
-  const std::size_t chunks = (x.size() + chunk_size - 1) / chunk_size;
+  const std::size_t chunks = (x.size() + foam_chunk - 1) / foam_chunk;
   if (near_.size() < chunks) near_.resize(chunks);
   threads.each(chunks, 1, [&](std::size_t c) {
-    for (std::size_t k = c * chunk_size; k < std::min(x.size(), (c + 1) * chunk_size); ++k)
+    for (std::size_t k = c * foam_chunk; k < std::min(x.size(), (c + 1) * foam_chunk); ++k)
       if (is_finite(x[k])) x[k] = stopped(start[k], x[k], near_[c]);
   });
 }

@@ -12,8 +12,6 @@ namespace souple {
 
 namespace {
 
-using kernels::IndexRange;
-
 /// The nine rows around a row, and in each the cells from x - 1 to x + 1, for increasing x.
 class Windows {
  public:
@@ -31,7 +29,7 @@ class Windows {
     }
   }
   /// Advances to x, which must not decrease; returns the number of index ranges.
-  std::size_t move_to(std::int32_t x, IndexRange* ranges) {
+  std::size_t move_to(std::int32_t x, kernels::IndexRange* ranges) {
     std::size_t found = 0;
     for (std::size_t w = 0; w < count_; ++w) {
       Window& window = windows_[w];
@@ -105,7 +103,7 @@ void Neighbors::find_in(const CellOrder& order, std::size_t number, float radius
            rows.begin() - 1;
   };
   Windows windows(order);
-  IndexRange ranges[9];
+  kernels::IndexRange ranges[9];
   auto row = static_cast<std::size_t>(row_of(first_cell));
   windows.enter(row);
   for (std::uint32_t c = first_cell; c < last_cell; ++c) {

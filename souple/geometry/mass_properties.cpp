@@ -22,7 +22,7 @@ void require_density(const std::string& name, double density) {
   require_positive(name, "density", density, "density in kg/m^3, such as 1000 for water");
 }
 
-void require_length(const char* name, const char* what, double value) {
+void require_size(const char* name, const char* what, double value) {
   require_positive(name, what, value, "length in meters");
 }
 
@@ -113,7 +113,7 @@ MassProperties mass_properties(const TriangleMesh& mesh, double density, const s
 
 //   I = 2/5 m r^2
 MassProperties sphere_mass_properties(double radius, double density) {
-  require_length("sphere", "radius", radius);
+  require_size("sphere", "radius", radius);
   require_density("sphere", density);
   const double moment = 0.4 * radius * radius;
   return at_origin(4.0 / 3.0 * pi * radius * radius * radius, density, {moment, moment, moment});
@@ -121,9 +121,9 @@ MassProperties sphere_mass_properties(double radius, double density) {
 
 //   I_x = m (y^2 + z^2) / 12
 MassProperties box_mass_properties(const Vec3d& size, double density) {
-  require_length("box", "size x", size.x);
-  require_length("box", "size y", size.y);
-  require_length("box", "size z", size.z);
+  require_size("box", "size x", size.x);
+  require_size("box", "size y", size.y);
+  require_size("box", "size z", size.z);
   require_density("box", density);
   const Vec3d s{size.x * size.x, size.y * size.y, size.z * size.z};
   return at_origin(size.x * size.y * size.z, density, Vec3d{s.y + s.z, s.z + s.x, s.x + s.y} / 12.0);
@@ -133,8 +133,8 @@ MassProperties box_mass_properties(const Vec3d& size, double density) {
 //   I_y = c r^2 / 2 + 2/5 b r^2
 //   I_x = c (r^2 / 4 + l^2 / 12) + b (2/5 r^2 + l^2 / 4 + 3/8 l r)
 MassProperties capsule_mass_properties(double radius, double length, double density) {
-  require_length("capsule", "radius", radius);
-  require_length("capsule", "length", length);
+  require_size("capsule", "radius", radius);
+  require_size("capsule", "length", length);
   require_density("capsule", density);
   const double r2 = radius * radius, l2 = length * length;
   const double ends = 4.0 / 3.0 * pi * r2 * radius, volume = pi * r2 * length + ends;
@@ -146,8 +146,8 @@ MassProperties capsule_mass_properties(double radius, double length, double dens
 
 //   I_y = m r^2 / 2,  I_x = m (r^2 / 4 + h^2 / 12)
 MassProperties cylinder_mass_properties(double radius, double height, double density) {
-  require_length("cylinder", "radius", radius);
-  require_length("cylinder", "height", height);
+  require_size("cylinder", "radius", radius);
+  require_size("cylinder", "height", height);
   require_density("cylinder", density);
   const double r2 = radius * radius, across = r2 / 4 + height * height / 12;
   return at_origin(pi * r2 * height, density, {across, r2 / 2, across});

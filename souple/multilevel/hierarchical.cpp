@@ -18,8 +18,7 @@ constexpr std::size_t coarsest_level_size = 24;
 /// Sweeps per level. The last is plain, those before it are over-relaxed. One sweep from lambda = 0 leaves a smooth
 /// stretch (1/omega - 1/2) h^2 (w_a + w_b) lambda per link (docs/notes/solvers.md). With omega = 1.6 a quarter of the
 /// stretch with omega = 1 remains. A third sweep gains little and makes a flag's worst link worse.
-constexpr int sweeps = 2, coarsest_sweeps = 4;
-constexpr float over_relaxation = 1.6f;
+constexpr int level_sweeps = 2, coarsest_sweeps = 4;
 /// Additional sweeps of the links around isolated pinned particles, and how many links away they reach.
 constexpr int near_sweeps = 12, near_radius = 6;
 /// Levels of fewer particles get none around pinned ones: six links reach across them.
@@ -140,16 +139,12 @@ float inverse(float mass) {
   return mass > 0 ? 1 / mass : 0;
 }
 
-float compliance_of(const Link& link) {
-  return link.length * link.length / link.energy;
-}
-
 /// Stiffness that the n sweeps of a level supply to a smooth stretch. Each starts from lambda = 0, with a compliance n
 /// alpha. It acts like springs of compliance n alpha / omega + (1/omega - 1/2) h^2 w beside those of the other sweeps
 /// (docs/notes/solvers.md). w: sum of the inverse masses of a link.
 float supplied(float alpha, float h2_w) {
-  const float each = alpha * float{sweeps}, omega = over_relaxation;
-  return (sweeps - 1) / (each / omega + (1 / omega - 0.5f) * h2_w) + 1 / (each + 0.5f * h2_w);
+  const float each = alpha * float{level_sweeps}, omega = over_relaxation;
+  return (level_sweeps - 1) / (each / omega + (1 / omega - 0.5f) * h2_w) + 1 / (each + 0.5f * h2_w);
 }
 
 /// Stiffness of `iterations` sweeps of the finest constraints. One alone subtracts its share (projection.h).
@@ -389,7 +384,7 @@ void Hierarchical::add_links_near_pins(Level& level) {
 }
 
 int Hierarchical::sweeps_of(std::size_t l) const {
-  return l + 1 == levels_.size() ? coarsest_sweeps : sweeps;
+  return l + 1 == levels_.size() ? coarsest_sweeps : level_sweeps;
 }
 
 std::size_t Hierarchical::coarse_projections() const {
@@ -461,7 +456,7 @@ void Hierarchical::set_gains_of(const Level& level, LevelLinks& links, int n) co
     if (e == LevelLinks::none) continue;
     const Link& link = level.map.links[e];
     const float w = level.position[link.a].w + level.position[link.b].w;
-    const float alpha = compliant_ ? compliance_of(link) * level.softening[e] : 0;
+    const float alpha = compliant_ ? link.compliance() * level.softening[e] : 0;
     const float gain = gains_for_.mode == Mode::pbd
                            ? stiffness_per_iteration(link.stiffness, gains_for_.iterations) / w
                            : 1 / (w + static_cast<float>(n) * alpha / (h * h));
@@ -479,7 +474,7 @@ float Hierarchical::softening_of(std::size_t l, std::size_t e) const {
     const Link& link = finer ? finer->map.links[step] : links_[step];
     const float factor = finer ? finer->softening[step] : 1;
     const float w = finer ? finer->position[link.a].w + finer->position[link.b].w : inverse_masses_[step];
-    const float alpha = factor * compliance_of(link), h2_w = gains_for_.h * gains_for_.h * w;
+    const float alpha = factor * link.compliance(), h2_w = gains_for_.h * gains_for_.h * w;
     const float stiffness =
         finer ? supplied(alpha, h2_w) : supplied_finest(alpha, h2_w, gains_for_.iterations);
     sum += h2_w > 0 ? factor / std::fmax(1 - alpha * stiffness, 1e-6f) : factor;

@@ -6,6 +6,9 @@
 
 namespace souple {
 
+/// Projections of links are multiplied by this in all sweeps but the last.
+inline constexpr float over_relaxation = 1.6f;
+
 /// The kernels of links for the processor's instruction set.
 const kernels::LinkKernels& link_kernels();
 /// Projects the links of each color n times. The last sweep is plain, those before it are over-relaxed by omega.

@@ -17,17 +17,12 @@ namespace {
 constexpr float threshold = 0.015f;
 /// A link is torn above this strain.
 constexpr float tearing = 1;
-constexpr float over_relaxation = 1.6f;
 /// Links of more compliance than this times h^2 (w_a + w_b) are stretched because their material is soft.
 constexpr float softest = 0.25f;
 /// Minimum number of links per thread.
 constexpr std::size_t stretch_grain = 2048;
 /// Links that kernels take at once, the stretch_lanes of the widest register, and bits of a word.
 constexpr std::size_t stretch_lanes = 16, word = 64;
-
-float compliance_of(const Link& link) {
-  return std::isfinite(link.energy) ? link.length * link.length / link.energy : 0;
-}
 
 /// Null if the projector's constraints are no contacts with colliders.
 ContactFacet* collider_contacts(Projector& projector) {
@@ -122,7 +117,7 @@ void StretchedLinks::prepare_search(std::span<const Link> of_level) {
 }
 
 void StretchedLinks::take_stiffness(std::span<const Link> of_level) {
-  for (Swept& swept : links_) swept.compliance = compliance_of(of_level[swept.link]);
+  for (Swept& swept : links_) swept.compliance = of_level[swept.link].compliance();
 }
 
 void StretchedLinks::build(std::span<const Link> of_level, const TiedParticles& tied,
@@ -141,7 +136,7 @@ void StretchedLinks::build(std::span<const Link> of_level, const TiedParticles& 
   links_.clear();
   for (const std::uint32_t e : colors.order) {
     const Link& link = of_level[counted[e]];
-    links_.push_back({4 * link.a, 4 * link.b, link.length * (1 + threshold), compliance_of(link),
+    links_.push_back({4 * link.a, 4 * link.b, link.length * (1 + threshold), link.compliance(),
                       particles.inverse_mass(link.a) + particles.inverse_mass(link.b), counted[e]});
   }
   neighbors_.fill(count, [&](const auto& add) {
@@ -200,7 +195,7 @@ bool StretchedLinks::choose_particles(std::span<const Link> of_level, float h2, 
   for (const std::uint32_t i : chosen_) number_[i] = ContactFacet::unchosen;
   chosen_.clear();
   for (const std::uint32_t e : found_)
-    if (compliance_of(of_level[e]) < softest * h2 * counted_[e]) choose(of_level[e].a), choose(of_level[e].b);
+    if (of_level[e].compliance() < softest * h2 * counted_[e]) choose(of_level[e].a), choose(of_level[e].b);
   std::size_t next = 0;
   for (int step = 0; step < radius; ++step) {
     for (const std::size_t last = chosen_.size(); next < last; ++next) {

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t lattice_corners = kernels::cell_nodes;
 /// Sides of a cell, in sides of a cube of five tets. Twice as many nodes cost more than they gain; with four times,
 /// bending becomes too stiff.
-constexpr double coarsening = 3;
+constexpr double cell_coarsening = 3;
 
 using Place = std::array<int, 3>;
 
@@ -134,7 +134,7 @@ void Builder::choose_cells() {
   double volume = 0;
   for (const std::uint32_t t : tets_)
     volume += 1 / (6 * std::fabs(determinant(Mat3d(set_.params(t).rest_inverse))));
-  const double side = coarsening * elementary::cbrt(5 * volume / static_cast<double>(tets_.size()));
+  const double side = cell_coarsening * elementary::cbrt(5 * volume / static_cast<double>(tets_.size()));
   for (int axis = 0; axis < 3; ++axis) {
     const double extent = high[axis] - low_[axis];
     const auto a = static_cast<std::size_t>(axis);

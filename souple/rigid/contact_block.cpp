@@ -12,9 +12,6 @@ Vec3d world_direction(std::span<const BodyPose> poses, std::uint32_t body, const
 Vec3d local_point(std::span<const BodyPose> poses, std::uint32_t body, const Vec3d& world) {
   return body == no_body ? world : poses[body].local_point(world);
 }
-Vec3d center(std::span<const BodyPose> poses, std::uint32_t body) {
-  return body == no_body ? Vec3d{} : poses[body].position;
-}
 
 /// Distance by which the two anchors of friction have slid apart.
 Vec3d slip_at(const RigidContact& contact, const RigidContactPoint& point, std::span<const BodyPose> poses) {
@@ -100,7 +97,7 @@ void start_block(RigidContact& contact, ContactBlock& block, const RigidBodies& 
       point.anchored = true, point.slid = false;
     }
     ContactRow& row = block.rows[k];
-    row.r_a = at.x - center(bodies.start, contact.a), row.r_b = at.x - center(bodies.start, contact.b);
+    row.r_a = at.x - center_of(bodies.start, contact.a), row.r_b = at.x - center_of(bodies.start, contact.b);
     find_masses(row, block, states[block.a], states[block.b]);
     const ContactVector tangent = block.along_axes(point.tangent_impulse);
     row.impulse = {point.normal_impulse, tangent[1], tangent[2]};

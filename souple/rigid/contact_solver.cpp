@@ -10,7 +10,7 @@ namespace {
 // Part of an older overlap, or of the slip of a contact that sticks, that a substep removes.
 constexpr double recovery = 0.01;
 // Sweeps end after one that changes relative positions by less than this part of g h^2, or of the first sweep's change.
-constexpr double tolerance = 1e-3, relative_tolerance = 1e-6;
+constexpr double absolute_tolerance = 1e-3, relative_tolerance = 1e-6;
 constexpr int first_sweeps = 2;
 // Limit of sweeps times contacts; within it, the least and the largest number of sweeps.
 constexpr std::size_t most_visits = 8000, least_sweeps = 4, most_sweeps = 40;
@@ -18,7 +18,7 @@ constexpr std::size_t most_visits = 8000, least_sweeps = 4, most_sweeps = 40;
 // is used if a factorization takes at most `affordable` multiplications and a step at most `in_a_step`.
 constexpr double nearly_at_rest = 2;  // of g h^2
 // Errors that may remain, as parts of g h^2 and of the tolerance. Errors of all substeps add up to a creep, of 16 um/s
-// at the tolerance.
+// at the absolute_tolerance.
 constexpr double exact = 1e-5, at_once = 0.1;
 constexpr double affordable = 4e7, in_a_step = 4e8;
 // Small islands are solved by Newton's method even while they move.
@@ -133,7 +133,7 @@ void ContactSolver::solve_island(std::size_t i, const RigidSubstep& substep, Thr
   const ContactIslands::Island& island = islands_.islands()[i];
   const std::span<const std::uint32_t> contacts = islands_.contacts(island.contacts);
   const double fall = substep.bounce_speed * substep.h / 2;  // g h^2
-  double limit = fall * tolerance;
+  double limit = fall * absolute_tolerance;
   const double first = residual(contacts);
   if (first <= fall * exact) return;
   if (first <= fall * nearly_at_rest && solve_at_once(i, limit * at_once)) return;

@@ -12,10 +12,6 @@
 namespace souple {
 namespace {
 
-Vec3d center(std::span<const BodyPose> poses, std::uint32_t body) {
-  return body == no_body ? Vec3d{} : poses[body].position;
-}
-
 double reciprocal(double x) {
   return x > 0 ? 1 / x : 0;
 }
@@ -50,8 +46,8 @@ Impact impact_at(const RigidContact& contact, const RigidContactPoint& point, co
                  const RigidSubstep& substep) {
   const PlacedContact at = place(contact, point, bodies.pose);
   Impact impact{.n = at.n,
-                .r_a = at.x - center(bodies.pose, contact.a),
-                .r_b = at.x - center(bodies.pose, contact.b),
+                .r_a = at.x - center_of(bodies.pose, contact.a),
+                .r_b = at.x - center_of(bodies.pose, contact.b),
                 .C = at.C};
   const Vec3d u = velocity_at(bodies, contact.a, impact.r_a) - velocity_at(bodies, contact.b, impact.r_b);
   impact.approach = -dot(at.n, u);
@@ -153,13 +149,13 @@ bool Impacts::collide(const RigidContact& contact, RigidBodies& bodies, const Ri
 
 void Impacts::bounce(std::span<const RigidContact> contacts, RigidBodies& bodies,
                      const RigidSubstep& substep) {
-  constexpr int most_sweeps = 32;
+  constexpr int most_rounds = 32;
   impacts_.clear();
   impacts_.reserve(contacts.size()), next_impacts_.reserve(contacts.size());
   waits_.assign(contacts.size(), 1);  // those without points, forever
   for (std::uint32_t c = 0; c < contacts.size(); ++c)
     if (contacts[c].count > 0) impacts_.push_back(c);
-  for (int sweep = 0; !impacts_.empty() && sweep < most_sweeps; ++sweep) {
+  for (int sweep = 0; !impacts_.empty() && sweep < most_rounds; ++sweep) {
     next_impacts_.clear();
     for (const std::uint32_t c : impacts_) waits_[c] = 0;
     for (const std::uint32_t c : impacts_) {

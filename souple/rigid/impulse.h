@@ -3,6 +3,7 @@
 #include "souple/state/rigid_bodies.h"
 
 #include <cstdint>
+#include <span>
 
 // How impulses move a rigid body. Müller et al. 2020, "Detailed Rigid Body Simulation with Extended Position Based
 // Dynamics", section 3.3. Positional impulses are forces times h^2 [kg m] and change poses; impulses are forces times h
@@ -63,6 +64,11 @@ inline void push_velocity(RigidBodies& bodies, std::uint32_t body, const Vec3d& 
 inline void turn_velocity(RigidBodies& bodies, std::uint32_t body, const Vec3d& impulse) {
   if (body == no_body) return;
   bodies.velocity[body].angular += bodies.inverse_inertia[body] * impulse;
+}
+
+/// Center of mass [m].
+inline Vec3d center_of(std::span<const BodyPose> poses, std::uint32_t body) {
+  return body == no_body ? Vec3d{} : poses[body].position;
 }
 
 /// Velocity of the point at center + r [m/s].

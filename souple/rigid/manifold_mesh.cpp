@@ -10,7 +10,7 @@ using manifold::ContactPoint;
 using manifold::ContactPoints;
 
 /// Normals within 1 degree share a manifold: the product of the normals exceeds this.
-constexpr double like_normals = 0.99985;
+constexpr double equal_normals = 0.99985;
 constexpr std::size_t most_manifolds = 8;
 
 /// Points of one normal, with those of a in its local frame.
@@ -43,7 +43,7 @@ std::uint32_t feature_on(std::uint32_t feature, std::uint32_t triangle) {
 
 Group* group_of(Groups& groups, const Manifold& found, std::size_t capacity) {
   for (int g = 0; g < groups.size(); ++g) {
-    if (dot(groups[g].normal, found.normal) >= like_normals) return &groups[g];
+    if (dot(groups[g].normal, found.normal) >= equal_normals) return &groups[g];
   }
   if (static_cast<std::size_t>(groups.size()) >= capacity) return nullptr;
   groups.push_back({.normal = found.normal, .owner = found.owner, .radius = found.radius_a, .points = {}});

@@ -8,7 +8,7 @@ using manifold::ContactPoints;
 using manifold::FrameChange;
 
 /// Vertices whose normals differ by less than 20 degrees share a manifold: the product of the normals exceeds this.
-constexpr double like_normals = 0.94;
+constexpr double near_normals = 0.94;
 
 /// A vertex near the collider, in the collider's frame.
 struct NearVertex {
@@ -52,7 +52,7 @@ int deepest_left(const NearVertices& list) {
 void gather(NearVertices& list, int first, double tolerance, ContactPoints& points) {
   const Vec3d normal = list[first].normal;
   for (int i = 0; i < list.size(); ++i) {
-    if (list[i].taken || dot(list[i].normal, normal) < like_normals) continue;
+    if (list[i].taken || dot(list[i].normal, normal) < near_normals) continue;
     list[i].taken = true;
     if (points.full()) manifold::reduce_to_four(points, normal, tolerance);
     points.push_back({list[i].point, list[i].separation,

@@ -95,6 +95,8 @@ struct Link {
   float energy = 0;     ///< k l^2, twice the energy at strain 1 [J]; infinite if rigid
   float stiffness = 1;  ///< PBD mode: k in [0, 1]
 
+  /// alpha [m/N]; 0 if rigid
+  float compliance() const { return length * length / energy; }
   bool operator==(const Link&) const = default;
 };
 

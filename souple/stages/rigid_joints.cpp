@@ -44,9 +44,9 @@ void RigidJoints::remove(std::size_t index) {
 void RigidJoints::set_kind(std::size_t index, const joint::Kind& kind) {
   joint::Joint& joint = joints_.joint[index];
   SOUPLE_ASSERT(joint.kind.index() == kind.index(), "a joint keeps its kind");
-  const int before = rows_of(joint, {}).count;
+  const int before = joint::rows_of(joint, {}).count;
   joint.kind = kind;
-  if (rows_of(joint, {}).count == before) return;
+  if (joint::rows_of(joint, {}).count == before) return;
   // Impulses belong to rows that are others now.
   joint::JointState& state = joints_.state[index];
   state.lambda = {}, state.value = {}, state.at = {}, state.h = 0;

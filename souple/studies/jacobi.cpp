@@ -5,7 +5,7 @@
 namespace souple {
 namespace {
 
-constexpr std::size_t grain = 1024;  // minimum number of particles per thread
+constexpr std::size_t particle_grain = 1024;  // minimum number of particles per thread
 
 }  // namespace
 
@@ -22,7 +22,7 @@ void Jacobi::prepare(std::span<Projector* const> projectors, const ParticleView&
 // The projectors read `split_` and add to `correction_`, so all of them see the same positions.
 void Jacobi::iterate(std::span<Projector* const>, const ParticleView& particles, const Substep& substep,
                      Threads& threads) {
-  threads.for_each(split_.size(), grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(split_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       split_[i] = particles.position[i];
       split_[i].w *= count_[i];
@@ -33,7 +33,7 @@ void Jacobi::iterate(std::span<Projector* const>, const ParticleView& particles,
   view.position = split_;
   view.corrected = correction_;
   for (Projector* projector : linear_) sweep(*projector, view, substep, threads);
-  threads.for_each(split_.size(), grain, [&](std::size_t begin, std::size_t end) {
+  threads.for_each(split_.size(), particle_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       if (count_[i] > 0) particles.correct(i, correction_[i].xyz() / count_[i]);
   });

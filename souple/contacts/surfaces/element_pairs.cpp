@@ -1,6 +1,7 @@
 #include "souple/contacts/surfaces/element_pairs.h"
 
 #include "souple/assert.h"
+#include "souple/contacts/contact_law.h"
 #include "souple/contacts/kernels/find_kernels.h"
 #include "souple/intersections/intersection_resolver.h"
 #include "souple/math/sentinels.h"

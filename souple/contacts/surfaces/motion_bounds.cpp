@@ -1,6 +1,7 @@
 #include "souple/contacts/surfaces/motion_bounds.h"
 
 #include "souple/broad_phase/spatial_hash.h"
+#include "souple/contacts/contact_law.h"
 #include "souple/contacts/surfaces/predicted_paths.h"
 #include "souple/state/bytes.h"
 
@@ -10,7 +11,7 @@
 namespace souple {
 namespace {
 
-constexpr std::size_t particle_grain = 2048;
+constexpr std::size_t moved_grain = 2048;
 
 }  // namespace
 
@@ -56,7 +57,7 @@ void MotionBounds::measure(const ElementSurfaces& surfaces, const ParticleView& 
     surfaces.for_each_sample(a, [&](std::uint32_t i) { sum += Vec3d(particles.moved(i)), ++count; });
     if (count > 0) mean_motion_[a] = Vec3f(sum / count);
   }
-  threads.each(blocks, particle_grain / block_size, [&](std::size_t b) {
+  threads.each(blocks, moved_grain / block_size, [&](std::size_t b) {
     float farthest = 0, max_relative = 0, margin = 0;
     for (std::size_t i = b * block_size; i < std::min(n, (b + 1) * block_size); ++i) {
       margin = max(margin, contact_margin[i]);

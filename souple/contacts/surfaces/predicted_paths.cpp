@@ -1,6 +1,7 @@
 #include "souple/contacts/surfaces/predicted_paths.h"
 
 #include "souple/assert.h"
+#include "souple/contacts/contact_law.h"
 #include "souple/math/sentinels.h"
 #include "souple/state/bytes.h"
 

@@ -13,9 +13,6 @@
 namespace souple {
 
 inline constexpr float min_thickness = 1e-5f;  // m
-/// Speculative margin, as a part of the thickness: contacts exist before elements are near enough for a
-/// correction, because the solver moves them too.
-inline constexpr float speculative_part = 0.1f;
 
 /// Where each particle of the surfaces will be within the time that a search for pairs covers: on a straight path,
 /// within a margin. Paths for self-collision are relative to the object's mean motion: a heap that falls as a whole
