@@ -7,8 +7,7 @@
 
 namespace souple {
 
-/// Speculative margin, as a part of the distance at which sides touch: contacts exist before sides are near enough for a
-/// correction, because the solver moves them too.
+/// Contacts begin this part of their distance before sides touch, because the solver moves the sides too.
 inline constexpr float speculative_part = 0.1f;
 
 /// Coulomb's law for sums over a substep. `sticking` is the tangential correction that would stop all
