@@ -7,11 +7,7 @@
 # compiles it alone (tests/package/check_shared.cmake). Sources with options of their own are grouped apart. Vector kernels
 # and sources with definitions of their own are compiled alone.
 option(SOUPLE_UNITY "Compile several sources of a folder at a time" ${PROJECT_IS_TOP_LEVEL})
-# Without precompiled headers, larger groups read the headers less often (SouplePrecompile.cmake).
-set(SOUPLE_UNITY_SOURCES 8)
-if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
-  set(SOUPLE_UNITY_SOURCES 20)
-endif()
+set(SOUPLE_UNITY_SOURCES 20)
 
 function(souple_unite)
   if(NOT SOUPLE_UNITY)
@@ -22,7 +18,7 @@ function(souple_unite)
     get_target_property(base ${target} SOURCE_DIR)
     set(folders "")
     foreach(source IN LISTS sources)
-      if(NOT source MATCHES "^[^$]*[.]cpp$" OR source MATCHES "(^|/)(kernels|mesh_files|passes)/[^/]*$")
+      if(NOT source MATCHES "^[^$]*[.]cpp$" OR source MATCHES "(^|/)(kernels|passes)/[^/]*$")
         continue()
       endif()
       cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${base} NORMALIZE OUTPUT_VARIABLE path)

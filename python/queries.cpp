@@ -8,14 +8,14 @@ namespace souple::python {
 
 namespace {
 
-std::string text_of(const Selector& selector) {
+std::string selector_text(const Selector& selector) {
   static constexpr const char* words[] = {"all()", "vertices(...)", "in_box(...)", "nearest(...)",
                                           "group(...)"};
   return words[selector.choice.index()];
 }
 
 void bind_selectors(py::module_& m) {
-  py::class_<Selector>(m, "Selector", doc("Selector")).def("__repr__", &text_of);
+  py::class_<Selector>(m, "Selector", doc("Selector")).def("__repr__", &selector_text);
   m.def("all", &all, "Selects all vertices.");
   m.def("vertices", &vertices, "indices"_a, "Selects vertices by index, in user order.");
   m.def("in_box", &in_box, "lo"_a, "hi"_a,

@@ -1,4 +1,5 @@
 #include "souple/error.h"
+#include "souple/mesh_files/mesh_groups.h"
 #include "souple/mesh_files/mesh_parse.h"
 #include "souple/mesh_files/tet_builder.h"
 
@@ -13,7 +14,6 @@ namespace souple {
 
 namespace {
 
-using mesh_detail::quoted;
 using mesh_detail::TagIndex;
 using mesh_detail::TextScanner;
 
@@ -36,10 +36,6 @@ const ElementType* find_type(std::int64_t code) {
 }
 
 using DimensionTag = std::pair<int, std::int64_t>;
-
-/// Limit of the physical groups of an entity, as in OBJ, so that a short file cannot demand any amount
-/// of memory.
-constexpr std::int64_t most_groups_at_once = 16;
 
 class MshReader {
  public:
@@ -79,7 +75,7 @@ class MshReader {
 
   void expect(std::string_view keyword) {
     const std::string_view word = scanner_.word_on_any_line();
-    if (word != keyword) scanner_.fail(scanner_.found(word), quoted(keyword));
+    if (word != keyword) scanner_.fail(scanner_.found(word), mesh_detail::quoted(keyword));
   }
 
   void read_section(std::string_view section) {
@@ -94,7 +90,7 @@ class MshReader {
     else if (section[0] == '$')
       return skip_section(section);
     else
-      scanner_.fail(quoted(section), "a section such as $Nodes");
+      scanner_.fail(mesh_detail::quoted(section), "a section such as $Nodes");
     expect("$End" + std::string(section.substr(1)));
   }
 
@@ -104,7 +100,7 @@ class MshReader {
     while (scanner_.next_line()) {
       if (scanner_.word() == end) return;
     }
-    scanner_.fail_at(begin_line, quoted(section) + " without an end", quoted(end));
+    scanner_.fail_at(begin_line, mesh_detail::quoted(section) + " without an end", mesh_detail::quoted(end));
   }
 
   // DIMENSION TAG "NAME"
@@ -115,7 +111,7 @@ class MshReader {
       const std::int64_t tag = scanner_.integer("tag of a physical group");
       std::string_view name = scanner_.rest_of_line();
       if (name.size() < 3 || name.front() != '"' || name.back() != '"')
-        scanner_.fail(quoted(name), "a name in quotes");
+        scanner_.fail(mesh_detail::quoted(name), "a name in quotes");
       name = name.substr(1, name.size() - 2);
       if (!physical_names_.emplace(DimensionTag{dimension, tag}, std::string(name)).second) {
         scanner_.fail(fmt::format("a second name of physical group {}", tag), "one name each");
@@ -143,12 +139,13 @@ class MshReader {
     const std::int64_t tag = scanner_.integer("tag of an entity");
     const int box_numbers = dimension == 0 ? 3 : 6;
     for (int i = 0; i < box_numbers; ++i) scanner_.real("box of an entity");
-    const auto count = std::int64_t(scanner_.count("number of physical groups", 2));
-    if (count > most_groups_at_once)
+    const std::size_t count = scanner_.count("number of physical groups", 2);
+    // A short file could else demand any amount of memory.
+    if (count > mesh_detail::most_groups_at_once)
       scanner_.fail(fmt::format("{} physical groups at once", count), "at most 16");
     std::vector<std::string> names;
     // A negative tag means the entity with reversed orientation.
-    for (std::int64_t i = 0; i < count; ++i)
+    for (std::size_t i = 0; i < count; ++i)
       names.push_back(group_name(dimension, scanner_.integer("physical group")));
     if (!names.empty() && !entity_groups_.emplace(DimensionTag{dimension, tag}, std::move(names)).second) {
       scanner_.fail(fmt::format("a second entity {}", tag), "each entity once");

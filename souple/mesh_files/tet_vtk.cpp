@@ -20,19 +20,19 @@ using mesh_detail::quoted;
 using mesh_detail::TextScanner;
 
 using TypeName = std::pair<std::string_view, NumberType>;
-constexpr std::array<TypeName, 13> type_names = {{{"unsigned_char", NumberType::uint8},
-                                                  {"char", NumberType::int8},
-                                                  {"unsigned_short", NumberType::uint16},
-                                                  {"short", NumberType::int16},
-                                                  {"unsigned_int", NumberType::uint32},
-                                                  {"int", NumberType::int32},
-                                                  {"unsigned_long", NumberType::uint64},
-                                                  {"long", NumberType::int64},
-                                                  {"vtkidtype", NumberType::int32},
-                                                  {"vtktypeint64", NumberType::int64},
-                                                  {"vtktypeuint8", NumberType::uint8},
-                                                  {"float", NumberType::float32},
-                                                  {"double", NumberType::float64}}};
+constexpr std::array<TypeName, 13> vtk_types = {{{"unsigned_char", NumberType::uint8},
+                                                 {"char", NumberType::int8},
+                                                 {"unsigned_short", NumberType::uint16},
+                                                 {"short", NumberType::int16},
+                                                 {"unsigned_int", NumberType::uint32},
+                                                 {"int", NumberType::int32},
+                                                 {"unsigned_long", NumberType::uint64},
+                                                 {"long", NumberType::int64},
+                                                 {"vtkidtype", NumberType::int32},
+                                                 {"vtktypeint64", NumberType::int64},
+                                                 {"vtktypeuint8", NumberType::uint8},
+                                                 {"float", NumberType::float32},
+                                                 {"double", NumberType::float64}}};
 
 constexpr std::int64_t vtk_tet = 10;
 
@@ -91,7 +91,7 @@ class VtkReader {
   }
 
   NumberType type_from(std::string_view word) const {
-    for (const auto& [name, type] : type_names)
+    for (const auto& [name, type] : vtk_types)
       if (name == lower_case(word.substr(0, 16))) return type;
     scanner_.fail(scanner_.found(word), "a type such as float, double, int or vtktypeint64");
   }
