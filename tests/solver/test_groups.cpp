@@ -15,6 +15,14 @@ namespace souple::test::test_solver_groups {
 const Mat3d turn = rotation_matrix(Quatd::from_axis_angle(normalized(Vec3d{1, -2, 0.5}), 2.0));
 const Vec3d shift{0.3, -1, 2};
 
+// `before`: positions from which a projection has moved the body.
+void expect_momenta_kept(const Body& body, const std::vector<Vec3d>& before) {
+  const Momentum m = momentum_of(body, before);
+  EXPECT_GT(m.linear_scale, 0.1);
+  EXPECT_LT(length(m.linear), 1e-6 * m.linear_scale);
+  EXPECT_LT(length(m.angular), 1e-6 * m.angular_scale);
+}
+
 // Particles on a grid, 0.5 `size` apart: 3 x 3 x 3 form a box of edge `size`, fewer a flat or straight part.
 std::vector<Vec3d> lattice(int nx, int ny, int nz, double size) {
   std::vector<Vec3d> result;
@@ -88,10 +96,7 @@ TEST(ShapeMatching, KeepsMomenta) {
       ShapeMatching projector =
           matching(rest, {.linear = linear, .compliance = compliance, .damping_time = compliance});
       solve(projector, body, {.h = 0.01f});
-      const Momentum m = momentum_of(body, before);
-      EXPECT_GT(m.linear_scale, 0.1);
-      EXPECT_LT(length(m.linear), 1e-6 * m.linear_scale);
-      EXPECT_LT(length(m.angular), 1e-6 * m.angular_scale);
+      expect_momenta_kept(body, before);
     }
 }
 
@@ -337,10 +342,7 @@ TEST(EnclosedVolume, KeepsMomentaFarFromTheOrigin) {
     EnclosedVolume projector =
         enclosing(s, 6, {.pressure = keep_volume ? 0.0f : 1e3f, .keep_volume = keep_volume});
     solve(projector, body, {.h = 0.01f});
-    const Momentum m = momentum_of(body, before);
-    EXPECT_GT(m.linear_scale, 0.1);
-    EXPECT_LT(length(m.linear), 1e-6 * m.linear_scale);
-    EXPECT_LT(length(m.angular), 1e-6 * m.angular_scale);
+    expect_momenta_kept(body, before);
   }
 }
 
