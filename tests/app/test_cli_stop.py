@@ -3,6 +3,7 @@
 
 import contextlib
 import json
+import shutil
 import signal
 import sys
 import time
@@ -104,8 +105,13 @@ class Stopping(Case):
         run = self.start("run", scene, "--out", "out", "--checkpoint-every", 50)
         self.wait_for(lambda: (self.folder / "out/checkpoint.souple").exists(), run)
         self.stop(run, signal.SIGKILL, -signal.SIGKILL)
+        shutil.copytree(self.folder / "out", self.folder / "anew")
         self.souple("run", "--resume", "out")
         self.assert_same_contents("whole", "out")
+        # A run that begins anew takes the earlier one's checkpoint away: nobody resumes that one by mistake.
+        run = self.start("run", scene, "--out", "anew")
+        self.wait_for(lambda: not (self.folder / "anew/checkpoint.souple").exists(), run)
+        self.stop(run, signal.SIGKILL, -signal.SIGKILL)
 
     def test_surface_goes_on_with_the_run(self):
         """After it was killed, and after an interrupt."""

@@ -166,6 +166,8 @@ TEST(VtkReader, NamesFileAndPlaceOfBadInput) {
               {cells("CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n5\n"), {"a.vtk", "no tet"}},
               {cells("CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n12\n"), {"a.vtk", "type 12", "type 10"}},
               {cells("CELLS 2 4\nOFFSETS int\n0 5\nCONNECTIVITY int\n0 1 2 3\n"), {"a.vtk:12:", "OFFSETS"}},
+              {cells("CELLS 4 8\nOFFSETS int\n0 6 4 8\nCONNECTIVITY int\n0 1 2 3 1 4 3 2\n"),
+               {"a.vtk:", "OFFSETS that do not ascend"}},
               {cells("NOTHING\n"), {"a.vtk:8:", "\"NOTHING\""}}});
 }
 

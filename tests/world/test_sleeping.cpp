@@ -320,6 +320,23 @@ TEST(Sleeping, WhatCarriesThemWakesThemWhenItMoves) {
   }
 }
 
+// Its center stays where it is.
+TEST(Sleeping, ABarThatTurnsWakesWhatItSweeps) {
+  World world(sleepy());
+  world.add_collider(Plane{});
+  const ObjectId box = add_box(world, {0.9, 0.11, 0}, "box");
+  const Quatd across = Quatd::from_axis_angle({0, 1, 0}, pi / 2);
+  world.add_collider(Box{.center = {0, 0.2f, 0}, .half_extents = {1, 0.15f, 0.05f}},
+                     {.motion = ColliderMotion::keyframes({{0, {}, across}, {4, {}, across}, {5, {}, {}}})});
+  ASSERT_LT(frames_until_asleep(world, 200), 200);
+  while (world.time() < 3.9) world.step(frame);
+  EXPECT_TRUE(world.is_asleep(box));
+  const Vec3d before = world.center_of_mass(box);
+  while (world.time() < 5) world.step(frame);
+  EXPECT_FALSE(world.is_asleep(box));
+  EXPECT_GT(length(world.center_of_mass(box) - before), 0.1);
+}
+
 // Distant objects may move; slow objects wake no others.
 TEST(Sleeping, OthersLeaveThemAlone) {
   World world(sleepy());

@@ -323,6 +323,39 @@ TEST(VertexBalls, LayersOfAFoldedSheetStayApart) {
   EXPECT_GT(most, 50u);
 }
 
+// Two folded sheets, 3 m apart, whose layers slide over each other: the friction of one is no matter of the other.
+TEST(VertexBalls, EachSheetHasItsOwnFriction) {
+  const auto positions = [](float friction_of_first) {
+    const TriangleMesh mesh = grid(30, 20, 1);
+    World world({.gravity = {}});
+    std::vector<ObjectId> sheets;
+    for (const float friction : {friction_of_first, 0.8f}) {
+      ObjectOptions options = with_balls;
+      options.transform.translation.z = 3.0 * double(sheets.size());
+      const ClothDescription material{.friction = friction, .thickness = 0.005f};
+      const ObjectId sheet = sheets.emplace_back(world.add_cloth(mesh, material, options));
+      std::vector<Vec3f> x = folded(mesh, 0.05), v;
+      for (Vec3f& at : x) {
+        v.push_back(at.y > 0.05f ? Vec3f{0, -1, 0.5f} : Vec3f{0, 1, 0});
+        at += Vec3f(options.transform.translation);
+      }
+      world.set_positions(sheet, x);
+      world.set_velocities(sheet, v);
+    }
+    for (int frame = 0; frame < 10; ++frame) world.step(1.0 / 60);
+    EXPECT_GT(self_contacts(world), 50u);
+    std::vector<std::vector<Vec3f>> result;
+    for (const ObjectId sheet : sheets) {
+      const auto x = world.positions(sheet);
+      result.emplace_back(x.begin(), x.end());
+    }
+    return result;
+  };
+  const auto smooth = positions(0), rough = positions(0.8f);
+  EXPECT_NE(smooth[0], rough[0]);
+  EXPECT_EQ(smooth[1], rough[1]);
+}
+
 // Measured: no crossing at any size from 80 to 125 vertices a side, 10 edges of 67,000 at 150.
 TEST(VertexBalls, AHeapHasFewCrossings) {
   World world = falling_sheet(40, SelfCollision::particles);
