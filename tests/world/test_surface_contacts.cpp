@@ -332,7 +332,7 @@ TEST(VertexBalls, EachSheetHasItsOwnFriction) {
     for (const float friction : {friction_of_first, 0.8f}) {
       ObjectOptions options = with_balls;
       options.transform.translation.z = 3.0 * double(sheets.size());
-      const ClothDescription material{.friction = friction, .thickness = 0.005f};
+      const ClothMaterial material{.thickness = 0.005f, .friction = friction};
       const ObjectId sheet = sheets.emplace_back(world.add_cloth(mesh, material, options));
       std::vector<Vec3f> x = folded(mesh, 0.05), v;
       for (Vec3f& at : x) {
