@@ -1,5 +1,5 @@
-# Unity builds: the sources of a folder are compiled several at a time. The library then takes half of the processor time,
-# tests take a third.
+# Unity builds: the sources of a folder are compiled up to twenty at a time. The library then takes less than half of the
+# processor time, tests take a third.
 #
 #   souple_unite(target...)  groups the sources that the target has so far
 #
