@@ -140,7 +140,7 @@ class MshReader {
     const int box_numbers = dimension == 0 ? 3 : 6;
     for (int i = 0; i < box_numbers; ++i) scanner_.real("box of an entity");
     const std::size_t count = scanner_.count("number of physical groups", 2);
-    // A short file could else demand any amount of memory.
+    // A short file could otherwise demand any amount of memory.
     if (count > mesh_detail::most_groups_at_once)
       scanner_.fail(fmt::format("{} physical groups at once", count), "at most 16");
     std::vector<std::string> names;

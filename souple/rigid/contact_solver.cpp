@@ -18,7 +18,7 @@ constexpr std::size_t most_visits = 8000, least_sweeps = 4, most_sweeps = 40;
 // is used if a factorization takes at most `affordable` multiplications and a step at most `in_a_step`.
 constexpr double nearly_at_rest = 2;  // of g h^2
 // Errors that may remain, as parts of g h^2 and of the tolerance. Errors of all substeps add up to a creep, of 16 um/s
-// at the absolute_tolerance.
+// at the tolerance.
 constexpr double exact = 1e-5, at_once = 0.1;
 constexpr double affordable = 4e7, in_a_step = 4e8;
 // Small islands are solved by Newton's method even while they move.
