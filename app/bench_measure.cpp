@@ -46,11 +46,11 @@ double largest_strain(const World& world, const std::vector<double>& rest) {
   return largest;
 }
 
-/// Runs one step; throws NonFiniteError, or Error where a callback failed.
+/// Runs one step; throws NonFiniteError, or Error where it was refused or a callback failed.
 const StepReport& step(World& world, double dt) {
   const StepReport& report = world.step(dt);
-  if (!report.ok()) throw NonFiniteError{report.message};
-  if (report.has(Flag::callback_failed)) throw Error(report.message);
+  if (report.outcome == StepOutcome::diverged) throw NonFiniteError{report.message};
+  if (!report.ok() || report.has(Flag::callback_failed)) throw Error(report.message);
   return report;
 }
 

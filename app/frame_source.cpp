@@ -3,9 +3,9 @@
 #include "app/cache_subject.h"
 #include "app/check_pictures.h"
 #include "app/find_scene.h"
-#include "app/non_finite.h"
 #include "app/pictures.h"
 #include "app/scene_colors.h"
+#include "app/step_failure.h"
 #include "souple/error.h"
 #include "souple/io/export_frames.h"
 
@@ -36,7 +36,8 @@ class SceneFrames : public FrameSource {
       if (frame_ > 0 && !should_continue(frame_)) return AdvanceResult::stopped;
       const StepReport& report = world_.step(1 / scene_.frame_rate);
       if (!report.ok()) {
-        failure_ = non_finite_text(scene_.source, report, frame_ + 1);
+        failure_ = step_failure_text(scene_.source, report, frame_ + 1);
+        if (report.outcome == StepOutcome::refused) throw Error(failure_);
         return AdvanceResult::non_finite;
       }
       ++frame_;

@@ -32,7 +32,7 @@ class FrameSource {
 
   using ShouldContinue = std::function<bool(std::uint64_t frame)>;
   /// Advances to a later frame. Calls `should_continue` before it leaves a frame. Throws Error when a file
-  /// cannot be read.
+  /// cannot be read, or a step is refused.
   virtual AdvanceResult advance_to(std::uint64_t frame, const ShouldContinue& should_continue) = 0;
   /// Extreme points of objects, and of colliders not much larger, over these frames, ascending. The current frame
   /// stays. A scene is simulated once more for it; ends early where `should_continue` returns false or values are not

@@ -4,10 +4,10 @@
 #include "app/find_scene.h"
 #include "app/interrupt.h"
 #include "app/last_picture.h"
-#include "app/non_finite.h"
 #include "app/percent.h"
 #include "app/progress.h"
 #include "app/run_surfaces.h"
+#include "app/step_failure.h"
 #include "souple/files/output_lock.h"
 #include "souple/io/checkpoint_file.h"
 #include "souple/io/recorder.h"
@@ -183,11 +183,11 @@ void print_summary(const Job& job, const RunStatistics& statistics, double secon
               job.out.string().c_str());
 }
 
-int report_non_finite(const Job& job, const StepReport& report, std::uint64_t frame) {
-  std::fprintf(stderr, "souple: %s; the frames before it are in %s. %s\n",
-               non_finite_text(job.record.source, report, frame).c_str(), job.out.string().c_str(),
-               std::string(advice(Flag::non_finite)).c_str());
-  return non_finite;
+int report_failure(const Job& job, const StepReport& report, std::uint64_t frame) {
+  std::fprintf(stderr, "souple: %s; the frames before it are in %s%s\n",
+               step_failure_text(job.record.source, report, frame).c_str(), job.out.string().c_str(),
+               step_remedy(report).c_str());
+  return exit_code(report.outcome);
 }
 
 int report_interrupted(const Job& job, std::uint64_t frame) {
@@ -243,7 +243,7 @@ int simulate(const Job& job, World& world, const Output& output) {
       if (!report.ok()) {
         output.finish();
         if (output.picture != nullptr && frame > 1) output.picture->write(world, job.scene);
-        return report_non_finite(job, report, frame);
+        return report_failure(job, report, frame);
       }
       output.capture(world, frame);
       progress.frame_done(frame);
@@ -319,6 +319,7 @@ int run(const RunOptions& options) {
                   ": does not match the scene (was a mesh changed?): " + error.what());
     }
   }
+  prepare(world, job.record.source);
   std::unique_ptr<RunSurfaces> surfaces;
   if (!job.record.surface.empty())
     surfaces = std::make_unique<RunSurfaces>(job.record.surface, job.scene, world, job.out, job.done);

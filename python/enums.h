@@ -22,6 +22,7 @@
 
 SOUPLE_PYTHON_ENUM(souple::Stage, "Stage");
 SOUPLE_PYTHON_ENUM(souple::Flag, "Flag");
+SOUPLE_PYTHON_ENUM(souple::StepOutcome, "StepOutcome");
 SOUPLE_PYTHON_ENUM(souple::LogLevel, "LogLevel");
 SOUPLE_PYTHON_ENUM(souple::Integrator, "Integrator");
 SOUPLE_PYTHON_ENUM(souple::Mode, "Mode");

@@ -33,7 +33,7 @@ MORE = {
     "SolverSettings": "The solver of the constraints, and its numbers.",
     "Sphere": "All points within a radius of the center.",
     "StepReport.has": "Whether the step set this flag.",
-    "StepReport.ok": "Whether all numbers are finite.",
+    "StepReport.ok": "Whether the outcome is `done`: the world is dt later.",
     "StepReport.total_milliseconds": "The sum of the stages [ms].",
     "Transform.direction": "The direction, rotated.",
     "Transform.point": "The point, scaled, then rotated, then translated.",

@@ -22,13 +22,13 @@ void bind_reports(py::module_& m) {
               &FluidReport::iterations, &FluidReport::coarse_iterations, &FluidReport::viscosity_iterations,
               &FluidReport::spray, &FluidReport::foam, &FluidReport::bubbles>();
   Result<StepReport>(m, "StepReport")
-      .fields<&StepReport::step, &StepReport::time, &StepReport::substeps, &StepReport::iterations,
-              &StepReport::milliseconds, &StepReport::particles, &StepReport::constraints,
-              &StepReport::contacts, &StepReport::asleep, &StepReport::broken_joints,
-              &StepReport::broken_ties, &StepReport::kept_apart, &StepReport::intersections,
-              &StepReport::layer_violations, &StepReport::deepest_contact, &StepReport::largest_strain,
-              &StepReport::fluid, &StepReport::kinds, &StepReport::objects, &StepReport::flags,
-              &StepReport::bad_object, &StepReport::bad_vertex, &StepReport::message>()
+      .fields<&StepReport::outcome, &StepReport::step, &StepReport::time, &StepReport::substeps,
+              &StepReport::iterations, &StepReport::milliseconds, &StepReport::particles,
+              &StepReport::constraints, &StepReport::contacts, &StepReport::asleep,
+              &StepReport::broken_joints, &StepReport::broken_ties, &StepReport::kept_apart,
+              &StepReport::intersections, &StepReport::layer_violations, &StepReport::deepest_contact,
+              &StepReport::largest_strain, &StepReport::fluid, &StepReport::kinds, &StepReport::objects,
+              &StepReport::flags, &StepReport::bad_object, &StepReport::bad_vertex, &StepReport::message>()
       .def("has", &StepReport::has)
       .def("ok", &StepReport::ok)
       .def("total_milliseconds", &StepReport::total_milliseconds);

@@ -10,7 +10,7 @@ namespace {
 StepReport step(BoundWorld& world, double dt) {
   StepReport report = world.without_gil("step", [dt](World& w) { return w.step(dt); });
   if (PyErr_CheckSignals() != 0) throw py::error_already_set();  // Ctrl-C, before the next frame
-  if (report.flags == 0 && report.message.ends_with("nothing was done")) throw Error(report.message);
+  if (report.outcome == StepOutcome::refused) throw Error(report.message);
   return report;
 }
 
@@ -63,9 +63,12 @@ void bind_world_loop(WorldClass& world) {
            "settings"_a = py::none(),
            "Makes an empty world: World(substeps=20), or World(settings). Keywords are members of Settings.")
       .def("step", &step, "dt"_a,
-           "Advances the world by dt seconds and returns the report. The GIL is free meanwhile. What a "
-           "function of yours "
-           "raised is raised when the step has ended; its effect was left out.")
+           "Advances the world by dt seconds and returns the report. Raises Error if the step was refused. "
+           "The GIL is free meanwhile. What a function of yours raised is raised when the step has ended; "
+           "its effect was left out.")
+      .def(
+          "prepare", [](BoundWorld& w) { w.without_gil("prepare", [](World& world_) { world_.prepare(); }); },
+          doc("World.prepare"))
       .def("set_settings", &set_settings, "settings"_a = py::none(),
            "Replaces the settings, or changes the members that keywords name: set_settings(substeps=20).")
       .def(

@@ -4,7 +4,7 @@
 #include "app/exit_codes.h"
 #include "app/interrupt.h"
 #include "app/last_picture.h"
-#include "app/non_finite.h"
+#include "app/step_failure.h"
 #include "app/sweep/result.h"
 #include "app/sweep/sheet.h"
 #include "souple/error.h"
@@ -95,6 +95,7 @@ class Run {
       if (level != LogLevel::info && first && !sweep_.quiet)
         std::fprintf(stderr, "souple: %s\n", std::string(warning).c_str());
     });
+    prepare(world, scene_.source);
     open_picture();
     open_recorder(world);
     const int code = step(world, result);
@@ -148,9 +149,10 @@ class Run {
       if (interrupt_requested()) return interrupted;
       const StepReport& report = world.step(dt);
       if (!report.ok()) {
-        result.status = RunResult::Status::diverged;
-        result.error = non_finite_text(scene_.source, report, frame);
-        return non_finite;
+        const bool diverged = report.outcome == StepOutcome::diverged;
+        result.status = diverged ? RunResult::Status::diverged : RunResult::Status::failed;
+        result.error = step_failure_text(scene_.source, report, frame);
+        return exit_code(report.outcome);
       }
       if (recorder_) recorder_->capture();
       measures_.add(frame, world);

@@ -19,8 +19,8 @@ inline render::Camera camera_of(const CameraDescription& scene) {
 
 /// The cause and position of a failed step.
 struct Failure {
-  std::string message;  ///< one line: the object, the particle, the remedy
-  std::string object;
+  std::string message;       ///< one line: the object, the particle, the remedy; or why the step was refused
+  std::string object;        ///< empty: the step was refused
   std::uint32_t vertex = 0;  ///< user order
   Vec3f position{};          ///< last valid position of the vertex [m]
 };

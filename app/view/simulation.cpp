@@ -121,25 +121,29 @@ void Simulation::step(double dt, int substeps) {
   Settings settings = scene_.settings;
   settings.substeps = substeps;
   world_.set_settings(settings);
+  failure_.reset();
   const StepReport& report = world_.step(dt);
+  if (!report.ok()) record_failure();
+  if (report.outcome == StepOutcome::refused) return;
   past_.count_step();
   ++steps_;
   history_.push_back(report.milliseconds);
   if (history_.size() > history_length) history_.pop_front();
-  if (!report.ok()) record_failure();
 }
 
 void Simulation::record_failure() {
   const StepReport& report = world_.report();
   playing_ = false;
-  Failure failure;
+  failure_.emplace();
+  failure_->message = report.message;
+  if (report.outcome != StepOutcome::diverged) return;
+  Failure& failure = *failure_;
   failure.object = report.bad_object;
   failure.vertex = report.bad_vertex;
   const std::span<const Vec3f> positions = world_.positions(world_.find_object(report.bad_object));
   if (report.bad_vertex < positions.size()) failure.position = positions[report.bad_vertex];
   failure.message = fmt::format("object \"{}\", particle {} is no longer finite: {}", report.bad_object,
                                 report.bad_vertex, advice(Flag::non_finite));
-  failure_ = std::move(failure);
 }
 
 void Simulation::reset() {

@@ -169,7 +169,7 @@ void Viewer::draw_status() {
 /// A ring around the particle that became non-finite first, with its name; at the edge if the particle is out
 /// of view.
 void Viewer::draw_failure() {
-  if (!session_->failure() || area_.empty()) return;
+  if (!session_->failure() || session_->failure()->object.empty() || area_.empty()) return;
   const Failure& failure = *session_->failure();
   const float radius = ImGui::GetFontSize(), scale = area_.scale;
   const ImVec2 lo{static_cast<float>(area_.x) / scale + 2 * radius, 2 * radius};

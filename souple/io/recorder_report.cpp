@@ -73,6 +73,7 @@ FrameReport frame_report(std::uint64_t frame, double time, const StepReport& rep
   FrameReport kept;
   kept.frame = frame;
   kept.time = time;
+  if (report.outcome == StepOutcome::refused) kept.flags.emplace_back("refused");
   if (report.step == 0) return kept;
   kept.values = {{"particles", static_cast<double>(report.particles)},
                  {"constraints", static_cast<double>(report.constraints)},

@@ -42,8 +42,8 @@ void Warnings::begin_step() {
   now_.clear();
 }
 
-void Warnings::report(Flag flag, std::string_view words) {
-  flags_ |= static_cast<std::uint32_t>(flag);
+void Warnings::report(std::uint32_t flags, std::string_view words) {
+  flags_ |= flags;
   if (!message_.empty()) message_ += '\n';
   message_ += words;
 }
@@ -64,16 +64,25 @@ void Warnings::log(LogLevel level, std::string_view words) {
 
 void Warnings::report_log_failure() {
   if (log_failure_.empty()) return;
-  report(Flag::callback_failed, log_failure_);
+  report(static_cast<std::uint32_t>(Flag::callback_failed), log_failure_);
   log_failure_.clear();
 }
 
 void Warnings::warn(Flag flag, std::string_view words) {
+  tell(static_cast<std::uint32_t>(flag), flag == Flag::non_finite ? LogLevel::error : LogLevel::warning,
+       words);
+}
+
+void Warnings::refuse(std::string_view words) {
+  tell(0, LogLevel::error, words);
+}
+
+void Warnings::tell(std::uint32_t flags, LogLevel level, std::string_view words) {
   if (message_.find(words) != std::string::npos) {
-    flags_ |= static_cast<std::uint32_t>(flag);
+    flags_ |= flags;
     return;
   }
-  report(flag, words);
+  report(flags, words);
   if (!log_) return;
   std::string name(words);  // its numbers differ from step to step
   name.erase(std::remove_if(name.begin(), name.end(), [](char c) { return c >= '0' && c <= '9'; }),
@@ -83,7 +92,7 @@ void Warnings::warn(Flag flag, std::string_view words) {
   };
   const bool is_new = !holds(before_) && !holds(now_);
   now_.push_back(std::move(name));
-  if (is_new) log(flag == Flag::non_finite ? LogLevel::error : LogLevel::warning, words);
+  if (is_new) log(level, words);
 }
 
 void Warnings::log_info(const std::string& name, const std::vector<std::string>& sentences) {

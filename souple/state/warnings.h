@@ -53,6 +53,8 @@ class Warnings {
   /// Sets a flag of the report and appends a line to its message. The log has it if neither the last step nor this one
   /// had it before, but for its numbers.
   void warn(Flag flag, std::string_view words);
+  /// As `warn`, without a flag: why a step did nothing. The log has it as an error.
+  void refuse(std::string_view words);
   /// Logs notes about an object, such as repairs of its mesh.
   void log_info(const std::string& name, const std::vector<std::string>& sentences);
   /// At the end of a step: sets Flag::callback_failed if the log function has thrown since the last one. Its exception
@@ -75,7 +77,8 @@ class Warnings {
 
  private:
   void log(LogLevel level, std::string_view words);
-  void report(Flag flag, std::string_view words);
+  void report(std::uint32_t flags, std::string_view words);
+  void tell(std::uint32_t flags, LogLevel level, std::string_view words);
 
   std::uint32_t& flags_;
   std::string& message_;

@@ -14,6 +14,7 @@
 #include "souple/world/contacts.h"
 #include "souple/world/joints/ties.h"
 #include "souple/world/sleeping.h"
+#include "souple/world/step_report.h"
 #include "souple/world/step_scratch.h"
 
 namespace souple {
@@ -162,7 +163,7 @@ bool prepare_step(WorldState& world, double dt) {
     bring_up_to_date(world);
     return true;
   } catch (const Error& error) {
-    world.warnings.warn(Flag::callback_failed, std::string(error.what()) + "; nothing was done");
+    refuse_step(world, error.what());
     return false;
   }
 }

@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <new>
 #include <utility>
 
 namespace souple {
@@ -47,8 +48,25 @@ void Edit::done() {
   world_.calls->broken = false;
 }
 
+namespace {
+
+/// Without memory the sentence is missing.
+void report_abandoned(StepReport& report) noexcept {
+  report.outcome = StepOutcome::abandoned;
+  try {
+    report.message =
+        "step: an exception, such as out of memory, ended the step half way; its particles are those before "
+        "it: restore a snapshot, or build the world again";
+  } catch (const std::bad_alloc&) {
+    report.message.clear();
+  }
+}
+
+}  // namespace
+
 void abandon_step(WorldState& world, double start) noexcept {
   world.calls->broken = true;
+  report_abandoned(world.report);
   if (world.current.saved) {
     const LastValid& valid = world.current.last_valid;
     Particles& particles = world.particles;

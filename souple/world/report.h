@@ -16,6 +16,16 @@ enum class Stage { broad_phase, integrate, fluids, contacts, solve, finish, velo
 inline constexpr std::size_t stage_count = 8;
 std::string_view stage_name(Stage stage);
 
+/// How a step ended. The report's message says why where it is not `done`.
+enum class StepOutcome {
+  done,      ///< the world is dt later
+  refused,   ///< nothing was done: a wrong dt, a solver that cannot take the scene, a call from within a step
+  diverged,  ///< a value became non-finite; the state before the step was restored
+  abandoned  ///< an exception, such as out of memory, passed through the step and left the world half done
+};
+
+std::string_view outcome_name(StepOutcome outcome);
+
 struct KindReport {
   std::string_view kind;  ///< "distance", "neo_hookean", ...
   std::size_t count = 0;  ///< constraints
@@ -38,6 +48,7 @@ struct ObjectReport {
 
 /// Results of a step. World::step returns it; it stays valid until the next step.
 struct StepReport {
+  StepOutcome outcome = StepOutcome::done;
   std::uint64_t step = 0;  ///< counted from 1
   double time = 0;         ///< s, at the end of the step
   int substeps = 0, iterations = 0;
@@ -62,10 +73,10 @@ struct StepReport {
   std::uint32_t flags = 0;  ///< bits of Flag
   std::string bad_object;   ///< with Flag::non_finite: object of the first particle with a non-finite value
   std::uint32_t bad_vertex = 0;  ///< with Flag::non_finite: vertex of the first such particle, user order
-  std::string message;           ///< one line for each flag that is set
+  std::string message;           ///< one line for each flag that is set, or the reason of a refusal
 
   bool has(Flag flag) const { return (flags & static_cast<std::uint32_t>(flag)) != 0; }
-  bool ok() const { return !has(Flag::non_finite); }
+  bool ok() const { return outcome == StepOutcome::done; }
   double total_milliseconds() const {
     double sum = 0;
     for (const double ms : milliseconds) sum += ms;

@@ -29,14 +29,23 @@ void run(World& self, WorldState& world, Stage stage, const Function& function) 
   world.report.milliseconds[index] += spent.count();
 }
 
+StepReport refusal(const char* reason) {
+  StepReport none;
+  none.outcome = StepOutcome::refused;
+  none.message = reason;
+  return none;
+}
+
 /// The report of a world that was moved from.
 const StepReport& report_of_no_world() {
-  static const StepReport report = [] {
-    StepReport none;
-    none.flags = static_cast<std::uint32_t>(Flag::callback_failed);
-    none.message = "step: the world was moved from; nothing was done";
-    return none;
-  }();
+  static const StepReport report = refusal("step: the world was moved from; nothing was done");
+  return report;
+}
+
+/// The report of a step within a step, which has its own.
+const StepReport& report_of_nested_step() {
+  static const StepReport report =
+      refusal("step: called from a function that the world is calling; nothing was done");
   return report;
 }
 
@@ -97,7 +106,7 @@ void advance(World& self, WorldState& world, double dt) {
 const StepReport& World::step(double dt) {
   if (!impl_) return report_of_no_world();
   WorldState& world = impl_->state;
-  if (refuse_nested_step(world)) return world.report;
+  if (refuse_nested_step(world)) return report_of_nested_step();
   require_whole(*world.calls, "step");
   const StepScope scope(*world.calls);
   const double start = world.time;

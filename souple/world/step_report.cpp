@@ -124,10 +124,17 @@ std::string_view stage_name(Stage stage) {
   return index < names.size() ? names[index] : "?";
 }
 
+std::string_view outcome_name(StepOutcome outcome) {
+  constexpr std::array<std::string_view, 4> names{"done", "refused", "diverged", "abandoned"};
+  const auto index = static_cast<std::size_t>(outcome);
+  return index < names.size() ? names[index] : "?";
+}
+
 void restore_last_valid(WorldState& world) {
   Particles& particles = world.particles;
   const std::size_t particle = *world.current.first_non_finite;
   const Object& object = *world.objects[world.object_of[particle]];
+  world.report.outcome = StepOutcome::diverged;
   world.report.bad_object = object.name;
   world.report.bad_vertex = object.vertex_of[particle - object.begin];
   particles.position = world.current.last_valid.position;
@@ -148,6 +155,11 @@ bool refuse_nested_step(WorldState& world) {
   return true;
 }
 
+void refuse_step(WorldState& world, const std::string& reason) {
+  world.report.outcome = StepOutcome::refused;
+  world.warnings.refuse(reason + "; nothing was done");
+}
+
 bool begin_report(WorldState& world, double dt) {
   StepReport& report = world.report;
   world.warnings.begin_step();
@@ -160,8 +172,8 @@ bool begin_report(WorldState& world, double dt) {
   report.step = world.steps;
   report.time = world.time;
   if (!(dt > 0) || !(dt <= range::time) || !(static_cast<float>(dt / world.settings.substeps) > 0)) {
-    report.message = fmt::format(
-        "step: dt is {} s, expected a positive time of at most {:g} s; nothing was done", dt, range::time);
+    refuse_step(world,
+                fmt::format("step: dt is {} s, expected a positive time of at most {:g} s", dt, range::time));
     return false;
   }
   return true;
@@ -210,7 +222,7 @@ void end_report(WorldState& world, bool valid) {
   world.report.time = world.time;
   if (world.calls->nested_step.exchange(false))
     world.warnings.warn(Flag::callback_failed,
-                        "step: a function that the world was calling called step; nothing was done");
+                        "step: a function that the world was calling called step; that call did nothing");
   world.warnings.report_log_failure();
   report_fluids(world);
   report_custom_errors(world);

@@ -3,6 +3,8 @@
 #include "souple/world/callbacks.h"
 #include "souple/world/state.h"
 
+#include <string>
+
 // The report of a step, and its treatment of states that are not finite.
 
 namespace souple {
@@ -10,6 +12,8 @@ namespace souple {
 /// True if a function that the world is calling has called step. The report of the step that runs, or of the next one,
 /// says so.
 bool refuse_nested_step(WorldState& world);
+/// The step that was to begin does nothing, and its report says why.
+void refuse_step(WorldState& world, const std::string& reason);
 /// Clears the report. Returns false, with a message in it, if dt is not positive and finite.
 bool begin_report(WorldState& world, double dt);
 /// Counts the step that begins, and its particles.

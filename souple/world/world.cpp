@@ -22,6 +22,7 @@
 #include "souple/world/impl.h"
 #include "souple/world/joints/joints.h"
 #include "souple/world/joints/ties.h"
+#include "souple/world/prepare.h"
 #include "souple/world/recover.h"
 #include "souple/world/registry.h"
 #include "souple/world/rigid_bodies.h"
@@ -72,6 +73,12 @@ void World::set_settings(const Settings& settings) {
         settings.sleeping == old.sleeping))
     wake_all(world);
   world.settings = settings;
+}
+
+void World::prepare() {
+  WorldState& world = state();
+  const CallScope call(*world.calls, "prepare");
+  bring_up_to_date(world);
 }
 
 namespace {

@@ -109,7 +109,7 @@ struct RigidBodyState {
 /// | set_body_velocity, apply_angular_impulse                                             | yes   | Error  |
 /// | pin, unpin, set_wind_exposure, set_user_data, set_joint                              | yes   | Error  |
 /// | all others: what adds, removes or changes objects, colliders, constraints, flows, pairs, settings; move_pins, move_collider, move_body, projector, restore, time_projections, time_solve | Error | Error |
-/// | step                                                                                 | does nothing; the report of the step says so | as before |
+/// | step                                                                                 | is refused; the report of the outer step says so | as before |
 /// | moving, assigning to or destroying the world                                         | never | never  |
 ///
 /// Exceptions of such a function. A callback of a stage, a force field, a target, a motion or
@@ -133,6 +133,9 @@ class World {
   /// functions that need more of the world than its objects (the next step, changes, snapshot, foam, ...) throw Error.
   /// All other problems stand in the report.
   const StepReport& step(double dt);
+  /// Builds now what the next step would build: constraints, contact tables, the solver. Throws Error where that step
+  /// would be refused.
+  void prepare();
   const StepReport& report() const;
   double time() const;  ///< s
   const Settings& settings() const;

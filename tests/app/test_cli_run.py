@@ -98,6 +98,16 @@ class Running(Case):
         self.assert_one_line(done.stderr)
         self.assertFalse([n for n in self.names() if n.endswith(".part")])
 
+    def test_a_refused_step_is_no_frame(self):
+        self.souple("run", "flag", "--out", "out", "--frames", 2)
+        before = self.contents("out")
+        for command in ("run", "check"):
+            done = self.souple(command, "flag", "--set", "solver=dense", *(["--out", "out"] if command == "run" else []),
+                               code=2)
+            self.assertIn("the solver dense takes at most", done.stderr)
+            self.assert_one_line(done.stderr)
+        self.assertEqual(self.contents("out"), before)
+
 
 if __name__ == "__main__":
     unittest.main(argv=[sys.argv[0], *sys.argv[3:]])

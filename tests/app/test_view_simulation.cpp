@@ -477,6 +477,22 @@ TEST(ViewerSimulation, TroublePausesAndNamesTheParticle) {
   EXPECT_FALSE(simulation.failure().has_value());
 }
 
+TEST(ViewerSimulation, ARefusedStepPausesAndSaysWhy) {
+  Simulation simulation(scene(R"({"souple": 1, "solver": "dense", "objects": [
+    {"name": "sheet", "kind": "cloth", "mesh": {"grid": {"columns": 30, "rows": 30, "size": 1}}}]})"),
+                        "dense");
+  for (int i = 0; i < 10 && simulation.playing(); ++i) simulation.advance(1 / 60.0);
+  EXPECT_FALSE(simulation.playing());
+  ASSERT_TRUE(simulation.failure().has_value());
+  EXPECT_NE(simulation.failure()->message.find("the solver dense takes at most"), std::string::npos);
+  EXPECT_EQ(simulation.failure()->object, "");
+  EXPECT_EQ(simulation.history().size(), 0u);
+  simulation.set_settings({});
+  simulation.step_frame();
+  EXPECT_FALSE(simulation.failure());
+  EXPECT_GT(simulation.time(), 0);
+}
+
 TEST(ViewerSimulation, EveryShippedSceneRunsAndCopies) {
   for (const auto& entry : std::filesystem::directory_iterator(source_path("scenes"))) {
     if (entry.path().extension() != ".json") continue;

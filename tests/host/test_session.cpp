@@ -5,6 +5,7 @@
 #include "tests/host/player.h"
 
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <thread>
 
@@ -493,6 +494,23 @@ TEST(Session, ASceneThatFailsToOpenLeavesTheSessionAsItWas) {
   EXPECT_EQ(s.hash(), undisturbed.session.hash());
   for (Player* player : {&host, &undisturbed}) player->session.reset(), player->play(5);
   EXPECT_EQ(s.hash(), undisturbed.session.hash());
+}
+
+TEST_F(HostedSession, ARefusedStepPausesAndSaysWhy) {
+  const std::string file = testing::TempDir() + "souple_refused.json";
+  std::ofstream(file) << R"({"souple": 1, "solver": "dense", "objects": [
+    {"name": "sheet", "kind": "cloth", "mesh": {"grid": {"columns": 30, "rows": 30, "size": 1}}}]})";
+  s.open_scene(file);
+  std::remove(file.c_str());
+  s.set_playing(true);
+  EXPECT_EQ(s.advance(host.now += dt, dt), Tick::nothing);
+  const std::vector<std::string> messages = s.take_messages();
+  ASSERT_EQ(messages.size(), 1u);
+  EXPECT_NE(messages[0].find("the solver dense takes at most"), std::string::npos) << messages[0];
+  EXPECT_FALSE(s.playing());
+  EXPECT_EQ(s.time(), 0);
+  EXPECT_EQ(s.steps(), 0u);
+  EXPECT_NE(s.statistics().text().find("the solver dense"), std::string::npos) << s.statistics().text();
 }
 
 }  // namespace souple::host::test_host_session

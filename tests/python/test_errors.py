@@ -177,7 +177,17 @@ class EveryFunction(unittest.TestCase):
         for dt in (0, -1, float("nan"), float("inf")):
             with self.assertRaisesRegex(souple.Error, "expected a positive time"):
                 world.step(dt)
-        world.step(1 / 60)
+            self.assertEqual(world.report().outcome, souple.StepOutcome.refused)
+        self.assertEqual(world.step(1 / 60).outcome, souple.StepOutcome.done)
+
+    def test_a_solver_that_cannot_take_the_scene_is_refused(self):
+        world = souple.World(solver=souple.SolverSettings(kind=souple.SolverKind.dense))
+        world.add_cloth(souple.grid(30, 30, 1.0))
+        for call in (world.prepare, lambda: world.step(1 / 60)):
+            with self.assertRaisesRegex(souple.Error, "the solver dense takes at most"):
+                call()
+        self.assertFalse(world.report().ok())
+        self.assertEqual(world.time(), 0)
 
     def test_words_that_are_not_utf8(self):
         with self.assertRaisesRegex(souple.Error, "no such file"):

@@ -70,8 +70,12 @@ TEST(Callbacks, AddingDuringAStepIsRefused) {
 TEST(Callbacks, AStepWithinAStepIsRefused) {
   World world;
   world.add_cloth(grid(3, 3, 1));
-  world.before(Stage::velocity, [](World& w) { w.step(0.01); });
-  EXPECT_NE(world.step(0.01).message.find("nothing was done"), std::string::npos);
+  StepOutcome inner = StepOutcome::done;
+  world.before(Stage::velocity, [&](World& w) { inner = w.step(0.01).outcome; });
+  const StepReport& report = world.step(0.01);
+  EXPECT_EQ(inner, StepOutcome::refused);
+  EXPECT_TRUE(report.ok());
+  EXPECT_NE(report.message.find("called step"), std::string::npos);
   EXPECT_NEAR(world.time(), 0.01, 1e-12);
 }
 
@@ -86,6 +90,7 @@ TEST(Callbacks, ABadNumberStopsTheStepAndRestoresTheLastGoodState) {
   const std::uint64_t good = world.hash();
   const StepReport& report = world.step(1.0 / 60);
   EXPECT_FALSE(report.ok());
+  EXPECT_EQ(report.outcome, StepOutcome::diverged);
   EXPECT_EQ(report.bad_object, "sheet");
   EXPECT_EQ(report.bad_vertex, 8u);
   EXPECT_EQ(world.hash(), good);

@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <new>
+#include <string>
+#include <string_view>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -15,8 +19,47 @@ TEST(Step, RefusesATimeThatIsNone) {
   const std::uint64_t before = world.hash();
   for (const double dt : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     EXPECT_NE(world.step(dt).message.find("dt"), std::string::npos);
+    EXPECT_EQ(world.report().outcome, StepOutcome::refused);
+    EXPECT_FALSE(world.report().ok());
     EXPECT_EQ(world.hash(), before);
   }
+}
+
+// A loop `while (world.step(dt).ok())` ends, and the report says why.
+TEST(Step, IsRefusedByASolverThatCannotTakeTheScene) {
+  World world({.solver = {.kind = SolverKind::dense}});
+  world.add_cloth(grid(30, 30, 1));
+  expect_error([&] { world.prepare(); }, {"the solver dense takes at most"});
+  std::string logged;
+  world.set_log([&](LogLevel level, std::string_view words) {
+    if (level == LogLevel::error) logged = words;
+  });
+  const StepReport& report = world.step(0.01);
+  EXPECT_EQ(report.outcome, StepOutcome::refused);
+  EXPECT_NE(report.message.find("the solver dense takes at most"), std::string::npos) << report.message;
+  EXPECT_EQ(logged, report.message);
+  EXPECT_EQ(world.time(), 0);
+  world.set_settings({});
+  world.prepare();
+  EXPECT_EQ(world.step(0.01).outcome, StepOutcome::done);
+  EXPECT_TRUE(world.report().ok());
+  EXPECT_EQ(world.time(), 0.01);
+}
+
+TEST(Step, ThatAnExceptionPassesIsAbandoned) {
+  World world;
+  world.add_cloth(grid(3, 3, 1));
+  world.before(Stage::solve, [](World&) { throw std::bad_alloc(); });
+  EXPECT_THROW(world.step(0.01), std::bad_alloc);
+  EXPECT_EQ(world.report().outcome, StepOutcome::abandoned);
+  EXPECT_FALSE(world.report().ok());
+  EXPECT_NE(world.report().message.find("restore a snapshot"), std::string::npos);
+}
+
+TEST(Step, OfAWorldThatWasMovedFromIsRefused) {
+  World world;
+  const World other = std::move(world);
+  EXPECT_EQ(world.step(0.01).outcome, StepOutcome::refused);  // NOLINT(bugprone-use-after-move)
 }
 
 // A small number is printed as it is, not as 0.000000.

@@ -25,6 +25,8 @@ export type Point = [number, number, number];
 
 export interface Report {
   time: number;
+  /** `refused`: the step did nothing. `diverged`: the state before it was restored. */
+  outcome: 'done' | 'refused' | 'diverged' | 'abandoned';
   step: number;
   milliseconds: number;
   /** Milliseconds of each stage. */
@@ -38,6 +40,7 @@ export interface Report {
   largestStrain: number;
   /** One line for each warning. */
   warnings: string;
+  /** Why the last step is not done. */
   failure?: string;
 }
 
@@ -78,7 +81,7 @@ export interface SoupleObject {
 export interface World {
   /** Gives the memory back; every later use throws SoupleError. */
   free(): void;
-  /** One frame of the scene, or dt seconds. Throws SoupleError for another time, and when a state is no longer finite. */
+  /** One frame of the scene, or dt seconds. Throws SoupleError when the step is refused, and when a state is no longer finite. */
   step(dt?: number): void;
   reset(): void;
   readonly time: number;

@@ -55,7 +55,7 @@ void HeldWorld::step(double dt) {
     world().step(dt);
   }
   const StepReport& report = world().report();
-  if (!report.ok() || report.message.ends_with("nothing was done")) throw Error(report.message);
+  if (!report.ok()) throw Error(report.message);
 }
 
 void HeldWorld::reset() {
@@ -149,6 +149,7 @@ std::string HeldWorld::report_text() {
     stages.set(std::string(stage_name(static_cast<Stage>(i))), number(report.milliseconds[i]));
   Json text = Json::object();
   text.set("time", number(world().time()));
+  text.set("outcome", Json::of(std::string(outcome_name(report.outcome))));
   text.set("step", Json::whole(static_cast<std::int64_t>(report.step)));
   text.set("milliseconds", number(report.total_milliseconds()));
   text.set("stages", std::move(stages));
@@ -159,7 +160,10 @@ std::string HeldWorld::report_text() {
   text.set("deepestContact", number(report.deepest_contact));
   text.set("largestStrain", number(report.largest_strain));
   text.set("warnings", Json::of(report.message));
-  if (simulation_.failure()) text.set("failure", Json::of(simulation_.failure()->message));
+  if (simulation_.failure())
+    text.set("failure", Json::of(simulation_.failure()->message));
+  else if (!report.ok())
+    text.set("failure", Json::of(report.message));
   return scene_format::dump_line(text);
 }
 

@@ -11,7 +11,8 @@ Statistics statistics_of(const World& world, std::uint64_t steps) {
   s.steps = steps;
   s.time = world.time();
   s.objects = world.objects().size();
-  if (steps == 0) return s;  // this world has no step to report
+  s.warnings = report.message;
+  if (steps == 0) return s;  // this world has no step to report, or only a refusal
   s.milliseconds = report.total_milliseconds();
   for (std::size_t i = 0; i < stage_count; ++i)
     s.stages.push_back({std::string(stage_name(static_cast<Stage>(i))), report.milliseconds[i]});
@@ -21,12 +22,12 @@ Statistics statistics_of(const World& world, std::uint64_t steps) {
   s.asleep = report.asleep;
   s.largest_strain = report.largest_strain;
   s.deepest_contact = report.deepest_contact;
-  s.warnings = report.message;
   return s;
 }
 
 std::string Statistics::text() const {
-  if (steps == 0) return fmt::format("{} objects, no step yet", objects);
+  if (steps == 0)
+    return fmt::format("{} objects, no step yet{}{}", objects, warnings.empty() ? "" : "\n", warnings);
   std::string lines = fmt::format("step {}, {:.3f} s\n{} objects, {} particles, {} constraints\n", steps,
                                   time, objects, particles, constraints);
   lines += fmt::format("{} contacts, {} objects asleep\n", contacts, asleep);

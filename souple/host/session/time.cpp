@@ -38,9 +38,7 @@ void Session::Impl::begin_again() {
 bool Session::Impl::step(double dt) {
   contents->begin_step(dt);
   const StepReport& report = contents->world().step(dt);
-  // Otherwise the world is unchanged: an invalid step is undone, and a step that failed to begin has no
-  // substeps.
-  const bool made = report.ok() && report.substeps > 0;
+  const bool made = report.ok();  // otherwise the world is unchanged
   contents->end_step(made);
   if (made) ++steps;
   playing = playing && made;
