@@ -17,6 +17,9 @@
 
 namespace souple {
 
+class SavedBytes;
+class SavedBytesWriter;
+
 /// A triangle, or an edge that repeats its second corner, that may touch colliders.
 struct ContactElement {
   std::array<std::uint32_t, 3> particle;
@@ -113,9 +116,11 @@ class ContactProjector : public Projector, public ContactFacet {
   virtual void events(const ParticleView& particles, std::vector<ContactPush>& out) const = 0;
 
   /// State that one step passes to the next, for snapshots; the default has none.
-  virtual void save([[maybe_unused]] std::vector<std::byte>& out) const {}
-  /// Restores what `save` appended, from the front of `in`, which it shortens.
-  virtual void load([[maybe_unused]] std::span<const std::byte>& in) {}
+  virtual void save([[maybe_unused]] SavedBytesWriter& out) const {}
+  /// Throws Error if `in` is not what `save` wrote, for a world of so many particles.
+  virtual void check_saved(SavedBytes in, std::size_t particles) const;
+  /// Restores what was checked.
+  virtual void load(SavedBytes in);
   /// Drops geometry and contacts.
   virtual void clear() = 0;
   /// The particles [begin, end) cease to exist; `build` follows. The default drops everything.

@@ -6,6 +6,7 @@
 #include "souple/contacts/surfaces/surface_contacts.h"
 #include "souple/contacts/vertex_balls.h"
 #include "souple/intersections/intersection_resolver.h"
+#include "souple/state/saved_bytes.h"
 
 #include <exception>
 
@@ -105,14 +106,23 @@ std::size_t Contacts::layer_violations() const {
   return intersection_resolver_->layer_violations().size();
 }
 
-std::vector<std::byte> Contacts::save() const {
-  std::vector<std::byte> state;
-  for (const auto& kind : kinds_) kind->save(state);
-  return state;
+void ContactProjector::check_saved(SavedBytes in, std::size_t) const {
+  in.require_end();
+}
+void ContactProjector::load(SavedBytes) {}
+
+void Contacts::save(SavedBytesWriter& out) const {
+  for (std::size_t k = 0; k < kinds_.size(); ++k) out.section(k, [&] { kinds_[k]->save(out); });
 }
 
-void Contacts::load(std::span<const std::byte> state) {
-  for (const auto& kind : kinds_) kind->load(state);
+void Contacts::check_saved(SavedBytes in, std::size_t particles) const {
+  for (std::size_t k = 0; k < kinds_.size(); ++k)
+    kinds_[k]->check_saved(in.section(k, kinds_[k]->kind()), particles);
+  in.require_end();
+}
+
+void Contacts::load(SavedBytes in) {
+  for (std::size_t k = 0; k < kinds_.size(); ++k) kinds_[k]->load(in.section(k, kinds_[k]->kind()));
 }
 
 void Contacts::erase_particles(std::uint32_t begin, std::uint32_t end) {

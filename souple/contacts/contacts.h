@@ -46,8 +46,12 @@ class Contacts {
   /// Number of layer violations that begin_step found.
   std::size_t layer_violations() const;
 
-  std::vector<std::byte> save() const;
-  void load(std::span<const std::byte> state);
+  /// State that one step passes to the next.
+  void save(SavedBytesWriter& out) const;
+  /// Throws Error if `in` is not what `save` wrote, for a world of so many particles.
+  void check_saved(SavedBytes in, std::size_t particles) const;
+  /// Restores what was checked.
+  void load(SavedBytes in);
   void erase_particles(std::uint32_t begin, std::uint32_t end);
   std::size_t bytes() const;
 

@@ -4,9 +4,9 @@
 #include "souple/error.h"
 #include "souple/math/sentinels.h"
 #include "souple/state/bytes.h"
+#include "souple/state/saved_bytes.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace souple {
 namespace {
@@ -145,24 +145,28 @@ std::vector<CachedFriction> ParticleContacts::friction_cache() const {
 void ParticleContacts::set_friction_cache(std::span<const CachedFriction> cache) {
   pairs_.clear();
   clear_contacts();
-  friction_cache_.clear();
-  for (const CachedFriction& one : cache)
-    if (is_finite(one.displacement.sliding) && is_finite(one.displacement.rolling))
-      friction_cache_.push_back(one);
+  friction_cache_.assign(cache.begin(), cache.end());
 }
 
-void ParticleContacts::save(std::vector<std::byte>& out) const {
+void ParticleContacts::save(SavedBytesWriter& out) const {
+  static_assert(sizeof(CachedFriction) == 32, "without padding");
   const std::vector<CachedFriction> cache = friction_cache();
-  const std::span<const std::byte> bytes = std::as_bytes(std::span(cache));
-  out.insert(out.end(), bytes.begin(), bytes.end());
+  out.put_all(std::span<const CachedFriction>(cache));
 }
 
-void ParticleContacts::load(std::span<const std::byte>& in) {
-  std::vector<CachedFriction> cache(in.size() / sizeof(CachedFriction));
-  const std::size_t size = cache.size() * sizeof(CachedFriction);
-  if (size > 0) std::memcpy(cache.data(), in.data(), size);
-  in = in.subspan(size);
-  set_friction_cache(cache);
+void ParticleContacts::check_saved(SavedBytes in, std::size_t particles) const {
+  const std::vector<CachedFriction> cache = in.get_list<CachedFriction>(in.size() / sizeof(CachedFriction));
+  in.require_end();
+  for (std::size_t k = 0; k < cache.size(); ++k) {
+    const CachedFriction& one = cache[k];
+    in.require(one.i < one.j && one.j < particles && is_finite(one.displacement.sliding) &&
+               is_finite(one.displacement.rolling));
+    in.require(k == 0 || std::pair(cache[k - 1].i, cache[k - 1].j) < std::pair(one.i, one.j));
+  }
+}
+
+void ParticleContacts::load(SavedBytes in) {
+  set_friction_cache(in.get_list<CachedFriction>(in.size() / sizeof(CachedFriction)));
 }
 
 void ParticleContacts::sort_into_cells(const ParticleView& particles) {

@@ -61,8 +61,9 @@ class ParticleContacts final : public ContactProjector {
   ContactReport report() const override;
   /// In order of (i, j).
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const override;
-  void save(std::vector<std::byte>& out) const override;
-  void load(std::span<const std::byte>& in) override;
+  void save(SavedBytesWriter& out) const override;
+  void check_saved(SavedBytes in, std::size_t particles) const override;
+  void load(SavedBytes in) override;
 
   std::string_view kind() const override { return "particle contact"; }
   std::size_t size() const override { return contacts_.size(); }

@@ -1,12 +1,11 @@
 #include "souple/rigid/contact_finder.h"
 
-#include "souple/error.h"
 #include "souple/rigid/impulse.h"
 #include "souple/state/bytes.h"
+#include "souple/state/saved_bytes.h"
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <limits>
 #include <utility>
 
@@ -249,33 +248,32 @@ void ContactFinder::for_each_field(AnyPair& pair, AnyContact& contact, const Fun
   }
 }
 
-void ContactFinder::save(std::vector<std::byte>& out) const {
-  const auto put = [&out](const auto& value) {
-    const auto bytes = std::as_bytes(std::span(&value, 1));
-    out.insert(out.end(), bytes.begin(), bytes.end());
-  };
-  put(std::uint64_t{pairs_.size()});
-  for (std::size_t p = 0; p < pairs_.size(); ++p) for_each_field(pairs_[p], contacts_[p], put);
+void ContactFinder::save(SavedBytesWriter& out) const {
+  out.put(std::uint64_t{pairs_.size()});
+  for (std::size_t p = 0; p < pairs_.size(); ++p)
+    for_each_field(pairs_[p], contacts_[p], [&out](const auto& value) { out.put(value); });
 }
 
-void ContactFinder::load(std::span<const std::byte> in) {
-  const auto get = [&in](auto& value) {
-    if (in.size() < sizeof value) throw Error("restore: the snapshot's rigid contacts are cut short");
-    std::memcpy(&value, in.data(), sizeof value);
-    in = in.subspan(sizeof value);
-  };
+ContactFinder::Saved ContactFinder::read(SavedBytes& in, std::size_t bodies) {
   std::uint64_t count = 0;
-  get(count);
-  std::vector<Pair> pairs;
-  std::vector<RigidContact> contacts;
-  for (std::size_t p = 0; p < count; ++p) {
-    for_each_field(pairs.emplace_back(), contacts.emplace_back(), get);
-    const int kept = pairs.back().axis.points.count;
-    if (contacts.back().count > contacts.back().points.size() || (kept != 0 && kept != 4) ||
-        (p > 0 && !(pairs[p - 1].key() < pairs[p].key())))
-      throw Error("restore: the snapshot's rigid contacts are damaged");
+  in.get(count);
+  Saved saved;
+  for (std::uint64_t p = 0; p < count; ++p) {
+    Pair& pair = saved.pairs.emplace_back();
+    RigidContact& contact = saved.contacts.emplace_back();
+    for_each_field(pair, contact, [&in](auto& value) { in.get(value); });
+    bool finite = true;
+    for_each_field(pair, contact, [&finite](const auto& value) { finite = finite && all_finite(value); });
+    const int kept = pair.axis.points.count;
+    in.require(finite && pair.a < bodies && pair.axis.kind <= AxisCache::Kind::closest_points &&
+               (kept == 0 || kept == 4) && contact.owner <= NormalOwner::edges &&
+               contact.count <= contact.points.size() && (p == 0 || saved.pairs[p - 1].key() < pair.key()));
   }
-  pairs_ = std::move(pairs), contacts_ = std::move(contacts);
+  return saved;
+}
+
+void ContactFinder::set(Saved saved) {
+  pairs_ = std::move(saved.pairs), contacts_ = std::move(saved.contacts);
 }
 
 void ContactFinder::clear() {

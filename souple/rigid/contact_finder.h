@@ -13,6 +13,9 @@
 
 namespace souple {
 
+class SavedBytes;
+class SavedBytesWriter;
+
 /// Materials of contacts, and which bodies may collide.
 class RigidMaterials {
  public:
@@ -34,10 +37,12 @@ class ContactFinder {
   /// Contacts, in an order that depends on the bodies alone.
   std::span<RigidContact> contacts() { return contacts_; }
   std::span<const RigidContact> contacts() const { return contacts_; }
-  /// Appends what one step passes to the next, as bytes.
-  void save(std::vector<std::byte>& out) const;
-  /// Restores what `save` appended. Throws Error if the bytes are not of that form.
-  void load(std::span<const std::byte> in);
+  /// The state that one step passes to the next.
+  struct Saved;
+  void save(SavedBytesWriter& out) const;
+  /// Reads a saved state. Throws Error if it is none of contacts of so many bodies.
+  static Saved read(SavedBytes& in, std::size_t bodies);
+  void set(Saved saved);
   /// Forgets all contacts.
   void clear();
   std::size_t bytes() const;
@@ -77,6 +82,11 @@ class ContactFinder {
   double part_ = 1;             // of a step that a substep is
   std::vector<Pair> pairs_, last_pairs_;
   std::vector<RigidContact> contacts_, last_contacts_;  // one per pair
+};
+
+struct ContactFinder::Saved {
+  std::vector<Pair> pairs;
+  std::vector<RigidContact> contacts;  ///< one per pair
 };
 
 }  // namespace souple

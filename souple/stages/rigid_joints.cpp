@@ -1,11 +1,10 @@
 #include "souple/stages/rigid_joints.h"
 
 #include "souple/assert.h"
-#include "souple/error.h"
 #include "souple/state/bytes.h"
+#include "souple/state/saved_bytes.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace souple {
 namespace {
@@ -80,21 +79,22 @@ bool RigidJoints::end_substep() {
   return broken_.size() != before;
 }
 
-void RigidJoints::save(std::vector<std::byte>& out) const {
+void RigidJoints::save(SavedBytesWriter& out) const {
   for (const joint::JointState& state : joints_.state)
-    for_each_value(state, [&out](const auto& value) {
-      const auto bytes = std::as_bytes(std::span(&value, 1));
-      out.insert(out.end(), bytes.begin(), bytes.end());
-    });
+    for_each_value(state, [&out](const auto& value) { out.put(value); });
 }
 
-void RigidJoints::load(std::span<const std::byte>& in) {
-  for (joint::JointState& state : joints_.state)
-    for_each_value(state, [&in](auto& value) {
-      if (in.size() < sizeof value) throw Error("restore: the snapshot has no joints of this world");
-      std::memcpy(&value, in.data(), sizeof value);
-      in = in.subspan(sizeof value);
-    });
+std::vector<joint::JointState> RigidJoints::read(SavedBytes& in) const {
+  std::vector<joint::JointState> states(joints_.state.size());
+  for (joint::JointState& state : states) {
+    for_each_value(state, [&in](auto& value) { in.get(value); });
+    bool finite = true;
+    for_each_value(state, [&finite](const auto& value) { finite = finite && all_finite(value); });
+    const bool sides =
+        std::all_of(state.at.begin(), state.at.end(), [](std::int8_t at) { return at >= -1 && at <= 1; });
+    in.require(finite && sides && state.h >= 0);
+  }
+  return states;
 }
 
 std::size_t RigidJoints::bytes() const {

@@ -12,6 +12,9 @@
 
 namespace souple {
 
+class SavedBytes;
+class SavedBytesWriter;
+
 /// Record of a joint besides its description.
 struct JointRecord {
   JointId id;
@@ -50,9 +53,10 @@ class RigidJoints {
   void keep() { kept_ = joints_.state; }
   void undo() { joints_.state = kept_; }
   /// State that one step passes to the next.
-  void save(std::vector<std::byte>& out) const;
-  /// Throws Error if the bytes are too few.
-  void load(std::span<const std::byte>& in);
+  void save(SavedBytesWriter& out) const;
+  /// Reads a saved state. Throws Error if it is none of these joints.
+  std::vector<joint::JointState> read(SavedBytes& in) const;
+  void set(std::vector<joint::JointState> state) { joints_.state = std::move(state); }
   std::size_t bytes() const;
 
  private:

@@ -3,17 +3,17 @@
 #include "souple/assert.h"
 #include "souple/contacts/collider.h"
 #include "souple/contacts/contact_projector.h"
-#include "souple/error.h"
 #include "souple/objects/object.h"
 #include "souple/rigid/free_motion.h"
 #include "souple/stages/body_motion.h"
 #include "souple/stages/rigid_joints.h"
+#include "souple/stages/saved_rigid_bodies.h"
 #include "souple/stages/stage_view.h"
 #include "souple/stages/ties.h"
 #include "souple/state/bytes.h"
+#include "souple/state/saved_bytes.h"
 
 #include <algorithm>
-#include <cstring>
 
 namespace souple {
 namespace {
@@ -494,29 +494,34 @@ double RigidStage::deepest() const {
 
 // --- state
 
-std::vector<std::byte> RigidStage::save() const {
-  std::vector<std::byte> out;
-  const auto put = [&out](const auto& value) {
-    const auto bytes = std::as_bytes(std::span(&value, 1));
-    out.insert(out.end(), bytes.begin(), bytes.end());
-  };
-  if (empty()) return out;
-  for (const Record& record : records_) put(record.pose), put(record.velocity), put(record.shown);
+void RigidStage::save(SavedBytesWriter& out) const {
+  for (const Record& record : records_)
+    out.put(SavedRigidBodies::Body{record.pose, record.velocity, record.shown});
   joints_->save(out);
   finder_.save(out);
-  return out;
 }
 
-void RigidStage::load(std::span<const std::byte> in) {
-  if (empty() && in.empty()) return;
-  const auto get = [&in](auto& value) {
-    if (in.size() < sizeof value) throw Error("restore: the snapshot has no rigid bodies of this world");
-    std::memcpy(&value, in.data(), sizeof value);
-    in = in.subspan(sizeof value);
-  };
-  for (Record& record : records_) get(record.pose), get(record.velocity), get(record.shown);
-  joints_->load(in);
-  finder_.load(in);
+SavedRigidBodies RigidStage::read(SavedBytes& in) const {
+  SavedRigidBodies saved;
+  saved.bodies = in.get_list<SavedRigidBodies::Body>(records_.size());
+  for (const SavedRigidBodies::Body& body : saved.bodies)
+    in.require(all_finite(body.pose.position) && is_rotation(body.pose.rotation) &&
+               all_finite(body.velocity.linear) && all_finite(body.velocity.angular) &&
+               all_finite(body.shown) && body.shown >= 0);
+  saved.joints = joints_->read(in);
+  saved.contacts = ContactFinder::read(in, records_.size());
+  in.require_end();
+  return saved;
+}
+
+void RigidStage::set(SavedRigidBodies saved) {
+  for (std::size_t k = 0; k < records_.size(); ++k) {
+    records_[k].pose = saved.bodies[k].pose;
+    records_[k].velocity = saved.bodies[k].velocity;
+    records_[k].shown = saved.bodies[k].shown;
+  }
+  joints_->set(std::move(saved.joints));
+  finder_.set(std::move(saved.contacts));
   invalidate();
 }
 

@@ -22,6 +22,9 @@ struct Object;
 struct Particles;
 class Projector;
 class RigidJoints;
+class SavedBytes;
+class SavedBytesWriter;
+struct SavedRigidBodies;
 class JointSide;
 struct StageView;
 struct Substep;
@@ -119,9 +122,10 @@ class RigidStage {
   void append_pushes(const StageView& stage, bool nearest, std::vector<ContactPush>& out) const;
 
   /// State that one step passes to the next.
-  std::vector<std::byte> save() const;
-  /// Throws Error if the bytes are not those of these bodies.
-  void load(std::span<const std::byte> in);
+  void save(SavedBytesWriter& out) const;
+  /// Reads a saved state. Throws Error if it is none of these bodies.
+  SavedRigidBodies read(SavedBytes& in) const;
+  void set(SavedRigidBodies saved);
   std::size_t bytes() const;
 
  private:

@@ -1,12 +1,11 @@
 #include "souple/stages/ties.h"
 
-#include "souple/error.h"
 #include "souple/rigid/impulse.h"
 #include "souple/state/bytes.h"
+#include "souple/state/saved_bytes.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <tuple>
 
 namespace souple {
@@ -491,21 +490,25 @@ void Ties::undo() {
   for (Record& record : records_) record.state = record.kept;
 }
 
-void Ties::save(std::vector<std::byte>& out) const {
+void Ties::save(SavedBytesWriter& out) const {
   static_assert(sizeof(TieState) == 40, "without padding");
-  for (const Record& record : records_) {
-    const auto bytes = std::as_bytes(std::span(&record.state, 1));
-    out.insert(out.end(), bytes.begin(), bytes.end());
-  }
+  for (const Record& record : records_) out.put(record.state);
 }
 
-void Ties::load(std::span<const std::byte>& in) {
-  if (in.size() < records_.size() * sizeof(TieState))
-    throw Error("restore: the snapshot has no ties of this world");
-  for (Record& record : records_) {
-    std::memcpy(&record.state, in.data(), sizeof(TieState));
-    in = in.subspan(sizeof(TieState));
+std::vector<TieState> Ties::read(SavedBytes& in) const {
+  std::vector<TieState> states = in.get_list<TieState>(records_.size());
+  in.require_end();
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const TieState& state = states[k];
+    const std::size_t segments = std::max<std::size_t>(records_[k].tie.chain.size(), 2) - 1;
+    in.require(state.broken <= 1 && state.segment < segments && state.along >= 0 && state.along <= 1 &&
+               all_finite(state.force));
   }
+  return states;
+}
+
+void Ties::set(std::span<const TieState> states) {
+  for (std::size_t k = 0; k < records_.size(); ++k) records_[k].state = states[k];
 }
 
 std::size_t Ties::bytes() const {

@@ -14,6 +14,9 @@
 
 namespace souple {
 
+class SavedBytes;
+class SavedBytesWriter;
+
 /// A side of a tie: a weighted sum of particles, a point of a rigid body, or a point that other code moves.
 struct TieEnd {
   enum class Kind : std::uint8_t { particles, body, target };
@@ -125,9 +128,10 @@ class Ties final : public Projector, public MemoryFacet {
   void keep();
   void undo();
   /// State that one step passes to the next.
-  void save(std::vector<std::byte>& out) const;
-  /// Throws Error if the bytes are too few.
-  void load(std::span<const std::byte>& in);
+  void save(SavedBytesWriter& out) const;
+  /// Reads a saved state. Throws Error if it is none of these ties.
+  std::vector<TieState> read(SavedBytes& in) const;
+  void set(std::span<const TieState> states);
 
   std::string_view kind() const override { return "tie"; }
   std::size_t size() const override;
