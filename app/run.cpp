@@ -149,12 +149,12 @@ void save_checkpoint(const Job& job, const World& world, std::uint64_t frame) {
 
 /// Statistics of a run that are printed after it.
 struct RunStatistics {
-  std::array<std::uint64_t, 8> flagged{};  ///< number of frames with each flag
+  std::array<std::uint64_t, 9> flagged{};  ///< number of frames with each flag
   double largest_strain = 0;
 
-  static constexpr std::array<Flag, 8> flags{Flag::non_finite,       Flag::large_strain, Flag::deep_contact,
+  static constexpr std::array<Flag, 9> flags{Flag::non_finite,       Flag::large_strain, Flag::deep_contact,
                                              Flag::callback_failed,  Flag::intersecting, Flag::not_converged,
-                                             Flag::shortened_motion, Flag::out_of_range};
+                                             Flag::shortened_motion, Flag::out_of_range, Flag::jumped};
   void add(const StepReport& report) {
     for (std::size_t i = 0; i < flags.size(); ++i) flagged[i] += report.has(flags[i]) ? 1 : 0;
     largest_strain = std::max(largest_strain, report.largest_strain);

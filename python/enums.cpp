@@ -63,7 +63,7 @@ void bind_report_enums(py::handle m) {
               Stage::finish, Stage::velocity, Stage::foam>(m, "Stage");
   enumeration<Flag::non_finite, Flag::large_strain, Flag::deep_contact, Flag::callback_failed,
               Flag::intersecting, Flag::coarse_substeps, Flag::not_converged, Flag::shortened_motion,
-              Flag::out_of_range>(m, "Flag", "IntFlag");
+              Flag::out_of_range, Flag::jumped>(m, "Flag", "IntFlag");
   enumeration<StepOutcome::done, StepOutcome::refused, StepOutcome::diverged, StepOutcome::abandoned>(
       m, "StepOutcome");
   enumeration<LogLevel::info, LogLevel::warning, LogLevel::error>(m, "LogLevel");

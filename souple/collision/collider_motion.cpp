@@ -16,6 +16,16 @@ bool is_finite(const Quatd& q) {
   return std::isfinite(q.x) && std::isfinite(q.y) && std::isfinite(q.z) && std::isfinite(q.w);
 }
 
+/// q and -q are one rotation. |a - b| of unit quaternions is half the angle between them, if that is small.
+bool is_one_rotation(const Quatd& a, const Quatd& b) {
+  const auto square = [&](double sign) {
+    const Quatd d{a.x - sign * b.x, a.y - sign * b.y, a.z - sign * b.z, a.w - sign * b.w};
+    return d.x * d.x + d.y * d.y + d.z * d.z + d.w * d.w;
+  };
+  constexpr double largest = one_pose / 2;
+  return min(square(1), square(-1)) <= largest * largest;
+}
+
 }  // namespace
 
 Transform interpolate(const Transform& from, const Transform& to, double s) {
@@ -62,10 +72,8 @@ ColliderMotion ColliderMotion::callback(Callback callback) {
 bool ColliderMotion::jumps(double from, double to) const {
   if (!loop_ || keys_.size() < 2) return false;
   const PoseKey &first = keys_.front(), &last = keys_.back();
-  const auto same = [](const Quatd& a, const Quatd& b) {
-    return a.x == b.x && a.y == b.y && a.z == b.z && a.w == b.w;
-  };
-  if (first.translation == last.translation && same(first.rotation, last.rotation)) return false;
+  if (is_one_place(first.translation, last.translation) && is_one_rotation(first.rotation, last.rotation))
+    return false;
   const double period = last.time - first.time;
   return std::floor((from - first.time) / period) != std::floor((to - first.time) / period);
 }

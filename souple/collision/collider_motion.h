@@ -15,6 +15,12 @@ struct PoseKey {
   Quatd rotation{};
 };
 
+/// Poses that differ by at most this [m, rad] are one: scripts write keyframes with rounding errors.
+inline constexpr double one_pose = 1e-6;
+inline bool is_one_place(const Vec3d& a, const Vec3d& b) {
+  return length_squared(a - b) <= one_pose * one_pose;
+}
+
 /// The pose between two: translations linearly, rotations along the shorter arc at constant speed (slerp).
 /// s = 0 and 1 give `from` and `to` exactly; scales are ignored.
 Transform interpolate(const Transform& from, const Transform& to, double s);
@@ -43,8 +49,8 @@ class ColliderMotion {
   /// catches them. Throws Error when a callback's pose is not finite.
   Transform at(double time) const;
 
-  /// True when a loop whose first and last poses differ restarts between the two times. The collider then
-  /// changes its pose at once, without a velocity that contacts could take over.
+  /// True when a loop whose first and last poses differ, by more than `one_pose`, restarts between the two times. The
+  /// collider then changes its pose at once, without a velocity that contacts could take over.
   bool jumps(double from, double to) const;
 
   /// True when the pose can never change.

@@ -35,7 +35,7 @@ constexpr std::pair<Flag, const char*> flag_names[] = {
     {Flag::deep_contact, "deep_contact"},   {Flag::callback_failed, "callback_failed"},
     {Flag::intersecting, "tangled"},        {Flag::coarse_substeps, "coarse_substeps"},
     {Flag::not_converged, "not_converged"}, {Flag::shortened_motion, "shortened_motion"},
-    {Flag::out_of_range, "out_of_range"}};
+    {Flag::out_of_range, "out_of_range"},   {Flag::jumped, "jumped"}};
 
 /// Several projectors may be of one kind: largest of the largest, mean over all constraints.
 std::vector<KindReport> by_kind(const std::vector<KindReport>& reports) {

@@ -24,8 +24,10 @@ double duration(const MeshSequence& sequence) {
 bool jumps(const MeshSequence& sequence, double from, double to) {
   if (!sequence.loop || sequence.frames.size() < 2) return false;
   const double period = duration(sequence), start = sequence.start_time;
+  const std::vector<Vec3f>&first = sequence.frames.front(), &last = sequence.frames.back();
   return std::floor((from - start) / period) != std::floor((to - start) / period) &&
-         sequence.frames.front() != sequence.frames.back();
+         !std::equal(first.begin(), first.end(), last.begin(), last.end(),
+                     [](const Vec3f& a, const Vec3f& b) { return is_one_place(Vec3d(a), Vec3d(b)); });
 }
 
 void validate_times(const MeshSequence& sequence, const std::string& where) {

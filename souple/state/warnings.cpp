@@ -33,6 +33,9 @@ std::string_view advice(Flag flag) {
     case Flag::out_of_range:
       return "an object is farther than 1e9 m from the origin, where floats are 64 m apart and contacts may "
              "be missed: check its speed and the forces on it, or remove it";
+    case Flag::jumped:
+      return "a looped motion restarts at another pose, and objects may be inside what jumps there: let the "
+             "last keyframe equal the first, or leave `loop` out";
   }
   return "?";
 }

@@ -35,7 +35,10 @@ enum class Flag : std::uint32_t {
   shortened_motion = 1u << 7,
   /// A particle is farther than 1e9 m from the origin, along an axis. Floats are 64 m apart there, and contacts may be
   /// missed. Check speeds, forces and `drag`, or give it a floor. The message names the object, the vertex and its speed.
-  out_of_range = 1u << 8
+  out_of_range = 1u << 8,
+  /// A looped motion has restarted at another pose. The obstacle, collider or body was not there in between, so contacts
+  /// did not see it move. Let the last keyframe equal the first. The message names it.
+  jumped = 1u << 9
 };
 /// One line: meaning of the flag and the setting that helps.
 std::string_view advice(Flag flag);

@@ -4,7 +4,9 @@
 #include "souple/constraints/neo_hookean.h"
 #include "souple/fluid/stage/fluids.h"
 #include "souple/math/limits.h"
+#include "souple/objects/collider_record.h"
 #include "souple/objects/object.h"
+#include "souple/objects/obstacle_pose.h"
 #include "souple/solver/facets.h"
 #include "souple/stages/motion.h"
 #include "souple/stages/rigid_stage.h"
@@ -98,8 +100,19 @@ void flag_out_of_range(WorldState& world) {
                   length(Vec3d(world.particles.velocity[*particle].xyz())), range::coordinate));
 }
 
+void flag_jumps(WorldState& world) {
+  const auto warn = [&](const std::string& name) {
+    world.warnings.warn(Flag::jumped, fmt::format("{}: {}", name, advice(Flag::jumped)));
+  };
+  for (const auto& object : world.objects)
+    if (jumps(object->motion, world.current.start, world.time)) warn(object->name);
+  for (const ColliderRecord& collider : world.colliders)
+    if (collider.options.motion.jumps(world.current.start, world.time)) warn(collider.options.name);
+}
+
 void raise_flags(WorldState& world) {
   const StepReport& report = world.report;
+  flag_jumps(world);
   flag_out_of_range(world);
   flag_not_converged(world);
   if (std::any_of(report.kinds.begin(), report.kinds.end(), [](const KindReport& kind) {

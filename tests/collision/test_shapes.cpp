@@ -188,6 +188,11 @@ TEST(ColliderMotion, OnlyALoopWhoseEndsDifferJumps) {
   EXPECT_FALSE(ColliderMotion::keyframes(there, true).jumps(2.5, 2.6));
   EXPECT_FALSE(ColliderMotion::keyframes(there).jumps(0.99, 1.01));
   EXPECT_FALSE(ColliderMotion::keyframes(and_back, true).jumps(1.99, 2.01));
+  const Quatd turned = Quatd::from_axis_angle({0, 1, 0}, 2 * pi);  // -q of the first, but for rounding
+  and_back.back() = {2, {1e-17, 2e-7, 0}, turned};
+  EXPECT_FALSE(ColliderMotion::keyframes(and_back, true).jumps(1.99, 2.01));
+  and_back.back() = {2, {}, Quatd::from_axis_angle({0, 1, 0}, 1e-5)};
+  EXPECT_TRUE(ColliderMotion::keyframes(and_back, true).jumps(1.99, 2.01));
 }
 
 TEST(ColliderMotion, BadKeysAreRefused) {

@@ -420,4 +420,43 @@ TEST(SandPile, SlopeIsThatOfACone) {
   EXPECT_NEAR(test::slope_of_heap(world, grains, 0), 0.5, 0.02);
 }
 
+/// A closed tank that swings along x, 4 times a second, with keyframes as a script computes them: sin(2 pi) is -2e-16.
+ColliderMotion swing(double offset) {
+  std::vector<PoseKey> keys;
+  for (int k = 0; k <= 24; ++k)
+    keys.push_back({k / 96.0, {0.1 * std::sin(2 * pi * k / 24) + offset * k, 0, 0}, {}});
+  return ColliderMotion::keyframes(std::move(keys), true);
+}
+
+// The tank moves on at 2.5 m/s where the loop restarts, by more than a grain in a substep.
+TEST(LoopedTank, KeepsItsSand) {
+  const Vec3d size{0.3, 0.25, 0.2};
+  World world;
+  const ObjectId tank = world.add_obstacle(box(size, 1), {}, {.pose = swing(0)});
+  const ObjectId sand =
+      world.add_grains(fill({-0.14, -0.115, -0.09}, {0.14, 0, 0.09}, 0.02), {.radius = 0.01f});
+  for (int frame = 0; frame < 32; ++frame) EXPECT_FALSE(world.step(1.0 / 60).has(Flag::jumped));
+  const double shift = world.positions(tank)[0].x + size.x / 2;
+  for (const Vec3f& x : world.positions(sand)) {
+    EXPECT_LT(std::fabs(x.x - shift), size.x / 2);
+    EXPECT_LT(std::fabs(x.y), size.y / 2);
+    EXPECT_LT(std::fabs(x.z), size.z / 2);
+  }
+}
+
+TEST(LoopedTank, AJumpIsTold) {
+  World world;
+  world.add_obstacle(box({0.3, 0.25, 0.2}, 1), {}, {.pose = swing(1e-3)}, {.name = "tank"});
+  world.add_collider(Sphere{}, {.name = "ball", .motion = swing(1e-3)});
+  int told = 0;
+  for (int frame = 1; frame <= 20; ++frame) {
+    const StepReport& report = world.step(1.0 / 60);
+    if (!report.has(Flag::jumped)) continue;
+    ++told;
+    EXPECT_NE(report.message.find("tank: a looped motion restarts"), std::string::npos) << report.message;
+    EXPECT_NE(report.message.find("ball: a looped motion restarts"), std::string::npos) << report.message;
+  }
+  EXPECT_EQ(told, 1);
+}
+
 }  // namespace souple::test_physics_grains
