@@ -67,6 +67,9 @@ ALLOWED = [
     ("souple/io/recorder_report.cpp", r'"tangled"'),  # a key of run.json
     ("souple/scene/nearest.cpp", r".*"),   # names of older scene files
     ("tests/scene/test_messages.cpp", r".*colour|.*neighbour"),
+    # Radium's own names.
+    ("plugins/radium/*", r"\bRa::[\w:]*"),
+    ("tests/radium/*", r"\bRa::[\w:]*"),
     ("CONTRIBUTING.md", r".*"),            # the glossary
     ("script/check_words.py", r".*"),
 ]

@@ -22,11 +22,11 @@ const ClothMaterial denim{.areal_density = 0.40f, .membrane_stiffness = 15000, .
 
 // Soft natural rubber: E 1-5 MPa, nearly incompressible, 920-1100 kg/m^3 (Ashby, Materials Selection).
 const SoftBodyMaterial rubber{.young_modulus = 1.5e6f, .poisson_ratio = 0.45f, .density = 1000, .friction = 0.8f,
-                              .restitution = 0.3f, .damping_time = 2e-4f};
+                              .restitution = 0.3f, .damping_time = 0.008f};
 // Table jelly (gelatin 5-10 %): shear modulus of a few kPa (Markidou et al. 2005), water's density. Stiffened
 // to 20 kPa so that a 30 cm body supports its own weight.
 const SoftBodyMaterial jelly{.young_modulus = 2e4f, .poisson_ratio = 0.45f, .density = 1000, .friction = 0.4f,
-                             .damping_time = 5e-4f};
+                             .damping_time = 0.008f};
 
 // Nylon 6 fiber 1150 kg/m^3; a laid rope has about a quarter of the fiber's 2-4 GPa (Cordage Institute elongations).
 const RopeMaterial nylon{.radius = 0.005f, .young_modulus = 6e8f, .density = 1150, .friction = 0.4f};

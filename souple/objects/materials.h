@@ -42,7 +42,7 @@ struct ClothMaterial {
   float restitution = 0;                    ///< in [0, 1]
   float damping_time = 0;  ///< Kelvin-Voigt: stress = E (strain + damping_time * strain rate) [s]
   float damping = 0;       ///< damping rate of motion other than rigid-body motion; conserves momenta [1/s]
-  float air_drag = 1;      ///< drag and lift coefficients of triangles in the wind
+  float air_drag = 1;      ///< drag and lift coefficients of triangles in the air
   float air_lift = 0.5f;
   StretchModel stretch = StretchModel::springs;
   BendingModel bending = BendingModel::isometric;
@@ -65,8 +65,9 @@ struct SoftBodyMaterial {
   float friction = 0.5f;
   std::optional<float> kinetic_friction{};
   float restitution = 0;
-  float damping_time = 0;  ///< s
-  float damping = 0;       ///< 1/s
+  float damping_time =
+      0.008f;         ///< without damping a block flutters and loses its grip (docs/materials.md) [s]
+  float damping = 0;  ///< 1/s
   SoftBodyModel model = SoftBodyModel::neo_hookean;
   float pbd_stiffness = 1;  ///< Mode::pbd only
 };

@@ -65,8 +65,7 @@ void fill_area_normals(Threads* threads, std::span<const Triangle> triangles, Mi
   each(threads, x.size(), [&](std::size_t v) { mirror.position_records[v].set_xyz(x[v]); });
   const kernels::TriangleKernels* kernels = find_triangle_kernels(instruction_set());
   const float* records = &mirror.position_records.data()->x;
-  const kernels::TriangleArrays arrays{records,          records, records,
-                                       triangles.data(), 0,       &mirror.area_normals.data()->x};
+  const kernels::TriangleArrays arrays{records, records, triangles.data(), 0, &mirror.area_normals.data()->x};
   for_each(threads, triangles.size(), [&](std::size_t t, std::size_t end) {
     if (kernels) t = kernels->area_normals(arrays, t, end);
     for (; t < end; ++t) {

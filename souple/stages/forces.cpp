@@ -46,41 +46,42 @@ Air air_of(const Wind& settings, const ClothMaterial& material, const Vec3f& win
 }
 
 // A third of the force on one triangle, with the same bits as air_forces of the kernels.
-Vec3f third_of_air_force(const ParticleView& view, std::span<const Vec4f> velocity, std::uint32_t a,
-                         std::uint32_t b, std::uint32_t c, const Air& air) {
-  const Vec3f sum = velocity[a].xyz() + velocity[b].xyz() + velocity[c].xyz();
-  const Vec3f v = sum * (1.0f / 3) - Vec3f{air.wind[0], air.wind[1], air.wind[2]};
-  return kernels::air_force(view.difference(b, a), view.difference(c, a), v, air) * (1.0f / 3);
+Vec3f third_of_air_force(const Particles& particles, std::uint32_t a, std::uint32_t b, std::uint32_t c,
+                         const Air& air) {
+  const std::vector<Vec4f>&x = particles.position, &v = particles.velocity;
+  const Vec3f sum = v[a].xyz() + v[b].xyz() + v[c].xyz();
+  return kernels::air_force(x[b].xyz() - x[a].xyz(), x[c].xyz() - x[a].xyz(),
+                            sum * (1.0f / 3) - Vec3f{air.wind[0], air.wind[1], air.wind[2]}, air) *
+         (1.0f / 3);
 }
 
 void push_triangles(const StageView& stage, const Object& object, const Air& air,
                     std::vector<Vec4f>& triangle_force) {
-  const ParticleView view = stage.objects.view();
-  const std::vector<Vec4f>& velocity = stage.objects.particles.velocity;
+  const Particles& particles = stage.objects.particles;
   const kernels::TriangleKernels* kernels = find_triangle_kernels(instruction_set());
-  const kernels::TriangleArrays arrays{
-      &view.position.data()->x, &view.moving.data()->x, &velocity.data()->x,
-      object.surface.data(),    object.begin,           &triangle_force.data()->x};
+  const kernels::TriangleArrays arrays{&particles.position.data()->x, &particles.velocity.data()->x,
+                                       object.surface.data(), object.begin, &triangle_force.data()->x};
   stage.threads.for_each(object.surface.size(), force_grain, [&](std::size_t t, std::size_t end) {
     if (kernels) t = kernels->air_forces(arrays, air, t, end);
     for (; t < end; ++t) {
       const Triangle& corner = object.surface[t];
       const std::uint32_t first = object.begin;
       triangle_force[t].set_xyz(
-          third_of_air_force(view, velocity, first + corner[0], first + corner[1], first + corner[2], air));
+          third_of_air_force(particles, first + corner[0], first + corner[1], first + corner[2], air));
     }
   });
 }
 
 // Every particle gathers from its triangles: no two threads write to one particle, and the order of the sum
 // is fixed.
-void gather_forces(const Object& object, WindForces& forces, Threads& threads) {
-  threads.for_each(object.particle_count(), force_grain, [&](std::size_t begin, std::size_t end) {
+void gather_forces(const StageView& stage, const Object& object, std::span<const Vec4f> of_triangle) {
+  std::vector<Vec4f>& of_particle = stage.objects.particles.start;
+  stage.threads.for_each(object.particle_count(), force_grain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       Vec3f sum;
       for (std::uint32_t k = object.triangles.begin[i]; k < object.triangles.begin[i + 1]; ++k)
-        sum += forces.of_triangle[object.triangles.of[k]].xyz();
-      forces.of_particle[object.begin + i].set_xyz(sum);
+        sum += of_triangle[object.triangles.of[k]].xyz();
+      of_particle[object.begin + i].set_xyz(sum);
     }
   });
 }
@@ -100,37 +101,36 @@ Vec3f wind_at(const Settings& settings, double t) {
   return wind.velocity * static_cast<float>(1 + static_cast<double>(wind.gust) * gust);
 }
 
-bool find_wind_forces(const StageView& stage, float h, WindForces& forces) {
+bool feels_air(const Object& object, const Wind& air) {
+  const auto* const material = std::get_if<ClothMaterial>(&object.material);
+  return material != nullptr && (material->air_drag > 0 || material->air_lift > 0) && air.air_density > 0 &&
+         object.sleep.island == 0;
+}
+
+void find_air_forces(const StageView& stage, float h, std::vector<Vec4f>& of_triangle) {
   const Wind& settings = stage.settings.wind;
-  if (settings.velocity == Vec3f{}) return false;
   const Vec3f wind = wind_at(stage.settings, stage.time);
-  forces.of_particle.resize(stage.objects.particles.size());
   for (const auto& object : stage.objects.objects) {
-    if (const auto* material = std::get_if<ClothMaterial>(&object->material)) {
-      find_triangles_of_particles(*object);
-      forces.of_triangle.resize(std::max(forces.of_triangle.size(), object->surface.size()));
-      push_triangles(stage, *object, air_of(settings, *material, wind * object->wind_exposure, h),
-                     forces.of_triangle);
-      gather_forces(*object, forces, stage.threads);
-    } else {
-      std::fill(forces.of_particle.data() + object->begin, forces.of_particle.data() + object->end, Vec4f{});
-    }
+    if (!feels_air(*object, settings)) continue;
+    const auto& material = std::get<ClothMaterial>(object->material);
+    find_triangles_of_particles(*object);
+    of_triangle.resize(std::max(of_triangle.size(), object->surface.size()));
+    push_triangles(stage, *object, air_of(settings, material, wind * object->wind_exposure, h), of_triangle);
+    gather_forces(stage, *object, of_triangle);
   }
-  return true;
 }
 
 Vec3f acceleration(const ExternalForces& forces, std::size_t i, const Vec3f& x, const Vec3f& v, double t) {
   const StageView& stage = forces.stage;
-  const ObjectsView& objects = stage.objects;
+  const Particles& particles = stage.objects.particles;
+  const Object& object = *stage.objects.objects[stage.objects.object_of[i]];
   const Settings& settings = stage.settings;
-  const float w = objects.particles.position[i].w;
+  const float w = particles.position[i].w;
   Vec3f a = settings.gravity;
-  if (settings.drag > 0)
-    a -= (v - forces.wind * objects.objects[objects.object_of[i]]->wind_exposure) * settings.drag;
-  if (!forces.wind_of_particle.empty()) a += forces.wind_of_particle[i].xyz() * w;
+  if (settings.drag > 0) a -= (v - forces.wind * object.wind_exposure) * settings.drag;
+  if (feels_air(object, settings.wind)) a += particles.start[i].xyz() * w;
   if (forces.fields.empty()) return a;
-  const Object& object = *objects.objects[objects.object_of[i]];
-  const ForcePoint point{object.id, object.vertex_of[i - object.begin], x, v, objects.particles.mass[i], t};
+  const ForcePoint point{object.id, object.vertex_of[i - object.begin], x, v, particles.mass[i], t};
   forces.fields.for_each([&](const VertexForceField& field) {
     stage.warnings.guarded("a force field", [&] { a += field(point) * w; });
   });

@@ -5,7 +5,6 @@
 #include "souple/stages/callback_list.h"
 #include "souple/stages/stage_view.h"
 
-#include <span>
 #include <vector>
 
 namespace souple {
@@ -14,25 +13,22 @@ namespace souple {
 /// every run has the same weather.
 Vec3f wind_at(const Settings& settings, double t);
 
-/// Forces of the wind on the triangles of cloths.
-struct WindForces {
-  std::vector<Vec4f> of_particle;  ///< [N]
-  std::vector<Vec4f> of_triangle;  ///< of the current object: a third of the force [N]
-};
+/// True for a cloth that is awake and has a drag or lift coefficient, where there is air: still air resists too.
+bool feels_air(const Object& object, const Wind& air);
 
-/// Finds the wind's drag and lift for a substep of h seconds. Returns false, and finds nothing, without wind.
-bool find_wind_forces(const StageView& stage, float h, WindForces& forces);
+/// Finds the drag and lift of the air for a substep of h seconds, on the particles of each object that feels_air. The force
+/// [N] waits in Particles::start, which the prediction reads and then overwrites. `of_triangle`: scratch.
+void find_air_forces(const StageView& stage, float h, std::vector<Vec4f>& of_triangle);
 
 /// All that accelerates particles from outside.
 struct ExternalForces {
   const StageView& stage;
   const CallbackList<VertexForceField>& fields;
-  Vec3f wind;                                 ///< its velocity [m/s]
-  std::span<const Vec4f> wind_of_particle{};  ///< [N]; empty without wind
+  Vec3f wind;  ///< its velocity [m/s]
 };
 
-/// External acceleration of particle i at position x and velocity v: gravity, linear drag, wind, force
-/// fields. [m/s^2]
+/// External acceleration of particle i at position x and velocity v: gravity, linear drag, the air's force that waits in
+/// Particles::start, force fields. [m/s^2]
 Vec3f acceleration(const ExternalForces& forces, std::size_t i, const Vec3f& x, const Vec3f& v, double t);
 
 }  // namespace souple

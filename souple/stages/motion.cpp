@@ -60,11 +60,27 @@ void for_each_awake(const StageView& stage, const Function& f) {
                          [&](std::size_t begin, std::size_t end) { for_each_awake(stage, begin, end, f); });
 }
 
+/// Calls f(in_air, begin, end) for the ranges of [first, last) whose objects all feel the air, or all do not.
+template <class Function>
+void for_each_air(const StageView& stage, std::size_t first, std::size_t last, const Function& f) {
+  const auto& objects = stage.objects.objects;
+  for (std::size_t begin = first, o = stage.objects.object_of[first]; begin < last;) {
+    const bool in_air = feels_air(*objects[o], stage.settings.wind);
+    std::size_t end = begin;
+    while (end < last && feels_air(*objects[o], stage.settings.wind) == in_air)
+      end = std::min<std::size_t>(last, objects[o++]->reserved_end());
+    f(in_air, begin, end);
+    begin = end;
+  }
+}
+
 void predict_one(const ExternalForces& forces, std::size_t i, float h, Integrate integrate,
                  std::vector<Vec4f>& p, LowestParticle& first_non_finite) {
   Particles& particles = forces.stage.objects.particles;
-  particles.start[i] = p[i];
-  if (particles.position[i].w == 0) return;
+  if (particles.position[i].w == 0) {
+    particles.start[i] = p[i];
+    return;
+  }
   const double time = forces.stage.time;
   const Vec3f v = particles.velocity[i].xyz();
   const Vec3f x = particles.position[i].xyz();
@@ -77,6 +93,7 @@ void predict_one(const ExternalForces& forces, std::size_t i, float h, Integrate
   }
   if (is_non_finite(predicted.velocity)) first_non_finite.note(i);
   particles.velocity[i].set_xyz(predicted.velocity);
+  particles.start[i] = p[i];  // acceleration read the air's force there
   p[i].set_xyz(p[i].xyz() + predicted.move);
 }
 
@@ -108,12 +125,11 @@ const kernels::MotionKernels* packed(const MotionScratch& scratch) {
   return scratch.integrate == nullptr ? find_motion_kernels(instruction_set()) : nullptr;
 }
 
-/// `wind`: force on each particle; empty: none.
-kernels::MotionArrays arrays_of(const ObjectsView& objects, std::span<const Vec4f> wind) {
+kernels::MotionArrays arrays_of(const ObjectsView& objects) {
   Particles& particles = objects.particles;
   if (particles.size() == 0) return {};
   return {&particles.position.data()->x, &objects.particles.offset.data()->x, &particles.start.data()->x,
-          &particles.velocity.data()->x, wind.empty() ? nullptr : &wind.data()->x};
+          &particles.velocity.data()->x};
 }
 
 // The SIMD kernels report only that a value may be non-finite.
@@ -134,8 +150,8 @@ std::optional<std::size_t> predict_motion(const StageView& stage,
                                           const CallbackList<VertexForceField>& fields,
                                           const Substep& substep, MotionScratch& scratch) {
   const ObjectsView& objects = stage.objects;
-  ExternalForces forces{stage, fields, wind_at(stage.settings, stage.time)};
-  if (find_wind_forces(stage, substep.h, scratch.wind)) forces.wind_of_particle = scratch.wind.of_particle;
+  const ExternalForces forces{stage, fields, wind_at(stage.settings, stage.time)};
+  find_air_forces(stage, substep.h, scratch.air_of_triangle);
   std::vector<Vec4f>& p = objects.particles.offset;
   LowestParticle first_non_finite;
   const auto one_by_one = [&](std::size_t begin, std::size_t end) {
@@ -150,10 +166,13 @@ std::optional<std::size_t> predict_motion(const StageView& stage,
   } else {
     const Vec3f& g = stage.settings.gravity;
     const float gravity[3] = {g.x, g.y, g.z};
-    const kernels::MotionArrays arrays = arrays_of(objects, forces.wind_of_particle);
-    for_each_awake(stage, [&](std::size_t begin, std::size_t end) {
-      if (!kernels->predict(arrays, begin, end, gravity, substep.h))
-        find_non_finite(objects.particles, begin, end, first_non_finite);
+    const kernels::MotionArrays arrays = arrays_of(objects);
+    for_each_awake(stage, [&](std::size_t first, std::size_t last) {
+      for_each_air(stage, first, last, [&](bool in_air, std::size_t begin, std::size_t end) {
+        const kernels::Predict predict = in_air ? kernels->predict_in_air : kernels->predict;
+        if (!predict(arrays, begin, end, gravity, substep.h))
+          find_non_finite(objects.particles, begin, end, first_non_finite);
+      });
     });
   }
   return first_non_finite.found();
@@ -170,7 +189,7 @@ std::optional<std::size_t> finish_motion(const StageView& stage, const Substep& 
   const std::vector<Vec4f>& p = objects.particles.offset;
   LowestParticle first_non_finite;
   if (const kernels::MotionKernels* kernels = packed(scratch)) {
-    const kernels::MotionArrays arrays = arrays_of(objects, {});
+    const kernels::MotionArrays arrays = arrays_of(objects);
     for_each_awake(stage, [&](std::size_t begin, std::size_t end) {
       if (!kernels->finish(arrays, begin, end, substep.h))
         find_non_finite(objects.particles, begin, end, first_non_finite);

@@ -19,13 +19,13 @@ enum class Integrator {
   implicit_euler   ///< v* = v + h w f(p*, v*), p* = x + h v*   (implicit in the external forces)
 };
 
-/// Moving air. It acts on triangles (drag and lift per area) and, through the linear drag of Settings, on
-/// particles.
+/// Air, still or moving. It acts on the triangles of cloths (drag and lift per area: docs/materials.md, Air) and,
+/// through the linear drag of Settings, on particles.
 struct Wind {
   Vec3f velocity{};            ///< m/s
   float gust = 0;              ///< relative amplitude of the wind's variation, in [0, 1]
   float gust_period = 2;       ///< period of the slowest gust [s]
-  float air_density = 1.225f;  ///< kg/m^3
+  float air_density = 1.225f;  ///< 0: a vacuum [kg/m^3]
   friend bool operator==(const Wind&, const Wind&) = default;
 };
 

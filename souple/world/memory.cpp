@@ -111,9 +111,8 @@ MemoryReport World::memory() {
       {"last valid state", bytes_of(world.current.last_valid.position, world.current.last_valid.offset,
                                     world.current.last_valid.velocity, world.current.last_valid.spin)});
   report.simulation.push_back(
-      {"forces and predictions",
-       bytes_of(world.scratch->motion.predicted, world.scratch->motion.wind.of_particle,
-                world.scratch->motion.wind.of_triangle, world.scratch->rigid_sums)});
+      {"forces and predictions", bytes_of(world.scratch->motion.predicted,
+                                          world.scratch->motion.air_of_triangle, world.scratch->rigid_sums)});
   add_constraints(world, report);
   report.simulation.push_back(
       {"contacts", world.contact->contacts.bytes() + world.scratch->sleep->proximity.bytes()});

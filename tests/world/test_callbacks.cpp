@@ -205,9 +205,7 @@ struct Bodies {
       velocity[i] = {next(), next() - 2, -next(), 0};
     }
   }
-  kernels::MotionArrays arrays() {
-    return {&position[0].x, &offset[0].x, &start[0].x, &velocity[0].x, nullptr};
-  }
+  kernels::MotionArrays arrays() { return {&position[0].x, &offset[0].x, &start[0].x, &velocity[0].x}; }
 };
 
 constexpr float gravity[3] = {0.5f, -9.81f, 0};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/math/scalar.h"
 #include "souple/math/vec3.h"
 
 namespace souple::kernels {
@@ -13,31 +14,25 @@ struct Air {
   float h = 0;              ///< s
 };
 
-/// Force of the air on a triangle with edges e and f that moves through the air at velocity v. [N] With n its
-/// normal and A its area
-///   drag = -rho/2 c_d A |v.n| v
-///   lift = -rho/2 c_l A (v.n) |v| (n - (n.v) v / |v|^2)
-/// The impulse is limited to that which stops the triangle relative to the air: light cloth stays stable in
-/// any wind.
+/// Force of the air on a triangle with edges e and f that moves through the air at velocity v. [N] With N = e x f, which is
+/// twice the area A times the normal n, and cos = v.N / (|v| |N|)
+///   drag = -rho/2 c_d A |v.n| v                                = -rho/4 c_d |v.N| v
+///   lift = -rho/2 c_l A (v.n) |v| (n - (n.v) v / |v|^2)        = -rho/4 c_l cos (|v|^2 N - (v.N) v)
+/// The impulse is limited to that which stops the triangle relative to the air, |F| h <= sigma A |v|: light cloth stays
+/// stable in any wind.
 template <class T>
 inline Vec3<T> air_force(const Vec3<T>& e, const Vec3<T>& f, const Vec3<T>& v, const Air& air) {
-  const T speed = length(v);
-  const Vec3<T> normal = cross(e, f);
-  const T twice_area = length(normal);
-  const auto blown = speed > T(0) && twice_area > T(0);
-  const T some_speed = select(blown, speed, T(1));
-  const Vec3<T> n = normal / select(blown, twice_area, T(1));
-  const T vn = dot(v, n);
-  const T q = T(0.25f * air.density) * twice_area;
-  const Vec3<T> across = n - v * (vn / (some_speed * some_speed));
-  const Vec3<T> force = v * (-q * T(air.drag) * abs(vn)) - across * (q * T(air.lift) * vn * speed);
+  const Vec3<T> N = cross(e, f);
+  const T vv = dot(v, v), vN = dot(v, N);
+  const T product = sqrt(vv) * length(N);
+  const auto blown = product > T(0);
+  const T lift = T(air.lift) * vN / select(blown, product, T(1));
+  const Vec3<T> force = (v * (T(air.drag) * abs(vN) - lift * vN) + N * (lift * vv)) * T(-0.25f * air.density);
 
-  const T max_force = T(0.5f * air.areal_density) * twice_area * speed / T(air.h);
-  const T size = length(force);
-  const auto capped = size > max_force;
-  const T factor = select(capped, max_force / select(capped, size, T(1)), T(1));
-  return {select(blown, force.x * factor, T(0)), select(blown, force.y * factor, T(0)),
-          select(blown, force.z * factor, T(0))};
+  const T most = T(0.5f * air.areal_density / air.h) * product;
+  const auto limited = dot(force, force) > most * most;
+  if (!any_lane(limited)) return force;
+  return force * select(limited, most / select(limited, length(force), T(1)), T(1));
 }
 
 }  // namespace souple::kernels

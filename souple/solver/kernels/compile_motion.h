@@ -51,9 +51,9 @@ class LastRecords {
  public:
   LastRecords(const MotionArrays& of, std::size_t count) : of_(of), floats_(4 * count) {
     copy(of.position, position_), copy(of.moving, moving_), copy(of.start, start_);
-    copy(of.velocity, velocity_), copy(of.force, force_);
+    copy(of.velocity, velocity_);
   }
-  MotionArrays arrays() { return {position_, moving_, start_, velocity_, of_.force ? force_ : nullptr}; }
+  MotionArrays arrays() { return {position_, moving_, start_, velocity_}; }
   void copy_back() const {
     copy(position_, of_.position), copy(moving_, of_.moving), copy(start_, of_.start);
     copy(velocity_, of_.velocity);
@@ -61,13 +61,12 @@ class LastRecords {
 
  private:
   void copy(const float* from, float* to) const {
-    for (std::size_t k = 0; from && k < floats_; ++k) to[k] = from[k];
+    for (std::size_t k = 0; k < floats_; ++k) to[k] = from[k];
   }
 
   const MotionArrays of_;
   std::size_t floats_;
-  float position_[Isa::lanes]{}, moving_[Isa::lanes]{}, start_[Isa::lanes]{}, velocity_[Isa::lanes]{},
-      force_[Isa::lanes]{};
+  float position_[Isa::lanes]{}, moving_[Isa::lanes]{}, start_[Isa::lanes]{}, velocity_[Isa::lanes]{};
 };
 
 /// Calls f for every register of particles [begin, end).
@@ -75,8 +74,7 @@ template <class Isa, class Function>
 inline void for_each_register(const MotionArrays& a, std::size_t begin, std::size_t end, const Function& f) {
   constexpr std::size_t records = Isa::lanes / 4;
   const auto at = [&a](std::size_t i) {
-    return MotionArrays{a.position + 4 * i, a.moving + 4 * i, a.start + 4 * i, a.velocity + 4 * i,
-                        a.force ? a.force + 4 * i : nullptr};
+    return MotionArrays{a.position + 4 * i, a.moving + 4 * i, a.start + 4 * i, a.velocity + 4 * i};
   };
   std::size_t i = begin;
   for (; i + records <= end; i += records) f(at(i));
@@ -86,7 +84,7 @@ inline void for_each_register(const MotionArrays& a, std::size_t begin, std::siz
   last.copy_back();
 }
 
-template <class Isa, bool windy>
+template <class Isa, bool in_air>
 [[gnu::flatten]] bool predict(const MotionArrays& arrays, std::size_t begin, std::size_t end,
                               const float (&gravity)[3], float h) {
   using Vector = typename Isa::Vector;
@@ -98,7 +96,7 @@ template <class Isa, bool windy>
     const Vector p = Isa::load(at.moving), v = Isa::load(at.velocity);
     const typename Isa::Mask moves = (w != 0.0f) & xyz;
     Vector a = g;
-    if constexpr (windy) a = a + Isa::load(at.force) * w;
+    if constexpr (in_air) a = a + Isa::load(at.start) * w;
     const Vector v_star = moves ? v + a * h : v;
     finite_check.add(v_star);
     Isa::store(at.start, p);
@@ -106,12 +104,6 @@ template <class Isa, bool windy>
     Isa::store(at.moving, moves ? p + v_star * h : p);
   });
   return finite_check.all_finite();
-}
-
-template <class Isa>
-bool predict_any(const MotionArrays& arrays, std::size_t begin, std::size_t end, const float (&gravity)[3],
-                 float h) {
-  return (arrays.force ? predict<Isa, true> : predict<Isa, false>)(arrays, begin, end, gravity, h);
 }
 
 template <class Isa>
@@ -135,7 +127,7 @@ template <class Isa>
 
 template <class Isa>
 const MotionKernels& motion_kernels() {
-  static constexpr MotionKernels kernels{predict_any<Isa>, finish<Isa>};
+  static constexpr MotionKernels kernels{predict<Isa, false>, predict<Isa, true>, finish<Isa>};
   return kernels;
 }
 

@@ -29,15 +29,12 @@ inline Vec3<simd::Pack<Isa>> load_transposed(const Load& load) {
   return {simd::Pack<Isa>(r[0]), simd::Pack<Isa>(r[1]), simd::Pack<Isa>(r[2])};
 }
 
-/// Corner k minus corner 0; `displaced`: with `moving`.
-template <class Isa, bool displaced>
+/// Corner k minus corner 0.
+template <class Isa>
 inline Vec3<simd::Pack<Isa>> side(const TriangleArrays& a, const TriangleRecords<Isa>& records, int k) {
   return load_transposed<Isa>([&](int j) {
-    const auto from_first = [&](const float* base) {
-      return Isa::load_records(base, records.corner[k] + j) - Isa::load_records(base, records.corner[0] + j);
-    };
-    if constexpr (displaced) return from_first(a.position) + from_first(a.moving);
-    return from_first(a.position);
+    return Isa::load_records(a.position, records.corner[k] + j) -
+           Isa::load_records(a.position, records.corner[0] + j);
   });
 }
 
@@ -61,8 +58,8 @@ template <class Isa>
              Isa::load_records(a.velocity, records.corner[1] + j) +
              Isa::load_records(a.velocity, records.corner[2] + j);
     });
-    const Vec3<T> force = air_force(side<Isa, true>(a, records, 1), side<Isa, true>(a, records, 2),
-                                    sum * T(1.0f / 3) - wind, air);
+    const Vec3<T> force =
+        air_force(side<Isa>(a, records, 1), side<Isa>(a, records, 2), sum * T(1.0f / 3) - wind, air);
     store(a, records, i, force * T(1.0f / 3));
   }
   return i;
@@ -72,7 +69,7 @@ template <class Isa>
 [[gnu::flatten]] std::size_t area_normals(const TriangleArrays& a, std::size_t i, std::size_t end) {
   for (; i + Isa::lanes <= end; i += Isa::lanes) {
     const TriangleRecords<Isa> records(a, i);
-    store(a, records, i, cross(side<Isa, false>(a, records, 1), side<Isa, false>(a, records, 2)));
+    store(a, records, i, cross(side<Isa>(a, records, 1), side<Isa>(a, records, 2)));
   }
   return i;
 }

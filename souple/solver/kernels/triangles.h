@@ -13,7 +13,6 @@ namespace souple::kernels {
 /// Arrays of 16-byte records, one per particle; `result`: one per triangle.
 struct TriangleArrays {
   const float* position = nullptr;
-  const float* moving = nullptr;  ///< see MotionArrays
   const float* velocity = nullptr;
   const std::array<std::uint32_t, 3>* triangles = nullptr;
   std::uint32_t first = 0;  ///< added to the vertex indices of triangles
