@@ -10,6 +10,8 @@
 
 namespace souple {
 
+class MeshShape;
+
 /// One point of a contact of two bodies.
 struct ManifoldPoint {
   /// The points of the two surfaces that face each other, in the local frames of a and b [m].
@@ -82,25 +84,19 @@ struct ContactTriangle {
   /// the plane or rises: a body slides over such an edge. It is the sine of the angle to the neighbor's normal where
   /// the neighbor falls away. It is 1 where that angle exceeds 90 degrees, or without a neighbor.
   std::array<double, 3> lean{1, 1, 1};
-  bool double_sided = false;  ///< pushes to the side of the shape's center
 };
 
-/// The contact points of a convex shape with a triangle. A single-sided triangle has none with a shape whose center is
-/// behind its plane. A triangle without area has none.
+/// The contact points of a convex shape with a triangle. There are none with a shape whose center is behind its plane. A
+/// triangle without area has none.
 Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const ContactTriangle& b,
                        const BodyPose& pose_b, double margin, AxisCache& cache);
 
-/// The contact points of a convex shape with several triangles of a mesh, such as those near it. Triangles with normals
-/// of contact within 1 degree share a manifold of at most four points. `names`: one per triangle, such as its index in
-/// the mesh, for the features. A vertex of a keeps its feature when it slides from triangle to triangle. Returns the
-/// number of manifolds, in the order of their first triangle, at most out.size() and 8.
-int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, std::span<const ContactTriangle> triangles,
-                   std::span<const std::uint32_t> names, const BodyPose& pose_b, double margin,
-                   std::span<Manifold> out);
-
-/// `ContactTriangle::lean` of each triangle of a mesh.
-std::vector<std::array<double, 3>> edge_leans(std::span<const Vec3d> positions,
-                                              std::span<const Triangle> triangles);
+/// The contact points of a convex shape with a mesh. Each connected piece of the mesh pushes to the side on which the
+/// shape's center lies. Triangles with normals of contact within 1 degree share a manifold of at most four points. A
+/// vertex of a keeps its feature when it slides from triangle to triangle. Returns the number of manifolds, at most
+/// out.size() and 8.
+int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, const MeshShape& b, const BodyPose& pose_b,
+                   double margin, std::span<Manifold> out);
 
 /// The contact points of a convex shape's vertices with a collider's shape, such as a signed distance field. The
 /// collider's local frame has the pose `pose_b`. A manifold gathers the vertices whose normals differ by less than 20
