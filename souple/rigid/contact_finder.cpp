@@ -172,6 +172,7 @@ void ContactFinder::find_contact(std::size_t p, const RigidBodies& bodies, std::
   pair.moved = pair.clear = 0;
   const ConvexShape& a = shapes[pair.a].parts[pair.part_a];
   const BodyPose &pose_a = bodies.pose[pair.a], &pose_b = bodies.pose[pair.b];
+  const PairMotion ahead = motion_ahead(pair, bodies);
   const auto set_after = [&](std::size_t at, const Manifold& manifold, const RigidContact* last) {
     if (!is_within(margin, manifold)) {
       contacts_[at].count = 0;
@@ -198,14 +199,14 @@ void ContactFinder::find_contact(std::size_t p, const RigidBodies& bodies, std::
     std::array<Manifold, manifolds_with_mesh> found{};
     std::array<RigidContact, manifolds_with_mesh> last;
     std::copy_n(contacts_.begin() + static_cast<std::ptrdiff_t>(p), last.size(), last.begin());
-    const int count = find_manifolds(a, pose_a, *shapes[pair.b].mesh, pose_b, margin, found);
+    const int count = find_manifolds(a, pose_a, *shapes[pair.b].mesh, pose_b, margin, found, ahead);
     for (std::size_t m = 0; m < found.size(); ++m)
       set_after(p + m, m < static_cast<std::size_t>(count) ? found[m] : Manifold{},
                 likest(last, found[m].normal, pose_a, pose_b));
   } else {
     const ConvexShape& b = shapes[pair.b].parts[pair.part_b];
-    const Manifold found = find_manifold(a, pose_a, b, pose_b, reach, pair.axis);
-    if (found.count == 0) pair.clear = reach;
+    const Manifold found = find_manifold(a, pose_a, b, pose_b, reach, pair.axis, ahead);
+    if (found.count == 0 && !found.passes) pair.clear = reach;
     set(p, found);
   }
 }
@@ -238,6 +239,14 @@ void ContactFinder::begin_step(const RigidBodies& bodies, std::span<const RigidS
 double ContactFinder::relative_motion(const Pair& pair, const RigidBodies& bodies) const {
   const Vec3d u = bodies.velocity[pair.a].linear - bodies.velocity[pair.b].linear;
   return length(u) * dt_ + turn_[pair.a] + turn_[pair.b];
+}
+
+// Until the pair is searched again: in the next step, or if it is fast in the substep after this one.
+PairMotion ContactFinder::motion_ahead(const Pair& pair, const RigidBodies& bodies) const {
+  const double time = pair.fast ? min(2 * part_, 1.0) * dt_ : dt_;
+  const BodyVelocity &a = bodies.velocity[pair.a], &b = bodies.velocity[pair.b];
+  return {(a.linear - b.at(bodies.pose[pair.a].position - bodies.pose[pair.b].position)) * time,
+          (a.angular - b.angular) * time};
 }
 
 // Distance within which a contact may push in a substep [m].

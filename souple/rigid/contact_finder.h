@@ -56,6 +56,7 @@ class ContactFinder {
   void find_pairs(const RigidBodies& bodies, std::span<const RigidShape> shapes,
                   const RigidMaterials& materials, double dt, double gravity);
   double relative_motion(const Pair& pair, const RigidBodies& bodies) const;
+  PairMotion motion_ahead(const Pair& pair, const RigidBodies& bodies) const;
   void append_pairs(std::uint32_t a, std::uint32_t b, std::span<const RigidShape> shapes);
   void take_over(std::size_t pair);
   template <class AnyPair, class AnyContact, class Function>

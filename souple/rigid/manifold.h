@@ -27,10 +27,17 @@ enum class NormalOwner : std::uint8_t {
   edges,  ///< two edges or vertices; treat it as fixed to a
 };
 
+/// How a moves against b until the manifold is found again, in the world.
+struct PairMotion {
+  Vec3d path{};  ///< of a's center [m]
+  Vec3d turn{};  ///< about it [rad]
+};
+
 /// Contact points of two shapes, at most four.
 struct Manifold {
   Vec3d normal{};  ///< in the world, unit, from b to a: a is pushed along it
   NormalOwner owner = NormalOwner::edges;
+  bool passes = false;  ///< near points do not count, because the shapes pass each other
   int count = 0;
   /// Radii of the surfaces at the points [m], for rounded shapes and for a cylinder on its side. The centers on_a +
   /// normal radius_a (the normal in a's frame) and on_b - normal radius_b stay in place when a shape rolls.
@@ -62,8 +69,12 @@ struct AxisCache {
 /// the other. Source: Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013. Two tolerances keep
 /// contacts from alternating. Faces are preferred over edges, and the last axis over others, as long as that adds at
 /// most `axis_tolerance` to the depth.
+///
+/// Shapes whose motion leads past each other do not touch where they would only graze. So a box that slides from one box
+/// to the next does not hit the next one's side.
 Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const ConvexShape& b,
-                       const BodyPose& pose_b, double margin, AxisCache& cache);
+                       const BodyPose& pose_b, double margin, AxisCache& cache,
+                       const PairMotion& motion = {});
 
 /// The depth [m] by which the chosen axis of a pair may exceed the least penetration. It is 5e-4 of the smaller outer
 /// radius, but at most 5 % of the smaller inner radius.
@@ -89,14 +100,15 @@ struct ContactTriangle {
 /// The contact points of a convex shape with a triangle. There are none with a shape whose center is behind its plane. A
 /// triangle without area has none.
 Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const ContactTriangle& b,
-                       const BodyPose& pose_b, double margin, AxisCache& cache);
+                       const BodyPose& pose_b, double margin, AxisCache& cache,
+                       const PairMotion& motion = {});
 
 /// The contact points of a convex shape with a mesh. Each connected piece of the mesh pushes to the side on which the
 /// shape's center lies. Triangles with normals of contact within 1 degree share a manifold of at most four points. A
 /// vertex of a keeps its feature when it slides from triangle to triangle. Returns the number of manifolds, at most
 /// out.size() and 8.
 int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, const MeshShape& b, const BodyPose& pose_b,
-                   double margin, std::span<Manifold> out);
+                   double margin, std::span<Manifold> out, const PairMotion& motion = {});
 
 /// The contact points of a convex shape's vertices with a collider's shape, such as a signed distance field. The
 /// collider's local frame has the pose `pose_b`. A manifold gathers the vertices whose normals differ by less than 20

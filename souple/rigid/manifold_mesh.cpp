@@ -125,7 +125,7 @@ Bounds box_in(const manifold::FrameChange& frame, const ShapeBounds& local, doub
 }  // namespace
 
 int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, const MeshShape& b, const BodyPose& pose_b,
-                   double margin, std::span<Manifold> out) {
+                   double margin, std::span<Manifold> out, const PairMotion& motion) {
   const double slack = 5e-4 * a.outer_radius;
   const manifold::FrameChange to_b = manifold::frame_change(pose_a, pose_b);
   const Bounds box = box_in(to_b, a.bounds, margin + a.side.sagitta);
@@ -135,7 +135,7 @@ int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, const MeshShape
   b.for_each_in(box, [&](std::uint32_t t) {
     AxisCache cache;
     const Manifold found =
-        find_manifold(a, pose_a, b.triangle(t, sides.is_back(b, t)), pose_b, margin, cache);
+        find_manifold(a, pose_a, b.triangle(t, sides.is_back(b, t)), pose_b, margin, cache, motion);
     if (found.count == 0) return;
     Group* group = group_of(groups, found, std::min(out.size(), most_manifolds));
     if (group == nullptr) return;

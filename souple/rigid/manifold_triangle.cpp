@@ -63,7 +63,7 @@ bool fill(FlatPolyhedron& flat, const std::array<double, 3>& lean) {
 }  // namespace
 
 Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const ContactTriangle& b,
-                       const BodyPose& pose_b, double margin, AxisCache& cache) {
+                       const BodyPose& pose_b, double margin, AxisCache& cache, const PairMotion& motion) {
   Manifold found;
   const manifold::FrameChange to_a = manifold::frame_change(pose_b, pose_a);
   FlatPolyhedron flat;
@@ -76,7 +76,8 @@ Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Conta
   // The shape's vertices keep their features from triangle to triangle if the triangle is the reference.
   if (cache.kind == AxisCache::Kind::none) cache.kind = AxisCache::Kind::face_of_b, cache.b = 0;
   const auto find = [&](const ConvexView& view, AxisCache& last) {
-    manifold::ShapePair pair = manifold::make_pair(view, flat.view, {}, margin + a.side.sagitta);
+    manifold::ShapePair pair = manifold::make_pair(view, flat.view, {}, margin + a.side.sagitta,
+                                                   manifold::local_motion(pose_a, motion));
     pair.region = &flat.region;
     pair.axis_tolerance = tolerance;
     Manifold out;
