@@ -51,8 +51,8 @@ class MeshShape {
 
   std::vector<Vec3d> positions_;
   std::vector<Triangle> triangles_;
-  // Sines of the angles between the normal and those of the neighbors: negative where the neighbor rises, 1 or -1 where
-  // the angle exceeds 90 degrees, 2 without a neighbor.
+  // Sines of the angles between the normal and those of the neighbors, negative where a neighbor rises. They are 1 or -1
+  // where the angle exceeds 90 degrees, and 2 without a neighbor.
   std::vector<std::array<double, 3>> leans_;
   std::vector<std::uint32_t> pieces_;
   BoxTree tree_;
