@@ -9,7 +9,7 @@ namespace {
 // Properties on which a collision of two surfaces depends, except single pairs.
 auto kind_of(const ContactSurface& surface) {
   return std::tuple(surface.filter.groups, surface.filter.mask, surface.particles_only, surface.immovable,
-                    surface.rigid);
+                    surface.keeps_shape);
 }
 
 }  // namespace

@@ -27,8 +27,10 @@ struct ContactSurface {
   int layer = 0;  ///< the surface with the higher layer lies outside of the lower one; 0: no order (layers.h)
   std::vector<std::uint32_t> ignored_surfaces{};  ///< indices of surfaces it never collides with, ascending
   /// Rest position of each particle [m]: elements that are near at rest may stay as near.
-  bool rigid = false;  ///< a rigid body: two of them are not compared, they collide as convex shapes
   std::span<const Vec3d> rest{};
+  bool rigid = false;  ///< a rigid body
+  bool keeps_shape =
+      false;           ///< a rigid body or obstacle: two of them are not compared, see rigid/contact_finder.h
   bool rolls = false;  ///< its particles are solid balls that rotate; only with particles_only
   float radius = 1;    ///< of the object at rest, see ContactStep::depenetration_speed [m]
 };
@@ -57,7 +59,7 @@ inline bool may_collide(std::span<const ContactSurface> surfaces, std::size_t a,
   const ContactSurface &one = surfaces[a], &other = surfaces[b];
   if (a == b) return one.self_collision;
   if (one.particles_only && other.particles_only) return false;  // see ParticleContacts
-  if ((one.immovable && other.immovable) || (one.rigid && other.rigid)) return false;
+  if ((one.immovable && other.immovable) || (one.keeps_shape && other.keeps_shape)) return false;
   if (std::binary_search(one.ignored_surfaces.begin(), one.ignored_surfaces.end(), b)) return false;
   return may_collide(one.filter, other.filter);
 }

@@ -3,6 +3,7 @@
 #include "souple/geometry/measures.h"
 #include "souple/objects/kind_functions.h"
 #include "souple/objects/object.h"
+#include "souple/objects/obstacle_pose.h"
 
 #include <algorithm>
 #include <cmath>
@@ -75,8 +76,9 @@ ContactSurface contact_surface(const Object& object, std::uint32_t index, std::s
       .filter = object.collision.filter,
       .immovable = object.is_driven(),
       .layer = object.collision.layer,
-      .rigid = kind.rigid,
       .rest = object.rest,
+      .rigid = kind.rigid,
+      .keeps_shape = kind.rigid || (kind.driven && !deforms(object.motion)),
       .rolls = kind.rolls,
       .radius = radius};
   matrix.for_each_ignored(index, [&](std::uint32_t other) {

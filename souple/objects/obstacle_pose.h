@@ -15,6 +15,10 @@ namespace souple {
 void validate(const ObstacleMotion& motion, std::size_t vertices, std::string_view owner);
 
 bool is_static(const ObstacleMotion& motion);
+/// Whether the motion moves vertices against each other; else `pose` moves the rest positions.
+inline bool deforms(const ObstacleMotion& motion) {
+  return !motion.sequence.frames.empty();
+}
 /// Whether a loop with different ends restarts between the two times [s].
 bool jumps(const ObstacleMotion& motion, double from, double to);
 

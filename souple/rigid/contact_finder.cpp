@@ -42,21 +42,25 @@ Bounds box_of(const BodyPose& pose, const RigidShape& shape, double margin) {
   if (!(r < static_cast<double>(infinity)))
     return {{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
   Vec3d lo = pose.position, hi = pose.position;
-  if (shape.parts.empty()) {
+  const Mat3d R = rotation_matrix(pose.rotation);
+  const auto include = [&](const ShapeBounds& bounds) {
+    const Vec3d middle = pose.point((bounds.lo + bounds.hi) * 0.5);
+    const Vec3d half = (bounds.hi - bounds.lo) * 0.5;
+    Vec3d extent;
+    for (int row = 0; row < 3; ++row)
+      extent[row] =
+          std::abs(R(row, 0)) * half.x + std::abs(R(row, 1)) * half.y + std::abs(R(row, 2)) * half.z;
+    for (int k = 0; k < 3; ++k)
+      lo[k] = min(lo[k], middle[k] - extent[k]), hi[k] = max(hi[k], middle[k] + extent[k]);
+  };
+  if (shape.mesh) {
+    // The mesh may be far from its frame's origin.
+    lo = Vec3d(empty_bounds.lo), hi = Vec3d(empty_bounds.hi);
+    include(shape.mesh->bounds());
+  } else if (shape.parts.empty()) {
     lo -= Vec3d{r, r, r}, hi += Vec3d{r, r, r};
-  } else {
-    const Mat3d R = rotation_matrix(pose.rotation);
-    for (const ConvexShape& part : shape.parts) {
-      const Vec3d middle = pose.point((part.bounds.lo + part.bounds.hi) * 0.5);
-      const Vec3d half = (part.bounds.hi - part.bounds.lo) * 0.5;
-      Vec3d extent;
-      for (int row = 0; row < 3; ++row)
-        extent[row] =
-            std::abs(R(row, 0)) * half.x + std::abs(R(row, 1)) * half.y + std::abs(R(row, 2)) * half.z;
-      for (int k = 0; k < 3; ++k)
-        lo[k] = min(lo[k], middle[k] - extent[k]), hi[k] = max(hi[k], middle[k] + extent[k]);
-    }
   }
+  for (const ConvexShape& part : shape.parts) include(part.bounds);
   const Vec3d grown{margin, margin, margin};
   return {Vec3f(lo - grown), Vec3f(hi + grown)};
 }
@@ -85,6 +89,27 @@ bool is_within(double margin, const Manifold& manifold) {
                      [&](const ManifoldPoint& point) { return point.separation <= margin; });
 }
 
+/// A part has one manifold with another part or a plane, and up to this number with other shapes.
+constexpr std::size_t manifolds_with_field = 4, manifolds_with_mesh = 8;
+
+std::size_t manifolds_with(const RigidShape& shape) {
+  if (shape.mesh) return manifolds_with_mesh;
+  return shape.collider && !std::holds_alternative<Plane>(*shape.collider) ? manifolds_with_field : 1;
+}
+
+/// The contact whose normal is nearest to that of a manifold, or null. With a mesh, manifolds come in any order.
+const RigidContact* likest(std::span<const RigidContact> contacts, const Vec3d& normal,
+                           const BodyPose& pose_a, const BodyPose& pose_b) {
+  const RigidContact* best = nullptr;
+  double most = 0;
+  for (const RigidContact& contact : contacts) {
+    const BodyPose& owner = contact.owner == NormalOwner::face_of_b ? pose_b : pose_a;
+    const double product = contact.count > 0 ? dot(owner.direction(contact.normal), normal) : 0;
+    if (product > most) most = product, best = &contact;
+  }
+  return best;
+}
+
 /// Points of one feature are the same contact.
 void keep_impulses(RigidContact& contact, const RigidContact& last) {
   for (std::uint32_t k = 0; k < contact.count; ++k)
@@ -102,17 +127,15 @@ void keep_impulses(RigidContact& contact, const RigidContact& last) {
 }  // namespace
 
 void ContactFinder::append_pairs(std::uint32_t a, std::uint32_t b, std::span<const RigidShape> shapes) {
-  if (shapes[a].collider) std::swap(a, b);
-  if (shapes[a].collider) return;
+  if (shapes[a].parts.empty()) std::swap(a, b);
+  if (shapes[a].parts.empty()) return;
   Pair pair;
   pair.a = a, pair.b = b;
   pair.fast = motion_[a] + motion_[b] > fast_ratio * min(inner_[a], inner_[b]);
-  const Shape* collider = shapes[b].collider;
-  const bool several = collider && !std::holds_alternative<Plane>(*collider);
+  const std::size_t parts_b = shapes[b].parts.size(), manifolds = manifolds_with(shapes[b]);
   for (pair.part_a = 0; pair.part_a < shapes[a].parts.size(); ++pair.part_a)
-    for (pair.part_b = 0; pair.part_b < (collider ? 1 : shapes[b].parts.size()); ++pair.part_b)
-      for (pair.manifold = 0; pair.manifold < (several ? most_manifolds : 1); ++pair.manifold)
-        pairs_.push_back(pair);
+    for (pair.part_b = 0; pair.part_b < max(parts_b, std::size_t{1}); ++pair.part_b)
+      for (pair.manifold = 0; pair.manifold < manifolds; ++pair.manifold) pairs_.push_back(pair);
 }
 
 void ContactFinder::find_pairs(const RigidBodies& bodies, std::span<const RigidShape> shapes,
@@ -122,7 +145,7 @@ void ContactFinder::find_pairs(const RigidBodies& bodies, std::span<const RigidS
   for (std::uint32_t i = 0; i < bodies.size(); ++i) {
     motion_[i] = motion_of(bodies, i, shapes[i], dt, gravity);
     inner_[i] = shapes[i].inner_radius(), turn_[i] = turn_of(bodies.velocity[i], shapes[i], dt);
-    const double rest = shapes[i].collider ? 0 : margin_ratio * inner_[i];
+    const double rest = shapes[i].parts.empty() ? 0 : margin_ratio * inner_[i];
     boxes_[i] = box_of(bodies.pose[i], shapes[i], motion_[i] + rest);
   }
   std::swap(pairs_, last_pairs_);
@@ -148,31 +171,41 @@ void ContactFinder::find_contact(std::size_t p, const RigidBodies& bodies, std::
   pair.moved = pair.clear = 0;
   const ConvexShape& a = shapes[pair.a].parts[pair.part_a];
   const BodyPose &pose_a = bodies.pose[pair.a], &pose_b = bodies.pose[pair.b];
-  const auto set = [&](std::size_t at, const Manifold& manifold) {
+  const PairMotion ahead = motion_ahead(pair, bodies);
+  const auto set_after = [&](std::size_t at, const Manifold& manifold, const RigidContact* last) {
     if (!is_within(margin, manifold)) {
       contacts_[at].count = 0;
       return;
     }
     RigidContact contact = contact_of(manifold, pose_a, pose_b);
     contact.a = pair.a, contact.b = pair.b, contact.material = contacts_[at].material;
-    keep_impulses(contact, contacts_[at]);
+    if (last != nullptr) keep_impulses(contact, *last);
     contacts_[at] = contact;
   };
+  const auto set = [&](std::size_t at, const Manifold& manifold) { set_after(at, manifold, &contacts_[at]); };
   if (const Shape* const collider = shapes[pair.b].collider) {
     if (const Plane* const plane = std::get_if<Plane>(collider)) {
       const Manifold found = find_manifold(a, pose_a, *plane, pose_b, reach, pair.axis.points);
       if (found.count == 0) pair.clear = reach;
       set(p, found);
     } else {
-      std::array<Manifold, most_manifolds> found{};
+      std::array<Manifold, manifolds_with_field> found{};
       const int count = find_manifolds(a, pose_a, *collider, pose_b, margin, found);
-      for (std::size_t m = 0; m < most_manifolds; ++m)
+      for (std::size_t m = 0; m < found.size(); ++m)
         set(p + m, m < static_cast<std::size_t>(count) ? found[m] : Manifold{});
     }
+  } else if (shapes[pair.b].mesh) {
+    std::array<Manifold, manifolds_with_mesh> found{};
+    std::array<RigidContact, manifolds_with_mesh> last;
+    std::copy_n(contacts_.begin() + static_cast<std::ptrdiff_t>(p), last.size(), last.begin());
+    const int count = find_manifolds(a, pose_a, *shapes[pair.b].mesh, pose_b, margin, found, ahead);
+    for (std::size_t m = 0; m < found.size(); ++m)
+      set_after(p + m, m < static_cast<std::size_t>(count) ? found[m] : Manifold{},
+                likest(last, found[m].normal, pose_a, pose_b));
   } else {
     const ConvexShape& b = shapes[pair.b].parts[pair.part_b];
-    const Manifold found = find_manifold(a, pose_a, b, pose_b, reach, pair.axis);
-    if (found.count == 0) pair.clear = reach;
+    const Manifold found = find_manifold(a, pose_a, b, pose_b, reach, pair.axis, ahead);
+    if (found.count == 0 && !found.passes) pair.clear = reach;
     set(p, found);
   }
 }
@@ -205,6 +238,14 @@ void ContactFinder::begin_step(const RigidBodies& bodies, std::span<const RigidS
 double ContactFinder::relative_motion(const Pair& pair, const RigidBodies& bodies) const {
   const Vec3d u = bodies.velocity[pair.a].linear - bodies.velocity[pair.b].linear;
   return length(u) * dt_ + turn_[pair.a] + turn_[pair.b];
+}
+
+// Until the pair is searched again: in the next step, or if it is fast in the substep after this one.
+PairMotion ContactFinder::motion_ahead(const Pair& pair, const RigidBodies& bodies) const {
+  const double time = pair.fast ? min(2 * part_, 1.0) * dt_ : dt_;
+  const BodyVelocity &a = bodies.velocity[pair.a], &b = bodies.velocity[pair.b];
+  return {(a.linear - b.at(bodies.pose[pair.a].position - bodies.pose[pair.b].position)) * time,
+          (a.angular - b.angular) * time};
 }
 
 // Distance within which a contact may push in a substep [m].

@@ -51,19 +51,17 @@ class ContactFinder {
   /// Two parts whose boxes overlap.
   struct Pair {
     std::uint32_t a = 0, part_a = 0, b = 0, part_b = 0;
-    std::uint32_t manifold = 0;  ///< index, if the pair has several (signed distance fields)
+    std::uint32_t manifold = 0;  ///< index, if the pair has several (signed distance fields, meshes)
     bool fast = false;           ///< moves far in a step
     double moved = 0;            ///< upper limit of the relative motion since the last search [m]
     double clear = 0;            ///< least distance at the last search [m]
     AxisCache axis{};
     auto key() const { return std::tuple(a, b, part_a, part_b, manifold); }
   };
-  // A part has one manifold with another part, and up to this number with a signed distance field.
-  static constexpr std::size_t most_manifolds = 4;
-
   void find_pairs(const RigidBodies& bodies, std::span<const RigidShape> shapes,
                   const RigidMaterials& materials, double dt, double gravity);
   double relative_motion(const Pair& pair, const RigidBodies& bodies) const;
+  PairMotion motion_ahead(const Pair& pair, const RigidBodies& bodies) const;
   void append_pairs(std::uint32_t a, std::uint32_t b, std::span<const RigidShape> shapes);
   void take_over(std::size_t pair);
   template <class AnyPair, class AnyContact, class Function>

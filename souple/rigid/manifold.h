@@ -10,6 +10,8 @@
 
 namespace souple {
 
+class MeshShape;
+
 /// One point of a contact of two bodies.
 struct ManifoldPoint {
   /// The points of the two surfaces that face each other, in the local frames of a and b [m].
@@ -25,10 +27,17 @@ enum class NormalOwner : std::uint8_t {
   edges,  ///< two edges or vertices; treat it as fixed to a
 };
 
+/// How a moves against b until the manifold is found again, in the world.
+struct PairMotion {
+  Vec3d path{};  ///< of a's center [m]
+  Vec3d turn{};  ///< about it [rad]
+};
+
 /// Contact points of two shapes, at most four.
 struct Manifold {
   Vec3d normal{};  ///< in the world, unit, from b to a: a is pushed along it
   NormalOwner owner = NormalOwner::edges;
+  bool passes = false;  ///< near points do not count, because the shapes pass each other
   int count = 0;
   /// Radii of the surfaces at the points [m], for rounded shapes and for a cylinder on its side. The centers on_a +
   /// normal radius_a (the normal in a's frame) and on_b - normal radius_b stay in place when a shape rolls.
@@ -60,8 +69,12 @@ struct AxisCache {
 /// the other. Source: Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013. Two tolerances keep
 /// contacts from alternating. Faces are preferred over edges, and the last axis over others, as long as that adds at
 /// most `axis_tolerance` to the depth.
+///
+/// Shapes whose motion leads past each other do not touch where they would only graze. So a box that slides from one box
+/// to the next does not hit the next one's side.
 Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const ConvexShape& b,
-                       const BodyPose& pose_b, double margin, AxisCache& cache);
+                       const BodyPose& pose_b, double margin, AxisCache& cache,
+                       const PairMotion& motion = {});
 
 /// The depth [m] by which the chosen axis of a pair may exceed the least penetration. It is 5e-4 of the smaller outer
 /// radius, but at most 5 % of the smaller inner radius.
@@ -82,25 +95,20 @@ struct ContactTriangle {
   /// the plane or rises: a body slides over such an edge. It is the sine of the angle to the neighbor's normal where
   /// the neighbor falls away. It is 1 where that angle exceeds 90 degrees, or without a neighbor.
   std::array<double, 3> lean{1, 1, 1};
-  bool double_sided = false;  ///< pushes to the side of the shape's center
 };
 
-/// The contact points of a convex shape with a triangle. A single-sided triangle has none with a shape whose center is
-/// behind its plane. A triangle without area has none.
+/// The contact points of a convex shape with a triangle. There are none with a shape whose center is behind its plane. A
+/// triangle without area has none.
 Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const ContactTriangle& b,
-                       const BodyPose& pose_b, double margin, AxisCache& cache);
+                       const BodyPose& pose_b, double margin, AxisCache& cache,
+                       const PairMotion& motion = {});
 
-/// The contact points of a convex shape with several triangles of a mesh, such as those near it. Triangles with normals
-/// of contact within 1 degree share a manifold of at most four points. `names`: one per triangle, such as its index in
-/// the mesh, for the features. A vertex of a keeps its feature when it slides from triangle to triangle. Returns the
-/// number of manifolds, in the order of their first triangle, at most out.size() and 8.
-int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, std::span<const ContactTriangle> triangles,
-                   std::span<const std::uint32_t> names, const BodyPose& pose_b, double margin,
-                   std::span<Manifold> out);
-
-/// `ContactTriangle::lean` of each triangle of a mesh.
-std::vector<std::array<double, 3>> edge_leans(std::span<const Vec3d> positions,
-                                              std::span<const Triangle> triangles);
+/// The contact points of a convex shape with a mesh. Each connected piece of the mesh pushes to the side on which the
+/// shape's center lies. Triangles with normals of contact within 1 degree share a manifold of at most four points. A
+/// vertex of a keeps its feature when it slides from triangle to triangle. Returns the number of manifolds, at most
+/// out.size() and 8.
+int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, const MeshShape& b, const BodyPose& pose_b,
+                   double margin, std::span<Manifold> out, const PairMotion& motion = {});
 
 /// The contact points of a convex shape's vertices with a collider's shape, such as a signed distance field. The
 /// collider's local frame has the pose `pose_b`. A manifold gathers the vertices whose normals differ by less than 20

@@ -1,7 +1,9 @@
-#include "souple/rigid/manifold.h"
+#include "souple/collision/nearest.h"
 #include "souple/rigid/manifold_points.h"
+#include "souple/rigid/mesh_shape.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace souple {
 namespace {
@@ -66,21 +68,79 @@ void add(Group& group, const Manifold& found, std::uint32_t triangle, const Vec3
   }
 }
 
+/// The side of a piece of the mesh on which the shape's center lies: that of the piece's nearest point. A triangle beyond
+/// an edge may have its back to the center although the shape is in front of the piece.
+class Sides {
+ public:
+  explicit Sides(const Vec3d& center) : center_(center) {}
+
+  void consider(const MeshShape& mesh, std::uint32_t t) {
+    const auto [a, b, c] = mesh.triangle(t, false).corners;
+    const Vec3d n = normalized(cross(b - a, c - a));
+    if (n == Vec3d{}) return;
+    double weight[3];
+    nearest_on_triangle(center_, a, b, c, weight);
+    const Vec3d way = center_ - a * weight[0] - b * weight[1] - c * weight[2];
+    const Side found{mesh.piece(t), length_squared(way), dot(way, n)};
+    for (int k = 0; k < sides_.size(); ++k)
+      if (sides_[k].piece == found.piece) return replace(sides_[k], found);
+    sides_.push_back(found);
+  }
+  bool is_back(const MeshShape& mesh, std::uint32_t t) const {
+    for (int k = 0; k < sides_.size(); ++k)
+      if (sides_[k].piece == mesh.piece(t)) return sides_[k].height < 0;
+    const auto [a, b, c] = mesh.triangle(t, false).corners;  // more pieces than the list holds
+    return dot(cross(b - a, c - a), center_ - a) < 0;
+  }
+
+ private:
+  struct Side {
+    std::uint32_t piece;
+    double squared;  // distance of the center [m^2]
+    double height;   // of the center above the nearest triangle [m]
+  };
+
+  // If the nearest point is on an edge, the triangle that faces the center more tells the side.
+  static void replace(Side& side, const Side& by) {
+    constexpr double rounding = 1e-9;
+    if (by.squared > side.squared * (1 + rounding)) return;
+    const bool nearer = by.squared < side.squared * (1 - rounding);
+    if (nearer || std::abs(by.height) > std::abs(side.height)) side.height = by.height;
+    side.squared = std::min(side.squared, by.squared);
+  }
+
+  Vec3d center_;
+  manifold::StackList<Side, 32> sides_;
+};
+
+/// The bounding box of a shape in another frame, grown by a margin.
+Bounds box_in(const manifold::FrameChange& frame, const ShapeBounds& local, double margin) {
+  const Vec3d middle = frame.point((local.lo + local.hi) * 0.5), half = (local.hi - local.lo) * 0.5;
+  Vec3d extent{margin, margin, margin};
+  for (int row = 0; row < 3; ++row)
+    for (int k = 0; k < 3; ++k) extent[row] += std::abs(frame.rotation(row, k)) * half[k];
+  return {Vec3f(middle - extent), Vec3f(middle + extent)};
+}
+
 }  // namespace
 
-int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, std::span<const ContactTriangle> triangles,
-                   std::span<const std::uint32_t> names, const BodyPose& pose_b, double margin,
-                   std::span<Manifold> out) {
+int find_manifolds(const ConvexShape& a, const BodyPose& pose_a, const MeshShape& b, const BodyPose& pose_b,
+                   double margin, std::span<Manifold> out, const PairMotion& motion) {
   const double slack = 5e-4 * a.outer_radius;
+  const manifold::FrameChange to_b = manifold::frame_change(pose_a, pose_b);
+  const Bounds box = box_in(to_b, a.bounds, margin + a.side.sagitta);
+  Sides sides(to_b.point(a.center));
+  b.for_each_in(box, [&](std::uint32_t t) { sides.consider(b, t); });
   Groups groups;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
+  b.for_each_in(box, [&](std::uint32_t t) {
     AxisCache cache;
-    const Manifold found = find_manifold(a, pose_a, triangles[t], pose_b, margin, cache);
-    if (found.count == 0) continue;
+    const Manifold found =
+        find_manifold(a, pose_a, b.triangle(t, sides.is_back(b, t)), pose_b, margin, cache, motion);
+    if (found.count == 0) return;
     Group* group = group_of(groups, found, std::min(out.size(), most_manifolds));
-    if (group == nullptr) continue;
-    add(*group, found, names[t], pose_a.local_direction(group->normal), slack);
-  }
+    if (group == nullptr) return;
+    add(*group, found, t, pose_a.local_direction(group->normal), slack);
+  });
   for (int g = 0; g < groups.size(); ++g) {
     Group& group = groups[g];
     manifold::reduce_to_four(group.points, pose_a.local_direction(group.normal), 0.1 * slack);

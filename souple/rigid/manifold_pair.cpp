@@ -210,6 +210,54 @@ bool find_parallel_edges(const ShapePair& pair, const Vec3d& axis, Manifold& man
   return add_parallel_segments(pair, on_a, on_b, axis, feature_id(FeatureKind::other, a, 2 * b), manifold);
 }
 
+/// The overlap [m] with which shapes still pass each other: 1 % of the smaller inner radius. A triangle has none.
+double grazing(const ShapePair& pair) {
+  const double a = pair.a.inner_radius + pair.a.radius, b = pair.b.inner_radius + pair.b.radius;
+  return 0.01 * (b > 0 ? std::min(a, b) : a);
+}
+
+/// By how much the motion reduces the separation along a unit axis from a to b [m].
+double approach(const ShapePair& pair, const Vec3d& axis) {
+  return dot(pair.motion.path, axis) + length(cross(pair.motion.turn, axis)) * pair.a.outer_radius;
+}
+
+/// A face along whose normal the shapes stay apart, or overlap by no more than they may when they pass, although they
+/// approach along `axis`.
+Axis passing_face(const ShapePair& pair, const Vec3d& axis) {
+  constexpr double like = 0.9;  // product of normals of one contact
+  const double least = -grazing(pair) + pair.rounding();
+  Axis best;
+  const auto consider = [&](const Axis& face) {
+    const Vec3d n = direction_of(pair, face);
+    if (dot(n, axis) > like || !admits(pair, face)) return;
+    if (face.separation - std::max(0.0, approach(pair, n)) >= least && face.separation > best.separation)
+      best = face;
+  };
+  for (std::uint32_t f = 0; f < pair.a.faces.size(); ++f)
+    consider(of_face(face_axis(pair.a, pair.b, pair.b_to_a, f), Kind::face_of_a));
+  for (std::uint32_t f = 0; f < pair.b.faces.size(); ++f)
+    consider(of_face(face_axis(pair.b, pair.a, pair.a_to_b, f), Kind::face_of_b));
+  return best;
+}
+
+/// Removes points at which the shapes would meet if they did not pass each other. Points of the face on which one passes
+/// the other take their place.
+void drop_grazed(const ShapePair& pair, LastPoints& last, Manifold& manifold) {
+  if (manifold.count == 0) return;
+  const Vec3d axis = -manifold.normal;
+  const double graze = grazing(pair), way = dot(pair.motion.path, axis);
+  if (way <= 0.1 * graze) return;  // at rest
+  double separation = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < manifold.count; ++k)
+    separation = std::min(separation, manifold.points[static_cast<std::size_t>(k)].separation);
+  if (separation < -graze || separation > way) return;
+  const Axis face = passing_face(pair, axis);
+  if (face.kind == Kind::none) return;
+  manifold = {};
+  manifold.passes = true;
+  find_face_points(pair, face, true, last, manifold);
+}
+
 /// The contact points of two shapes that are apart.
 void find_closest_point(const ShapePair& pair, const Axis& axis, AxisCache& cache, Manifold& manifold) {
   const ClosestPoints closest = closest_points(pair.a, pair.b, pair.b_to_a, direction_of(pair, axis));
@@ -222,8 +270,10 @@ void find_closest_point(const ShapePair& pair, const Axis& axis, AxisCache& cach
 
 }  // namespace
 
-ShapePair make_pair(const ConvexView& a, const ConvexView& b, const FrameChange& b_to_a, double margin) {
-  ShapePair pair{.a = a, .b = b, .b_to_a = b_to_a, .a_to_b = inverse(b_to_a), .margin = margin};
+ShapePair make_pair(const ConvexView& a, const ConvexView& b, const FrameChange& b_to_a, double margin,
+                    const PairMotion& motion) {
+  ShapePair pair{
+      .a = a, .b = b, .b_to_a = b_to_a, .a_to_b = inverse(b_to_a), .margin = margin, .motion = motion};
   const bool has_sphere = a.vertices.size() == 1 || b.vertices.size() == 1;
   pair.slack = (has_sphere ? 1e-12 : 5e-4) * std::min(a.outer_radius, b.outer_radius);
   return pair;
@@ -240,7 +290,9 @@ void add_point(const ShapePair& pair, const Vec3d& core_a, const Vec3d& core_b, 
   out.feature = feature;
 }
 
-void find_points(const ShapePair& pair, AxisCache& cache, Manifold& manifold) {
+namespace {
+
+void find_all_points(const ShapePair& pair, AxisCache& cache, Manifold& manifold) {
   Axis cached = cached_face(pair, cache);
   if (separates(pair, cache, cached)) return;
   if (!admits(pair, cached)) cached = {};
@@ -258,6 +310,13 @@ void find_points(const ShapePair& pair, AxisCache& cache, Manifold& manifold) {
     const Axis face = best_face(pair, {});
     if (face.kind != Kind::none) find_face_points(pair, face, false, cache.points, manifold);
   }
+}
+
+}  // namespace
+
+void find_points(const ShapePair& pair, AxisCache& cache, Manifold& manifold) {
+  find_all_points(pair, cache, manifold);
+  drop_grazed(pair, cache.points, manifold);
 }
 
 }  // namespace souple::manifold

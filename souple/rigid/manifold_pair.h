@@ -14,6 +14,7 @@ struct ShapePair {
   double margin = 0;          ///< m
   double axis_tolerance = 0;  ///< m; see souple::axis_tolerance
   double slack = 0;           ///< by which a contact point may lie beside a face [m]
+  PairMotion motion{};        ///< in a's frame
   /// The normals that b permits, if it is a triangle; then both frames are the region's.
   const NormalRegion* region = nullptr;
 
@@ -22,8 +23,13 @@ struct ShapePair {
   double limit() const { return margin + rounding(); }
 };
 
-/// A pair of shapes in the frame of a.
-ShapePair make_pair(const ConvexView& a, const ConvexView& b, const FrameChange& b_to_a, double margin);
+/// A pair of shapes in the frame of a. `motion`: in the same frame.
+ShapePair make_pair(const ConvexView& a, const ConvexView& b, const FrameChange& b_to_a, double margin,
+                    const PairMotion& motion);
+
+inline PairMotion local_motion(const BodyPose& pose, const PairMotion& motion) {
+  return {pose.local_direction(motion.path), pose.local_direction(motion.turn)};
+}
 
 /// Contact points whose normal is in a's frame.
 void find_points(const ShapePair& pair, AxisCache& cache, Manifold& manifold);

@@ -26,12 +26,12 @@ void drop_beyond(double margin, Manifold& found) {
 }
 
 void round_off(const ConvexShape& a, const BodyPose& pose_a, const ConvexShape& b, const BodyPose& pose_b,
-               double margin, Manifold& found) {
+               double margin, const PairMotion& local_motion, Manifold& found) {
   const bool round_a = lies_on_side(a, pose_a, found.normal), round_b = lies_on_side(b, pose_b, found.normal);
   if (!round_a && !round_b) return;
   const RoundView side_a(a.side), side_b(b.side);
   ShapePair pair = make_pair(round_a ? side_a.view : view_of(a), round_b ? side_b.view : view_of(b),
-                             frame_change(pose_b, pose_a), margin);
+                             frame_change(pose_b, pose_a), margin, local_motion);
   Manifold round;
   if (pair.a.faces.empty() && pair.b.faces.empty()) {
     find_segment_points(pair, round);

@@ -33,6 +33,6 @@ void drop_beyond(double margin, Manifold& found);
 
 /// Replaces the contact points of prisms by those of the round sides of cylinders, if a or b lies on it.
 void round_off(const ConvexShape& a, const BodyPose& pose_a, const ConvexShape& b, const BodyPose& pose_b,
-               double margin, Manifold& found);
+               double margin, const PairMotion& local_motion, Manifold& found);
 
 }  // namespace souple::manifold

@@ -1,4 +1,3 @@
-#include "souple/geometry/adjacency.h"
 #include "souple/rigid/manifold.h"
 #include "souple/rigid/manifold_pair.h"
 #include "souple/rigid/manifold_round.h"
@@ -64,26 +63,21 @@ bool fill(FlatPolyhedron& flat, const std::array<double, 3>& lean) {
 }  // namespace
 
 Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const ContactTriangle& b,
-                       const BodyPose& pose_b, double margin, AxisCache& cache) {
+                       const BodyPose& pose_b, double margin, AxisCache& cache, const PairMotion& motion) {
   Manifold found;
   const manifold::FrameChange to_a = manifold::frame_change(pose_b, pose_a);
   FlatPolyhedron flat;
   for (std::size_t k = 0; k < 3; ++k) flat.vertices[k] = to_a.point(b.corners[k]);
-  std::array<double, 3> lean = b.lean;
-  if (!fill(flat, lean)) return found;
+  if (!fill(flat, b.lean)) return found;
   const double height = dot(flat.region.normal, a.center - flat.vertices[0]);
-  if (height >= a.outer_radius + margin || (height < 0 && !b.double_sided)) return found;
-  if (height < 0) {
-    std::swap(flat.vertices[1], flat.vertices[2]);
-    std::swap(lean[0], lean[2]);
-    if (height <= -a.outer_radius - margin || !fill(flat, lean)) return found;
-  }
+  if (height >= a.outer_radius + margin || height < 0) return found;
   const double tolerance =
       std::min(5e-4 * std::min(a.outer_radius, flat.view.outer_radius), 0.05 * (a.inner_radius + a.radius));
   // The shape's vertices keep their features from triangle to triangle if the triangle is the reference.
   if (cache.kind == AxisCache::Kind::none) cache.kind = AxisCache::Kind::face_of_b, cache.b = 0;
   const auto find = [&](const ConvexView& view, AxisCache& last) {
-    manifold::ShapePair pair = manifold::make_pair(view, flat.view, {}, margin + a.side.sagitta);
+    manifold::ShapePair pair = manifold::make_pair(view, flat.view, {}, margin + a.side.sagitta,
+                                                   manifold::local_motion(pose_a, motion));
     pair.region = &flat.region;
     pair.axis_tolerance = tolerance;
     Manifold out;
@@ -106,42 +100,6 @@ Manifold find_manifold(const ConvexShape& a, const BodyPose& pose_a, const Conta
     on_b = to_a.back(on_b - to_a.translation);
   }
   return found;
-}
-
-std::vector<std::array<double, 3>> edge_leans(std::span<const Vec3d> positions,
-                                              std::span<const Triangle> triangles) {
-  const TriangleEdges edges = triangle_edges(triangles);
-  const auto normal_of = [&](std::size_t t) {
-    const Vec3d a = positions[triangles[t][0]];
-    return normalized(cross(positions[triangles[t][1]] - a, positions[triangles[t][2]] - a));
-  };
-  // The first two triangles of each edge; an edge with more is like a border.
-  struct Neighbors {
-    std::size_t triangle[2] = {0, 0};
-    int count = 0;
-  };
-  std::vector<Neighbors> neighbors(edges.edges.size());
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    for (const std::uint32_t e : edges.of_triangle[t]) {
-      if (e == TriangleEdges::no_edge) continue;
-      if (neighbors[e].count < 2) neighbors[e].triangle[neighbors[e].count] = t;
-      ++neighbors[e].count;
-    }
-  }
-  std::vector<std::array<double, 3>> leans(triangles.size(), {1, 1, 1});
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const Vec3d n = normal_of(t);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t e = edges.of_triangle[t][k];
-      if (e == TriangleEdges::no_edge || neighbors[e].count != 2) continue;
-      const Vec3d other = normal_of(neighbors[e].triangle[neighbors[e].triangle[0] == t ? 1 : 0]);
-      const Vec3d along = positions[triangles[t][(k + 1) % 3]] - positions[triangles[t][k]];
-      const double lean = dot(other, normalized(cross(along, n)));
-      const bool beyond = dot(other, n) < 0 && lean > 0;
-      leans[t][k] = beyond ? 1 : std::max(0.0, lean);
-    }
-  }
-  return leans;
 }
 
 }  // namespace souple

@@ -55,19 +55,21 @@ void RigidStage::append_pushes(const StageView& stage, bool nearest, std::vector
   if (!listed_ || !(h_ > 0)) return;
   const auto particle = [&](std::uint32_t body, const Vec3d& x) {
     const Object& object = *stage.objects.objects[rows_[body]];
-    return nearest ? nearest_particle(object, records_[body].definition, bodies_.pose[body].local_point(x))
-                   : object.begin;
+    if (!nearest) return object.begin;
+    const Vec3d local = bodies_.pose[body].local_point(x);
+    if (body < records_.size()) return nearest_particle(object, records_[body].definition, local);
+    return object.begin + shapes_[body].mesh->nearest_vertex(local);
   };
   for (const RigidContact& contact : finder_.contacts()) {
     if (!pushes(contact)) continue;
-    const bool turned_around = contact.a >= records_.size();  // a collider
+    const bool turned_around = contact.a >= records_.size();  // a collider or an obstacle
     const std::uint32_t one = turned_around ? contact.b : contact.a;
     const std::uint32_t other = turned_around ? contact.a : contact.b;
     for (std::uint32_t k = 0; k < contact.count; ++k) {
       const RigidContactPoint& point = contact.points[k];
       if (!(point.normal_impulse > 0)) continue;
       const Place at = place_of(contact, point, bodies_);
-      const bool against_collider = other >= records_.size();
+      const bool against_collider = is_collider(other);
       out.push_back({particle(one, at.point), against_collider ? rows_[other] : particle(other, at.point),
                      Vec3f(at.point), Vec3f(turned_around ? -at.normal : at.normal),
                      static_cast<float>(point.normal_impulse / h_), against_collider});

@@ -4,6 +4,7 @@
 #include "souple/contacts/collider.h"
 #include "souple/contacts/contact_projector.h"
 #include "souple/objects/object.h"
+#include "souple/objects/obstacle_pose.h"
 #include "souple/rigid/free_motion.h"
 #include "souple/stages/body_motion.h"
 #include "souple/stages/rigid_joints.h"
@@ -14,6 +15,7 @@
 #include "souple/state/saved_bytes.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace souple {
 namespace {
@@ -36,8 +38,8 @@ float inverse_mass(float mass) {
 }
 
 RigidShape shape_of(const Collider& collider) {
-  if (const auto convex = convex_shape_of(collider.shape)) return {{*convex}, nullptr};
-  return {{}, &collider.shape};
+  if (const auto convex = convex_shape_of(collider.shape)) return {{*convex}, nullptr, nullptr};
+  return {{}, &collider.shape, nullptr};
 }
 
 BodyPose pose_of(const Transform& transform) {
@@ -59,23 +61,23 @@ class RigidStage::Materials final : public RigidMaterials {
   explicit Materials(const RigidStage& stage) : stage_(stage) {}
   bool collide(std::uint32_t a, std::uint32_t b) const override {
     if (stage_.joints_->joined(a, b)) return false;
-    if (is_collider(a)) std::swap(a, b);
-    if (is_collider(a)) return false;
+    if (stage_.is_collider(a)) std::swap(a, b);
     if (is_driven(a) && is_driven(b)) return false;
-    if (!is_collider(b)) return may_collide(filter(a), filter(b)) && objects().collide(row(a), row(b));
+    if (!stage_.is_collider(b)) return may_collide(filter(a), filter(b)) && objects().collide(row(a), row(b));
     return stage_.tables_->colliders[row(b)].enabled &&
            stage_.tables_->against_colliders.collide(row(a), row(b));
   }
   ContactMaterialPair at(std::uint32_t a, std::uint32_t b) const override {
-    return is_collider(b) ? stage_.tables_->against_colliders.at(row(a), row(b))
-                          : objects().at(row(a), row(b));
+    return stage_.is_collider(b) ? stage_.tables_->against_colliders.at(row(a), row(b))
+                                 : objects().at(row(a), row(b));
   }
 
  private:
-  bool is_collider(std::uint32_t body) const { return body >= stage_.records_.size(); }
-  bool is_driven(std::uint32_t body) const { return is_collider(body) || stage_.records_[body].drive; }
+  bool is_driven(std::uint32_t body) const {
+    return body >= stage_.records_.size() || stage_.records_[body].drive;
+  }
   std::size_t row(std::uint32_t body) const { return stage_.rows_[body]; }
-  const CollisionFilter& filter(std::uint32_t body) const { return stage_.objects_[body]->collision.filter; }
+  const CollisionFilter& filter(std::uint32_t body) const { return stage_.object_of(body).collision.filter; }
   const ContactMaterialTable& objects() const { return stage_.tables_->against_objects; }
 
   const RigidStage& stage_;
@@ -226,11 +228,45 @@ void RigidStage::list_bodies(const StageView& stage, const ContactTables& tables
     rows_.push_back(column);
     shapes_.push_back(shape_of(tables.colliders[column]));
   }
+  list_obstacles(stage);
   bodies_.resize(rows_.size());
   predicted_.resize(rows_.size());
   tables_ = &tables;
   joints_->list([this](const JointSide& side) { return body_of(side); });
   listed_ = true;
+}
+
+// The mesh of an obstacle is its rest positions, which its motion's pose places.
+void RigidStage::list_obstacles(const StageView& stage) {
+  const std::vector<std::uint32_t> last_ids = std::exchange(mesh_ids_, {});
+  const std::vector<std::shared_ptr<const MeshShape>> last = std::exchange(meshes_, {});
+  obstacles_.clear();
+  for (std::uint32_t row = 0; row < stage.objects.objects.size(); ++row) {
+    const Object& object = *stage.objects.objects[row];
+    if (!object.traits().driven || deforms(object.motion)) continue;
+    const auto known = std::find(last_ids.begin(), last_ids.end(), object.id.value);
+    mesh_ids_.push_back(object.id.value);
+    meshes_.push_back(known != last_ids.end()
+                          ? last[static_cast<std::size_t>(known - last_ids.begin())]
+                          : std::make_shared<const MeshShape>(object.rest, object.surface));
+    obstacles_.push_back(&object);
+    rows_.push_back(row);
+    shapes_.push_back({{}, nullptr, meshes_.back()});
+  }
+  // Contacts name bodies by index.
+  const std::size_t first = records_.size() + colliders_.size();
+  const bool same = first == first_obstacle_ && last_ids.size() <= mesh_ids_.size() &&
+                    std::equal(last_ids.begin(), last_ids.end(), mesh_ids_.begin());
+  if (!last_ids.empty() && !same) finder_.clear();
+  first_obstacle_ = first;
+}
+
+const Object& RigidStage::object_of(std::size_t body) const {
+  return body < records_.size() ? *objects_[body] : *obstacles_[body - records_.size() - colliders_.size()];
+}
+
+const ColliderMotion& RigidStage::motion_of(std::size_t body) const {
+  return is_collider(body) ? colliders_[body - records_.size()]->motion : object_of(body).motion.pose;
 }
 
 void RigidStage::set_colliders(std::vector<ColliderId> ids) {
@@ -264,9 +300,9 @@ void RigidStage::begin_step(const StageView& stage, const ContactTables& tables,
     }
   }
   for (std::size_t k = records_.size(); k < bodies_.size(); ++k) {
-    const ColliderMotion& motion = colliders_[k - records_.size()]->motion;
+    const ColliderMotion& motion = motion_of(k);
     bodies_.mass[k] = {}, bodies_.inverse_inertia[k] = {}, bodies_.velocity[k] = {};
-    stage.warnings.guarded("a collider's motion", [&] {
+    stage.warnings.guarded(is_collider(k) ? "a collider's motion" : "an obstacle's motion", [&] {
       bodies_.pose[k] = pose_of(motion.at(stage.time));
       if (!motion.is_static() && !motion.jumps(stage.time, stage.time + dt))
         bodies_.velocity[k] = velocity_between(bodies_.pose[k], pose_of(motion.at(stage.time + dt)), dt);
@@ -282,10 +318,10 @@ void RigidStage::begin_step(const StageView& stage, const ContactTables& tables,
 void RigidStage::place_colliders(const StageView& stage, const Substep& substep) {
   const auto h = static_cast<double>(substep.h);
   for (std::size_t k = records_.size(); k < bodies_.size(); ++k) {
-    const ColliderMotion& motion = colliders_[k - records_.size()]->motion;
+    const ColliderMotion& motion = motion_of(k);
     if (motion.is_static()) continue;
     bodies_.velocity[k] = {};  // where its motion fails, it stands
-    stage.warnings.guarded("a collider's motion", [&] {
+    stage.warnings.guarded(is_collider(k) ? "a collider's motion" : "an obstacle's motion", [&] {
       const BodyPose after = pose_of(motion.at(stage.time + h));
       const BodyPose before =
           motion.jumps(stage.time, stage.time + h) ? after : pose_of(motion.at(stage.time));
@@ -528,6 +564,7 @@ void RigidStage::set(SavedRigidBodies saved) {
 std::size_t RigidStage::bytes() const {
   std::size_t result = bytes_of(records_, rows_, shapes_, predicted_, touched_at_) + finder_.bytes() +
                        solver_.bytes() + joints_->bytes();
+  for (const auto& mesh : meshes_) result += mesh->bytes();
   for (const Record& record : records_)
     result += bytes_of(record.definition.particles, record.arms, record.written);
   return result;

@@ -89,7 +89,8 @@ class RigidStage {
 
   // --- a step
 
-  /// Reads the velocities of the particles, and finds the contacts of bodies with each other and with colliders.
+  /// Reads the velocities of the particles, and finds the contacts of bodies with each other, with colliders and with
+  /// obstacles that keep their shape.
   void begin_step(const StageView& stage, const ContactTables& tables, double dt);
   /// After the prediction of particles: forces on them move the bodies.
   void predict(const StageView& stage, const Substep& substep);
@@ -149,13 +150,20 @@ class RigidStage {
     Quatd arms_at{0, 0, 0, 0};
     std::vector<Vec3f> written;  ///< what write_positions wrote last, in this substep
   };
-  /// The body of a record, or of a collider, as the contacts see it.
+  /// The body of a record, of a collider or of an obstacle, as the contacts see it.
   class Materials;
 
   Record* find(std::uint32_t object);
   const Record* find(std::uint32_t object) const;
   void list_bodies(const StageView& stage, const ContactTables& tables);
   std::uint32_t body_of(const JointSide& side) const;
+  bool is_collider(std::size_t body) const {
+    return body >= records_.size() && body < records_.size() + colliders_.size();
+  }
+  const Object& object_of(std::size_t body) const;
+  /// The motion of a collider or an obstacle.
+  const ColliderMotion& motion_of(std::size_t body) const;
+  void list_obstacles(const StageView& stage);
   void place_colliders(const StageView& stage, const Substep& substep);
   static BodyPose pose_at(const Record& record, double time);
   BodyMass mass_of(std::size_t body) const;
@@ -178,10 +186,14 @@ class RigidStage {
   std::vector<Record> records_;         // ascending by id
   std::vector<const Object*> objects_;  // per record
   std::vector<std::uint32_t> rows_;     // per body: row of its object or column of its collider in the tables
-  std::vector<const Collider*> colliders_;  // after the records
-  std::vector<ColliderId> collider_ids_;    // as in the tables
+  std::vector<const Collider*> colliders_;                // after the records
+  std::vector<const Object*> obstacles_;                  // after the colliders
+  std::vector<std::shared_ptr<const MeshShape>> meshes_;  // of the obstacles
+  std::vector<std::uint32_t> mesh_ids_;                   // ids of the obstacles at the last listing
+  std::size_t first_obstacle_ = 0;                        // its body at the last listing
+  std::vector<ColliderId> collider_ids_;                  // as in the tables
   const ContactTables* tables_ = nullptr;
-  RigidBodies bodies_;  // records, then colliders
+  RigidBodies bodies_;  // records, then colliders and obstacles
   std::vector<RigidShape> shapes_;
   std::vector<BodyPose> predicted_;
   std::vector<std::uint64_t> touched_at_;  // per particle: the count in which it was last touched

@@ -260,6 +260,7 @@ void World::set_motion(ObjectId id, ObstacleMotion motion) {
     world.teleport_particle(object.begin + k, now[k]);
     world.particles.velocity[object.begin + k] = {};
   }
+  world.dirty.tables = world.dirty.tables || deforms(motion) != deforms(object.motion);
   wake_all(world);
   world.contact->invalidate();
   ++world.version;

@@ -1,6 +1,7 @@
 #include "souple/error.h"
 #include "souple/geometry/builders.h"
 #include "souple/rigid/convex_shape.h"
+#include "souple/rigid/mesh_shape.h"
 #include "tests/rigid/convex_pairs.h"
 
 #include <cmath>
@@ -603,12 +604,6 @@ TEST(TriangleManifold, PushesToItsNormalsSideOnly) {
     EXPECT_NEAR(test::least_separation(m), height - 0.3, 1e-9);
   }
   EXPECT_EQ(on_triangle(box, at(0, -0.01, -1), floor_triangle()).count, 0);
-  ContactTriangle sheet = floor_triangle();
-  sheet.double_sided = true;
-  const Manifold below = on_triangle(box, at(0, -0.25, -1), sheet);
-  ASSERT_EQ(below.count, 4);
-  expect_vector(below.normal, {0, -1, 0});
-  EXPECT_NEAR(test::least_separation(below), -0.05, 1e-9);
 }
 
 TEST(TriangleManifold, AtABorderASphereIsPushedAside) {
@@ -627,20 +622,15 @@ TEST(TriangleManifold, WithoutAreaItHasNoContact) {
   EXPECT_EQ(on_triangle(convex_sphere(1), at(0, 0, 0), {}).count, 0);
 }
 
-/// A mesh's triangles with their leans.
-std::vector<ContactTriangle> contact_triangles(const std::vector<Vec3d>& x,
-                                               const std::vector<Triangle>& triangles) {
-  const auto leans = edge_leans(x, triangles);
+std::vector<ContactTriangle> triangles_of(const MeshShape& mesh) {
   std::vector<ContactTriangle> out;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    out.push_back({{x[triangles[t][0]], x[triangles[t][1]], x[triangles[t][2]]}, leans[t]});
-  }
+  for (std::uint32_t t = 0; t < mesh.size(); ++t) out.push_back(mesh.triangle(t, false));
   return out;
 }
 
 /// A square of many triangles, columns x columns, at heights given by a function of x.
 template <class Height>
-std::vector<ContactTriangle> terrain(int columns, double size, const Height& height) {
+MeshShape terrain(int columns, double size, const Height& height) {
   std::vector<Vec3d> x;
   std::vector<Triangle> triangles;
   for (int i = 0; i <= columns; ++i) {
@@ -655,11 +645,11 @@ std::vector<ContactTriangle> terrain(int columns, double size, const Height& hei
       triangles.push_back({b, a + 1, b + 1});
     }
   }
-  return contact_triangles(x, triangles);
+  return {x, triangles};
 }
 
 TEST(TriangleManifold, ABoxSlidesOverInnerEdgesOfAFlatMeshWithoutAPushAside) {
-  const std::vector<ContactTriangle> floor = terrain(10, 5, [](double) { return 0.0; });
+  const std::vector<ContactTriangle> floor = triangles_of(terrain(10, 5, [](double) { return 0.0; }));
   test::Random random(2);
   for (int i = 0; i < 500; ++i) {
     const ConvexShape a = i % 4 == 0 ? convex_capsule(0.2, 0.3) : convex_box({0.3, 0.2, 0.4});
@@ -682,7 +672,8 @@ TEST(TriangleManifold, ABoxSlidesOverInnerEdgesOfAFlatMeshWithoutAPushAside) {
 
 TEST(TriangleManifold, OnARidgeNormalsLieBetweenThoseOfItsSides) {
   const double slope = 0.3, angle = std::atan(slope);
-  const std::vector<ContactTriangle> ridge = terrain(4, 4, [&](double x) { return -slope * std::abs(x); });
+  const std::vector<ContactTriangle> ridge =
+      triangles_of(terrain(4, 4, [&](double x) { return -slope * std::abs(x); }));
   const ConvexShape box = convex_box({0.3, 0.2, 0.4});
   test::Random random(3);
   int points = 0;
@@ -701,22 +692,15 @@ TEST(TriangleManifold, OnARidgeNormalsLieBetweenThoseOfItsSides) {
   EXPECT_GT(points, 500);
 }
 
-std::vector<std::uint32_t> numbers(std::size_t count) {
-  std::vector<std::uint32_t> out(count);
-  for (std::size_t i = 0; i < count; ++i) out[i] = static_cast<std::uint32_t>(i);
-  return out;
-}
-
 TEST(MeshManifold, ABoxOnManyTrianglesHasFourPointsThatPersistWhenItSlides) {
-  const std::vector<ContactTriangle> floor = terrain(20, 5, [](double) { return 0.0; });
-  const std::vector<std::uint32_t> names = numbers(floor.size());
+  const MeshShape floor = terrain(20, 5, [](double) { return 0.0; });
   const ConvexShape box = convex_box({0.3, 0.2, 0.4});
   std::set<std::uint32_t> first;
   for (int i = 0; i < 100; ++i) {
     std::array<Manifold, 8> found;
     const BodyPose pose{{-0.5 + 0.01 * i, 0.199 + 1e-6 * std::sin(i), 0.003 * i},
                         Quatd::from_axis_angle({0, 1, 0}, 0.3)};
-    ASSERT_EQ(find_manifolds(box, pose, floor, names, {}, margin, found), 1) << i;
+    ASSERT_EQ(find_manifolds(box, pose, floor, {}, margin, found), 1) << i;
     ASSERT_EQ(found[0].count, 4) << i;
     std::set<std::uint32_t> features;
     for (const ManifoldPoint& p : found[0].points) {
@@ -733,14 +717,13 @@ TEST(MeshManifold, ABoxOnManyTrianglesHasFourPointsThatPersistWhenItSlides) {
 
 TEST(MeshManifold, InACornerThereIsOneOfTheFloorAndOneOfTheWall) {
   // The wall begins at x = 0.
-  const std::vector<ContactTriangle> bent = terrain(10, 5, [](double x) { return x > 0 ? 8 * x : 0.0; });
-  const std::vector<std::uint32_t> names = numbers(bent.size());
+  const MeshShape bent = terrain(10, 5, [](double x) { return x > 0 ? 8 * x : 0.0; });
   const Vec3d wall = normalized(Vec3d{-8, 1, 0});
   const ConvexShape ball = convex_sphere(0.2);
   std::array<Manifold, 8> found;
   // At 0.19 from the floor and from the wall.
   const double x = -0.19 * (1 - wall.y) / -wall.x;
-  ASSERT_EQ(find_manifolds(ball, at(x, 0.19, 0.1), bent, names, {}, margin, found), 2);
+  ASSERT_EQ(find_manifolds(ball, at(x, 0.19, 0.1), bent, {}, margin, found), 2);
   for (int m = 0; m < 2; ++m) {
     ASSERT_EQ(found[static_cast<std::size_t>(m)].count, 1);
     EXPECT_NEAR(found[static_cast<std::size_t>(m)].points[0].separation, -0.01, 1e-9);
@@ -748,14 +731,44 @@ TEST(MeshManifold, InACornerThereIsOneOfTheFloorAndOneOfTheWall) {
   expect_vector(found[0].normal + found[1].normal, wall + Vec3d{0, 1, 0});
 }
 
-TEST(TriangleManifold, LeansOfABoxAreThoseOfRightAnglesAndOfAPitAreZero) {
+TEST(MeshManifold, PushesToTheSideOnWhichTheShapeLies) {
+  const MeshShape floor = terrain(10, 5, [](double) { return 0.0; });
+  const ConvexShape box = convex_box({0.3, 0.3, 0.3});
+  std::array<Manifold, 8> found;
+  for (const double side : {1.0, -1.0}) {
+    ASSERT_EQ(find_manifolds(box, at(0.1, side * 0.25, 0.1), floor, {}, margin, found), 1);
+    expect_vector(found[0].normal, {0, side, 0});
+    EXPECT_NEAR(test::least_separation(found[0]), -0.05, 1e-9);
+  }
+}
+
+TEST(MeshManifold, ABoxThatStandsOverTheRimOfASlabIsNotPushedAside) {
+  const TriangleMesh slab = box({4, 0.4, 4});
+  for (const bool inside_out : {false, true}) {
+    std::vector<Triangle> triangles = slab.triangles;
+    for (Triangle& t : triangles)
+      if (inside_out) std::swap(t[1], t[2]);
+    const MeshShape mesh(slab.positions, triangles);
+    std::array<Manifold, 8> found;
+    for (const double x : {1.7, 1.9, 1.99}) {
+      ASSERT_EQ(find_manifolds(convex_box({0.3, 0.3, 0.3}), at(x, 0.4999, 0.1), mesh, {}, margin, found), 1);
+      expect_vector(found[0].normal, {0, 1, 0});
+      EXPECT_NEAR(test::least_separation(found[0]), -1e-4, 1e-6);
+    }
+  }
+}
+
+TEST(MeshShape, LeansOfABoxAreThoseOfRightAnglesAndOfAPitAreZero) {
   const std::vector<Vec3d> x{{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {0, -1, 0}, {0, 1, 0}};
-  const auto falling = edge_leans(x, std::vector<Triangle>{{0, 1, 2}, {1, 0, 3}});
-  EXPECT_NEAR(falling[0][0], 1, 1e-12);
-  EXPECT_NEAR(falling[0][1], 1, 1e-12);
-  const auto rising = edge_leans(x, std::vector<Triangle>{{0, 1, 2}, {1, 0, 4}});
-  EXPECT_NEAR(rising[0][0], 0, 1e-12);
-  EXPECT_NEAR(rising[1][0], 0, 1e-12);
+  for (const std::uint32_t other : {3u, 4u})                                         // falls away, rises
+    for (const Triangle& second : {Triangle{1, 0, other}, Triangle{0, 1, other}}) {  // wound alike or not
+      const MeshShape mesh(x, std::vector<Triangle>{{0, 1, 2}, second});
+      EXPECT_EQ(mesh.piece(0), mesh.piece(1));
+      EXPECT_NEAR(mesh.triangle(0, false).lean[0], other == 3 ? 1 : 0, 1e-12);
+      EXPECT_NEAR(mesh.triangle(0, false).lean[1], 1, 1e-12);
+      EXPECT_NEAR(mesh.triangle(0, true).lean[2], other == 3 ? 0 : 1, 1e-12);
+      EXPECT_NEAR(mesh.triangle(0, true).lean[1], 1, 1e-12);
+    }
 }
 
 TEST(TriangleManifold, OfRandomPairsIsThatOfATruthByProjection) {

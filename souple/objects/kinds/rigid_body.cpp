@@ -10,6 +10,7 @@
 #include "souple/objects/object.h"
 #include "souple/objects/rigid_definition.h"
 
+#include <optional>
 #include <utility>
 
 #include <fmt/core.h>
@@ -39,23 +40,17 @@ void require_rigid_options(const ObjectOptions& options, const std::string& name
 }
 
 /// The hulls of the connected pieces of a surface, in the world.
-std::vector<ConvexHull> hulls_of(const Object& object, std::vector<std::string>& sentences) {
+std::vector<ConvexHull> hulls_of(const Object& object) {
   const Components pieces = connected_components(object.surface, object.rest.size());
   std::vector<std::vector<Vec3d>> points(pieces.count);
   for (std::uint32_t i = 0; i < object.rest.size(); ++i)
     points[pieces.of_vertex[i]].push_back(object.rest[i]);
   std::vector<ConvexHull> hulls;
-  double excess = 0;
   for (const std::vector<Vec3d>& piece : points) {
     if (piece.size() < 2) continue;  // no triangle uses it
     hulls.push_back(convex_hull(piece, {.max_vertices = most_hull_vertices}, object.name));
-    excess = std::max(excess, hulls.back().excess);
   }
   if (hulls.empty()) throw Error(object.name + ": the mesh has no triangles, so it is no solid");
-  if (excess > 0)
-    sentences.push_back(
-        fmt::format("it collides as {} of at most {} vertices, up to {:.2g} m inside its surface",
-                    hulls.size() == 1 ? "a convex hull" : "convex hulls", most_hull_vertices, excess));
   return hulls;
 }
 
@@ -71,6 +66,40 @@ MassProperties mass_of(const Object& object, const std::vector<ConvexHull>& hull
   for (const ConvexHull& hull : hulls)
     parts.push_back(mass_properties(surface_mesh(hull), density, object.name));
   return combined(parts);
+}
+
+/// The ball that a finely divided mesh stands for, in the world: all points are on its surface, and the solid fills it. A
+/// hull of few vertices would sink in and rock.
+std::optional<Sphere> ball_of(const Object& object, const std::vector<ConvexHull>& hulls, double volume) {
+  constexpr double roundness = 1e-3, filled = 0.97;
+  if (hulls.size() != 1 || !(hulls[0].excess > 0)) return {};
+  Vec3d lo = object.rest[0], hi = lo;
+  for (const Vec3d& x : object.rest)
+    for (int k = 0; k < 3; ++k) lo[k] = min(lo[k], x[k]), hi[k] = max(hi[k], x[k]);
+  const Vec3d center = (lo + hi) * 0.5;
+  const double radius = length(object.rest[0] - center);
+  for (const Vec3d& x : object.rest)
+    if (std::abs(length(x - center) - radius) > roundness * radius) return {};
+  if (volume < filled * sphere_mass_properties(radius, 1).volume) return {};
+  return Sphere{Vec3f(center), static_cast<float>(radius)};
+}
+
+/// The shapes by which a mesh collides, in its body's frame.
+std::vector<ConvexShape> shapes_of(const Object& object, const std::vector<ConvexHull>& hulls, double volume,
+                                   const BodyPose& pose, std::vector<std::string>& sentences) {
+  const BodyPose world{pose.local_point({}), conjugate(pose.rotation)};
+  if (const auto ball = ball_of(object, hulls, volume)) return {moved(*convex_shape_of(*ball), world)};
+  std::vector<ConvexShape> shapes;
+  double excess = 0;
+  for (const ConvexHull& hull : hulls) {
+    shapes.push_back(moved(convex_polyhedron(hull), world));
+    excess = std::max(excess, hull.excess);
+  }
+  if (excess > 0)
+    sentences.push_back(
+        fmt::format("it collides as {} of at most {} vertices, up to {:.2g} m inside its surface",
+                    hulls.size() == 1 ? "a convex hull" : "convex hulls", most_hull_vertices, excess));
+  return shapes;
 }
 
 /// The solid with what is given of its mass. `placement`: of the frame in which that is given.
@@ -99,11 +128,6 @@ RigidDefinition body_of(const MassProperties& solid) {
   body.mass = solid.mass, body.inertia = frame.moments;
   body.pose = {solid.center, frame.rotation};
   return body;
-}
-
-/// In the frame of a body at `pose`.
-ConvexShape shape_of(const ConvexHull& hull, const BodyPose& pose) {
-  return moved(convex_polyhedron(hull), {pose.local_point({}), conjugate(pose.rotation)});
 }
 
 /// Gives particles their places in the body and their part of its mass.
@@ -169,11 +193,11 @@ NewObject import_rigid_body(std::string name, const TriangleMesh& mesh, const Ri
   NewObject made = start_object(std::move(name), material, options);
   require_rigid_options(options, made.object->name);
   import_surface(made, mesh, options.transform);
-  const std::vector<ConvexHull> hulls = hulls_of(*made.object, made.sentences);
-  RigidDefinition body =
-      body_of(with_given(mass_of(*made.object, hulls, static_cast<double>(material.density), made.sentences),
-                         options.given_mass, options.transform, made.object->name));
-  for (const ConvexHull& hull : hulls) body.shape.parts.push_back(shape_of(hull, body.pose));
+  const Object& object = *made.object;
+  const std::vector<ConvexHull> hulls = hulls_of(object);
+  const MassProperties solid = mass_of(object, hulls, static_cast<double>(material.density), made.sentences);
+  RigidDefinition body = body_of(with_given(solid, options.given_mass, options.transform, object.name));
+  body.shape.parts = shapes_of(object, hulls, solid.volume, body.pose, made.sentences);
   finish_body(made, std::move(body), options);
   return made;
 }
