@@ -290,6 +290,7 @@ RecorderOptions recorder_options(const Job& job) {
   options.frames = job.scene.frames;
   options.scene = job.record.scene;
   options.resume_from = job.done;
+  options.locked = true;
   return options;
 }
 

@@ -140,6 +140,7 @@ class Run {
     options.frame_rate = scene_.frame_rate;
     options.frames = scene_.frames;
     options.scene = to_json(scene_);
+    options.locked = true;
     recorder_ = std::make_unique<Recorder>(world, folder_.string(), options);
   }
 

@@ -28,27 +28,34 @@ bool is_at(const fs::path& path, int descriptor) {
 OutputLock OutputLock::of_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
-  return {folder, folder / ".souple.lock"};
+  OutputLock result;
+  if (result.lock(folder, O_RDONLY | O_DIRECTORY, folder)) return result;
+  const fs::path file = folder / ".souple.lock";
+  if (result.lock(file, O_CREAT | O_RDWR | O_NOFOLLOW, folder)) result.lock_file_ = file;
+  return result;
 }
 
 OutputLock OutputLock::of_file(const fs::path& file) {
-  return {file, file.parent_path() / ("." + file.filename().string() + ".lock")};
+  OutputLock result;
+  const fs::path beside = file.parent_path() / ("." + file.filename().string() + ".lock");
+  if (result.lock(beside, O_CREAT | O_RDWR | O_NOFOLLOW, file)) result.lock_file_ = beside;
+  return result;
 }
 
-OutputLock::OutputLock(const fs::path& output, fs::path lock_file) : lock_file_(std::move(lock_file)) {
+bool OutputLock::lock(const fs::path& path, int flags, const fs::path& output) {
   for (;;) {
-    const int descriptor = open(lock_file_.c_str(), O_CREAT | O_RDWR | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (descriptor < 0) return;
+    const int descriptor = open(path.c_str(), flags | O_CLOEXEC, 0666);
+    if (descriptor < 0) return false;
     if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
       const int error = errno;
       close(descriptor);
-      if (error != EWOULDBLOCK) return;
+      if (error != EWOULDBLOCK) return false;
       throw Error(output.string() +
-                  ": another souple is writing there; wait until it ends, or choose another --out");
+                  ": another souple is writing there; wait until it ends, or choose another output");
     }
-    if (is_at(lock_file_, descriptor)) {
+    if (is_at(path, descriptor)) {
       descriptor_ = descriptor;
-      return;
+      return true;
     }
     close(descriptor);
   }
@@ -59,7 +66,7 @@ OutputLock::OutputLock(OutputLock&& other) noexcept
 
 OutputLock::~OutputLock() {
   if (descriptor_ < 0) return;
-  unlink(lock_file_.c_str());
+  if (!lock_file_.empty()) unlink(lock_file_.c_str());
   close(descriptor_);
 }
 

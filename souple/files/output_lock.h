@@ -4,10 +4,10 @@
 
 namespace souple {
 
-/// Ensures that one process at a time writes to an output. It holds an advisory lock (flock) on a file: `.souple.lock`
-/// in a folder, `.NAME.lock` beside a file. The system releases the lock when the process ends, however it ends; a file
-/// that is left over is harmless. Where nothing can be created or locked (a read-only or network file system) there is
-/// no lock, and no error.
+/// Ensures that one program at a time writes to an output, and one part of it. It holds an advisory lock (flock): on a
+/// folder itself, or on the file `.NAME.lock` beside a file. Some network file systems lock only files: there it is
+/// `.souple.lock` in the folder. The system releases the lock when the process ends, however it ends; a file that is left
+/// over is harmless. Where nothing can be locked there is no lock, and no error.
 class OutputLock {
  public:
   /// Creates a missing folder. Throws Error if another process holds the lock.
@@ -23,9 +23,11 @@ class OutputLock {
   ~OutputLock();
 
  private:
-  OutputLock(const std::filesystem::path& output, std::filesystem::path lock_file);
+  OutputLock() = default;
+  /// Whether the path is locked now. Throws Error if it is locked already; false: it cannot be.
+  bool lock(const std::filesystem::path& path, int flags, const std::filesystem::path& output);
 
-  std::filesystem::path lock_file_;
+  std::filesystem::path lock_file_;  ///< to be removed; empty: the folder is locked
   int descriptor_ = -1;
 };
 

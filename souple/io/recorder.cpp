@@ -2,6 +2,7 @@
 
 #include "souple/error.h"
 #include "souple/files/file.h"
+#include "souple/files/output_lock.h"
 #include "souple/io/earlier_run.h"
 #include "souple/io/manifest.h"
 #include "souple/io/manifest_writer.h"
@@ -15,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <optional>
 #include <system_error>
 #include <utility>
 
@@ -44,6 +46,7 @@ struct Recorder::Impl {
         plan(checked_plan(std::move(folder), options)),
         scene(options.scene),
         run_json(plan.folder) {
+    if (!options.locked) lock.emplace(OutputLock::of_folder(plan.folder));
     if (options.resume_from > 0) {
       resume(options.resume_from);
       save_manifest();
@@ -70,6 +73,7 @@ struct Recorder::Impl {
 
   const World& world;
   RecordingPlan plan;
+  std::optional<OutputLock> lock;
   std::string scene;
   FileNames names;
   std::vector<std::unique_ptr<RecordedObject>> objects;  ///< including removed ones
@@ -281,6 +285,7 @@ void Recorder::Impl::finish() {
   finished = !first;
   if (first) std::rethrow_exception(first);
   run_json.release();
+  lock.reset();
 }
 
 Recorder::Recorder(const World& world, const std::string& folder, const RecorderOptions& options)

@@ -20,6 +20,7 @@ struct RecorderOptions {
   std::string scene{};       ///< the scene file's JSON text, embedded in run.json; may be empty
   /// > 0: continue the folder's caches after this many frames and remove later frames.
   std::uint64_t resume_from = 0;
+  bool locked = false;  ///< the caller holds the OutputLock of the folder
 };
 
 /// The vertices of an object that its files hold, ascending. For a soft body made of tets these are the vertices on its
@@ -35,7 +36,8 @@ std::vector<std::uint32_t> recorded_vertices(const World& world, ObjectId object
 class Recorder {
  public:
   /// Creates the folder (a std::filesystem::path converts too) and starts files for the world's current
-  /// objects. Removes the files that the manifest of the folder's last run lists, and no others. Throws Error if the folder cannot be written or resume_from does not match its content.
+  /// objects. Removes the files that the manifest of the folder's last run lists, and no others. Holds the folder's OutputLock until `finish`. Throws Error if another recorder or program writes
+  /// there, the folder cannot be written, or resume_from does not match its content.
   Recorder(const World& world, const std::string& folder, const RecorderOptions& options = {});
   /// Finishes and ignores failures; call finish() to get them.
   ~Recorder();

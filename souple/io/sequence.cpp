@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <new>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -42,6 +43,11 @@ std::optional<std::uint64_t> number_like(const NumberedName& model, const std::f
   return std::stoull(name.digits);
 }
 
+[[noreturn]] void cannot_list(const std::filesystem::path& folder, const std::error_code& error) {
+  if (error == std::errc::not_enough_memory) throw std::bad_alloc();
+  throw Error(folder.string() + ": cannot be listed: " + error.message());
+}
+
 /// The files whose numbers are above `after`, or all.
 std::vector<SequenceFrame> list_frames(const std::filesystem::path& folder, const NumberedName& model,
                                        std::optional<std::uint64_t> after = {}) {
@@ -53,7 +59,7 @@ std::vector<SequenceFrame> list_frames(const std::filesystem::path& folder, cons
     const auto number = number_like(model, file);
     if (number && (!after || *number > *after)) frames.push_back({*number, folder / file});
   }
-  if (error) throw Error(folder.string() + ": cannot be listed: " + error.message());
+  if (error) cannot_list(folder, error);
   // Also by path, because the order of a folder's entries depends on the system.
   std::sort(frames.begin(), frames.end(), [](const SequenceFrame& a, const SequenceFrame& b) {
     return a.number != b.number ? a.number < b.number : a.path < b.path;
@@ -74,7 +80,7 @@ std::vector<std::filesystem::path> list_sequences(const std::filesystem::path& f
     std::string& known = first[{name.prefix, name.extension}];
     if (known.empty() || file.string() < known) known = file.string();
   }
-  if (error) throw Error(folder.string() + ": cannot be listed: " + error.message());
+  if (error) cannot_list(folder, error);
   std::vector<std::filesystem::path> result;
   result.reserve(first.size());
   for (const auto& [name, file] : first) result.push_back(folder / file);

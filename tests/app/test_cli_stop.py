@@ -39,6 +39,7 @@ class Stopping(Case):
             second = self.souple(*arguments, code=2)
             self.assertIn("another souple is writing there", second.stderr)
         self.stop(first, signal.SIGKILL, -signal.SIGKILL)
+        self.assertEqual([], list((self.folder / "busy").glob(".*.lock")))
         # A killed run leaves no lock behind, and a finished one no file.
         self.souple("run", "flag", "--frames", 2, "--out", "busy")
         self.assertEqual([], list((self.folder / "busy").glob(".*")))

@@ -402,6 +402,21 @@ TEST_F(RecorderTest, TetMeshGoesOn) {
   expect_same_files(folder / "out", folder / "whole");
 }
 
+TEST_F(RecorderTest, AFolderHasOneRecorderAtATime) {
+  World world({.substeps = 2});
+  world.add_cloth(grid(4, 4, 1), {}, {.name = "sheet"});
+  Recorder first(world, folder / "out", {.frames = 2});
+  expect_error([&] { const Recorder second(world, folder / "out"); }, {"another souple is writing there"});
+  for (int i = 0; i < 2; ++i) {
+    world.step(1.0 / 60);
+    first.capture();
+  }
+  first.finish();
+  EXPECT_EQ(std::filesystem::file_size(folder / "out" / "sheet.pc2"), 32u + 2 * 16 * 12);
+  { const Recorder second(world, folder / "out"); }
+  const Recorder third(world, folder / "out");
+}
+
 /// Blender drops vertices without a face, and then refuses the cache: the run says so.
 TEST_F(RecorderTest, NotesVerticesWithoutAFace) {
   World world({.substeps = 4});

@@ -90,6 +90,16 @@ class Recordings(unittest.TestCase):
             with self.assertRaises(souple.Error):
                 recorder.capture()
 
+    def test_a_folder_has_one_recorder_at_a_time(self):
+        world = souple.World(threads=1)
+        world.add_cloth(souple.grid(4, 4, 1.0))
+        with tempfile.TemporaryDirectory() as folder:
+            with souple.Recorder(world, folder):
+                with self.assertRaisesRegex(souple.Error, "another souple is writing there"):
+                    souple.Recorder(world, folder)
+            with souple.Recorder(world, folder):
+                pass
+
     def test_meshes_are_read(self):
         with tempfile.TemporaryDirectory() as folder:
             mesh = souple.sphere(1, 0.5)

@@ -78,6 +78,7 @@ const std::vector<Function>& functions() {
   static const std::vector<Function> all = {
       {"step", Line::step, [](W w, H) { w.step(0.01); }},
       {"report", Line::reads, [](W w, H) { (void)w.report(); }},
+      {"prepare", Line::nowhere, [](W w, H) { w.prepare(); }},
       {"time", Line::reads, [](W w, H) { (void)w.time(); }},
       {"settings", Line::reads, [](W w, H) { (void)w.settings(); }},
       {"set_settings", Line::nowhere, [](W w, H) { w.set_settings({}); }},
