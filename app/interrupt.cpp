@@ -30,7 +30,7 @@ void watch_interrupts() {
   // A second signal finds the default action again. Interrupted writes to files continue after the first.
   action.sa_flags = static_cast<int>(SA_RESETHAND | SA_RESTART);
   sigemptyset(&action.sa_mask);
-  for (const int signal : {SIGHUP, SIGINT, SIGTERM}) watch(signal, action);
+  for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGXCPU}) watch(signal, action);
   // A write past the limit of file sizes then fails like one to a full disk, instead of ending the program.
   std::signal(SIGXFSZ, SIG_IGN);
 }

@@ -58,16 +58,31 @@ int allocate(std::FILE* file, std::uint64_t size) {
 #endif
 }
 
+/// Writes to no link: somebody else may have left one under this name, to a file that matters.
 std::FILE* open_file(const std::filesystem::path& path, File::Mode mode) {
+#if defined(_WIN32)
   const char* text = mode == File::Mode::read ? "rb" : (mode == File::Mode::create ? "w+b" : "r+b");
   return std::fopen(path.string().c_str(), text);
+#else
+  if (mode == File::Mode::read) return std::fopen(path.c_str(), "rb");
+  const bool create = mode == File::Mode::create;
+  if (create) unlink(path.c_str());
+  const int descriptor =
+      open(path.c_str(), O_RDWR | O_NOFOLLOW | O_CLOEXEC | (create ? O_CREAT | O_EXCL : 0), 0666);
+  if (descriptor < 0) return nullptr;
+  std::FILE* const file = fdopen(descriptor, "r+b");
+  if (file == nullptr) close(descriptor);
+  return file;
+#endif
 }
 
 /// Rejects folders and pipes, which can be opened but then return garbage or block.
 void require_plain_file(const std::filesystem::path& path, File::Mode mode) {
   std::error_code ignored;
-  const auto status = std::filesystem::status(path, ignored);
+  const auto status = mode == File::Mode::create ? std::filesystem::symlink_status(path, ignored)
+                                                 : std::filesystem::status(path, ignored);
   if (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status)) return;
+  if (mode == File::Mode::create && std::filesystem::is_symlink(status)) return;
   const std::string what = path.string() + ": is not a file; give the path of a file";
   if (mode == File::Mode::create) throw WriteError(what);
   throw Error(what);

@@ -17,8 +17,8 @@ class File {
  public:
   enum class Mode {
     read,    ///< must exist
-    create,  ///< truncated if it exists; readable too
-    update,  ///< must exist; read and written in place
+    create,  ///< replaces a file or link of this name; readable too
+    update,  ///< must exist, and be no link; read and written in place
   };
 
   File(std::filesystem::path path, Mode mode);

@@ -8,6 +8,7 @@
 #include "souple/mesh_files/mesh_text.h"
 #include "souple/mesh_files/read_mesh_bytes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <new>
@@ -108,13 +109,29 @@ TetMesh read_volume(const std::filesystem::path& path) {
               "\", expected a tet mesh: .msh (Gmsh), .node or .ele (TetGen) or .vtk");
 }
 
-/// Treats a file too large for memory as invalid input.
+/// Whether the path is a link to a file outside its folder.
+bool links_elsewhere(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_symlink(std::filesystem::symlink_status(path, error))) return false;
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  const std::filesystem::path target = std::filesystem::canonical(path, error),
+                              within = std::filesystem::canonical(folder, error);
+  return !error &&
+         std::mismatch(within.begin(), within.end(), target.begin(), target.end()).first != within.end();
+}
+
+/// Treats a file too large for memory as invalid input. A scene of a stranger could link to any file: a message about
+/// such a file does not repeat what the file holds.
 template <class Read>
 auto within_memory(const std::filesystem::path& path, Read read) {
   try {
     return read(path);
   } catch (const std::bad_alloc&) {
   } catch (const std::length_error&) {
+  } catch (const Error&) {
+    if (!links_elsewhere(path)) throw;
+    throw Error(path.string() +
+                ": is a link to a file in another folder, which is no mesh that Souple reads");
   }
   throw Error(path.string() + ": is too large for the memory of this machine");
 }

@@ -13,7 +13,7 @@ namespace souple::mesh_detail {
 
 namespace {
 
-constexpr std::size_t longest_quote = 40;
+constexpr std::size_t longest_quote = 16;
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\v' || c == '\f';

@@ -2,6 +2,7 @@
 
 #include "souple/constraints/attachment.h"
 #include "souple/solver/set_projector.h"
+#include "souple/stages/pins.h"
 #include "souple/state/warnings.h"
 
 #include <utility>
@@ -12,7 +13,7 @@ void UserConstraint::update_targets(double t) {
   if (!attachment || !target) return;
   for (std::size_t k = 0; k < attached_vertices.size(); ++k)
     attachment->set().set_params(
-        k, {Vec3f(target(attached_vertices[k].vertex, t) + attached_vertices[k].offset)});
+        k, {Vec3f(target_at(target, attached_vertices[k].vertex, t) + attached_vertices[k].offset)});
 }
 
 void UserConstraint::erase_particles(std::uint32_t begin, std::uint32_t end) {

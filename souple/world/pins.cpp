@@ -2,6 +2,7 @@
 #include "souple/constraints/distance.h"
 #include "souple/constraints/tether.h"
 #include "souple/geometry/adjacency.h"
+#include "souple/math/limits.h"
 #include "souple/objects/contact_geometry.h"
 #include "souple/objects/object.h"
 #include "souple/queries/select.h"
@@ -153,6 +154,9 @@ ProjectorId World::connect(std::span<const std::pair<VertexRef, VertexRef>> pair
   require_compliance(compliance, "connect");
   if (until && !(std::isfinite(*until) && *until >= 0))
     throw Error(fmt::format("connect: until is {} s, expected a finite time >= 0", *until));
+  if (!(std::abs(static_cast<double>(rest_length)) <= range::coordinate))
+    throw Error(fmt::format("connect: rest_length is {} m, expected a finite number of at most {:g} m",
+                            rest_length, range::coordinate));
   if (pairs.empty()) throw Error("connect: there are no pairs");
   auto projector = std::make_unique<SetProjector<Distance>>();
   for (const auto& [a, b] : pairs) {

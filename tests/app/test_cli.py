@@ -173,6 +173,20 @@ class BadInput(Case):
         self.assertIn("bad.obj:3", said)
         self.assert_one_line(said)
 
+    def test_a_mesh_that_is_a_link_elsewhere_is_not_quoted(self):
+        secret = self.folder / "secret"
+        secret.write_text("root:x:0:0:root:/root:/bin/bash\n")
+        scenes = self.folder / "scenes"
+        scenes.mkdir()
+        (scenes / "elsewhere.obj").symlink_to(secret)
+        (scenes / "own.obj").write_text(secret.read_text())
+        for mesh in "elsewhere.obj", "own.obj":
+            scene = dict(SMALL, objects=[{"name": "a", "kind": "cloth", "mesh": {"file": mesh}}])
+            said = self.refused("check", self.scene(scene, "scenes/a.json"))
+            self.assertIn(mesh, said)
+            self.assertNotIn("/root", said)
+            self.assertEqual("root" in said, mesh == "own.obj", said)
+
     def test_set(self):
         scene = self.scene(SMALL)
         self.assertIn("substeps: expected a whole number", self.refused("run", scene, "--set", "substeps=0"))

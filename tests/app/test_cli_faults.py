@@ -156,6 +156,18 @@ class WritingErrors(Case):
         self.assertIn("run_surface: cannot be an output folder: ",
                       self.refused('"$0" run small.json --out run --surface anisotropic'))
 
+    def test_links_under_temporary_names_are_not_followed(self):
+        victim = self.folder / "victim"
+        victim.write_text("of somebody else")
+        for part in "flag.pc2.part", "flag.mdd.part", "flag.obj.part", "run.json.part", "checkpoint.souple.part":
+            out = self.folder / part
+            out.mkdir()
+            (out / part).symlink_to(victim)
+            self.souple("run", self.scene(SMALL), "--out", out, "--frames", 2, "--write", "pc2,mdd",
+                        "--checkpoint-every", 1)
+            self.assertEqual(victim.read_text(), "of somebody else", part)
+            self.assertFalse([n for n in out.iterdir() if n.is_symlink()])
+
     def test_too_few_open_files_leave_no_file(self):
         self.skip_sanitizers("its check of virtual tables opens files itself")
         many = dict(SMALL, objects=[dict(SMALL["objects"][0], name=f"flag{i}") for i in range(40)])

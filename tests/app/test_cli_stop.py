@@ -49,7 +49,8 @@ class Stopping(Case):
         scene = self.scene(dict(self.slow_frames, frames=1500))
         self.souple("run", scene, "--out", "whole", "--write", "pc2,mdd", "--frames", 1600)
         run = self.start("run", scene, "--out", "out", "--write", "pc2,mdd")
-        for how in signal.SIGINT, signal.SIGTERM, signal.SIGHUP:
+        ways = signal.SIGINT, signal.SIGTERM, signal.SIGUSR1, signal.SIGXCPU, signal.SIGHUP
+        for how in ways:
             size = self.written("out")
             self.wait_for(lambda: self.written("out") > size + 3000, run)
             error = self.stop(run, how)[1]
@@ -57,7 +58,7 @@ class Stopping(Case):
             self.assertTrue((self.folder / "out/checkpoint.souple").is_file())
             self.assertFalse([n for n in self.names() if n.endswith(".part")])
             self.assertIn("--frames 1", self.souple("run", "--resume", "out", "--frames", 1, code=2).stderr)
-            if how == signal.SIGHUP:
+            if how == ways[-1]:
                 break
             run = self.start("run", "--resume", "out")
         for name in "flag", "sand":

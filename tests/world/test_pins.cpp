@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <thread>
 #include <vector>
@@ -54,6 +55,29 @@ TEST(Pins, ATargetIsFollowedExactly) {
   EXPECT_NEAR(world.velocities(cloth)[0].y, 1, 1e-3);
 }
 
+// The vertex stays, and the message tells whose target it is.
+TEST(Pins, ATargetThatIsNotFiniteIsNamed) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double bad : {std::nan(""), infinity, 1e19}) {
+    World world;
+    const ObjectId cloth = world.add_cloth(grid(3, 3, 1), {}, {.name = "sheet"});
+    const auto target = [bad](std::uint32_t vertex, double t) {
+      return Vec3d{t > 0.02 ? bad : vertex == 3 ? -0.5 : 0.5, 0, 0};
+    };
+    world.pin(cloth, vertices({3}), target);
+    world.attach(cloth, vertices({5}), target, 0.01f);
+    EXPECT_TRUE(world.step(1.0 / 60).message.empty());
+    const StepReport& report = world.step(1.0 / 60);
+    EXPECT_TRUE(report.ok());
+    EXPECT_TRUE(report.has(Flag::callback_failed));
+    EXPECT_NE(report.message.find("a pin's target"), std::string::npos) << report.message;
+    EXPECT_NE(report.message.find("vertex 3 of sheet"), std::string::npos) << report.message;
+    EXPECT_NE(report.message.find("an attachment's target"), std::string::npos) << report.message;
+    EXPECT_NE(report.message.find("vertex 5 "), std::string::npos) << report.message;
+    EXPECT_LT(length(world.positions(cloth)[3] - Vec3f{-0.5f, 0, 0}), 1e-6f);
+  }
+}
+
 // A spring of stiffness 1/compliance between the cloth's only free particle and a moving target: m g / k
 // below it at rest.
 TEST(Pins, AnAttachmentIsASpring) {
@@ -95,6 +119,16 @@ TEST(Pins, ConnectedVerticesStayTogether) {
   tied.world.remove(tied.joint);
   tied.step(60);
   EXPECT_GT(tied.gap(), 1.0f);
+}
+
+TEST(Pins, ConnectedVerticesHaveADistanceThatIsANumber) {
+  JoinedRopes tied;
+  const std::pair<VertexRef, VertexRef> pair{{tied.left, 5}, {tied.right, 5}};
+  const float infinity = std::numeric_limits<float>::infinity();
+  for (const float bad : {std::nanf(""), infinity, -infinity, 3e38f, 1e10f})
+    expect_error([&] { tied.world.connect(std::span(&pair, 1), bad); }, {"connect: rest_length", "finite"});
+  tied.step(1);
+  EXPECT_TRUE(tied.world.report().ok());
 }
 
 // Frames 1 to 30 start before 0.5 s; the 31st starts then.

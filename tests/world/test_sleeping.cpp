@@ -1,10 +1,13 @@
 #include "souple/host/grab.h"
+#include "souple/solver/projector.h"
 #include "tests/world/scene.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -414,6 +417,30 @@ TEST(Sleeping, ACallbackMayWakeWithinAStep) {
   for (const Vec3f& x : world.positions(box)) EXPECT_GT(x.y, -0.01f);
 }
 
+/// Makes a particle's motion NaN.
+class Breaker final : public Projector {
+ public:
+  Breaker(const bool& breaks, std::uint32_t particle) : breaks_(breaks), particle_(particle) {}
+  std::string_view kind() const override { return "breaker"; }
+  std::size_t size() const override { return 1; }
+  void prepare(std::size_t) override {}
+  int color_count() const override { return 0; }
+  std::size_t color_size(int) const override { return 0; }
+  void begin_substep(const ParticleView& view, const Substep&) override {
+    if (breaks_) view.correct(particle_, {NAN, 0, 0});
+  }
+  void project(int, std::size_t, std::size_t, const ParticleView&, const Substep&) override {}
+  Residual residual(const ParticleView&, Threads*) const override { return {}; }
+  void visit(const ParticleView&, const ConstraintVisitor& visitor) const override {
+    visitor({{&particle_, 1}});
+  }
+  void erase_particles(std::uint32_t, std::uint32_t) override {}
+
+ private:
+  const bool& breaks_;
+  std::uint32_t particle_;
+};
+
 TEST(Sleeping, ABadStepPutsSleepersBackAsTheyWere) {
   World world(sleepy());
   world.add_collider(Plane{});
@@ -421,9 +448,7 @@ TEST(Sleeping, ABadStepPutsSleepersBackAsTheyWere) {
   ASSERT_LT(frames_until_asleep(world, 200), 200);
   const ObjectId bad = add_box(world, {1, 0.11, 0}, "bad");
   bool break_it = true;
-  const ProjectorId hand = world.attach(bad, vertices({0}), [&](std::uint32_t, double) {
-    return break_it ? Vec3d{NAN, 0, 0} : Vec3d{1, 0.2, 0};
-  });
+  const ProjectorId hand = world.add_projector(std::make_unique<Breaker>(break_it, world.particle(bad, 0)));
   EXPECT_FALSE(world.step(frame).ok());
   EXPECT_TRUE(world.is_asleep(box));
   break_it = false;

@@ -313,7 +313,8 @@ std::shared_ptr<Table<RigidBodyDescription>> rigid_body_table() {
       {alternative<V>("shape", shape_codec(), "a sphere, box, capsule or cylinder"),
        alternative<V>(
            "mesh", mesh_codec(MeshUse::surface),
-           "a surface; it collides with rigid bodies and colliders as the convex hull of each piece"),
+           "a surface; it collides with rigid bodies, colliders and obstacles as the convex hull of each "
+           "piece"),
        alternative<V>("shapes", list(rigid_part_codec(), 1, 1000),
                       "several shapes that form one body; what they share counts in the mass of each")});
   keys->key<&T::material>("material", rigid_body_material_codec(), "density and contact properties")
