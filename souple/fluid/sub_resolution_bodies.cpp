@@ -84,20 +84,28 @@ void SubResolutionBodies::find(std::span<const Vec4f> x, std::span<const std::ui
   order_.build(x, search_radius, threads);
   for_bodies(threads, [&](std::size_t b) { find_near(b, x, order, local_boundary, smoothing); });
   inverse_volume_ = 1 / smoothing.volume();
-  filled_.assign(x.size(), 0);
-  displaced_.assign(x.size(), 0);
+  solid_.assign(x.size(), 0);
+  burden_.assign(x.size(), 0);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    const float part = bodies_[b].volume * states_[b].near_sum / all;
-    for (const Near& n : near(b)) filled_[n.index] += part * n.share;
+    const float part = bodies_[b].volume * states_[b].sum / all;
+    for (const Near& n : near(b)) solid_[n.index] += part * n.share;
   }
+  for (float& e : solid_) e = std::min(e, max_solid);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     State& state = states_[b];
     float fluid_part = 0;
-    for (const Near& n : near(b)) fluid_part += n.share / (1 - std::min(filled_[n.index], max_displaced));
+    for (const Near& n : near(b)) fluid_part += n.share / (1 - solid_[n.index]);
     state.submerged = std::min(1.0f, smoothing.volume() * state.sum * fluid_part / (whole * all));
     const float part = state.submerged * bodies_[b].volume * inverse_volume_;
-    for (const Near& n : near(b)) displaced_[n.index] += part * n.share;
+    for (const Near& n : near(b)) burden_[n.index] += part * n.share;
   }
+}
+
+// Lattices of density x have a V sum W above x, because a particle counts itself. The two terms lie between cubic
+// lattices that are stretched along one axis and along all three.
+float SubResolutionBodies::displaced_density(std::size_t index) const {
+  const float e = solid_[index];
+  return e - e * (0.08f + 0.1f * e);
 }
 
 std::span<const Vec3f> SubResolutionBodies::apply_pressure(std::span<const Vec4f> x,
@@ -112,7 +120,7 @@ std::span<const Vec3f> SubResolutionBodies::apply_pressure(std::span<const Vec4f
     if (part * mass > max_push_ratio * body.mass) part = max_push_ratio * body.mass / mass;
     Vec3f push{};
     for (const Near& n : near(b)) {
-      const Vec3f given = moved[n.index] * (part * n.share / ((1 + displaced_[n.index]) * x[n.index].w));
+      const Vec3f given = moved[n.index] * (part * n.share / ((1 + burden_[n.index]) * x[n.index].w));
       given_[n.index] += given;
       push += given;
     }

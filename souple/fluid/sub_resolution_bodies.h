@@ -18,10 +18,10 @@ namespace souple {
 /// principle, pressure pushes a body as it would push the fluid in the body's place. From the push m_i dx_i
 /// of pressure on each nearby particle i in this substep, a body of volume V_b takes
 ///
-///   T_ib = c_b phi_b V_b / V s_ib m_i dx_i / (1 + e_i),   s_ib = w_ib / sum_j w_jb
-///   w = 1 - |x_i - x_b|^2 / R^2,   e_i = sum_b phi_b V_b / V s_ib
+///   T_ib = c_b phi_b V_b / V s_ib m_i dx_i / (1 + B_i),   s_ib = w_ib / sum_j w_jb
+///   w = 1 - |x_i - x_b|^2 / R^2,   B_i = sum_b phi_b V_b / V s_ib
 ///
-/// and i loses it, so momentum is conserved. i keeps dx_i / (1 + e_i), which in a fluid at rest supports its
+/// and i loses it, so momentum is conserved. i keeps dx_i / (1 + B_i), which in a fluid at rest supports its
 /// own weight. So buoyancy equals the weight of the displaced fluid, whatever the arrangement and number of
 /// particles around the body. phi_b, the submerged fraction of a body, is sum_i V w_ib over the integral of
 /// w, including mirror images of particles behind walls. c_b limits the push on a light body to
@@ -34,8 +34,14 @@ namespace souple {
 ///   cylinder  across F = phi (4 pi mu l + rho C r l |u|) u, C = 1.2;
 ///             along C = 0.03 and half the viscous part
 ///
-/// The reaction acts on nearby particles by s_ib, with the stability bound of body_friction.h. e_i is added
-/// to the density C, so the fluid's level rises by the displaced volume.
+/// The reaction acts on nearby particles by s_ib, with the stability bound of body_friction.h.
+///
+/// Bodies leave a fluid the rest of the space, whatever its density there. So
+///
+///   e_i = sum_b V_b w_ib / integral of w over the space that walls leave
+///
+/// is added to the density C, but for what a sum over particles so far apart exceeds 1 - e_i by. Then the fluid's level
+/// rises by the displaced volume.
 class SubResolutionBodies {
  public:
   void set_bodies(std::vector<SubResolutionBody> bodies) { bodies_ = std::move(bodies); }
@@ -51,8 +57,8 @@ class SubResolutionBodies {
   void find(std::span<const Vec4f> x, std::span<const std::uint32_t> order,
             const LocalBoundary& local_boundary, const Smoothing& smoothing, const ParticleView& particles,
             Threads& threads);
-  /// Volume displaced near a particle, over the particle's volume: part of V sum W.
-  float displaced_fraction(std::size_t index) const { return std::min(displaced_[index], max_displaced); }
+  /// The part of V sum W that bodies take from a particle.
+  float displaced_density(std::size_t index) const;
   /// Transfers pressure pushes to bodies, after `moved` displaced the fluid; moves the world's particles.
   /// Returns, by sorted index, the push that each fluid particle loses [kg m].
   std::span<const Vec3f> apply_pressure(std::span<const Vec4f> x, std::span<const Vec3f> moved,
@@ -80,8 +86,7 @@ class SubResolutionBodies {
     std::vector<Near> near;
   };
   static constexpr std::size_t block_size = 64;
-  static constexpr float max_displaced =
-      0.6f;  // largest displaced volume near a particle, over the particle's volume
+  static constexpr float max_solid = 0.7f;  // largest e_i: denser than any packing of balls
 
   std::span<const Near> near(std::size_t b) const {
     const State& state = states_[b];
@@ -103,12 +108,11 @@ class SubResolutionBodies {
   std::span<const std::uint16_t> fluid_;
   Vec3d origin_{};
   CellOrder order_;
-  float inverse_volume_ = 0;  // 1/V [1/m^3]
-  std::vector<float>
-      filled_;  // by sorted index: volume of all bodies near a particle, submerged or not, over V
-  std::vector<float> displaced_;  // by sorted index: e_i = sum_b phi V_b / V s_ib
-  std::vector<Vec3f> given_;      // by sorted index: push lost to bodies [kg m]
-  std::vector<float> coupling_;   // per particle of the world; and by sorted index [kg]
+  float inverse_volume_ = 0;     // 1/V [1/m^3]
+  std::vector<float> solid_;     // by sorted index: e_i
+  std::vector<float> burden_;    // by sorted index: B_i
+  std::vector<Vec3f> given_;     // by sorted index: push lost to bodies [kg m]
+  std::vector<float> coupling_;  // per particle of the world; and by sorted index [kg]
   std::vector<float> fluid_coupling_;
 };
 

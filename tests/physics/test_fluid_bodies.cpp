@@ -524,4 +524,43 @@ TEST(FluidGrains, RainOfGrainsIntoWaterStaysCalm) {
   }
 }
 
+/// Level of the water in a basin of this area [m^2], from what is above the bed. Particles lie in layers, so it is a mean
+/// over cuts through two of them.
+double level(const World& world, ObjectId water, double spacing, double area) {
+  std::vector<float> y;
+  for (const Vec3f& x : world.positions(water)) y.push_back(x.y);
+  std::sort(y.begin(), y.end());
+  const double top = static_cast<double>(y[y.size() * 9 / 10]);
+  double sum = 0;
+  constexpr int cuts = 100;
+  for (int k = 0; k < cuts; ++k) {
+    const double cut = top - 2 * spacing * k / cuts;
+    const auto above = y.end() - std::upper_bound(y.begin(), y.end(), static_cast<float>(cut));
+    sum += cut + static_cast<double>(above) * spacing * spacing * spacing / area;
+  }
+  return sum / cuts;
+}
+
+// A bed of gravel lifts the water by its own volume, whether it is a layer or a heap with little water between.
+TEST(FluidGrains, GravelLiftsTheWaterByItsVolume) {
+  constexpr double side = 0.15, high = 0.075, spacing = 0.0125, radius = 0.01;
+  for (const int layers : {1, 4}) {
+    World world;
+    world.add_collider(Plane{});
+    for (const Vec3f& n : {Vec3f{1, 0, 0}, Vec3f{-1, 0, 0}, Vec3f{0, 0, 1}, Vec3f{0, 0, -1}})
+      world.add_collider(Plane{n, static_cast<float>(-side / 2)});
+    const ObjectId water =
+        world.add_fluid(fill(Vec3d{-side / 2, 0, -side / 2}, Vec3d{side / 2, high, side / 2}, spacing),
+                        {.spacing = float(spacing)});
+    const std::vector<Vec3d> centers =
+        fill(Vec3d{-side / 2, 0.08, -side / 2}, Vec3d{side / 2, 0.08 + 0.0205 * layers, side / 2}, 0.0205);
+    world.add_grains(centers, {.radius = float(radius), .density = 5000});
+    const double volume = static_cast<double>(centers.size()) * 4 / 3 * pi * radius * radius * radius;
+    for (int frame = 0; frame < 75; ++frame) ASSERT_TRUE(world.step(1.0 / 60).ok());
+    EXPECT_NEAR((level(world, water, spacing, side * side) - high) / (volume / (side * side)), 1, 0.1)
+        << layers;
+    EXPECT_LT(world.report().fluid.mean_density_error, 0.005) << layers;
+  }
+}
+
 }  // namespace souple::test_physics_fluid_bodies

@@ -29,7 +29,7 @@ struct Boundary {
     const std::span<BoundaryPlane> planes = local_boundary.of(index);
     for (BoundaryPlane& plane : planes) bodies.follow(plane);
     BoundarySums sums = sample_planes(planes, x, smoothing);
-    if (!sub_resolution_bodies.none()) sums.value += sub_resolution_bodies.displaced_fraction(index);
+    if (!sub_resolution_bodies.none()) sums.value += sub_resolution_bodies.displaced_density(index);
     return sums;
   }
   void after_sampling(std::span<const Vec4f> x, CoarsePressure& coarse) const {
