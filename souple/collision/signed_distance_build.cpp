@@ -149,6 +149,12 @@ SignedDistanceField::SignedDistanceField(const TriangleMesh& mesh, double spacin
   if (!(std::isfinite(spacing) && spacing > 0))
     throw Error(fmt::format(
         "SignedDistanceField: spacing is {:.3g}; expected a finite length above 0, in meters", spacing));
+  if (mesh.triangles.size() > max_triangles)
+    throw Error(
+        fmt::format("SignedDistanceField: the mesh has {} triangles; at most {} are taken: simplify it, "
+                    "since details smaller than "
+                    "two spacings are lost anyway",
+                    mesh.triangles.size(), max_triangles));
   const TriangleMesh solid = closed_surface(mesh);
   const MeshTree tree(solid.positions, solid.triangles);
   const auto grid = std::make_shared<Grid>();

@@ -26,12 +26,13 @@ class SignedDistanceField {
   SignedDistanceField() = default;
   /// `mesh`: in the collider's frame [m]. It is first repaired by `repair` of mesh_report.h. Points are solid
   /// where the generalized winding number is above one half, so pieces may overlap and have cavities. Costs
-  /// about 1.5 microseconds per point of the grid. Throws Error in three cases. The mesh is not closed: the
-  /// message locates the opening. `spacing` is not positive. The field would need more than `max_bytes`: the
-  /// message gives a spacing that fits.
+  /// about 1.5 microseconds per point of the grid. Throws Error in four cases. The mesh has more than `max_triangles`. It
+  /// is not closed: the message locates the opening. `spacing` is not positive. The field would need more than
+  /// `max_bytes`: the message gives a spacing that fits.
   SignedDistanceField(const TriangleMesh& mesh, double spacing);
 
   static constexpr double max_bytes = 512.0 * 1024 * 1024;
+  static constexpr std::size_t max_triangles = 500000;
   /// Distances of up to this many spacings are exact at the grid's points.
   static constexpr int fine_cells = 8;
 

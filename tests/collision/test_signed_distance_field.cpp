@@ -269,6 +269,12 @@ TEST(SignedDistanceField, MemoryGoesWithTheSurfaceAndIsShared) {
   EXPECT_EQ(SignedDistanceField().bytes(), 0u);
 }
 
+TEST(SignedDistanceField, OfTooManyTrianglesIsRefused) {
+  TriangleMesh mesh = box({1, 1, 1});
+  mesh.triangles.resize(SignedDistanceField::max_triangles + 1);
+  expect_error([&] { SignedDistanceField(mesh, 0.1); }, {"500001 triangles", "at most 500000"});
+}
+
 TEST(MeshTree, NearestAndWindingNumberAreThoseOfAllTriangles) {
   const TriangleMesh mesh = torus(1, 0.3, 30, 14);
   const MeshTree tree(mesh.positions, mesh.triangles);
