@@ -11,6 +11,7 @@ void bind_flow(WorldClass& world) {
   def<py::overload_cast<EmitterId>(&World::remove)>(world, "emitter"_a, "Removes an emitter.");
   def_with_options<&World::add_drain>(world, "drain"_a = py::none());
   def<py::overload_cast<DrainId>(&World::remove)>(world, "drain"_a, "Removes a drain.");
+  def<&World::leave_out_covered>(world);
   def<&World::fluid_force>(world, "collider"_a);
 }
 

@@ -57,6 +57,10 @@ void PairOverrides::set_collide(std::string_view a, std::string_view b, bool col
   }
 }
 
+bool PairOverrides::collide(std::string_view a, std::string_view b) const {
+  return non_colliding_.count(key_of(a, b)) == 0;
+}
+
 ContactMaterialTable::Side ContactMaterialTable::side_of(const NamedContactMaterial& of) {
   return {of.material,
           std::sqrt(of.material.friction),

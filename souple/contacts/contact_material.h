@@ -57,6 +57,7 @@ class PairOverrides {
   /// Enables or disables collisions of a pair; the default is enabled. A pair of one name with itself disables the
   /// object's self-collision, or leaves it as the object has it.
   void set_collide(std::string_view a, std::string_view b, bool collide);
+  bool collide(std::string_view a, std::string_view b) const;
 
   /// Calls f(name, other name, pair or null, collide) for every pair that deviates, once.
   template <class Function>

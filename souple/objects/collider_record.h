@@ -20,6 +20,7 @@ struct ColliderRecord {
   std::shared_ptr<Arrival> arrival{};  ///< `options.motion`, once move_collider has set it
   ColliderMotion given{};              ///< the motion before
   std::uint64_t user_data = 0;
+  std::uint64_t since = 0;  ///< number of steps before it was added
 };
 
 }  // namespace souple

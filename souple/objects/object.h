@@ -56,8 +56,9 @@ struct ParticleValues {
 /// Collision settings of an object.
 struct ObjectCollision {
   SelfCollision itself = SelfCollision::off;
-  int layer = 0;           ///< of cloth; 0: none
-  CollisionFilter filter;  ///< with which other objects
+  int layer = 0;            ///< of cloth; 0: none
+  CollisionFilter filter;   ///< with which other objects
+  std::uint64_t since = 0;  ///< number of steps before the object was added
 };
 
 /// The gas that an object encloses.

@@ -273,6 +273,7 @@ class Builder {
       inside(fmt::format("ties[{}]", i), [&] { add_tie(scene_.ties[i], world_); });
     for (std::size_t i = 0; i < scene_.drains.size(); ++i)
       inside(fmt::format("drains[{}]", i), [&] { add_drain(scene_.drains[i]); });
+    world_.leave_out_covered();
     if (log_) world_.set_log({});
   }
 

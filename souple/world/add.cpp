@@ -92,6 +92,7 @@ ObjectId add(WorldState& world, NewObject made, const ObjectOptions& options) {
   Object& object = *made.object;
   world.warnings.log_info(object.name, made.sentences);
   object.id = {world.registry->next_id++};
+  object.collision.since = world.steps;
   object.begin = static_cast<std::uint32_t>(world.particles.size());
   object.end = object.begin + static_cast<std::uint32_t>(object.rest.size());
   world.dirty.all();

@@ -97,6 +97,12 @@ void World::set_emitter(EmitterId id, const Emitter& emitter) {
   record.layers = layers_before(emitter, spacing, world.time);
 }
 
+void World::leave_out_covered() {
+  WorldState& world = state();
+  const CallScope call(*world.calls, "leave_out_covered");
+  souple::leave_out_covered(world);
+}
+
 void World::remove(EmitterId id) {
   WorldState& world = state();
   const CallScope call(*world.calls, "remove(EmitterId)");

@@ -1,13 +1,23 @@
 #include "souple/world/flow.h"
 
+#include "souple/fluid/covered_points.h"
 #include "souple/fluid/emission.h"
+#include "souple/objects/collider_record.h"
+#include "souple/objects/fluid_boundary.h"
 #include "souple/objects/kind_functions.h"
 #include "souple/objects/object.h"
+#include "souple/world/contact_state.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/state.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include <fmt/core.h>
 
 namespace souple {
 namespace {
@@ -53,6 +63,86 @@ void remove_particles(WorldState& world, Object& fluid, const std::vector<std::u
   set_count(world, fluid, to);
 }
 
+/// The surface of an object that no fluid belongs inside, if it is closed. Empty for cloth and what has none.
+TriangleMesh solid_surface(WorldState& world, const Object& object, float spacing) {
+  TriangleMesh surface;
+  const KindTraits& kind = object.traits();
+  if (kind.shape != ObjectShape::solid && !kind.rigid && !kind.driven) return surface;
+  const std::optional<BoundaryMesh> boundary = boundary_mesh_of(object, spacing);
+  if (!boundary) return surface;
+  surface.triangles = boundary->triangles;
+  for (std::size_t v = 0; v < boundary->particles.size(); ++v) {
+    Vec3d& x = surface.positions.emplace_back();
+    for (std::size_t k = 0; k < 4; ++k)
+      x += world.particles.exact_position(boundary->particles[v][k]) *
+           static_cast<double>(boundary->weights[v][k]);
+  }
+  return surface;
+}
+
+/// The points of a fluid, without those that another object or a collider covers.
+class Covered {
+ public:
+  Covered(WorldState& world, Object& fluid) : world_(world), fluid_(fluid) {
+    for (std::uint32_t i = fluid.begin; i < fluid.end; ++i)
+      points_.push_back(world.particles.exact_position(i));
+  }
+  /// `inside`: per point.
+  void leave_out(const std::vector<std::uint8_t>& inside, const std::string& by) {
+    std::vector<std::uint32_t> gone;
+    std::vector<Vec3d> left;
+    for (std::uint32_t i = 0; i < inside.size(); ++i)
+      if (inside[i] != 0)
+        gone.push_back(i);
+      else
+        left.push_back(points_[i]);
+    if (gone.empty()) return;
+    wake_island(world_, fluid_);
+    remove_particles(world_, fluid_, gone);
+    world_.contact->invalidate();
+    ++world_.version;
+    world_.warnings.log_info(fluid_.name, {fmt::format("{} of {} points lie inside {} and were left out",
+                                                       gone.size(), points_.size(), by)});
+    points_ = std::move(left);
+  }
+  std::span<const Vec3d> points() const { return points_; }
+  bool is_new() const { return fluid_.collision.since == world_.steps; }
+  bool collides(const std::string& name, const CollisionFilter& filter) const {
+    return may_collide(fluid_.collision.filter, filter) && world_.contact->pairs.collide(fluid_.name, name);
+  }
+
+ private:
+  WorldState& world_;
+  Object& fluid_;
+  std::vector<Vec3d> points_;
+};
+
+void leave_out_covered(WorldState& world, Object& fluid) {
+  const float spacing = std::get<FluidMaterial>(fluid.material).spacing;
+  Covered covered(world, fluid);
+  const auto applies = [&](std::uint64_t since, const std::string& name, const CollisionFilter& filter) {
+    return (covered.is_new() || since == world.steps) && covered.collides(name, filter);
+  };
+  for (const ColliderRecord& collider : world.colliders) {
+    const ColliderOptions& options = collider.options;
+    if (options.sensor ||
+        !applies(collider.since, options.name, {options.collision_groups, options.collision_mask}))
+      continue;
+    world.warnings.guarded("a collider's motion", [&] {
+      const Transform pose = options.motion.at(world.time);
+      covered.leave_out(covered_points(collider.shape, pose, static_cast<double>(spacing), covered.points()),
+                        options.name);
+    });
+  }
+  for (const auto& object : world.objects) {
+    if (!applies(object->collision.since, object->name, object->collision.filter)) continue;
+    const TriangleMesh surface = solid_surface(world, *object, spacing);
+    if (!surface.triangles.empty())
+      covered.leave_out(covered_points(surface, static_cast<double>(spacing), covered.points()),
+                        object->name);
+  }
+}
+
 void drain(WorldState& world, DrainRecord& record, double dt) {
   if (!is_open(record.drain.start, record.drain.end, world.time)) return;
   const bool limited = std::isfinite(record.drain.rate);
@@ -76,7 +166,19 @@ void drain(WorldState& world, DrainRecord& record, double dt) {
 
 }  // namespace
 
+void leave_out_covered(WorldState& world) {
+  const auto is_new = [&](std::uint64_t since) { return since == world.steps; };
+  const bool any_new = std::any_of(world.colliders.begin(), world.colliders.end(),
+                                   [&](const ColliderRecord& collider) { return is_new(collider.since); }) ||
+                       std::any_of(world.objects.begin(), world.objects.end(),
+                                   [&](const auto& object) { return is_new(object->collision.since); });
+  if (!any_new) return;
+  for (const auto& object : world.objects)
+    if (object->traits().flows && object->particle_count() > 0) leave_out_covered(world, *object);
+}
+
 void update_flow(WorldState& world, double dt) {
+  leave_out_covered(world);
   for (DrainRecord& record : world.flow.drains) drain(world, record, dt);
   for (EmitterRecord& record : world.flow.emitters) emit(world, record);
 }

@@ -13,7 +13,11 @@ namespace souple {
 struct Object;
 struct WorldState;
 
-/// Before a step of dt seconds: removes the particles in drains, then adds the layers of emitters up to now.
+/// Leaves out particles of fluids inside a collider, or inside the closed surface of a body or an obstacle. One of the two
+/// was added since the last step. Logs how many.
+void leave_out_covered(WorldState& world);
+
+/// Before a step of dt seconds: leaves out what is covered, removes the particles in drains, then adds the layers of emitters up to now.
 void update_flow(WorldState& world, double dt);
 
 /// Sets the particle count of a fluid, at most its capacity; new particles are at the origin.

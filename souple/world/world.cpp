@@ -483,6 +483,7 @@ ColliderId World::add_collider(const Shape& shape, const ColliderOptions& option
   WorldState& world = state();
   const CallScope call(*world.calls, "add_collider");
   ColliderRecord record{{world.registry->next_id}, options, shape};
+  record.since = world.steps;
   record.options.name = world.unique_name(options.name, "collider");
   validate(shape, record.options.name);
   validate(contact_material_of(options), record.options.name);

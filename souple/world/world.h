@@ -369,6 +369,10 @@ class World {
   /// Removes particles of all fluids. The remaining particles keep their order and get new numbers.
   DrainId add_drain(const Drain& drain);
   void remove(DrainId drain);
+  /// Leaves out particles of fluids inside a collider, or inside the closed surface of a soft or rigid body or an obstacle.
+  /// Logs how many. It concerns what was added since the last step. A step does so before it begins, and build_world at
+  /// its end. A closed surface that contains all of a fluid, or most of it, is a vessel.
+  void leave_out_covered();
   /// Force of the pressure of all fluids on a collider: mean over the last step [N].
   Vec3d fluid_force(ColliderId collider) const;
   /// Overrides the combined material of two names (by default: geometric mean of frictions, larger

@@ -142,6 +142,78 @@ TEST(FluidRobustness, BodiesStartedInEachOtherInWaterDoNotExplode) {
   EXPECT_LT(fastest, 3);
 }
 
+/// The number of points of a fluid inside a mesh.
+std::size_t count_inside(const World& world, ObjectId fluid, ObjectId body,
+                         const std::vector<Triangle>& triangles) {
+  std::vector<Vec3d> surface;
+  for (const Vec3f& x : world.positions(body)) surface.emplace_back(x);
+  const MeshTree tree(surface, triangles);
+  std::size_t count = 0;
+  for (const Vec3f& x : world.positions(fluid)) count += tree.winding_number(Vec3d(x)) > 0.5 ? 1 : 0;
+  return count;
+}
+
+/// A basin of water of 0.4 x 0.24 x 0.4 m in which something begins.
+struct Immersed {
+  static constexpr double spacing = 0.025;
+  World world;
+  ObjectId fluid;
+  std::vector<std::string> told;
+  double fastest = 0, highest = 0;
+
+  Immersed() {
+    add_tank(world, {0.4, 2, 0.4});
+    fluid = world.add_fluid(fill(Vec3d{-0.2, 0, -0.2}, Vec3d{0.2, 0.25, 0.2}, spacing),
+                            {.spacing = float(spacing)}, {.name = "water"});
+    world.set_log([this](LogLevel, std::string_view line) { told.emplace_back(line); });
+  }
+  void run(int frames) {
+    for (int frame = 0; frame < frames; ++frame) {
+      ASSERT_TRUE(world.step(1.0 / 60).ok());
+      for (const Vec3f& v : world.velocities(fluid)) fastest = std::max(fastest, double{length(v)});
+      for (const Vec3f& x : world.positions(fluid)) highest = std::max(highest, double{x.y});
+    }
+  }
+};
+
+TEST(FluidImmersed, AColliderThrowsNothing) {
+  Immersed basin;
+  const std::size_t before = basin.world.positions(basin.fluid).size();
+  basin.world.add_collider(Sphere{{0, 0.12f, 0}, 0.08f}, {.name = "ball"});
+  basin.run(40);
+  EXPECT_LT(basin.fastest, 2);
+  EXPECT_LT(basin.highest, 0.35);
+  const std::size_t gone = before - basin.world.positions(basin.fluid).size();
+  const double volume = static_cast<double>(gone) * Immersed::spacing * Immersed::spacing * Immersed::spacing;
+  EXPECT_NEAR(volume / (4 * pi / 3 * 0.08 * 0.08 * 0.08), 1, 0.2);
+  ASSERT_EQ(basin.told.size(), 1u);
+  EXPECT_EQ(basin.told[0],
+            "water: " + std::to_string(gone) + " of 2560 points lie inside ball and were left out");
+}
+
+TEST(FluidImmersed, ALightBodyFloatsAndAHeavyOneStays) {
+  for (const bool heavy : {false, true}) {
+    Immersed basin;
+    const TriangleMesh ball = sphere(2, 0.08);
+    const ObjectId body = basin.world.add_rigid_body(ball, {.density = heavy ? 2000.0f : 300.0f},
+                                                     {.transform = {.translation = {0, 0.12, 0}}});
+    basin.run(45);
+    EXPECT_LT(basin.fastest, 2);
+    if (heavy)
+      EXPECT_NEAR(basin.world.center_of_mass(body).y, 0.08, 0.01);
+    else
+      EXPECT_GT(basin.world.center_of_mass(body).y, 0.23);
+    EXPECT_EQ(count_inside(basin.world, basin.fluid, body, ball.triangles), 0u);
+  }
+}
+
+TEST(FluidImmersed, AVesselKeepsItsWater) {
+  Immersed basin;
+  basin.world.add_obstacle(box({0.42, 0.6, 0.42}, 1), {}, {}, {.transform = {.translation = {0, 0.2, 0}}});
+  basin.run(1);
+  EXPECT_EQ(basin.world.positions(basin.fluid).size(), 2560u);
+}
+
 // A wave of 0.6 m, a light soft box, and half of the required substeps.
 TEST(FluidRobustness, NothingGetsIntoASoftBodyThatAWaveStrikes) {
   constexpr double spacing = 0.025;

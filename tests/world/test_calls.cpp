@@ -204,6 +204,7 @@ const std::vector<Function>& functions() {
       {"remove", Line::nowhere, [](W w, H h) { w.remove(h.emitter); }},
       {"add_drain", Line::nowhere, [](W w, H) { w.add_drain({.shape = Sphere{.radius = 0.1f}, .pose = at({0, -9, 0})}); }},
       {"remove", Line::nowhere, [](W w, H h) { w.remove(h.drain); }},
+      {"leave_out_covered", Line::nowhere, [](W w, H) { w.leave_out_covered(); }},
       {"fluid_force", Line::reads_results, [](W w, H h) { (void)w.fluid_force(h.collider); }},
       {"set_pair", Line::nowhere, [](W w, H) { w.set_pair("cloth", "collider", 0.5f, 0); }},
       {"set_collide", Line::nowhere, [](W w, H) { w.set_collide("cloth", "collider", false); }},
