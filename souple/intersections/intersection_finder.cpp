@@ -63,7 +63,7 @@ IntersectionFinder::IntersectionFinder(std::span<const ContactSurface> surfaces,
       joined_(std::move(joined)) {
   const std::size_t n = surfaces.size();
   std::uint32_t end = 0;
-  for (const ContactSurface& surface : surfaces) end = std::max(end, surface.end);
+  for (const ContactSurface& surface : surfaces) end = std::max({end, surface.end, surface.reserved_end});
   closed_.assign(n, 0);
   surface_bounds_.assign(n, empty_bounds);
   active_.assign(n, 0);
@@ -72,7 +72,9 @@ IntersectionFinder::IntersectionFinder(std::span<const ContactSurface> surfaces,
   for (std::uint32_t a = 0; a < n; ++a) {
     const ContactSurface& surface = surfaces[a];
     ranges_.push_back({surface.begin, surface.end});
-    std::fill(surface_of_.data() + surface.begin, surface_of_.data() + surface.end, a);
+    // A fluid may grow: its particles touch surfaces.
+    std::fill(surface_of_.data() + surface.begin,
+              surface_of_.data() + std::max(surface.end, surface.reserved_end), a);
     const auto first = static_cast<std::uint32_t>(elements_.triangles().size());
     elements_.add_triangles(surface.triangles, surface.begin, a);
     own_triangles_.push_back({first, static_cast<std::uint32_t>(elements_.triangles().size())});

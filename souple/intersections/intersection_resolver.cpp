@@ -74,7 +74,7 @@ IntersectionResolver::IntersectionResolver(std::span<const ContactSurface> surfa
   if (!finder_.any_pair()) return;
   for (const ContactSurface& surface : surfaces) radius_.push_back(surface.radius);
   std::uint32_t end = 0;
-  for (const ContactSurface& surface : surfaces) end = std::max(end, surface.end);
+  for (const ContactSurface& surface : surfaces) end = std::max({end, surface.end, surface.reserved_end});
   is_intersecting_.assign(end, 0);
   inside_.assign(end, no_index);
   last_of_.assign(end, no_index);

@@ -45,7 +45,7 @@ Layers::Layers(std::span<const ContactSurface> surfaces) {
   std::uint32_t end = 0;
   for (const ContactSurface& surface : surfaces) {
     surfaces_.push_back({surface.begin, surface.end, surface.layer});
-    end = std::max(end, surface.end);
+    end = std::max({end, surface.end, surface.reserved_end});
   }
   has_exemption_.assign(end, 0);
 }

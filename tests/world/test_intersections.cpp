@@ -114,6 +114,20 @@ void expect_left(bool free, double height) {
   }
 }
 
+// Particles that an emitter adds touch the sheets while these are being separated.
+TEST(Intersections, WaterIsPouredOnSheetsThatCross) {
+  World world({.substeps = 4, .threads = 1});
+  const ObjectId held = world.add_cloth(grid(8, 8, 0.4));
+  world.pin(held, vertices({0, 7, 56, 63}));
+  world.add_cloth(grid(8, 8, 0.4), {},
+                  {.transform = {{0.003, 0, 0.002}, Quatd::from_axis_angle({0, 0, 1}, 0.2), 1}});
+  const ObjectId water = world.add_fluid(std::vector<Vec3d>{}, {.spacing = 0.04f}, {.max_particles = 4000});
+  world.add_emitter(water, {.position = {0, 0.25, 0}, .radius = 0.05f, .speed = 2});
+  const History history = simulate(world, 15);
+  EXPECT_TRUE(history.reported);
+  EXPECT_GT(world.positions(water).size(), 20u);
+}
+
 TEST(Intersections, ObstaclesPutIntoAFreeSheetAreLeft) {
   expect_left(true, 0.04);
 }
