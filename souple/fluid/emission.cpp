@@ -109,6 +109,25 @@ std::vector<std::uint8_t> blocked_drops(std::span<const Drop> drops, const Objec
   return result;
 }
 
+double back_pressure(const Emitter& emitter, const ObjectsView& objects, const Vec3d& weight, double spacing,
+                     double now) {
+  const Vec3d nozzle = nozzle_at(emitter, now).position;
+  const double reach = static_cast<double>(emitter.radius) + 2 * spacing;
+  double sum = 0, at_depth = 0;
+  std::size_t count = 0;
+  for (const auto& object : objects.objects) {
+    if (!object->traits().flows) continue;
+    for (std::uint32_t i = object->begin; i < object->end; ++i) {
+      const Vec3d from = objects.particles.exact_position(i) - nozzle;
+      at_depth = std::max(at_depth, -dot(weight, from));
+      if (!(length_squared(from) < reach * reach)) continue;
+      sum += static_cast<double>(objects.particles.velocity[i].w);
+      ++count;
+    }
+  }
+  return count > 0 ? sum / static_cast<double>(count) - at_depth : 0;
+}
+
 std::uint64_t layers_before(const Emitter& emitter, double spacing, double now) {
   const double past = now - emitter.start;
   constexpr double most = 1e18;  // of a long time at a high speed

@@ -42,6 +42,10 @@ std::vector<Drop> next_drops(EmitterRecord& record, const Vec3d& gravity, double
 /// Per drop: 1 if a particle of a fluid is too near for it, else 0.
 std::vector<std::uint8_t> blocked_drops(std::span<const Drop> drops, const ObjectsView& objects,
                                         double spacing);
+/// Mean pressure of the fluids within two spacings of a nozzle, beyond that of the depth there [Pa]: mean over the last
+/// step, see Fluids::store_pressures. `weight`: of the fluid [N/m^3].
+double back_pressure(const Emitter& emitter, const ObjectsView& objects, const Vec3d& weight, double spacing,
+                     double now);
 /// Number of layers that left before now according to the emitter's start time. They are skipped.
 std::uint64_t layers_before(const Emitter& emitter, double spacing, double now);
 

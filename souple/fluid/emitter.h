@@ -15,7 +15,8 @@ namespace souple {
 ///
 /// The inflow zone is the first two spacings from the nozzle. Fluid of this object that moves with the jet is kinematic
 /// there and goes straight on, as in a pipe. After that it is free. A particle is held back where other fluid is too
-/// near, or when the object is at its capacity (ObjectOptions::max_particles).
+/// near, or when the object is at its capacity (ObjectOptions::max_particles). A full closed vessel holds all
+/// back: the pressure at the nozzle exceeds that of its depth by rho (d / (6 h))^2, with the substep h.
 struct Emitter {
   Vec3f position{};                                      ///< center of the nozzle [m]
   Vec3f direction{0, -1, 0};                             ///< direction of the flow; any length but zero

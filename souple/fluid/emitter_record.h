@@ -12,6 +12,7 @@ struct EmitterRecord {
   std::uint32_t fluid = 0;  ///< object id
   Emitter emitter;
   std::uint64_t layers = 0;  ///< number of layers that were added or held back
+  bool stalled = false;      ///< during this step: the pressure is too high
 };
 
 /// A drain of a world.

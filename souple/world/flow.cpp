@@ -2,6 +2,7 @@
 
 #include "souple/fluid/covered_points.h"
 #include "souple/fluid/emission.h"
+#include "souple/fluid/stage/fluids.h"
 #include "souple/objects/collider_record.h"
 #include "souple/objects/fluid_boundary.h"
 #include "souple/objects/kind_functions.h"
@@ -29,14 +30,26 @@ void append(WorldState& world, Object& fluid, const Drop& drop) {
   world.set_position(i, drop.position);
 }
 
-void emit(WorldState& world, EmitterRecord& record) {
+/// A closed vessel is full where the pressure exceeds that of the depth by a quarter of what substeps resolve,
+/// h sqrt(p / rho) = d / 3 (Flag::coarse_substeps). Then the fluid is compressed by less than a thousandth, and rests.
+bool is_stalled(WorldState& world, const Emitter& emitter, const FluidMaterial& material, double h) {
+  const double density = material.density, spacing = material.spacing, speed = spacing / (6 * h);
+  const Vec3d weight = Vec3d(world.settings.gravity) * density;
+  return back_pressure(emitter, world.objects_view(), weight, spacing, world.time) > density * speed * speed;
+}
+
+void emit(WorldState& world, EmitterRecord& record, double h) {
   Object& fluid = world.object(ObjectId{record.fluid});
-  const auto spacing = static_cast<double>(std::get<FluidMaterial>(fluid.material).spacing);
+  const auto& material = std::get<FluidMaterial>(fluid.material);
+  const auto spacing = static_cast<double>(material.spacing);
   std::vector<Drop> drops;
+  record.stalled = false;
   world.warnings.guarded("an emitter's motion", [&] {
     drops = next_drops(record, Vec3d(world.settings.gravity), spacing, world.time);
+    record.stalled = is_stalled(world, record.emitter, material, h);
   });
-  if (drops.empty()) return;
+  if (record.stalled) world.report.fluid.held_back += drops.size();
+  if (drops.empty() || record.stalled) return;
   const std::vector<std::uint8_t> blocked = blocked_drops(drops, world.objects_view(), spacing);
   wake_island(world, fluid);
   for (std::size_t k = 0; k < drops.size(); ++k) {
@@ -180,7 +193,11 @@ void leave_out_covered(WorldState& world) {
 void update_flow(WorldState& world, double dt) {
   leave_out_covered(world);
   for (DrainRecord& record : world.flow.drains) drain(world, record, dt);
-  for (EmitterRecord& record : world.flow.emitters) emit(world, record);
+  for (EmitterRecord& record : world.flow.emitters) emit(world, record, dt / world.settings.substeps);
+}
+
+void end_flow(WorldState& world) {
+  if (!world.flow.emitters.empty()) world.fluids->store_pressures(world.particles.velocity);
 }
 
 // In a fluid vertex n is particle n.

@@ -20,6 +20,9 @@ void leave_out_covered(WorldState& world);
 /// Before a step of dt seconds: leaves out what is covered, removes the particles in drains, then adds the layers of emitters up to now.
 void update_flow(WorldState& world, double dt);
 
+/// After a step: keeps the pressures, by which emitters are held back, with the particles, so that snapshots have them.
+void end_flow(WorldState& world);
+
 /// Sets the particle count of a fluid, at most its capacity; new particles are at the origin.
 void set_count(WorldState& world, Object& fluid, std::uint32_t count);
 

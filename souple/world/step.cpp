@@ -64,6 +64,7 @@ bool begin_step(WorldState& world, double dt) {
 /// The epilogue.
 void end_step(WorldState& world, double dt, bool valid) {
   if (valid) fall_asleep(world, dt);
+  if (valid) end_flow(world);
   if (!valid) restore_last_valid(world);
   end_arrivals(world, valid);
   ++world.version;

@@ -387,4 +387,34 @@ TEST(FluidFountain, AJetIsAParabola) {
   EXPECT_NEAR(front.z, 0, 0.005);
 }
 
+// Water runs into a closed vessel until it is full, then comes to rest.
+TEST(FluidFountain, AClosedVesselFillsAndRests) {
+  constexpr double side = 0.2, spacing = 0.02;
+  for (const bool of_mesh : {false, true}) {
+    World world;
+    if (of_mesh) {
+      TriangleMesh vessel = box({side, side, side}, 1);
+      for (Triangle& t : vessel.triangles) std::swap(t[1], t[2]);
+      world.add_obstacle(vessel);
+    } else {
+      add_walls(world, side / 2, side / 2);
+      for (const float up : {1.0f, -1.0f})
+        world.add_collider(Plane{{0, up, 0}, static_cast<float>(-side / 2)});
+    }
+    const ObjectId fluid =
+        world.add_fluid(std::vector<Vec3d>{}, {.spacing = float(spacing)}, {.max_particles = 2000});
+    world.add_emitter(fluid, {.position = {0, 0.08f, 0}, .radius = 0.05f, .speed = 2});
+    double error = 0, energy = 0;
+    for (int frame = 0; frame < 140; ++frame) {
+      const StepReport& report = world.step(1.0 / 60);
+      if (frame < 130) continue;
+      error = std::max(error, report.fluid.mean_density_error);
+      energy = std::max(energy, world.kinetic_energy(fluid));
+    }
+    EXPECT_NEAR(double(world.positions(fluid).size()), 1000, 50);
+    EXPECT_LT(error, 0.01);
+    EXPECT_LT(energy, 0.01);
+  }
+}
+
 }  // namespace souple::test_physics_fluid_flow

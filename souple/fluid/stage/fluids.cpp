@@ -135,6 +135,12 @@ float Fluids::pressure(std::uint32_t particle) const {
   return parts_->statistics.pressure(static_cast<std::size_t>(at - particles.begin()));
 }
 
+void Fluids::store_pressures(std::span<Vec4f> velocity) const {
+  const std::vector<std::uint32_t>& particles = parts_->state.registry.particle;
+  for (std::size_t k = 0; k < particles.size(); ++k)
+    velocity[particles[k]].w = parts_->statistics.pressure(k);
+}
+
 Vec3d Fluids::force(std::size_t collider) const {
   return parts_->statistics.force(collider);
 }

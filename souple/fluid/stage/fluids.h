@@ -2,10 +2,12 @@
 
 #include "souple/fluid/fluid_report.h"
 #include "souple/math/vec3.h"
+#include "souple/math/vec4.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 
 namespace souple {
 
@@ -49,6 +51,8 @@ class Fluids {
   FluidReport report() const;
   /// Pressure of a world's particle, mean over the last step [Pa]; 0 if it belongs to no fluid.
   float pressure(std::uint32_t particle) const;
+  /// Writes these pressures to the fourth numbers of the velocities of the world's particles.
+  void store_pressures(std::span<Vec4f> velocity) const;
   /// Force on a collider by its index, mean over the last step [N].
   Vec3d force(std::size_t collider) const;
 

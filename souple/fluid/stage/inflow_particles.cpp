@@ -17,7 +17,7 @@ std::vector<Inflow> inflows_at(const FluidInput& input, const FluidRegistry& reg
     const auto d = static_cast<double>(registry.materials[registry.find(record.fluid)].spacing);
     const Nozzle nozzle = nozzle_at(record.emitter, t);
     const Vec3d v = nozzle.velocity + nozzle.direction * static_cast<double>(record.emitter.speed);
-    const double depth = t >= record.emitter.start ? inflow_depth * d : 0;
+    const double depth = t >= record.emitter.start && !record.stalled ? inflow_depth * d : 0;
     result.push_back(
         {nozzle.position, nozzle.direction, v, static_cast<double>(record.emitter.radius) + 0.5 * d, depth});
   }
