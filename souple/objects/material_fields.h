@@ -145,9 +145,9 @@ void visit_all(V& visit) {
     restitution<M>(visit);
     damping<M>(visit);
     visit(field<&M::air_drag>, "air_drag", coefficient,
-          "drag coefficient: force of the wind along its direction", linear("Air drag", 3));
+          "drag coefficient: force of the air along its direction", linear("Air drag", 3));
     visit(field<&M::air_lift>, "air_lift", coefficient,
-          "lift coefficient: force of the wind across its direction", linear("Air lift", 3));
+          "lift coefficient: force of the air across its direction", linear("Air lift", 3));
     visit(field<&M::stretch>, "stretch",
           FieldWords<StretchModel>{{"springs", StretchModel::springs}, {"membrane", StretchModel::membrane}},
           "stretching model: a spring along each edge, or triangles of an orthotropic membrane");

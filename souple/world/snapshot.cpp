@@ -12,7 +12,7 @@
 #include "souple/world/arrivals.h"
 #include "souple/world/call_scope.h"
 #include "souple/world/contact_state.h"
-#include "souple/world/flow.h"
+#include "souple/world/flow/flow.h"
 #include "souple/world/impl.h"
 #include "souple/world/recover.h"
 #include "souple/world/step_scratch.h"

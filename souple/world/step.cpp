@@ -3,7 +3,7 @@
 #include "souple/world/callbacks.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/contacts.h"
-#include "souple/world/flow.h"
+#include "souple/world/flow/flow.h"
 #include "souple/world/impl.h"
 #include "souple/world/prepare.h"
 #include "souple/world/recover.h"

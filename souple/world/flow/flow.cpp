@@ -1,4 +1,4 @@
-#include "souple/world/flow.h"
+#include "souple/world/flow/flow.h"
 
 #include "souple/fluid/covered_points.h"
 #include "souple/fluid/emission.h"

@@ -2,7 +2,7 @@
 #include "souple/objects/checks.h"
 #include "souple/objects/object.h"
 #include "souple/world/call_scope.h"
-#include "souple/world/flow.h"
+#include "souple/world/flow/flow.h"
 #include "souple/world/impl.h"
 #include "souple/world/registry.h"
 #include "souple/world/sleeping.h"

@@ -17,7 +17,8 @@ struct WorldState;
 /// was added since the last step. Logs how many.
 void leave_out_covered(WorldState& world);
 
-/// Before a step of dt seconds: leaves out what is covered, removes the particles in drains, then adds the layers of emitters up to now.
+/// Before a step of dt seconds: leaves out what is covered, removes the particles in drains, then adds the layers of
+/// emitters up to now.
 void update_flow(WorldState& world, double dt);
 
 /// After a step: keeps the pressures, by which emitters are held back, with the particles, so that snapshots have them.
