@@ -49,7 +49,7 @@ TEST(Shots, NoGrainPassesAFineClothSlow) {
 
 /// A held sheet of 1 m, another one half a meter above it that flies down at `speed`.
 struct TwoSheets {
-  World world;
+  World world{{.wind = {.air_density = 0}}};
   ObjectId low, high;
 };
 

@@ -126,7 +126,8 @@ ObjectId add_swinging(World& world, Swinging what) {
 struct Lost {
   double after_3 = 0, after_10 = 0;
 };
-Lost swing_and_lose(Swinging what, const Settings& settings) {
+Lost swing_and_lose(Swinging what, Settings settings) {
+  settings.wind.air_density = 0;
   World world(settings);
   const ObjectId object = add_swinging(world, what);
   const double low = -world.total_mass(object) * g * length(world.center_of_mass(object));
