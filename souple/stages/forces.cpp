@@ -104,7 +104,7 @@ Vec3f wind_at(const Settings& settings, double t) {
 bool feels_air(const Object& object, const Wind& air) {
   const auto* const material = std::get_if<ClothMaterial>(&object.material);
   return material != nullptr && (material->air_drag > 0 || material->air_lift > 0) && air.air_density > 0 &&
-         object.sleep.island == 0;
+         air.velocity != Vec3f{} && object.sleep.island == 0;
 }
 
 void find_air_forces(const StageView& stage, float h, std::vector<Vec4f>& of_triangle) {

@@ -13,7 +13,7 @@ namespace souple {
 /// every run has the same weather.
 Vec3f wind_at(const Settings& settings, double t);
 
-/// True for a cloth that is awake and has a drag or lift coefficient, where there is air: still air resists too.
+/// True for a cloth that is awake and has a drag or lift coefficient, where there is wind. Still air does not resist.
 bool feels_air(const Object& object, const Wind& air);
 
 /// Finds the drag and lift of the air for a substep of h seconds, on the particles of each object that feels_air. The force
