@@ -33,9 +33,6 @@ constexpr std::size_t enough_coarse = 8;
 constexpr double smoothing = 0.1;
 /// Minimum number of particles per thread.
 constexpr std::size_t march_chunk = 1024;
-/// Particles within two links are counted up to this number. Around the hub of a fan of n triangles all n are: counting
-/// them from each of the n would take n^2.
-constexpr std::uint32_t many_around = 1024;
 
 bool nearer(const Reached& p, const Reached& q) {
   return std::pair(p.length, p.particle) < std::pair(q.length, q.particle);
@@ -58,10 +55,7 @@ std::vector<int> ranks(const LinkEnds& ends, std::span<const char> fixed, Thread
     std::vector<std::uint32_t> seen(count, no_index);
     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i)
       for (const auto& n : ends.of(i))
-        for (const auto& m : ends.of(n.to)) {
-          if (around[i] == many_around) break;
-          around[i] += std::exchange(seen[m.to], i) != i;
-        }
+        for (const auto& m : ends.of(n.to)) around[i] += std::exchange(seen[m.to], i) != i;
   });
   for (std::uint32_t i = 0; i < count; ++i)
     for (const auto& n : ends.of(i)) max_near[i] = std::max(max_near[i], around[n.to]);

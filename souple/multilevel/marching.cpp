@@ -15,9 +15,6 @@ constexpr std::size_t seed_grain = 1024;
 /// Relative difference of lengths that is not worth another entry of the queue. The paths across two triangles to one
 /// particle often differ by rounding alone.
 constexpr float indifferent = 1e-5f;
-/// So many links of a particle form triangles with those of its neighbors. The hub of a fan of n triangles has n, which
-/// each of the n others would search.
-constexpr std::size_t most_neighbors = 256;
 /// Square of the length in Triangle's coordinates; infinite if the line does not cross the edge. du2, dw2: squares of
 /// the distances to u and w.
 float unfolded_squared(float du2, float dw2, const LinkTriangles::Triangle& t) {
@@ -90,7 +87,7 @@ void LinkTriangles::find_triangles(std::uint32_t first, std::uint32_t last,
     for (const Neighbor& n : of(u)) to_w[n.to] = {u, n.length};
     for (Neighbor& n : neighbors_[u]) {
       n.triangle_begin = static_cast<std::uint32_t>(triangles.size());
-      for (const Neighbor& m : of(n.to).first(std::min(most_neighbors, of(n.to).size()))) {
+      for (const Neighbor& m : of(n.to)) {
         Triangle t{m.to};
         if (to_w[m.to].first == u && set_corner(to_w[m.to].second, n.length, m.length, t))
           triangles.push_back(t);

@@ -1,13 +1,10 @@
 #include "tests/expect_error.h"
 #include "tests/world/scene.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <ctime>
 #include <functional>
 #include <limits>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -347,35 +344,6 @@ TEST(BadSurfaces, PositionsThatAreNoNumbersAreRefused) {
   // All vertices at one point: accepted.
   world.set_positions(cloth, std::vector<Vec3f>(16, Vec3f{0.1f, 0.2f, 0.3f}));
   for (int frame = 0; frame < 60; ++frame) EXPECT_TRUE(world.step(frame_time).ok());
-}
-
-/// Triangles around one edge, or around one vertex.
-TriangleMesh fan_of(std::uint32_t triangles, bool around_an_edge) {
-  TriangleMesh mesh;
-  mesh.positions = {{0, 0, 0}, {0, 0, 1}};
-  for (std::uint32_t i = 0; i < triangles; ++i) {
-    const double angle = 2 * std::numbers::pi * i / triangles;
-    mesh.positions.push_back({std::cos(angle), std::sin(angle), 0.5});
-    mesh.triangles.push_back({0, around_an_edge ? 1 : (i + 1) % triangles + 2, i + 2});
-  }
-  return mesh;
-}
-
-// Processor time, which other programs leave alone. Quadratic work would take 64 times as long.
-TEST(Limits, EightTimesAsManyTrianglesOfAFanTakeAboutEightTimesAsLong) {
-  const auto seconds = [](std::uint32_t triangles, bool around_an_edge) {
-    double least = 1e9;
-    for (int i = 0; i < 2; ++i) {
-      World world({.threads = 1});
-      world.add_cloth(fan_of(triangles, around_an_edge));
-      const std::clock_t start = std::clock();
-      world.prepare();
-      least = std::min(least, static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
-    }
-    return least;
-  };
-  for (const bool around_an_edge : {true, false})
-    EXPECT_LT(seconds(24000, around_an_edge), 25 * seconds(3000, around_an_edge) + 0.05) << around_an_edge;
 }
 
 }  // namespace souple::test_world_limits
