@@ -23,9 +23,10 @@ constexpr double floor = 1e-8;
 /// Weights of a link's directions at the substep's end and start in that of its force; the rest is that of a substep
 /// before. The loss of a swing is proportional to 2 end + start - 1 = 0.09. A smaller one calms a jerked rope too slowly.
 constexpr double end_weight = 0.32, start_weight = 0.45;
-/// A link that is jerked gets the weights 1/2, 1/2 and 0. The jerk is the change, from substep to substep, of the angle that
-/// it turns in a substep: between these two [rad] the weights change gradually. A link that whirls steadily does not change it, however fast.
-constexpr double small_jerk = 0.004, large_jerk = 0.008;
+/// A link that turns fast gets the weights 1/2, 1/2 and 0: gradually, from the first of these angles per substep to the
+/// second [rad]. At 600 substeps a second the first is 9 rad/s: twice the speed of a pendulum of 1 m that falls from
+/// the horizontal.
+constexpr double slow_turn = 0.015, fast_turn = 0.03;
 /// Cosine of the angle per substep up to which a link's force acts along a mean of its directions.
 constexpr double little_turn = 0.9;
 /// Lengths below this part of the rest length do not make a link turn more stiffly.
@@ -151,8 +152,7 @@ void TreeElimination::load(const Work& work, const ParticleView& particles, bool
     const Node& parent = parent_of(work, k);
     load_link(node, parent, link, work.h2);
     const Vec3d predicted = predicted_[work.begin + k] - predicted_[link.parent];
-    const Vec3d before = (node.x - parent.x) * 2 - predicted;
-    node.before = before * (1 / max(length(before), 1e-18));
+    weigh_directions(node, (node.x - parent.x) * 2 - predicted);
   }
   for (std::size_t k = 0; k < work.nodes.size(); ++k) {
     Node& node = work.nodes[k];
@@ -179,15 +179,13 @@ void TreeElimination::load_link(Node& node, const Node& parent, const TreeNode& 
   if (node.fixed() && !parent.fixed()) node.alpha = max(node.alpha, floor / parent.mass);
 }
 
-/// Sets f, and how much of t turns with g.
-void TreeElimination::weigh_directions(Node& node) {
-  node.f = node.g, node.turn = node.t;
-  if (!(dot(node.g, node.g0) > little_turn)) return;
-  const double jerk = length(across(node.g0, node.g + node.before));
-  const double calm = std::clamp((large_jerk - jerk) / (large_jerk - small_jerk), 0.0, 1.0);
-  const double a = 0.5 + calm * (end_weight - 0.5), b = 0.5 + calm * (start_weight - 0.5);
-  node.f = node.g * a + node.g0 * b + node.before * (1 - a - b);
-  node.turn = a * node.t;
+// `before`: difference of the link's ends one substep before the start.
+void TreeElimination::weigh_directions(Node& node, const Vec3d& before) {
+  const Vec3d g = before * (1 / max(length(before), 1e-18));
+  const double slow = std::clamp((fast_turn - length(node.g0 - g)) / (fast_turn - slow_turn), 0.0, 1.0);
+  node.a = 0.5 + slow * (end_weight - 0.5);
+  const double b = 0.5 + slow * (start_weight - 0.5);
+  node.others = node.g0 * b + g * (1 - node.a - b);
 }
 
 void TreeElimination::store(const Work& work, const ParticleView& particles, bool with_forces) {
@@ -266,7 +264,9 @@ void TreeElimination::eliminate(Node& node, Node& parent) {
   node.g = d * (1 / max(l, 1e-18));
   node.C = l - node.length;
   node.t = max(0.0, -node.lambda) / max(l, shortest * node.length);
-  weigh_directions(node);
+  const bool little = dot(node.g, node.g0) > little_turn;
+  node.f = little ? node.g * node.a + node.others : node.g;
+  node.turn = little ? node.a * node.t : node.t;
   const Mat3d tP = scaled_identity(node.turn) - outer(node.g * node.turn, node.g);
   node.D = node.fixed() ? Mat3d{} : inverse(node.D + tP);
   const Vec3d right = node.D * node.g, left = transpose(node.D) * node.g, n = node.D * node.f,

@@ -180,13 +180,9 @@ TEST(Spin, FallsByTheLawOfTheScheme) {
 // 2 s.
 std::vector<double> ring(SoftBodyModel model, const Settings& settings) {
   World world(settings);
-  const ObjectId body =
-      world.add_soft_body(tet_bar(4, 4, 4, {0.2, 0.2, 0.2}),
-                          {.young_modulus = 2e3f,
-                           .poisson_ratio = 0.3f,
-                           .density = 1000,
-                           .damping_time = 0,
-                           .model = model});
+  const ObjectId body = world.add_soft_body(
+      tet_bar(4, 4, 4, {0.2, 0.2, 0.2}),
+      {.young_modulus = 2e3f, .poisson_ratio = 0.3f, .density = 1000, .damping_time = 0, .model = model});
   std::vector<Vec3f> x(world.positions(body).begin(), world.positions(body).end());
   for (Vec3f& p : x) p.x *= 1.1f;
   world.set_positions(body, x);
