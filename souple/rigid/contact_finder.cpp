@@ -299,7 +299,7 @@ ContactFinder::Saved ContactFinder::read(SavedBytes& in, std::size_t bodies) {
   std::uint64_t count = 0;
   in.get(count);
   Saved saved;
-  for (std::uint64_t p = 0; p < count; ++p) {
+  for (std::size_t p = 0; p < count; ++p) {
     Pair& pair = saved.pairs.emplace_back();
     RigidContact& contact = saved.contacts.emplace_back();
     for_each_field(pair, contact, [&in](auto& value) { in.get(value); });
