@@ -327,8 +327,8 @@ void resume_particles(WorldState& world, const Loaded& loaded) {
   std::copy(loaded.contact_margin.begin(), loaded.contact_margin.end(), particles.contact_margin.begin());
   for (const auto& object : world.objects)
     if (object->traits().rolls)
-      std::copy_n(loaded.spin.begin() + object->begin, object->particle_count(),
-                  particles.spin.begin() + object->begin);
+      std::copy_n(loaded.spin.data() + object->begin, object->particle_count(),
+                  particles.spin.data() + object->begin);
 }
 
 /// A collider without a pose in the snapshot had its own motion then.
