@@ -42,7 +42,7 @@ Build joined(const joint::Kind& kind, bool to_third = false) {
   };
 }
 
-Build cloth(std::uint32_t columns, std::uint32_t rows) {
+Build cloth(int columns, int rows) {
   return [=](World& world) { world.add_cloth(grid(columns, rows, 1)); };
 }
 
