@@ -233,6 +233,8 @@ void load_particles(const WorldState& world, SavedBytes in, Loaded& loaded) {
              all_finite(loaded.contact_margin) && all_finite(loaded.spin));
   in.require(
       std::all_of(loaded.position.begin(), loaded.position.end(), [](const Vec4f& x) { return x.w >= 0; }));
+  in.require(
+      std::all_of(loaded.offset.begin(), loaded.offset.end(), [](const Vec4f& d) { return d.w == 0; }));
   in.require(std::all_of(loaded.contact_margin.begin(), loaded.contact_margin.end(),
                          [](float margin) { return margin >= 0; }));
 }
