@@ -23,10 +23,10 @@ constexpr double floor = 1e-8;
 /// Weights of a link's directions at the substep's end and start in that of its force; the rest is that of a substep
 /// before. The loss of a swing is proportional to 2 end + start - 1 = 0.09. A smaller one calms a jerked rope too slowly.
 constexpr double end_weight = 0.32, start_weight = 0.45;
-/// A link that turns fast gets the weights 1/2, 1/2 and 0: gradually, from the first of these angles per substep to the
-/// second [rad]. At 600 substeps a second the first is 9 rad/s: twice the speed of a pendulum of 1 m that falls from
-/// the horizontal.
-constexpr double slow_turn = 0.015, fast_turn = 0.03;
+/// A link that is jerked gets the weights 1/2, 1/2 and 0. The jerk is the change, from one substep to the next, of the
+/// angle that it turns in a substep: between these two [rad] the weights change gradually. A link that whirls steadily
+/// does not change it, however fast it turns.
+constexpr double small_jerk = 0.002, large_jerk = 0.004;
 /// Cosine of the angle per substep up to which a link's force acts along a mean of its directions.
 constexpr double little_turn = 0.9;
 /// Lengths below this part of the rest length do not make a link turn more stiffly.
@@ -132,8 +132,8 @@ void TreeElimination::project(int, std::size_t begin, std::size_t end, const Par
     Work work{trees_.begin[tree], {}, square(substep.h)};
     work.nodes = std::span(nodes_).subspan(trees_.begin[begin], trees_.begin[tree + 1] - work.begin);
     load(work, particles, begun_[tree] != 0);
+    solve(tree, work, begun_[tree] != 0);
     begun_[tree] = 1;
-    solve(tree, work);
     store(work, particles, substep.external != nullptr);
   }
 }
@@ -152,7 +152,9 @@ void TreeElimination::load(const Work& work, const ParticleView& particles, bool
     const Node& parent = parent_of(work, k);
     load_link(node, parent, link, work.h2);
     const Vec3d predicted = predicted_[work.begin + k] - predicted_[link.parent];
-    weigh_directions(node, (node.x - parent.x) * 2 - predicted);
+    const Vec3d before = (node.x - parent.x) * 2 - predicted;
+    node.before = before * (1 / max(length(before), 1e-18));
+    weigh_directions(node, begun ? kept_[work.begin + k].calm : 1);
   }
   for (std::size_t k = 0; k < work.nodes.size(); ++k) {
     Node& node = work.nodes[k];
@@ -179,13 +181,26 @@ void TreeElimination::load_link(Node& node, const Node& parent, const TreeNode& 
   if (node.fixed() && !parent.fixed()) node.alpha = max(node.alpha, floor / parent.mass);
 }
 
-// `before`: difference of the link's ends one substep before the start.
-void TreeElimination::weigh_directions(Node& node, const Vec3d& before) {
-  const Vec3d g = before * (1 / max(length(before), 1e-18));
-  const double slow = std::clamp((fast_turn - length(node.g0 - g)) / (fast_turn - slow_turn), 0.0, 1.0);
-  node.a = 0.5 + slow * (end_weight - 0.5);
-  const double b = 0.5 + slow * (start_weight - 0.5);
-  node.others = node.g0 * b + g * (1 - node.a - b);
+void TreeElimination::weigh_directions(Node& node, double calm) {
+  node.calm = calm;
+  node.a = 0.5 + calm * (end_weight - 0.5);
+  const double b = 0.5 + calm * (start_weight - 0.5);
+  node.others = node.g0 * b + node.before * (1 - node.a - b);
+}
+
+// Weighs the directions of the links that are jerked. Returns whether there are any.
+bool TreeElimination::find_jerks(const Work& work) const {
+  bool any = false;
+  for (std::size_t k = 0; k + 1 < work.nodes.size(); ++k) {
+    Node& node = work.nodes[k];
+    const Vec3d d = node.x - parent_of(work, k).x;
+    const double jerk = length(across(node.g0, d * (1 / max(length(d), 1e-18)) + node.before));
+    const double calm = std::clamp((large_jerk - jerk) / (large_jerk - small_jerk), 0.0, 1.0);
+    if (calm == 1) continue;
+    weigh_directions(node, calm);
+    any = true;
+  }
+  return any;
 }
 
 void TreeElimination::store(const Work& work, const ParticleView& particles, bool with_forces) {
@@ -193,6 +208,7 @@ void TreeElimination::store(const Work& work, const ParticleView& particles, boo
     const Node& node = work.nodes[k];
     Kept& kept = kept_[work.begin + k];
     kept.lambda = node.lambda;
+    kept.calm = node.calm;
     if (with_forces) kept.force = node.length > 0 ? node.f * node.lambda : node.lambdas;
     if (node.fixed()) continue;
     const std::uint32_t i = trees_.nodes[work.begin + k].particle;
@@ -202,12 +218,13 @@ void TreeElimination::store(const Work& work, const ParticleView& particles, boo
   }
 }
 
-void TreeElimination::solve(std::size_t tree, const Work& work) {
+void TreeElimination::solve(std::size_t tree, const Work& work, bool begun) {
   for (int step = 0; step < most_steps; ++step) {
     assemble(tree, work);
     const Change change = substitute(work);
     const double part = change.longest > longest_step ? longest_step / change.longest : 1;
     for (Node& node : work.nodes) node.x += node.dx * part;
+    if (step == 0 && !begun && find_jerks(work)) continue;
     if (change.longest < enough && change.by_tension < enough_of_tension) return;
   }
 }

@@ -28,9 +28,10 @@ namespace souple {
 ///
 /// whose solutions shrink by sqrt((1 + c (omega h)^2) / (1 + a (omega h)^2)) per substep: a swing loses (a - c) omega^2 h
 /// of its energy per second. a = 1 is implicit Euler, a = c loses nothing (a = b = 1/2: half as much as a = 1). a - c is
-/// small here, and positive: what swings faster than substeps can follow loses sqrt(c / a) per substep. Links that turn
-/// fast (whips, jerks) have c = 0, and a link that turns far in one substep has f_j = g_j. Newton's method solves, until
-/// no particle moves further than a hundredth of its link relative to its parent,
+/// small here, and positive: what swings faster than substeps can follow loses sqrt(c / a) per substep. Links that are
+/// jerked have c = 0, and a link that turns far in one substep has f_j = g_j. The first step of a substep finds which
+/// links are jerked. Newton's method solves, until no particle moves further than a hundredth of its link relative to
+/// its parent,
 ///
 ///   (M + T) dx - f lambda = M (y - x),   g . dx + alpha~ lambda = -C,
 ///   T = sum_j a t_j (I - g_j g_j^T) on the difference of the ends,   t_j = max(0, -lambda_j) / |d_j|
@@ -80,7 +81,8 @@ class TreeElimination final : public Projector {
     Vec3d lambdas;           ///< of a link without length
     Vec3d dx, r;             ///< unknown and right side
     Mat3d D;                 ///< the node's block; once eliminated, the inverse N^-1
-    Vec3d g0, g;             ///< direction of the link at the substep's start and now
+    Vec3d before, g0, g;     ///< g-: direction of the link one substep earlier; at the substep's start; now
+    double calm = 1;         ///< 0: jerked
     double a = 1;            ///< weight of g in f
     Vec3d others;            ///< b g0 + c g-
     Vec3d f, p;              ///< direction of its force; see `eliminate`
@@ -103,7 +105,8 @@ class TreeElimination final : public Projector {
   struct Kept {
     Vec3d moved;        ///< by the projections so far [m]
     double lambda = 0;  ///< of the link
-    Vec3d force;        ///< f lambda, if forces are recorded
+    double calm = 1;
+    Vec3d force;  ///< f lambda, if forces are recorded
   };
   /// A tree that is being solved.
   struct Work {
@@ -119,9 +122,10 @@ class TreeElimination final : public Projector {
   }
   void load(const Work& work, const ParticleView& particles, bool begun);
   void load_link(Node& node, const Node& parent, const TreeNode& link, double h2) const;
-  static void weigh_directions(Node& node, const Vec3d& before);
+  static void weigh_directions(Node& node, double calm);
+  bool find_jerks(const Work& work) const;
   void store(const Work& work, const ParticleView& particles, bool with_forces);
-  void solve(std::size_t tree, const Work& work);
+  void solve(std::size_t tree, const Work& work, bool begun);
   void assemble(std::size_t tree, const Work& work);
   StructureFacet::Pull pull_of(const Anchor& anchor) const {
     return attachments_[anchor.set].structure->pull(anchor.constraint);

@@ -174,6 +174,26 @@ TEST(Pendulum, LosesLittleAtDefaultSettings) {
   }
 }
 
+// A link that whirls loses at most 0.2 omega^2 h of its energy per second, however fast it turns in a substep.
+TEST(Pendulum, WhirlsAsLongAsItSwings) {
+  for (const Swinging what : {Swinging::link, Swinging::rope})
+    for (const double angle : {0.01, 0.033, 0.1}) {  // per substep
+      const Settings settings{.gravity = {}, .wind = {.air_density = 0}};
+      World world(settings);
+      const ObjectId object = add_swinging(world, what);
+      const double h = 1.0 / 60 / settings.substeps, omega = angle / h;
+      std::vector<Vec3f> velocities;
+      for (const Vec3f& x : world.positions(object))
+        velocities.push_back(Vec3f(cross(Vec3d{0, 0, omega}, Vec3d(x))));
+      world.set_velocities(object, velocities);
+      EXPECT_TRUE(run(world, 3, 1.0 / 60));
+      const double before = world.kinetic_energy(object);
+      EXPECT_TRUE(run(world, 12, 1.0 / 60));
+      const double rate = std::log(before / world.kinetic_energy(object)) / 0.2;
+      EXPECT_LT(std::abs(rate), 0.2 * omega * omega * h) << static_cast<int>(what) << ", " << angle << " rad";
+    }
+}
+
 // 10 m from the origin and small steps: a swing of 0.01 rad must not freeze (floats have a resolution of 1e-6
 // m there).
 TEST(Pendulum, SwingsFarFromTheOrigin) {
