@@ -91,7 +91,7 @@ void import_surface(NewObject& made, const TriangleMesh& mesh, const Transform& 
   made.sentences = repaired.sentences;
   const Weld& weld = repaired.weld;
   import_particles(object, gather<Vec3d>(weld, object.mesh.positions), weld.to_welded, weld.to_vertex);
-  if (repaired.source != identity(object.mesh.triangles.size())) object.triangles.source = repaired.source;
+  if (repaired.source != identity(object.mesh.triangles.size())) object.triangle_source = repaired.source;
   for (const Triangle& triangle : repaired.triangles)
     object.surface.push_back({object.particle_of[weld.to_vertex[triangle[0]]],
                               object.particle_of[weld.to_vertex[triangle[1]]],

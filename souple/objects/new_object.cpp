@@ -40,7 +40,7 @@ void shrink(Object& object) {
   const auto shrink_all = [](auto&... vectors) { (vectors.shrink_to_fit(), ...); };
   shrink_all(object.mesh.positions, object.mesh.triangles, object.mesh.uvs, object.mesh.colors,
              object.mesh.faces, object.mesh.face_uvs, object.tets.positions, object.tets.tets, object.rest,
-             object.particle_of, object.vertex_of, object.surface, object.triangles.source,
+             object.particle_of, object.vertex_of, object.surface, object.triangle_source,
              object.per_particle.stiffness, object.per_particle.thickness, object.per_particle.outside);
   for (auto* map : {&object.particle_of, &object.vertex_of}) map->reserve(object.capacity);
   object.rest.reserve(object.capacity);

@@ -37,15 +37,6 @@ struct PinnedParticle {
   std::optional<Vec3d> arrival;  ///< end of the next step [m]
 };
 
-/// Triangles of an object's surface.
-struct SurfaceTriangles {
-  /// Cloth and obstacles: index in the mesh of each triangle; empty: identity.
-  std::vector<std::uint32_t> source;
-  /// Computed at the first wind: particle i belongs to the triangles of[k] with begin[i] <= k < begin[i + 1], in ascending
-  /// order.
-  std::vector<std::uint32_t> begin, of;
-};
-
 /// Values of an object's particles; each list may be empty.
 struct ParticleValues {
   std::vector<float> stiffness, thickness;  ///< factors; empty: 1
@@ -110,7 +101,8 @@ struct Object {
   std::optional<Embedding> embedding;      ///< user vertices in `tets`, if they are not particles
   /// Triangles over particles, for wind and pressure; may be empty.
   std::vector<std::array<std::uint32_t, 3>> surface;
-  SurfaceTriangles triangles;  ///< of `surface`
+  /// Cloth and obstacles: index in the mesh of each triangle of `surface`; empty: identity.
+  std::vector<std::uint32_t> triangle_source;
   ParticleValues per_particle;
   std::vector<PinnedParticle> pins;  ///< ascending by particle
   ObjectCollision collision;

@@ -166,7 +166,7 @@ CodecPtr<SceneDescription> scene_codec() {
   add_setting_keys(*keys);
   keys->key<&S::camera>("camera", camera_codec(), "a good viewpoint for the scene")
       .key<&S::sky>("sky", maybe(sky_codec()), "light from a panorama, in pictures")
-      .key<&S::settings, &Settings::wind>("wind", wind_codec(), "moving air")
+      .key<&S::settings, &Settings::wind>("wind", wind_codec(), "air, still or moving")
       .key<&S::objects>("objects", list(object_codec(), 0, 10000),
                         "cloth, soft bodies, ropes, grains, fluids, obstacles and rigid bodies")
       .key<&S::colliders>("colliders", list(collider_codec(), 0, 10000), "solids that objects collide with")

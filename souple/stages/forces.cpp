@@ -21,24 +21,8 @@ double hashed(std::uint64_t seed, std::uint64_t index) {
   return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-// Minimum number of triangles or particles per thread.
-constexpr std::size_t force_grain = 512;
-
-void find_triangles_of_particles(Object& object) {
-  if (object.triangles.begin.size() == object.particle_count() + 1 &&
-      object.triangles.of.size() == 3 * object.surface.size())
-    return;
-  object.triangles.begin.assign(object.particle_count() + 1, 0);
-  object.triangles.of.resize(3 * object.surface.size());
-  for (const auto& triangle : object.surface)
-    for (const std::uint32_t i : triangle) ++object.triangles.begin[i];
-  std::uint32_t sum = 0;
-  for (std::uint32_t& begin : object.triangles.begin) begin = sum += begin;
-  // Filled from the back: each list's end becomes its begin.
-  for (std::size_t t = object.surface.size(); t-- > 0;)
-    for (const std::uint32_t i : object.surface[t])
-      object.triangles.of[--object.triangles.begin[i]] = static_cast<std::uint32_t>(t);
-}
+// Minimum number of triangles per thread, and number of them whose forces are held at once.
+constexpr std::size_t force_grain = 512, force_block = 8192;
 
 Air air_of(const Wind& settings, const ClothMaterial& material, const Vec3f& wind, float h) {
   return {{wind.x, wind.y, wind.z}, settings.air_density,   material.air_drag,
@@ -55,35 +39,35 @@ Vec3f third_of_air_force(const Particles& particles, std::uint32_t a, std::uint3
          (1.0f / 3);
 }
 
-void push_triangles(const StageView& stage, const Object& object, const Air& air,
-                    std::vector<Vec4f>& triangle_force) {
+// Fills `thirds` for triangles [begin, end) of an object.
+void push_triangles(const StageView& stage, const Object& object, const Air& air, std::size_t begin,
+                    std::size_t end, std::span<Vec4f> thirds) {
   const Particles& particles = stage.objects.particles;
   const kernels::TriangleKernels* kernels = find_triangle_kernels(instruction_set());
+  const Triangle* const triangles = object.surface.data() + begin;
   const kernels::TriangleArrays arrays{&particles.position.data()->x, &particles.velocity.data()->x,
-                                       object.surface.data(), object.begin, &triangle_force.data()->x};
-  stage.threads.for_each(object.surface.size(), force_grain, [&](std::size_t t, std::size_t end) {
-    if (kernels) t = kernels->air_forces(arrays, air, t, end);
-    for (; t < end; ++t) {
-      const Triangle& corner = object.surface[t];
+                                       triangles, object.begin, &thirds.data()->x};
+  stage.threads.for_each(end - begin, force_grain, [&](std::size_t t, std::size_t last) {
+    if (kernels) t = kernels->air_forces(arrays, air, t, last);
+    for (; t < last; ++t) {
+      const auto& [a, b, c] = triangles[t];
       const std::uint32_t first = object.begin;
-      triangle_force[t].set_xyz(
-          third_of_air_force(particles, first + corner[0], first + corner[1], first + corner[2], air));
+      thirds[t].set_xyz(third_of_air_force(particles, first + a, first + b, first + c, air));
     }
   });
 }
 
-// Every particle gathers from its triangles: no two threads write to one particle, and the order of the sum
-// is fixed.
-void gather_forces(const StageView& stage, const Object& object, std::span<const Vec4f> of_triangle) {
-  std::vector<Vec4f>& of_particle = stage.objects.particles.start;
-  stage.threads.for_each(object.particle_count(), force_grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      Vec3f sum;
-      for (std::uint32_t k = object.triangles.begin[i]; k < object.triangles.begin[i + 1]; ++k)
-        sum += of_triangle[object.triangles.of[k]].xyz();
-      of_particle[object.begin + i].set_xyz(sum);
-    }
-  });
+// Blocks of triangles stay in the cache. One thread adds the forces, so the order of each sum is fixed.
+void push_object(const StageView& stage, const Object& object, const Air& air, std::span<Vec4f> thirds) {
+  Vec4f* const force = stage.objects.particles.start.data() + object.begin;
+  std::fill(force, force + object.particle_count(), Vec4f{});
+  for (std::size_t begin = 0; begin < object.surface.size(); begin += thirds.size()) {
+    const std::size_t end = std::min(begin + thirds.size(), object.surface.size());
+    push_triangles(stage, object, air, begin, end, thirds);
+    for (std::size_t t = begin; t < end; ++t)
+      for (const std::uint32_t i : object.surface[t])
+        force[i].set_xyz(force[i].xyz() + thirds[t - begin].xyz());
+  }
 }
 
 }  // namespace
@@ -104,19 +88,17 @@ Vec3f wind_at(const Settings& settings, double t) {
 bool feels_air(const Object& object, const Wind& air) {
   const auto* const material = std::get_if<ClothMaterial>(&object.material);
   return material != nullptr && (material->air_drag > 0 || material->air_lift > 0) && air.air_density > 0 &&
-         air.velocity != Vec3f{} && object.sleep.island == 0;
+         object.sleep.island == 0;
 }
 
-void find_air_forces(const StageView& stage, float h, std::vector<Vec4f>& of_triangle) {
+void find_air_forces(const StageView& stage, float h, std::vector<Vec4f>& thirds) {
   const Wind& settings = stage.settings.wind;
   const Vec3f wind = wind_at(stage.settings, stage.time);
   for (const auto& object : stage.objects.objects) {
     if (!feels_air(*object, settings)) continue;
     const auto& material = std::get<ClothMaterial>(object->material);
-    find_triangles_of_particles(*object);
-    of_triangle.resize(std::max(of_triangle.size(), object->surface.size()));
-    push_triangles(stage, *object, air_of(settings, material, wind * object->wind_exposure, h), of_triangle);
-    gather_forces(stage, *object, of_triangle);
+    thirds.resize(std::max(thirds.size(), std::min(force_block, object->surface.size())));
+    push_object(stage, *object, air_of(settings, material, wind * object->wind_exposure, h), thirds);
   }
 }
 

@@ -13,12 +13,12 @@ namespace souple {
 /// every run has the same weather.
 Vec3f wind_at(const Settings& settings, double t);
 
-/// True for a cloth that is awake and has a drag or lift coefficient, where there is wind. Still air does not resist.
+/// True for a cloth that is awake and has a drag or lift coefficient, where there is air: still air resists too.
 bool feels_air(const Object& object, const Wind& air);
 
 /// Finds the drag and lift of the air for a substep of h seconds, on the particles of each object that feels_air. The force
-/// [N] waits in Particles::start, which the prediction reads and then overwrites. `of_triangle`: scratch.
-void find_air_forces(const StageView& stage, float h, std::vector<Vec4f>& of_triangle);
+/// [N] waits in Particles::start, which the prediction reads and then overwrites. `thirds`: scratch.
+void find_air_forces(const StageView& stage, float h, std::vector<Vec4f>& thirds);
 
 /// All that accelerates particles from outside.
 struct ExternalForces {

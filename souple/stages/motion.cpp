@@ -151,7 +151,7 @@ std::optional<std::size_t> predict_motion(const StageView& stage,
                                           const Substep& substep, MotionScratch& scratch) {
   const ObjectsView& objects = stage.objects;
   const ExternalForces forces{stage, fields, wind_at(stage.settings, stage.time)};
-  find_air_forces(stage, substep.h, scratch.air_of_triangle);
+  find_air_forces(stage, substep.h, scratch.air_thirds);
   std::vector<Vec4f>& p = objects.particles.offset;
   LowestParticle first_non_finite;
   const auto one_by_one = [&](std::size_t begin, std::size_t end) {

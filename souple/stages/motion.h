@@ -21,9 +21,9 @@ using Integrate = Predicted (*)(const ExternalForces& forces, std::size_t i, con
 
 /// Data of a substep, kept so that a step allocates nothing.
 struct MotionScratch {
-  std::vector<Vec4f> air_of_triangle;  ///< of the current cloth: a third of the air's force [N]
-  Integrate integrate = nullptr;       ///< null: semi-implicit Euler
-  std::vector<Vec4f> predicted;        ///< p* of other integrators
+  std::vector<Vec4f> air_thirds;  ///< of some triangles: a third of the air's force [N]
+  Integrate integrate = nullptr;  ///< null: semi-implicit Euler
+  std::vector<Vec4f> predicted;   ///< p* of other integrators
 };
 
 /// v* and p* from external forces, by the integrator of `scratch`.

@@ -19,7 +19,7 @@ enum class Integrator {
   implicit_euler   ///< v* = v + h w f(p*, v*), p* = x + h v*   (implicit in the external forces)
 };
 
-/// Moving air. It acts on the triangles of cloths (drag and lift per area: docs/materials.md, Air) and, through the linear
+/// Air, still or moving. It acts on the triangles of cloths (drag and lift per area: docs/materials.md, Air) and, through the linear
 /// drag of Settings, on particles.
 struct Wind {
   Vec3f velocity{};            ///< m/s

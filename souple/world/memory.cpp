@@ -43,10 +43,9 @@ std::size_t bytes_of_motion(const ObstacleMotion& motion) {
 
 /// Maps between vertices and particles, and the triangles over particles.
 std::size_t bytes_of_maps(const Object& object) {
-  std::size_t sum =
-      bytes_of(object.particle_of, object.vertex_of, object.surface, object.triangles.source,
-               object.per_particle.stiffness, object.per_particle.thickness, object.per_particle.outside,
-               object.pins, object.triangles.begin, object.triangles.of);
+  std::size_t sum = bytes_of(object.particle_of, object.vertex_of, object.surface, object.triangle_source,
+                             object.per_particle.stiffness, object.per_particle.thickness,
+                             object.per_particle.outside, object.pins);
   if (object.embedding)
     sum += bytes_of(object.embedding->vertices, object.embedding->weights, object.embedding->tets);
   return sum;
@@ -111,8 +110,8 @@ MemoryReport World::memory() {
       {"last valid state", bytes_of(world.current.last_valid.position, world.current.last_valid.offset,
                                     world.current.last_valid.velocity, world.current.last_valid.spin)});
   report.simulation.push_back(
-      {"forces and predictions", bytes_of(world.scratch->motion.predicted,
-                                          world.scratch->motion.air_of_triangle, world.scratch->rigid_sums)});
+      {"forces and predictions", bytes_of(world.scratch->motion.predicted, world.scratch->motion.air_thirds,
+                                          world.scratch->rigid_sums)});
   add_constraints(world, report);
   report.simulation.push_back(
       {"contacts", world.contact->contacts.bytes() + world.scratch->sleep->proximity.bytes()});

@@ -66,7 +66,7 @@ ObjectId add_sheet(World& world, const Transform& transform) {
 }
 
 TEST(Intersections, SheetsThatCrossFromSideToSideComeApart) {
-  World world({.gravity = {}});
+  World world({.gravity = {}, .wind = {.air_density = 0}});
   add_sheet(world, {});
   add_sheet(world, upright(0.21));
   const Vec3d before = total_momentum(world);
@@ -371,7 +371,7 @@ TEST(Layers, ACoatThatBeginsInsideOfTheShirtComesOut) {
 }
 
 TEST(Layers, NothingIsPushedFromOutside) {
-  World world({.gravity = {}});
+  World world({.gravity = {}, .wind = {.air_density = 0}});
   const ObjectId shirt = world.add_cloth(tube(24, 10, 0.165, 0.4), cotton, layer("shirt", 1));
   const ObjectId coat =
       world.add_cloth(tube(22, 8, 0.16, 0.3), cotton, layer("coat", 2, {.translation = {0.01, 0.02, 0}}));

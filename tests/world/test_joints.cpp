@@ -319,7 +319,7 @@ TEST(Ties, AHeavyBodyHangsFromLightCloth) {
 }
 
 TEST(Ties, TwoFreeObjectsKeepTheirMomentum) {
-  World world({.gravity = {}});
+  World world({.gravity = {}, .wind = {.air_density = 0}});
   const ObjectId cloth = world.add_cloth(grid(12, 12, 0.5), {}, {.name = "cloth"});
   const ObjectId body = world.add_rigid_body(small_box, {.density = 300}, at(0, -0.2, 0));
   world.set_collide("cloth", world.name(body), false);

@@ -140,7 +140,7 @@ TEST(Limits, AMotionBeyondTheLimitIsReported) {
 // Two grains fly along an axis at 6e8 m/s, one behind the other. Only the first leaves the range in two seconds, and
 // the report says so from then on.
 TEST(Limits, WhatLeavesThemIsFlaggedWithItsNameAndSpeed) {
-  World world({.gravity = {}});
+  World world({.gravity = {}, .wind = {.air_density = 0}});
   world.add_cloth(grid(3, 3, 1), {}, {.name = "near"});
   const ObjectId flying =
       world.add_grains(std::vector<Vec3d>{{0, -0.9e9, 0}, {0, 0, 0}}, {}, {.name = "flying"});

@@ -195,7 +195,7 @@ TEST(Objects, TeleportGivesNoVelocity) {
 }
 
 TEST(Objects, AnImpulseIsSharedByMass) {
-  World world({.gravity = {}});
+  World world({.gravity = {}, .wind = {.air_density = 0}});
   const ObjectId cloth = world.add_cloth(grid(5, 5, 1), {.areal_density = 0.5f});
   world.apply_impulse(cloth, all(), {0, 2, 0});
   world.step(0.01);

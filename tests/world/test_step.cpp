@@ -121,13 +121,38 @@ TEST(Step, LargeStrainThatTheSolverLeavesIsFlagged) {
 }
 
 // A sheet that falls in still air reaches its terminal speed: 1/2 rho c v^2 A = m g.
-TEST(Step, WindCarriesAFlatSheet) {
-  World world({.wind = {.velocity = {0, 1e-6f, 0}}});
+TEST(Step, StillAirResistsAFlatSheet) {
+  World world;
   const ClothMaterial paper{.areal_density = 0.1f, .air_drag = 1, .air_lift = 0};
   const ObjectId sheet = world.add_cloth(grid(5, 5, 1), paper);
   for (int i = 0; i < 600; ++i) world.step(1.0 / 60);
   const double terminal = std::sqrt(2 * 0.1 * 9.81 / 1.225);
   EXPECT_NEAR(-world.velocities(sheet)[12].y, terminal, 0.01 * terminal);
+}
+
+TEST(Step, StillAirIsTheLimitOfAFaintWind) {
+  std::vector<Vec3f> at[2];
+  for (const int k : {0, 1}) {
+    World world({.wind = {.velocity = {0, k == 0 ? 0.0f : 1e-6f, 0}}});
+    const ObjectId sheet = world.add_cloth(grid(11, 11, 1));
+    for (int i = 0; i < 180; ++i) world.step(1.0 / 60);
+    at[k].assign(world.positions(sheet).begin(), world.positions(sheet).end());
+  }
+  for (std::size_t i = 0; i < at[0].size(); ++i) EXPECT_LT(length(at[1][i] - at[0][i]), 1e-4f) << i;
+}
+
+// Air acts on triangles of cloth: where it is missing, and on ropes, grains and rigid bodies, all fall as in a vacuum.
+TEST(Step, AirResistsClothAndNothingElse) {
+  for (const float density : {0.0f, 1.225f}) {
+    World world({.wind = {.air_density = density}});
+    const ObjectId sheet = world.add_cloth(grid(5, 5, 1));
+    const ObjectId rope = world.add_rope(std::vector<Vec3d>{{3, 0, 0}, {4, 0, 0}}, 8);
+    const ObjectId ball = world.add_rigid_body(Sphere{}, {}, at(6, 0, 0));
+    const ObjectId grain = world.add_grains(std::vector<Vec3d>{{9, 0, 0}}, {.radius = 0.1f});
+    for (int i = 0; i < 60; ++i) world.step(1.0 / 60);
+    for (const ObjectId id : {rope, ball, grain}) EXPECT_NEAR(world.velocities(id)[0].y, -9.81, 1e-3);
+    EXPECT_EQ(density == 0, std::abs(world.velocities(sheet)[0].y + 9.81f) < 1e-3f);
+  }
 }
 
 TEST(Step, GustsComeFromTheSeed) {

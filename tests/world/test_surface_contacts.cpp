@@ -20,7 +20,8 @@ struct OnTwoTriangles {
 /// A sheet of n x n vertices is pressed with 10 m/s^2 on one of two triangles that can move. Each of these has
 /// thousands of contacts.
 OnTwoTriangles on_two_triangles(int n, int threads) {
-  OnTwoTriangles scene{World({.substeps = 2, .gravity = {}, .threads = threads}), {}, {}};
+  OnTwoTriangles scene{
+      World({.substeps = 2, .gravity = {}, .wind = {.air_density = 0}, .threads = threads}), {}, {}};
   scene.large = scene.world.add_cloth(grid(2, 2, 3), {.areal_density = 1});
   scene.fine = scene.world.add_cloth(grid(n, n, 1), {.areal_density = 1}, at(0.05, 0.003, 0.02));
   scene.world.add_force_field([](const ForcePoint& point) {
@@ -47,7 +48,7 @@ TEST(Crossings, GridCountsWhatAllPairsCount) {
 }
 
 World falling_sheet(int n, SelfCollision self_collision) {
-  World world;
+  World world({.wind = {.air_density = 0}});
   ObjectOptions options{.self_collision = self_collision};
   options.transform = {{0, 0.52, 0}, Quatd::from_axis_angle({0, 0, 1}, 1.48), 1};
   world.add_cloth(grid(n, n, 1), {.areal_density = 0.2f, .thickness = 0.3f / static_cast<float>(n)}, options);
@@ -68,7 +69,7 @@ TEST(SurfaceContacts, ASheetThatFallsInAHeapNeverPassesThroughItself) {
 
 // A stone thrown at a free sheet moves it: no crossing, and momentum is conserved.
 TEST(SurfaceContacts, AFastStoneDoesNotPass) {
-  World world({.gravity = {}});
+  World world({.gravity = {}, .wind = {.air_density = 0}});
   const ObjectId sheet =
       world.add_cloth(grid(12, 12, 0.5), {.thickness = 0.01f}, {.self_collision = SelfCollision::surfaces});
   ObjectOptions thrown = at(0.013, 0.5, 0.017);
@@ -305,7 +306,7 @@ TEST(VertexBalls, TheShapeAtRestHasNoContact) {
 
 // Two halves of a sheet, folded over each other and closing at 2 m/s, stop each other.
 TEST(VertexBalls, LayersOfAFoldedSheetStayApart) {
-  World world({.gravity = {}});
+  World world({.gravity = {}, .wind = {.air_density = 0}});
   const TriangleMesh mesh = grid(30, 30, 1);
   const ObjectId cloth = world.add_cloth(mesh, {.thickness = 0.005f}, with_balls);
   std::vector<Vec3f> v;
@@ -395,7 +396,7 @@ TEST(VertexBalls, CrossingsAreCountedAsTheCheckerCountsThem) {
 
 // A crumpled sheet in free flight: the contacts and the bound on motion leave its momentum as it is.
 TEST(VertexBalls, MomentumIsConserved) {
-  World world({.gravity = {}});
+  World world({.gravity = {}, .wind = {.air_density = 0}});
   const TriangleMesh mesh = grid(24, 24, 1);
   const ObjectId cloth = world.add_cloth(mesh, {.thickness = 0.005f}, with_balls);
   std::vector<Vec3f> v;

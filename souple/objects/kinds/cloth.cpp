@@ -66,7 +66,7 @@ void add_membrane(const Object& object, const ClothMaterial& m, ConstraintBuilde
       to.set<TriangleMembrane>().add(
           triangle,
           TriangleMembrane::from_rest(
-              x, frames[object.triangles.source.empty() ? t : object.triangles.source[t]].warp),
+              x, frames[object.triangle_source.empty() ? t : object.triangle_source[t]].warp),
           TriangleMembrane::compliance(warp * scale, weft * scale, poisson, shear * scale, area),
           m.damping_time, m.pbd_stretch);
     });

@@ -80,7 +80,7 @@ CodecPtr<FluidSettings> fluid_settings_codec() {
 }  // namespace
 
 CodecPtr<Wind> wind_codec() {
-  auto keys = table<Wind>("wind", "Moving air.");
+  auto keys = table<Wind>("wind", "Air, still or moving.");
   keys->key<&Wind::velocity>("velocity", vector3<float>(signed_range(1000)), "velocity of the air [m/s]")
       .key<&Wind::gust>("gust", number<float>(unit), "variation of the wind's strength, as a fraction")
       .key<&Wind::gust_period>("gust_period", number<float>(positive(1e4)), "period of the slowest gusts [s]")
