@@ -47,15 +47,18 @@ float spacing(const LinkEnds& ends, std::uint32_t i) {
 
 /// Rank of each particle, lowest chosen first: fixed particles, then free ones; of each, corners, then edges,
 /// then the interior. A coarser level that reaches the edges need not extrapolate there. Edges and corners
-/// have few particles within two links.
+/// have few particles within two links. Only so many ends of a neighbor count: those of thousands of triangles at one
+/// edge or vertex would cost the square of their number.
 std::vector<int> ranks(const LinkEnds& ends, std::span<const char> fixed, Threads& threads) {
+  constexpr std::size_t counted_ends = 1024;
   const std::size_t count = ends.size();
   std::vector<std::uint32_t> around(count), max_near(count);
   threads.for_each(count, march_chunk, [&](std::size_t begin, std::size_t end) {
     std::vector<std::uint32_t> seen(count, no_index);
     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i)
       for (const auto& n : ends.of(i))
-        for (const auto& m : ends.of(n.to)) around[i] += std::exchange(seen[m.to], i) != i;
+        for (const auto& m : ends.of(n.to).first(std::min(counted_ends, ends.of(n.to).size())))
+          around[i] += std::exchange(seen[m.to], i) != i;
   });
   for (std::uint32_t i = 0; i < count; ++i)
     for (const auto& n : ends.of(i)) max_near[i] = std::max(max_near[i], around[n.to]);

@@ -1,5 +1,6 @@
 #include "souple/multilevel/marching.h"
 
+#include "souple/assert.h"
 #include "souple/math/bit_cast.h"
 #include "souple/math/sentinels.h"
 
@@ -81,16 +82,32 @@ LinkTriangles::LinkTriangles(std::span<const Link> links, const LinkEnds& ends, 
 
 void LinkTriangles::find_triangles(std::uint32_t first, std::uint32_t last,
                                    std::vector<Triangle>& triangles) {
+  constexpr std::size_t few_neighbors = 64;
+  const auto is_before = [](const Neighbor& n, std::uint32_t to) { return n.to < to; };
   std::vector<std::pair<std::uint32_t, float>> to_w(size(), {no_index, 0});  // per w: u, |u w|
   triangles.reserve(std::size_t{24} * (last - first));
   for (std::uint32_t u = first; u < last; ++u) {
+    SOUPLE_ASSERT(of(u).size() <= few_neighbors ||
+                      std::is_sorted(of(u).begin(), of(u).end(),
+                                     [](const Neighbor& n, const Neighbor& m) { return n.to < m.to; }),
+                  "links of a particle with many are sorted");
     for (const Neighbor& n : of(u)) to_w[n.to] = {u, n.length};
     for (Neighbor& n : neighbors_[u]) {
       n.triangle_begin = static_cast<std::uint32_t>(triangles.size());
-      for (const Neighbor& m : of(n.to)) {
+      const auto add = [&](const Neighbor& m) {
         Triangle t{m.to};
         if (to_w[m.to].first == u && set_corner(to_w[m.to].second, n.length, m.length, t))
           triangles.push_back(t);
+      };
+      // The search of the longer list costs less than to go through it for each of its thousands of neighbors.
+      const std::span<const Neighbor> others = of(n.to);
+      if (others.size() > std::max(few_neighbors, of(u).size())) {
+        for (const Neighbor& w : of(u))
+          if (const auto m = std::lower_bound(others.begin(), others.end(), w.to, is_before);
+              m != others.end() && m->to == w.to)
+            add(*m);
+      } else {
+        for (const Neighbor& m : others) add(m);
       }
       n.triangle_end = static_cast<std::uint32_t>(triangles.size());
     }

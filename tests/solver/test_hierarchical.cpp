@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <functional>
 #include <memory>
 
@@ -132,6 +133,22 @@ std::vector<Link> links_of(const Sheet& sheet) {
     links.push_back({a, b, sheet.distances.set().params(i).rest_length, 1, 1});
   }
   return links;
+}
+
+// Thousands of triangles share one edge, as in a damaged file or a thick book.
+TEST(HierarchicalLevels, ManyTrianglesAtOneEdgeTakeTimeInProportion) {
+  const auto seconds_for = [](std::uint32_t count) {
+    std::vector<Link> links{{0, 1, 1, 1, 1}};
+    for (std::uint32_t end = 0; end < 2; ++end)
+      for (std::uint32_t i = 0; i < count; ++i) links.push_back({end, i + 2, 1.1f, 1, 1});
+    const std::vector<float> masses(count + 2, 1.0f);
+    const std::clock_t start = std::clock();
+    const std::vector<CoarseLevel> levels = build_levels(links, masses, 24, *serial());
+    EXPECT_LT(levels.front().finer.size(), masses.size());
+    return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  };
+  const double eighth = seconds_for(2500), all = seconds_for(20000);
+  EXPECT_LT(all, 24 * eighth + 0.1);  // 8 times if linear, 64 if quadratic
 }
 
 TEST(HierarchicalLevels, EveryParticleFollowsCoarseOnesByWeightsOfSumOne) {
