@@ -9,6 +9,8 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 namespace souple {
 namespace {
@@ -26,6 +28,20 @@ double squared_distance_to_box(const Vec3d& lo, const Vec3d& hi, const Vec3d& p)
   return sum;
 }
 
+// Two unit vectors perpendicular to the unit vector n, the first one as near to `along` as possible.
+std::pair<Vec3d, Vec3d> perpendicular(const Vec3d& n, const Vec3d& along) {
+  Vec3d u = along - n * dot(n, along);
+  if (!(length_squared(u) > 1e-6 * length_squared(along))) {
+    const Vec3d size{std::abs(n.x), std::abs(n.y), std::abs(n.z)};
+    const Vec3d other = size.x <= size.y && size.x <= size.z ? Vec3d{1, 0, 0}
+                        : size.y <= size.z                   ? Vec3d{0, 1, 0}
+                                                             : Vec3d{0, 0, 1};
+    u = other - n * dot(n, other);
+  }
+  u = u / length(u);
+  return {u, cross(n, u)};
+}
+
 }  // namespace
 
 MeshTree::MeshTree(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
@@ -36,6 +52,7 @@ MeshTree::MeshTree(std::span<const Vec3d> positions, std::span<const Triangle> t
     const Vec3d middle = (a + b + c) / 3.0;
     triangles_.push_back(
         {a, b, c, middle, max(length(a - middle), max(length(b - middle), length(c - middle)))});
+    for (const Vec3d& corner : {a, b, c}) rounding_ = max(rounding_, 1e-13 * length(corner));
   }
   nodes_.reserve(triangles.size());
   build(0, static_cast<std::uint32_t>(triangles_.size()));
@@ -65,7 +82,37 @@ MeshTree::Node MeshTree::node_of(std::uint32_t begin, std::uint32_t end) const {
   Vec3d extent;
   for (int k = 0; k < 3; ++k) extent[k] = max(node.hi[k] - node.center[k], node.center[k] - node.lo[k]);
   node.radius = length(extent);
+  node.slab = slab_of(node);
   return node;
+}
+
+bool MeshTree::Slab::is_beyond(const Vec3d& point, double distance) const {
+  const Vec3d along{dot(axis[0], point), dot(axis[1], point), dot(axis[2], point)};
+  return squared_distance_to_box(lo, hi, along) > distance * distance;
+}
+
+MeshTree::Slab MeshTree::slab_of(const Node& node) const {
+  Slab slab;
+  Vec3d longest{1, 0, 0};
+  double squared = 0;
+  for (std::uint32_t i = node.begin; i < min(node.end, node.begin + leaf_size); ++i) {
+    const Corners& t = triangles_[i];
+    for (const Vec3d& edge : {t.b - t.a, t.c - t.b, t.a - t.c})
+      if (length_squared(edge) > squared) longest = edge, squared = length_squared(edge);
+  }
+  const double area = length(node.area_normal);
+  slab.axis[2] = area > 0 ? node.area_normal / area : Vec3d{0, 0, 1};
+  std::tie(slab.axis[0], slab.axis[1]) = perpendicular(slab.axis[2], longest);
+  for (int k = 0; k < 3; ++k) {
+    const auto along = [&](const Vec3d& corner) { return dot(slab.axis[k], corner); };
+    slab.lo[k] = slab.hi[k] = along(triangles_[node.begin].a);
+    for (std::uint32_t i = node.begin; i < node.end; ++i)
+      for (const Vec3d& corner : {triangles_[i].a, triangles_[i].b, triangles_[i].c}) {
+        slab.lo[k] = min(slab.lo[k], along(corner));
+        slab.hi[k] = max(slab.hi[k], along(corner));
+      }
+  }
+  return slab;
 }
 
 std::uint32_t MeshTree::build(std::uint32_t begin, std::uint32_t end) {
@@ -104,6 +151,7 @@ MeshTree::Nearest MeshTree::nearest(const Vec3d& point, std::uint32_t guess, dou
     const std::uint32_t n = stack[--depth];
     const Node& node = nodes_[n];
     if (far(n) * enough > least) continue;
+    if (tolerance == 0 && node.slab.is_beyond(point, distance + rounding_)) continue;
     if (node.right == 0) {
       for (std::uint32_t i = node.begin; i < node.end; ++i) {
         const double max_distance = distance + triangles_[i].radius;
@@ -119,6 +167,34 @@ MeshTree::Nearest MeshTree::nearest(const Vec3d& point, std::uint32_t guess, dou
     stack[depth++] = left_first ? n + 1 : node.right;
   }
   return {distance, best};
+}
+
+bool MeshTree::may_cross(const Vec3d& from, const Vec3d& to) const {
+  const Vec3d middle = (from + to) * 0.5;
+  const double reach = 0.5 * length(to - from) + rounding_;
+  Stack stack{};
+  std::size_t depth = 1;
+  while (depth > 0) {
+    const std::uint32_t n = stack[--depth];
+    const Node& node = nodes_[n];
+    if (squared_distance_to_box(node.lo, node.hi, middle) > reach * reach ||
+        node.slab.is_beyond(middle, reach))
+      continue;
+    if (node.right == 0) {
+      for (std::uint32_t i = node.begin; i < node.end; ++i) {
+        const Corners& t = triangles_[i];
+        const Vec3d normal = cross(t.b - t.a, t.c - t.a);
+        const double a = dot(normal, from - t.a), b = dot(normal, to - t.a);
+        const double near = length(normal) * (rounding_ + 1e-6 * reach);
+        if (!(min(a, b) > near || max(a, b) < -near)) return true;
+      }
+      continue;
+    }
+    SOUPLE_ASSERT(depth + 2 <= stack.size(), "the tree is balanced");
+    stack[depth++] = node.right;
+    stack[depth++] = n + 1;
+  }
+  return false;
 }
 
 // tan(angle / 2) = a . (b x c) / (|a||b||c| + (a . b)|c| + (b . c)|a| + (c . a)|b|),

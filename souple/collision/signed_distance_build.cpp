@@ -3,9 +3,12 @@
 #include "souple/error.h"
 #include "souple/geometry/measures.h"
 #include "souple/geometry/mesh_report.h"
+#include "souple/threads/threads.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include <fmt/core.h>
 
@@ -46,8 +49,8 @@ TriangleMesh closed_surface(const TriangleMesh& mesh) {
 }  // namespace
 
 /// Fills a grid. Points are visited along lines in alternating direction, so each follows a neighbor. The
-/// neighbor's nearest triangle is a good guess. Where one of the two is further from the surface than their
-/// distance from each other, both are on the same side.
+/// neighbor's nearest triangle is a good guess. Both are on the same side if one is farther from the surface than they
+/// are apart, or if no triangle crosses their connection.
 struct SignedDistanceField::Builder {
   const MeshTree& tree;
   Grid& grid;
@@ -63,7 +66,8 @@ struct SignedDistanceField::Builder {
     const double step = length(point - walker.point);
     const MeshTree::Nearest nearest = tree.nearest(point, walker.triangle, tolerance);
     const double clear = max(walker.distance, nearest.distance) / (1 + tolerance);
-    const bool same_side = clear > step * rounding_factor && walker.distance >= 0;
+    const bool same_side =
+        walker.distance >= 0 && (clear > step * rounding_factor || !tree.may_cross(walker.point, point));
     if (!same_side) walker.sign = tree.winding_number(point) > 0.5 ? -1.0 : 1.0;
     walker = {point, nearest.distance, walker.sign, nearest.triangle};
     return walker.sign * nearest.distance;
@@ -121,10 +125,13 @@ struct SignedDistanceField::Builder {
 
   void fill_blocks() {
     const auto [nx, ny, nz] = grid.blocks;
+    std::vector<std::array<int, 3>> stored;  // in order of their slots
     to_and_fro(nx, ny, nz, [&](int i, int j, int k) {
-      const std::int32_t slot = grid.slot[grid.block_index(i, j, k)];
-      if (slot == Grid::coarse_only) return;
-      fill_block(i, j, k, &grid.points[static_cast<std::size_t>(slot) * Grid::block_points]);
+      if (grid.slot[grid.block_index(i, j, k)] != Grid::coarse_only) stored.push_back({i, j, k});
+    });
+    make_threads(Threading::automatic, 0)->each(stored.size(), 1, [&](std::size_t slot) {
+      const auto [i, j, k] = stored[slot];
+      fill_block(i, j, k, &grid.points[slot * Grid::block_points]);
     });
   }
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 
 namespace souple::test_collision_signed_distance_field {
 
@@ -275,22 +276,40 @@ TEST(SignedDistanceField, OfTooManyTrianglesIsRefused) {
   expect_error([&] { SignedDistanceField(mesh, 0.1); }, {"500001 triangles", "at most 500000"});
 }
 
+// Rings of long thin triangles: a hundred times as many of them describe the same capsule.
+TEST(SignedDistanceField, LongThinTrianglesTakeLittleMoreTime) {
+  const auto seconds_for = [](int divisions) {
+    const TriangleMesh mesh = capsule(0.2, 0.3, 32, 8, divisions);
+    const std::clock_t start = std::clock();
+    const SignedDistanceField field(mesh, SignedDistanceField::spacing_of(mesh, 16));
+    EXPECT_NEAR(field.at({0.3, 0.1, 0}).distance, 0.1, 1e-3);
+    return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  };
+  const double few = seconds_for(10), all = seconds_for(1000);
+  EXPECT_LT(all, 8 * few + 0.1);
+}
+
 TEST(MeshTree, NearestAndWindingNumberAreThoseOfAllTriangles) {
-  const TriangleMesh mesh = torus(1, 0.3, 30, 14);
-  const MeshTree tree(mesh.positions, mesh.triangles);
-  Random random(31);
-  for (int k = 0; k < 500; ++k) {
-    const Vec3d p = random.point(-1.5, 1.5);
-    double least = 1e9, angle = 0;
-    for (const Triangle& t : mesh.triangles) {
-      const MeshTree one(mesh.positions, std::span(&t, 1));
-      least = std::min(least, one.nearest(p).distance);
-      angle += one.winding_number(p);
+  // The second one is a capsule of long thin triangles, slanted, and with triangles without area.
+  TriangleMesh slanted = capsule(0.4, 1, 5, 2, 100);
+  for (Vec3d& x : slanted.positions) x = {x.x + 0.5 * x.y, x.y, x.z - x.y};
+  slanted.triangles.push_back({3, 3, 4}), slanted.triangles.push_back({7, 7, 7});
+  for (const TriangleMesh& mesh : {torus(1, 0.3, 30, 14), slanted}) {
+    const MeshTree tree(mesh.positions, mesh.triangles);
+    Random random(31);
+    for (int k = 0; k < 500; ++k) {
+      const Vec3d p = random.point(-1.5, 1.5);
+      double least = 1e9, angle = 0;
+      for (const Triangle& t : mesh.triangles) {
+        const MeshTree one(mesh.positions, std::span(&t, 1));
+        least = std::min(least, one.nearest(p).distance);
+        angle += one.winding_number(p);
+      }
+      ASSERT_NEAR(tree.nearest(p).distance, least, 1e-14);
+      ASSERT_EQ(tree.nearest(p, 123).distance, tree.nearest(p).distance);
+      ASSERT_LE(tree.nearest(p, 0, 0.01).distance, 1.01 * least);
+      ASSERT_NEAR(tree.winding_number(p), std::round(angle), 0.1);
     }
-    ASSERT_NEAR(tree.nearest(p).distance, least, 1e-14);
-    ASSERT_EQ(tree.nearest(p, 123).distance, tree.nearest(p).distance);
-    ASSERT_LE(tree.nearest(p, 0, 0.01).distance, 1.01 * least);
-    ASSERT_NEAR(tree.winding_number(p), std::round(angle), 0.1);
   }
 }
 
