@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/contacts/contact.h"
 #include "souple/solver/projector.h"
 
 #include <array>
@@ -47,6 +48,16 @@ struct Anchor {
       const float factor = weight[k] * particles.inverse_mass(particle[k]) / inverse_mass;
       if (abs(factor) > 0) f(particle[k], change * factor);
     }
+  }
+  /// Impulses c_k change / sum_j (c_j^2 / m_j) [kg m].
+  ContactImpulse impulse(const Vec3f& change, float inverse_mass) const {
+    ContactImpulse result;
+    for (std::size_t k = 0; k < n; ++k) {
+      if (!(abs(weight[k]) > 0)) continue;
+      result.particle[result.count] = particle[k];
+      result.impulse[result.count++] = change * (weight[k] / inverse_mass);
+    }
+    return result;
   }
   /// Moves the point by `change` [m].
   void correct(const ParticleView& particles, const Vec3f& change, float inverse_mass) const {

@@ -1,6 +1,7 @@
 #include "souple/contacts/collider_contacts.h"
 
 #include "souple/broad_phase/spatial_hash.h"
+#include "souple/contacts/anchor.h"
 #include "souple/contacts/contact_law.h"
 #include "souple/contacts/element_clearance.h"
 #include "souple/contacts/kernels/find_kernels.h"
@@ -351,6 +352,19 @@ void ColliderContacts::append_impacts(const Substep& substep, std::vector<Impact
       continue;
     out.push_back({columns.particle[c], Impact::collider, normal, approach, columns.restitution[c],
                    vector(columns.surface_motion, c) * inverse_h});
+  }
+}
+
+void ColliderContacts::visit_impulses(const ParticleView& particles, const ImpulseFunction& f) const {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  const auto vector = [](float* const(&of)[3], std::size_t c) { return Vec3f{of[0][c], of[1][c], of[2][c]}; };
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
+    if (!(columns.normal_sum[c] > 0)) continue;
+    ContactImpulse impulse = Anchor<1>{{columns.particle[c]}, {1}}.impulse(
+        vector(columns.normal, c) * columns.normal_sum[c] + vector(columns.tangent_sum, c),
+        particles.inverse_mass(columns.particle[c]));
+    impulse.by_collider = true;
+    f(impulse);
   }
 }
 

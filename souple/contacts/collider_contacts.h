@@ -56,6 +56,7 @@ class ColliderContacts final : public ContactProjector {
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
+  void visit_impulses(const ParticleView& particles, const ImpulseFunction& f) const override;
   std::size_t bytes() const override;
   void clear() override;
 

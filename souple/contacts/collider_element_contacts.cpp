@@ -455,6 +455,16 @@ void ColliderElementContacts::apply_restitution_to(Contact& contact, const Parti
   contact.depth = max(0.0f, -gap(contact, particles));
 }
 
+void ColliderElementContacts::visit_impulses(const ParticleView&, const ImpulseFunction& f) const {
+  for (const Contact& contact : contacts_) {
+    if (!(contact.sums.normal_sum > 0)) continue;
+    ContactImpulse impulse = contact.anchor.impulse(
+        contact.normal * contact.sums.normal_sum + contact.sums.tangent_sum, contact.inverse_mass);
+    impulse.by_collider = true;
+    f(impulse);
+  }
+}
+
 ContactReport ColliderElementContacts::report() const {
   return report_of(contacts_);
 }

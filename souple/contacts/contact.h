@@ -4,6 +4,7 @@
 #include "souple/math/vec3.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <tuple>
@@ -44,6 +45,27 @@ struct Impact {
   float approach = 0;        ///< speed of the predicted motion along the normal [m/s]
   float restitution = 0;     ///< coefficient
   Vec3f surface_velocity{};  ///< of the collider [m/s]
+};
+
+/// Impulses of one contact in a substep: motions times masses [kg m].
+struct ContactImpulse {
+  std::array<std::uint32_t, 4> particle{};
+  std::array<Vec3f, 4> impulse{};
+  std::size_t count = 0;
+  bool by_collider = false;  ///< else the sum is 0
+  Vec3f moment{};            ///< on the ball of the first particle, over its radius [kg m]
+};
+
+/// Motion of a free particle out of the way of a rigid body, which the body has not felt yet.
+struct BodyPush {
+  std::uint32_t object = 0;  ///< index of the body's object
+  std::uint32_t particle = 0;
+  Vec3f moved{};  ///< [m]
+};
+
+/// Two objects that stopped one particle between them. `other` cannot move, or is a rigid body like `body`.
+struct Pinch {
+  std::uint32_t body = 0, other = 0;  ///< indices of objects
 };
 
 /// The fastest motion that was shortened because contacts cannot follow it, or because it was driven into something that

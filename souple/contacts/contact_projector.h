@@ -10,6 +10,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -56,6 +57,9 @@ struct ContactInput {
   ContactStep step;
 };
 
+using ParticleFunction = std::function<void(std::uint32_t)>;
+using ImpulseFunction = std::function<void(const ContactImpulse&)>;
+
 /// A kind of contacts: those of particles with colliders, of two particles, of two surfaces, ...
 ///
 /// Calls in a step:
@@ -88,6 +92,19 @@ class ContactProjector : public Projector, public ContactFacet {
                        Threads& threads) = 0;
   /// Changes what the solver left, where contacts must hold exactly. Returns the number of clamped motions.
   virtual std::size_t after_solve(const ParticleView&, const Substep&, Threads&) { return 0; }
+  /// Motions by the last after_solve out of the way of rigid bodies: in order of object and particle, each pair once.
+  virtual std::span<const BodyPush> body_pushes() const { return {}; }
+  /// Objects between which the last after_solve stopped particles, one of them a rigid body.
+  virtual std::span<const Pinch> pinches() const { return {}; }
+  /// The inverse masses of particles have changed since `refresh`.
+  virtual void update_masses(const ParticleView&) {}
+  /// After the solver: chooses the contacts with rigid bodies that push or are violated, and calls f(particle) for the
+  /// particles of these bodies.
+  virtual void choose_body_contacts(const ParticleView&, [[maybe_unused]] const ParticleFunction& f) {}
+  /// Projects the chosen contacts, one after the other.
+  virtual void project_body_contacts(const ParticleView&) {}
+  /// Calls f for those of the chosen contacts that pushed.
+  virtual void visit_body_impulses([[maybe_unused]] const ImpulseFunction& f) const {}
   /// Appends the impacts of the substep that are faster than the threshold of restitution.
   virtual void append_impacts(const Substep&, [[maybe_unused]] std::vector<Impact>& out) const {}
   /// For contacts with a normal impulse: sets v_n, the normal velocity relative to the other side. It becomes e times
@@ -109,6 +126,8 @@ class ContactProjector : public Projector, public ContactFacet {
   }
   /// Its residual is max(0, -C).
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override = 0;
+  /// Calls f for the contacts that pushed in this substep.
+  virtual void visit_impulses(const ParticleView& particles, const ImpulseFunction& f) const = 0;
   virtual ContactReport report() const = 0;
   /// The fastest motion that was shortened in this step; speed 0: none.
   virtual ShortenedMotion shortened() const { return {}; }

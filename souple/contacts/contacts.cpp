@@ -62,6 +62,31 @@ std::size_t Contacts::after_solve(const ParticleView& particles, const Substep& 
   return clamped;
 }
 
+// Only contacts of surfaces have any.
+std::span<const BodyPush> Contacts::body_pushes() const {
+  return kinds_.front()->body_pushes();
+}
+
+std::span<const Pinch> Contacts::pinches() const {
+  return kinds_.front()->pinches();
+}
+
+void Contacts::update_masses(const ParticleView& particles) {
+  for (const auto& kind : kinds_) kind->update_masses(particles);
+}
+
+void Contacts::choose_body_contacts(const ParticleView& particles, const ParticleFunction& f) {
+  for (const auto& kind : kinds_) kind->choose_body_contacts(particles, f);
+}
+
+void Contacts::project_body_contacts(const ParticleView& particles) {
+  for (const auto& kind : kinds_) kind->project_body_contacts(particles);
+}
+
+void Contacts::visit_body_impulses(const ImpulseFunction& f) const {
+  for (const auto& kind : kinds_) kind->visit_body_impulses(f);
+}
+
 void Contacts::append_impacts(const Substep& substep, std::vector<Impact>& out) const {
   for (const auto& kind : kinds_) kind->append_impacts(substep, out);
 }
@@ -69,6 +94,10 @@ void Contacts::append_impacts(const Substep& substep, std::vector<Impact>& out) 
 void Contacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
                                  const Substep& substep, Threads& threads) {
   for (const auto& kind : kinds_) kind->apply_restitution(particles, velocity, substep, threads);
+}
+
+void Contacts::visit_impulses(const ParticleView& particles, const ImpulseFunction& f) const {
+  for (const auto& kind : kinds_) kind->visit_impulses(particles, f);
 }
 
 ContactReport Contacts::report() const {

@@ -27,9 +27,18 @@ class Contacts {
   /// Separates what intersects, then finds the contacts.
   void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads);
   std::size_t after_solve(const ParticleView& particles, const Substep& substep, Threads& threads);
+  /// See ContactProjector.
+  std::span<const BodyPush> body_pushes() const;
+  std::span<const Pinch> pinches() const;
+  void update_masses(const ParticleView& particles);
+  void choose_body_contacts(const ParticleView& particles, const ParticleFunction& f);
+  void project_body_contacts(const ParticleView& particles);
+  void visit_body_impulses(const ImpulseFunction& f) const;
   void append_impacts(const Substep& substep, std::vector<Impact>& out) const;
   void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
                          Threads& threads);
+
+  void visit_impulses(const ParticleView& particles, const ImpulseFunction& f) const;
 
   ContactReport report() const;
   /// The fastest motion that was shortened in this step; speed 0: none.

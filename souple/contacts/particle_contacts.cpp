@@ -526,6 +526,15 @@ void ParticleContacts::apply_rolling_restitution(Contact& contact, const Particl
   contact.depth = max(0.0f, -C);
 }
 
+void ParticleContacts::visit_impulses(const ParticleView& particles, const ImpulseFunction& f) const {
+  for (const Contact& contact : contacts_) {
+    if (!(contact.sums.normal_sum > 0)) continue;
+    const Anchor<2> anchor = between(contact.i, contact.j);
+    f(anchor.impulse(contact.normal * contact.sums.normal_sum + contact.sums.tangent_sum,
+                     anchor.inverse_mass(particles)));
+  }
+}
+
 ContactReport ParticleContacts::report() const {
   return report_of(contacts_);
 }

@@ -78,6 +78,7 @@ class ParticleContacts final : public ContactProjector {
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
+  void visit_impulses(const ParticleView& particles, const ImpulseFunction& f) const override;
   std::size_t bytes() const override;
   void clear() override;
   void erase_particles(std::uint32_t begin, std::uint32_t end) override;

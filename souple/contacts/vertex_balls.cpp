@@ -1,6 +1,7 @@
 #include "souple/contacts/vertex_balls.h"
 
 #include "souple/broad_phase/spatial_hash.h"
+#include "souple/contacts/anchor.h"
 #include "souple/contacts/contact_law.h"
 #include "souple/contacts/kernels/find_kernels.h"
 #include "souple/state/bytes.h"
@@ -305,6 +306,16 @@ void VertexBalls::project(int color, std::size_t begin, std::size_t end, const P
                       kernels_->project(records(particles), columns_, sheet.material.static_friction, first,
                                         last);
                     });
+}
+
+void VertexBalls::visit_impulses(const ParticleView& particles, const ImpulseFunction& f) const {
+  for (std::size_t c = 0; c < size(); ++c) {
+    if (!(columns_.normal_sum[c] > 0)) continue;
+    const Anchor<2> anchor = between(columns_.first_float[0][c] / 4, columns_.first_float[1][c] / 4);
+    const auto vector = [c](float* const(&of)[3]) { return Vec3f{of[0][c], of[1][c], of[2][c]}; };
+    f(anchor.impulse(vector(columns_.normal) * columns_.normal_sum[c] + vector(columns_.tangent_sum),
+                     anchor.inverse_mass(particles)));
+  }
 }
 
 ContactReport VertexBalls::report() const {

@@ -27,12 +27,6 @@ Vec3d reciprocal(const Vec3d& v) {
   return {inverse(v.x), inverse(v.y), inverse(v.z)};
 }
 
-/// theta of the rotation `after` = (theta / 2, 1) `before`, inverse to `turned`.
-Vec3d rotation_between(const Quatd& before, const Quatd& after) {
-  const Quatd d = after * conjugate(before);
-  return Vec3d{d.x, d.y, d.z} * (2 / d.w);
-}
-
 /// The spin that keeps the angular momentum of `angular` after a body was turned: its inertia turned with it.
 Vec3d carried_spin(const BodyMass& mass, const Quatd& before, const Quatd& after, const Vec3d& angular) {
   const Vec3d& w = mass.inverse_inertia;
@@ -43,6 +37,11 @@ Vec3d carried_spin(const BodyMass& mass, const Quatd& before, const Quatd& after
 }
 
 }  // namespace
+
+Vec3d rotation_between(const Quatd& before, const Quatd& after) {
+  const Quatd d = after * conjugate(before);
+  return Vec3d{d.x, d.y, d.z} * (2 / d.w);
+}
 
 Mat3d world_inverse_inertia(const BodyMass& mass, const Quatd& rotation) {
   const Mat3d R = rotation_matrix(rotation);

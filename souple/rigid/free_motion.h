@@ -11,6 +11,9 @@ namespace souple {
 /// I^-1 in world axes: R diag(I^-1) R^T. [1/(kg m^2)]
 Mat3d world_inverse_inertia(const BodyMass& mass, const Quatd& rotation);
 
+/// theta of the rotation `after` = (theta / 2, 1) `before`, inverse to `turned`.
+Vec3d rotation_between(const Quatd& before, const Quatd& after);
+
 /// Rotates a body without torque for h seconds. The angular momentum in world axes is constant and the energy error is
 /// bounded. The method is a symmetric composition of rotations about the principal axes, each exact for its part of the
 /// energy. Source: Dullweber, Leimkuhler and McLachlan 1997, "Symplectic splitting methods for rigid body molecular

@@ -25,25 +25,6 @@ struct RigidMotion {
   Vec3d center, velocity, spin;
 };
 
-void add(RigidSums& sums, double m, const Vec3d& x, const Vec3d& v) {
-  const Vec3d mx = x * m;
-  sums.mass += m;
-  sums.position += mx;
-  sums.momentum += v * m;
-  for (int row = 0, k = 0; row < 3; ++row)
-    for (int column = 0; column <= row; ++column, ++k)
-      sums.second[static_cast<std::size_t>(k)] += mx[row] * x[column];
-  sums.angular += cross(mx, v);
-}
-
-void add(RigidSums& sums, const RigidSums& more) {
-  sums.mass += more.mass;
-  sums.position += more.position;
-  sums.momentum += more.momentum;
-  for (std::size_t k = 0; k < sums.second.size(); ++k) sums.second[k] += more.second[k];
-  sums.angular += more.angular;
-}
-
 /// Sums over all particles that are not pinned, relative to `origin`. `of_chunk` is scratch.
 RigidSums rigid_sums(const Particles& particles, const Object& object, const Vec3d& origin, Threads& threads,
                      std::vector<RigidSums>& of_chunk) {
@@ -54,20 +35,18 @@ RigidSums rigid_sums(const Particles& particles, const Object& object, const Vec
     const std::size_t end = object.begin + std::min((chunk + 1) * chunk_size, count);
     for (std::size_t i = object.begin + chunk * chunk_size; i < end; ++i)
       if (particles.position[i].w != 0)
-        add(sums, static_cast<double>(particles.mass[i]), Vec3d(particles.position[i].xyz()) - origin,
-            Vec3d(particles.velocity[i].xyz()));
+        sums.add(static_cast<double>(particles.mass[i]), Vec3d(particles.position[i].xyz()) - origin,
+                 Vec3d(particles.velocity[i].xyz()));
     of_chunk[chunk] = sums;
   });
   RigidSums all;
-  for (std::size_t chunk = 0; chunk < chunks; ++chunk) add(all, of_chunk[chunk]);
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk) all.add(of_chunk[chunk]);
   return all;
 }
 
-// One pass: with r = x - c, c the center and V its velocity, both sums about the origin of x,
-//   sum m r r^T = sum m x x^T - M c c^T
-//   sum m r x (v - V) = sum m x x v - M c x V
-// The origin is the position of a free particle. Then M |c|^2 is at most one particle's contribution to the
-// trace, and the difference is far above a double's rounding.
+// One pass: with r = x - c, c the center and V its velocity, sum m r x (v - V) = sum m x x v - M c x V. The origin is
+// the position of a free particle. Then M |c|^2 is at most one particle's contribution to the trace, and the
+// difference is far above a double's rounding.
 RigidMotion rigid_motion(const Particles& particles, const Object& object, Threads& threads,
                          std::vector<RigidSums>& of_chunk) {
   const std::vector<Vec4f>& position = particles.position;
@@ -80,14 +59,7 @@ RigidMotion rigid_motion(const Particles& particles, const Object& object, Threa
   if (!(M > 0)) return {};
   const Vec3d c = sums.position / M, V = sums.momentum / M;
   const Vec3d L = sums.angular - cross(c, V) * M;
-  const auto& s = sums.second;
-  const Mat3d second = Mat3d{{s[0], s[1], s[3]}, {s[1], s[2], s[4]}, {s[3], s[4], s[5]}} - outer(c, c) * M;
-  const Mat3d inertia = Mat3d::identity() * trace(second) - second;
-  // A rod or a point has no inertia about its axis, hence no spin there: a small relative inertia is added.
-  const double t = trace(inertia);
-  RigidMotion motion{origin + c, V, {}};
-  if (t > 0) motion.spin = inverse(inertia + Mat3d::identity() * (t * 1e-9)) * L;
-  return motion;
+  return {origin + c, V, spin_of(sums.inertia(), L)};
 }
 
 }  // namespace

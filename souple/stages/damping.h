@@ -1,20 +1,11 @@
 #pragma once
 
-#include "souple/math/vec3.h"
 #include "souple/objects/objects_view.h"
+#include "souple/stages/rigid_sums.h"
 
-#include <array>
 #include <vector>
 
 namespace souple {
-
-/// Sums over particles relative to a point near them: mass, m x, m v, m x x^T (lower triangle), m x cross v.
-struct RigidSums {
-  double mass = 0;
-  Vec3d position, momentum;
-  std::array<double, 6> second{};
-  Vec3d angular;
-};
 
 /// Damps the non-rigid motion of an object by its material's `damping` rate [1/s]:
 ///   v_i += k (v_cm + omega x r_i - v_i),  k = 1 - exp(-damping h)     (Müller et al. 2007, section 3.5)

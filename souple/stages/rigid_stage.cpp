@@ -3,11 +3,13 @@
 #include "souple/assert.h"
 #include "souple/contacts/collider.h"
 #include "souple/contacts/contact_projector.h"
+#include "souple/contacts/contacts.h"
 #include "souple/objects/object.h"
 #include "souple/objects/obstacle_pose.h"
 #include "souple/rigid/free_motion.h"
 #include "souple/stages/body_motion.h"
 #include "souple/stages/rigid_joints.h"
+#include "souple/stages/rigid_sums.h"
 #include "souple/stages/saved_rigid_bodies.h"
 #include "souple/stages/stage_view.h"
 #include "souple/stages/ties.h"
@@ -231,6 +233,8 @@ void RigidStage::list_bodies(const StageView& stage, const ContactTables& tables
   list_obstacles(stage);
   bodies_.resize(rows_.size());
   predicted_.resize(rows_.size());
+  holding_.reset(records_.size());
+  held_sets_.resize(records_.size());
   tables_ = &tables;
   joints_->list([this](const JointSide& side) { return body_of(side); });
   listed_ = true;
@@ -363,23 +367,20 @@ bool RigidStage::is_as_written(const StageView& stage, std::size_t body) const {
   return true;
 }
 
-void RigidStage::gather_body(const StageView& stage, std::size_t body, bool in_contact) {
+void RigidStage::gather_body(const StageView& stage, std::size_t body) {
   if (is_as_written(stage, body)) return;
   const ParticleView view = stage.objects.view();
   const Record& record = records_[body];
-  // If more particles are touched than masses were split for, their sum would overshoot.
-  const double part = in_contact && record.touched > max(record.shown, least_shown)
-                          ? max(record.shown, least_shown) / record.touched
-                          : 1;
+  // Impulses act on positions at the substep's start, as those on other particles do.
+  const Mat3d R = rotation_matrix(bodies_.start[body].rotation);
   Vec3d impulse, moment;
-  const std::span<const Vec3d> r = arms(body, bodies_.pose[body].rotation);
-  for (std::size_t n = 0; n < r.size(); ++n) {
+  for (std::size_t n = 0; n < record.written.size(); ++n) {
     const std::size_t i = objects_[body]->begin + n;
     const Vec3f moved = view.moving[i].xyz() - record.written[n];
     const auto w = static_cast<double>(view.inverse_mass(static_cast<std::uint32_t>(i)));
     if (!(w > 0) || moved == Vec3f{}) continue;
-    const Vec3d J = Vec3d(moved) * (part / w);
-    impulse += J, moment += cross(r[n], J);
+    const Vec3d J = Vec3d(moved) / w;
+    impulse += J, moment += cross(R * record.definition.particles[n], J);
   }
   if (length_squared(impulse) + length_squared(moment) == 0) return;
   push(bodies_, static_cast<std::uint32_t>(body), {}, impulse);
@@ -387,16 +388,21 @@ void RigidStage::gather_body(const StageView& stage, std::size_t body, bool in_c
   write_positions(stage, body, bodies_.pose[body]);
 }
 
-void RigidStage::gather(const StageView& stage, bool in_contact) {
-  for_each_awake(stage, [&](std::size_t k) { gather_body(stage, k, in_contact); });
+void RigidStage::gather(const StageView& stage) {
+  for_each_awake(stage, [&](std::size_t k) { gather_body(stage, k); });
 }
 
 void RigidStage::split_masses(const StageView& stage) {
+  split_masses(stage, [](const Record& record) { return max(record.shown, least_shown); });
+}
+
+template <class Count>
+void RigidStage::split_masses(const StageView& stage, const Count& count_of) {
   for_each_awake(stage, [&](std::size_t k) {
     if (records_[k].drive) return;
     const Vec3d& inverse_inertia = bodies_.mass[k].inverse_inertia;
     const double turning = max(inverse_inertia.x, max(inverse_inertia.y, inverse_inertia.z));
-    const double count = max(records_[k].shown, least_shown);
+    const double count = count_of(records_[k]);
     std::size_t i = objects_[k]->begin;
     for (const Vec3d& local : records_[k].definition.particles) {
       // An upper bound of 1/m + (r x n)^T I^-1 (r x n) over all directions n.
@@ -406,7 +412,7 @@ void RigidStage::split_masses(const StageView& stage) {
   });
 }
 
-void RigidStage::count_touched(const StageView& stage, std::span<Projector* const> contacts) {
+bool RigidStage::count_touched(const StageView& stage, std::span<Projector* const> contacts) {
   for (Record& record : records_) record.touched = 0;
   touched_at_.resize(stage.objects.particles.size());
   ++counts_;
@@ -421,24 +427,87 @@ void RigidStage::count_touched(const StageView& stage, std::span<Projector* cons
       projector->visit(stage.objects.view(), [&](const ConstraintState& state) {
         for (const std::uint32_t i : state.particles) touch(i);
       });
+  bool more = false;
+  for (Record& record : records_) {
+    if (!(record.touched > max(record.shown, least_shown))) continue;
+    record.shown = record.touched;
+    more = true;
+  }
+  if (more) split_masses(stage);
+  return more;
 }
 
 void RigidStage::begin_ties(const StageView& stage, const Substep& substep, Ties& ties) {
   if (ties.empty()) return;
-  if (ties.holds_bodies()) gather(stage, false);
+  if (ties.holds_bodies()) gather(stage);
   ties.begin(stage.objects.view(), bodies_, stage.objects.particles.position, substep);
   if (ties.holds_bodies())
     for_each_awake(stage, [&](std::size_t k) { write_positions(stage, k, bodies_.pose[k]); });
 }
 
-void RigidStage::solve(const StageView& stage, const Substep& substep, Ties& ties) {
+// A body has felt an n-th of each contact, n being the assumed number of touched particles. In these rounds it is that of
+// the particles that are pushed. Otherwise after_solve would move soft objects out of the way of bodies that are
+// lighter.
+void RigidStage::repeat_contacts(const StageView& stage, Contacts& contacts) {
+  constexpr int rounds = 4;
+  for (int round = 0; round < rounds; ++round) {
+    for (Record& record : records_) record.chosen = 0;
+    ++counts_;
+    bool any = false;
+    const auto count = [&](std::uint32_t particle) {
+      if (std::exchange(touched_at_[particle], counts_) == counts_) return;
+      ++find(stage.objects.objects[stage.objects.object_of[particle]]->id.value)->chosen;
+      any = true;
+    };
+    contacts.choose_body_contacts(stage.objects.view(), std::ref(count));
+    if (!any) return;
+    split_masses(stage, [](const Record& record) { return max<double>(record.chosen, 1); });
+    contacts.update_masses(stage.objects.view());
+    contacts.project_body_contacts(stage.objects.view());
+    gather(stage);
+  }
+}
+
+// The two sides of a contact begin the substep apart: by its gap, and by what they then slip. So equal and opposite
+// impulses have a moment, which the body takes back. Otherwise impacts change angular momentum by several percent.
+void RigidStage::sum_moments(const StageView& stage, const Contacts& contacts) {
+  for (Record& record : records_) record.moment = {};
+  const ObjectsView& objects = stage.objects;
+  contacts.visit_body_impulses([&](const ContactImpulse& contact) {
+    Record* of_body = nullptr;
+    for (std::size_t k = 0; k < contact.count; ++k) {
+      const std::uint32_t i = contact.particle[k];
+      if (!(objects.particles.position[i].w > 0)) return;  // it is held
+      const Object& object = *objects.objects[objects.object_of[i]];
+      if (object.traits().rigid) of_body = find(object.id.value);
+    }
+    if (of_body) of_body->moment += moment_of(objects, contact);
+  });
+}
+
+Vec3d RigidStage::moment_of(const ObjectsView& objects, const ContactImpulse& contact) const {
+  const std::uint32_t first = contact.particle[0];
+  const Vec3d origin = start_of(objects, first);
+  Vec3d sum;
+  if (!(contact.moment == Vec3f{}))
+    sum = Vec3d(contact.moment) * static_cast<double>(objects.particles.radius[first]);
+  for (std::size_t k = 1; k < contact.count; ++k)
+    sum += cross(start_of(objects, contact.particle[k]) - origin, Vec3d(contact.impulse[k]));
+  return sum;
+}
+
+void RigidStage::solve(const StageView& stage, const Substep& substep, Contacts& contacts, Ties& ties) {
   if (!empty()) {
     h_ = static_cast<double>(substep.h);
-    gather(stage, true);
+    gather(stage);
     for (Record& record : records_)
       record.shown = max(static_cast<double>(record.touched), record.shown * decay_of_shown);
   }
   if (!ties.empty()) ties.end(stage.objects.view(), bodies_, stage.objects.particles.position);
+  if (!empty()) {
+    repeat_contacts(stage, contacts);
+    sum_moments(stage, contacts);
+  }
   solve_bodies(stage, substep, ties);
   if (!ties.empty()) ties.end_substep(stage.objects.view(), bodies_);
   for_each_awake(stage, [&](std::size_t k) {
@@ -483,14 +552,117 @@ bool RigidStage::is_held(const StageView& stage, std::size_t body) const {
   return moves;
 }
 
-void RigidStage::finish(const StageView& stage, const Substep& substep) {
+// The pushes moved particles as if bodies were immovable. Their velocities keep a part s of what that gives, and the
+// body receives the opposite impulse. A plastic impact leaves the least kinetic energy. With u = moved / h, J = sum m u,
+// T = sum (x - x_body) x m u, and the velocities v, V, w without pushes, it has
+//
+//   s = (V . J + w . T - sum m v . u) / (sum m u^2 + J^2 / M + T . I^-1 T)
+void RigidStage::share_pushes(const StageView& stage, std::size_t body, double inverse_h,
+                              std::span<const BodyPush> pushes) {
+  Particles& particles = stage.objects.particles;
+  const auto b = static_cast<std::uint32_t>(body);
+  Vec3d impulse, moment;
+  double along = 0, size = 0;
+  for (const BodyPush& push : pushes) {
+    const auto m = static_cast<double>(particles.mass[push.particle]);
+    const Vec3d u = Vec3d(push.moved) * inverse_h;
+    impulse += u * m;
+    moment += cross(particles.exact_position(push.particle) - bodies_.pose[body].position, u * m);
+    along -= m * dot(u, Vec3d(particles.velocity[push.particle].xyz()));
+    size += m * length_squared(u);
+  }
+  bodies_.inverse_inertia[body] = world_inverse_inertia(bodies_.mass[body], bodies_.pose[body].rotation);
+  const BodyVelocity& v = bodies_.velocity[body];
+  along += dot(v.linear, impulse) + dot(v.angular, moment);
+  size += length_squared(impulse) * bodies_.mass[body].inverse +
+          dot(moment, bodies_.inverse_inertia[body] * moment);
+  if (!(along > 0)) return;
+  const double part = min(1.0, along / size);
+  for (const BodyPush& push : pushes) {
+    Vec4f& velocity = particles.velocity[push.particle];
+    velocity.set_xyz(velocity.xyz() + push.moved * static_cast<float>(part * inverse_h));
+  }
+  push_velocity(bodies_, b, {}, impulse * -part);
+  turn_velocity(bodies_, b, moment * -part);
+}
+
+void RigidStage::take_pushes(const StageView& stage, const Substep& substep,
+                             std::span<const BodyPush> pushes) {
+  const double inverse_h = 1 / static_cast<double>(substep.h);
+  const auto for_each_body = [&](const auto& f) {
+    for (std::size_t begin = 0, end = 0; begin < pushes.size(); begin = end) {
+      while (end < pushes.size() && pushes[end].object == pushes[begin].object) ++end;
+      const std::uint32_t body = index(stage.objects.objects[pushes[begin].object]->id.value);
+      if (bodies_.mass[body].inverse > 0) f(body, pushes.subspan(begin, end - begin));
+    }
+  };
+  for_each_body([&](std::size_t, std::span<const BodyPush> of_body) {
+    for (const BodyPush& push : of_body) {
+      Vec4f& velocity = stage.objects.particles.velocity[push.particle];
+      velocity.set_xyz(velocity.xyz() - push.moved * static_cast<float>(inverse_h));
+    }
+  });
+  for_each_body([&](std::size_t body, std::span<const BodyPush> of_body) {
+    share_pushes(stage, body, inverse_h, of_body);
+  });
+}
+
+// A body that is held keeps a part of its velocity. Bodies that hold each other alone keep their common motion.
+void RigidStage::hold(const StageView& stage, std::span<const Pinch> pinches) {
+  for (Record& record : records_) record.held = false;
+  for_each_awake(stage, [&](std::size_t k) { records_[k].held = is_held(stage, k); });
+  if (std::none_of(records_.begin(), records_.end(), [](const Record& record) { return record.held; }))
+    return;
+  const auto body_at = [&](std::uint32_t row) { return index(stage.objects.objects[row]->id.value); };
+  const auto is_free = [&](std::uint32_t row) {
+    return stage.objects.objects[row]->traits().rigid && bodies_.mass[body_at(row)].inverse > 0;
+  };
+  holding_.reset(records_.size());
+  for (const Pinch& pinch : pinches)
+    if (is_free(pinch.body) && is_free(pinch.other)) holding_.join(body_at(pinch.body), body_at(pinch.other));
+  held_sets_.assign(records_.size(), {});
+  for (const Pinch& pinch : pinches)
+    for (const std::uint32_t row : {pinch.body, pinch.other})
+      if (is_free(row) && (!is_free(pinch.body) || !is_free(pinch.other)))
+        held_sets_[holding_.root(body_at(row))].alone = false;
+  const auto for_each_free = [&](const auto& f) {
+    for (std::uint32_t k = 0; k < records_.size(); ++k)
+      if (bodies_.mass[k].inverse > 0) f(k, held_sets_[holding_.root(k)]);
+  };
+  for_each_free([&](std::uint32_t k, HeldSet& set) {
+    if (records_[k].held) bodies_.pose[k] = bodies_.start[k];
+    if (set.bodies++ == 0) set.origin = bodies_.pose[k].position;
+    set.any_held = set.any_held || records_[k].held;
+    add_to(set.sums, records_[k].object, set.origin, 0);
+  });
+  for_each_free([&](std::uint32_t k, const HeldSet& set) {
+    const bool alone = set.alone && set.bodies > 1;
+    if (!set.any_held || !(alone || records_[k].held)) return;
+    BodyVelocity common;
+    if (alone) {
+      const RigidSums& sums = set.sums;
+      const Vec3d center = sums.position / sums.mass;
+      common.angular = spin_of(sums.inertia(), sums.angular - cross(center, sums.momentum));
+      common.linear =
+          sums.momentum / sums.mass + cross(common.angular, bodies_.pose[k].position - set.origin - center);
+    }
+    BodyVelocity& v = bodies_.velocity[k];
+    v.linear = common.linear + (v.linear - common.linear) * held_part;
+    v.angular = common.angular + (v.angular - common.angular) * held_part;
+  });
+}
+
+void RigidStage::finish(const StageView& stage, const Substep& substep, const Contacts& contacts) {
   if (empty()) return;
   finish_bodies(bodies_, predicted_, static_cast<double>(substep.h));
   Particles& particles = stage.objects.particles;
+  hold(stage, contacts.pinches());
+  take_pushes(stage, substep, contacts.body_pushes());
   for_each_awake(stage, [&](std::size_t k) {
-    if (is_held(stage, k)) {
-      bodies_.pose[k] = bodies_.start[k];
-      bodies_.velocity[k] = {bodies_.velocity[k].linear * held_part, bodies_.velocity[k].angular * held_part};
+    if (length_squared(records_[k].moment) > 0) {
+      bodies_.inverse_inertia[k] = world_inverse_inertia(bodies_.mass[k], bodies_.pose[k].rotation);
+      turn_velocity(bodies_, static_cast<std::uint32_t>(k),
+                    records_[k].moment * (-1 / static_cast<double>(substep.h)));
     }
     write_velocities(stage, k);
     for (std::uint32_t i = objects_[k]->begin; i < objects_[k]->end; ++i)
@@ -562,8 +734,8 @@ void RigidStage::set(SavedRigidBodies saved) {
 }
 
 std::size_t RigidStage::bytes() const {
-  std::size_t result = bytes_of(records_, rows_, shapes_, predicted_, touched_at_) + finder_.bytes() +
-                       solver_.bytes() + joints_->bytes();
+  std::size_t result = bytes_of(records_, rows_, shapes_, predicted_, touched_at_, held_sets_) +
+                       holding_.bytes() + finder_.bytes() + solver_.bytes() + joints_->bytes();
   for (const auto& mesh : meshes_) result += mesh->bytes();
   for (const Record& record : records_)
     result += bytes_of(record.definition.particles, record.arms, record.written);

@@ -1,10 +1,12 @@
 #pragma once
 
 #include "souple/collision/collider_motion.h"
+#include "souple/math/disjoint_sets.h"
 #include "souple/objects/handles.h"
 #include "souple/objects/rigid_definition.h"
 #include "souple/rigid/contact_finder.h"
 #include "souple/rigid/contact_solver.h"
+#include "souple/stages/rigid_sums.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -15,12 +17,17 @@
 
 namespace souple {
 
+struct BodyPush;
 struct Collider;
+struct ContactImpulse;
 struct ContactPush;
 struct ContactTables;
 struct Object;
+struct ObjectsView;
 struct Particles;
+struct Pinch;
 class Projector;
+class Contacts;
 class RigidJoints;
 class SavedBytes;
 class SavedBytesWriter;
@@ -73,6 +80,20 @@ class RigidStage {
   void apply_impulse(Particles& particles, const Object& object, const Vec3d& point, const Vec3d& impulse,
                      const Vec3d& angular_impulse);
 
+  // --- as a part of AngularMomentum
+
+  /// Whether forces move it.
+  bool is_free(std::uint32_t object) const;
+  /// Adds mass, position, momentum and angular momentum relative to the origin. h > 0: those that it will have if the substep,
+  /// of length h, ends now [s].
+  void add_to(RigidSums& sums, std::uint32_t object, const Vec3d& origin, double h) const;
+  /// Where a particle was when the substep began, of a body or not [m].
+  Vec3d start_of(const ObjectsView& objects, std::uint32_t particle) const;
+  /// Sum of the moments of a contact that no collider makes [kg m^2]. `finish` takes it back from a body.
+  Vec3d moment_of(const ObjectsView& objects, const ContactImpulse& contact) const;
+  /// Whether other bodies or colliders pushed it in this substep.
+  bool is_pushed(std::uint32_t object) const;
+
   // --- kinematic bodies, which prescribed motion moves
 
   bool is_kinematic(std::uint32_t object) const;
@@ -94,20 +115,20 @@ class RigidStage {
   void begin_step(const StageView& stage, const ContactTables& tables, double dt);
   /// After the prediction of particles: forces on them move the bodies.
   void predict(const StageView& stage, const Substep& substep);
-  /// Makes the bodies rigid after other stages have moved particles. `in_contact`: contacts moved them, and
-  /// count_touched counted these.
-  void gather(const StageView& stage, bool in_contact);
+  /// Makes the bodies rigid after other stages have moved particles.
+  void gather(const StageView& stage);
   /// Before the contacts of a substep are found: particles show the masses that contacts see.
   void split_masses(const StageView& stage);
-  /// Counts the particles of each body that `contacts` touch in this substep.
-  void count_touched(const StageView& stage, std::span<Projector* const> contacts);
+  /// Counts the particles of each body that `contacts` touch in this substep. Returns whether masses were split again,
+  /// because they are more than before.
+  bool count_touched(const StageView& stage, std::span<Projector* const> contacts);
   /// Before the solver: ties hold, and particles carry the mass of bodies that are tied to them.
   void begin_ties(const StageView& stage, const Substep& substep, Ties& ties);
-  /// After the solver: gathers, then solves ties, joints and contacts of bodies. Writes the particles, which do not
-  /// move until `finish`.
-  void solve(const StageView& stage, const Substep& substep, Ties& ties);
+  /// After the solver: gathers, repeats the contacts with particles, then solves ties, joints and contacts of bodies.
+  /// Writes the particles, which do not move until `finish`.
+  void solve(const StageView& stage, const Substep& substep, Contacts& contacts, Ties& ties);
   /// After the new velocities: finds those of bodies, and sets their particles to them.
-  void finish(const StageView& stage, const Substep& substep);
+  void finish(const StageView& stage, const Substep& substep, const Contacts& contacts);
   /// After stages that change velocities.
   void gather_velocities(const StageView& stage);
 
@@ -145,10 +166,21 @@ class RigidStage {
     BodyVelocity kept_velocity;
     double shown = 0;  ///< number of touched particles that their masses are made for: it falls slowly
     std::uint32_t touched = 0;   ///< in this substep
+    std::uint32_t chosen = 0;    ///< of the contacts that are repeated
+    bool held = false;           ///< in this substep, at its start
+    Vec3d moment;                ///< of contacts with particles, of both sides [kg m^2]
     std::optional<Drive> drive;  ///< of a kinematic body
     std::vector<Vec3d> arms;     ///< of the particles from the center, in world axes, turned by `arms_at` [m]
     Quatd arms_at{0, 0, 0, 0};
     std::vector<Vec3f> written;  ///< what write_positions wrote last, in this substep
+  };
+  /// Bodies that hold each other in a substep, or one alone.
+  struct HeldSet {
+    RigidSums sums;  ///< relative to the origin
+    Vec3d origin;    ///< near them [m]
+    std::uint32_t bodies = 0;
+    bool any_held = false;
+    bool alone = true;  ///< nothing else holds them
   };
   /// The body of a record, of a collider or of an obstacle, as the contacts see it.
   class Materials;
@@ -178,7 +210,15 @@ class RigidStage {
   void read_velocities(const StageView& stage, std::size_t body);
   void write_velocities(const StageView& stage, std::size_t body);
   bool is_as_written(const StageView& stage, std::size_t body) const;
-  void gather_body(const StageView& stage, std::size_t body, bool in_contact);
+  template <class Count>
+  void split_masses(const StageView& stage, const Count& count_of);
+  void gather_body(const StageView& stage, std::size_t body);
+  void hold(const StageView& stage, std::span<const Pinch> pinches);
+  void repeat_contacts(const StageView& stage, Contacts& contacts);
+  void sum_moments(const StageView& stage, const Contacts& contacts);
+  void take_pushes(const StageView& stage, const Substep& substep, std::span<const BodyPush> pushes);
+  void share_pushes(const StageView& stage, std::size_t body, double inverse_h,
+                    std::span<const BodyPush> pushes);
   void solve_bodies(const StageView& stage, const Substep& substep, Ties& ties);
   bool is_awake(std::size_t body) const;
   bool is_held(const StageView& stage, std::size_t body) const;
@@ -198,6 +238,8 @@ class RigidStage {
   std::vector<BodyPose> predicted_;
   std::vector<std::uint64_t> touched_at_;  // per particle: the count in which it was last touched
   std::uint64_t counts_ = 0;
+  DisjointSets holding_;            // bodies that hold each other
+  std::vector<HeldSet> held_sets_;  // at the root of each
   ContactFinder finder_;
   ContactSolver solver_;
   std::unique_ptr<RigidJoints> joints_;

@@ -205,7 +205,8 @@ void generate_contacts(WorldState& world, const Substep& substep) {
   world.warnings.guarded("a collider's motion", [&] {
     world.contact->contacts.refresh(world.view(), substep, world.time, *world.threads);
   });
-  if (!world.rigid->empty()) world.rigid->count_touched(stage, world.constraints.order);
+  if (!world.rigid->empty() && world.rigid->count_touched(stage, world.constraints.order))
+    world.contact->contacts.update_masses(world.view());
 }
 
 void keep_apart(WorldState& world, const Substep& substep) {

@@ -38,7 +38,7 @@ void begin_fluids(WorldState& world, double dt) {
 void solve_incompressibility(WorldState& world, const Substep& substep) {
   if (!fluids_move(world)) return;
   world.fluids->solve_incompressibility(fluid_input(world, world.time), substep);
-  world.rigid->gather(world.stage_view(), false);
+  world.rigid->gather(world.stage_view());
 }
 
 void update_fluid_velocities(WorldState& world, const Substep& substep) {

@@ -111,7 +111,8 @@ MemoryReport World::memory() {
                                     world.current.last_valid.velocity, world.current.last_valid.spin)});
   report.simulation.push_back(
       {"forces and predictions", bytes_of(world.scratch->motion.predicted, world.scratch->motion.air_thirds,
-                                          world.scratch->rigid_sums)});
+                                          world.scratch->rigid_sums, world.scratch->links) +
+                                     world.scratch->angular_momentum.bytes()});
   add_constraints(world, report);
   report.simulation.push_back(
       {"contacts", world.contact->contacts.bytes() + world.scratch->sleep->proximity.bytes()});

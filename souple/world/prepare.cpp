@@ -4,6 +4,8 @@
 #include "souple/error.h"
 #include "souple/objects/object.h"
 #include "souple/solver/facets.h"
+#include "souple/stages/rigid_joints.h"
+#include "souple/stages/rigid_stage.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
@@ -120,6 +122,7 @@ void build_constraints_and_solver(WorldState& world) {
     world.solving.settings = world.settings.solver;
   }
   world.solving.solver->prepare(world.constraints.order, view, *world.threads);
+  world.scratch->angular_momentum.forget();
   world.dirty.solver = world.dirty.masses = false;
 }
 
@@ -141,6 +144,39 @@ void bring_up_to_date(WorldState& world) {
 
 namespace {
 
+/// First particle of the object of a tie's or joint's side.
+std::uint32_t particle_of(const WorldState& world, const ObjectId* object, std::uint32_t particle) {
+  return object ? world.object(*object).begin + particle : AngularMomentum::fixed;
+}
+
+void add_link(AngularMomentum::Links& links, std::uint32_t a, std::uint32_t b) {
+  if (a != AngularMomentum::fixed || b != AngularMomentum::fixed)
+    links.emplace_back(std::min(a, b), std::max(a, b));
+}
+
+// Ties and joints that break, and constraints that change, connect other particles.
+void find_groups(WorldState& world) {
+  AngularMomentum::Links& links = world.scratch->links;
+  links.clear();
+  const RigidJoints& joints = world.rigid->joints();
+  for (std::size_t j = 0; j < joints.records().size(); ++j)
+    if (!joints.joints().state[j].broken)
+      add_link(links, particle_of(world, joints.records()[j].a.object(), 0),
+               particle_of(world, joints.records()[j].b.object(), 0));
+  const auto end = [&](const TieEnd& side) {
+    return particle_of(world, side.object ? &*side.object : nullptr,
+                       side.parts.empty() ? 0 : side.parts.front().particle);
+  };
+  const Ties& ties = *world.constraints.ties;
+  for (std::size_t k = 0; k < ties.count(); ++k)
+    if (ties.state(k).broken == 0) add_link(links, end(ties.tie(k).a), end(ties.tie(k).b));
+  if (!world.scratch->angular_momentum.knows(links))
+    world.scratch->angular_momentum.find(
+        world.objects_view(),
+        world.constraints.lasting().first(world.constraints.without_contacts - (ties.empty() ? 0 : 1)),
+        world.constraints.users, links);
+}
+
 // Whether a distance joint is active follows from the time alone, so a restored world reactivates its joints.
 // Time is a sum of steps: a billionth of a second too little must not delay the release by a step.
 void release_joints(WorldState& world) {
@@ -161,6 +197,7 @@ bool prepare_step(WorldState& world, double dt) {
     release_joints(world);
     world.constraints.ties->begin_step(dt / world.settings.substeps);
     bring_up_to_date(world);
+    find_groups(world);
     return true;
   } catch (const Error& error) {
     refuse_step(world, error.what());

@@ -68,11 +68,24 @@ void integrate(WorldState& world, const Substep& substep) {
   keep_prediction(stage, world.scratch->motion);
 }
 
+// Other integrators are there for comparison: they leave p* and v* that do not belong together.
+void begin_angular_momentum(WorldState& world) {
+  AngularMomentum& angular_momentum = world.scratch->angular_momentum;
+  if (integrate_by(world.settings.integrator) == nullptr)
+    angular_momentum.begin_step(world.stage_view(), *world.rigid);
+  else
+    angular_momentum.leave_all();
+}
+
 void solve(WorldState& world, const Substep& substep) {
   if (world.scratch->sleep->all) return;
   SOUPLE_ASSERT(!world.dirty.solver && !world.dirty.constraints, "a step prepares its solver");
   const ParticleView view = world.view();
   for (Projector* const projector : world.constraints.order) projector->begin_substep(view, substep);
+  const auto h = static_cast<double>(substep.h);
+  AngularMomentum& angular_momentum = world.scratch->angular_momentum;
+  world.rigid->gather(world.stage_view());
+  angular_momentum.begin_solve(world.stage_view(), *world.rigid, h);
   world.rigid->begin_ties(world.stage_view(), substep, *world.constraints.ties);
   Substep solved = substep;
   solved.levels = !world.contact->contacts.separates() && !world.constraints.ties->has_broken();
@@ -89,13 +102,15 @@ void solve(WorldState& world, const Substep& substep) {
     world.solving.solver->solve(world.constraints.order, view, solved, *world.threads);
     if (world.current.last_substep) world.report.objects.clear();
   }
-  world.rigid->solve(world.stage_view(), substep, *world.constraints.ties);
+  world.rigid->solve(world.stage_view(), substep, world.contact->contacts, *world.constraints.ties);
+  angular_momentum.end_solve(world.stage_view(), *world.rigid, world.contact->contacts, h);
   keep_apart(world, substep);
 }
 
 bool finish(WorldState& world, const Substep& substep) {
   note(world, finish_motion(world.stage_view(), substep, world.scratch->motion));
-  world.rigid->finish(world.stage_view(), substep);
+  world.rigid->finish(world.stage_view(), substep, world.contact->contacts);
+  world.scratch->angular_momentum.finish(world.stage_view(), *world.rigid);
   ++world.version;
   return !world.current.first_non_finite;
 }

@@ -9,6 +9,9 @@ namespace souple {
 /// Once per step: finds contact candidates for the next dt seconds.
 void find_candidates(WorldState& world, double dt);
 
+/// Once per step: finds what is free to spin.
+void begin_angular_momentum(WorldState& world);
+
 /// (1) v* and p* from external forces, by the integrator of the settings. Moves pinned particles to their
 /// targets, obstacles along their motion, and attachments' targets.
 void integrate(WorldState& world, const Substep& substep);

@@ -85,6 +85,7 @@ void advance(World& self, WorldState& world, double dt) {
   const ActiveScope awake(*world.threads);
   save_last_valid(world);
   run(self, world, Stage::broad_phase, [&] { find_candidates(world, dt); });
+  begin_angular_momentum(world);
   for (int i = 1; valid && i <= substep.count; ++i) {
     world.current.last_substep = i == substep.count;
     run(self, world, Stage::integrate, [&] { integrate(world, substep); });

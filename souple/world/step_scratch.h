@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/stages/angular_momentum.h"
 #include "souple/stages/balance.h"
 #include "souple/stages/body_restitution.h"
 #include "souple/stages/damping.h"
@@ -21,6 +22,8 @@ struct StepScratch {
   std::vector<RigidSums> rigid_sums;
   BodyImpacts impacts;
   Balance balance;
+  AngularMomentum angular_momentum;
+  AngularMomentum::Links links;
   std::unique_ptr<SleepScratch> sleep;
 };
 

@@ -380,7 +380,7 @@ TEST(VertexBalls, AHeapHasFewCrossings) {
 // While it falls: in a flat heap many edges only touch triangles, which may count or not.
 TEST(VertexBalls, CrossingsAreCountedAsTheCheckerCountsThem) {
   World world = falling_sheet(20, SelfCollision::off);
-  for (int frame = 0; frame < 30; ++frame) world.step(1.0 / 60);
+  for (int frame = 0; frame < 26; ++frame) world.step(1.0 / 60);
   const ObjectId cloth = world.objects()[0];
   CrossingCounter checker;
   checker.add(world.positions(cloth), world.mesh(cloth).triangles);

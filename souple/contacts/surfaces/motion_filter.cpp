@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <tuple>
 
 namespace souple {
 
@@ -14,6 +15,7 @@ void MotionFilter::set_count() {
   correction_pair_.reserve(256), correction_toi_.reserve(256), violations_.reserve(256);
   corrected_particles_.reserve(2048);
   corrections_.resize(256);
+  pushes_.reserve(2048), stopped_.reserve(2048), grips_.reserve(2048), pinches_.reserve(2048);
 }
 
 void MotionFilter::find_violations(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase,
@@ -128,6 +130,82 @@ bool MotionFilter::all_are_with_bodies(const ElementPairs& candidates) const {
   });
 }
 
+// Lists the free particles of violations with rigid bodies, before a pass that does not conserve momentum.
+void MotionFilter::begin_pushes(const ElementPairs& candidates, const ParticleView& particles) {
+  const ElementSurfaces& surfaces = candidates.surfaces();
+  stopped_.clear();
+  for (const PairToi& violation : violations_) {
+    const auto& pair = candidates.pair(violation.pair).particle;
+    const std::uint32_t one = surfaces.of(pair[0]), other = surfaces.of(pair[3]);
+    const auto gives_way = [&](std::uint32_t i) { return particles.inverse_mass(i) > 0; };
+    for (const std::uint32_t i : pair) {
+      if (!gives_way(i)) continue;
+      if (!gives_way(pair[0])) grips_.push_back({one, i, {}});
+      if (!gives_way(pair[3])) grips_.push_back({other, i, {}});
+      if (surfaces[one].rigid || surfaces[other].rigid)
+        stopped_.push_back({surfaces[one].rigid ? one : other, i, particles.moved(i)});
+    }
+  }
+  // One of several bodies receives the whole push.
+  std::sort(stopped_.begin(), stopped_.end(), [](const BodyPush& a, const BodyPush& b) {
+    return std::tie(a.particle, a.object) < std::tie(b.particle, b.object);
+  });
+  stopped_.erase(std::unique(stopped_.begin(), stopped_.end(),
+                             [](const BodyPush& a, const BodyPush& b) { return a.particle == b.particle; }),
+                 stopped_.end());
+}
+
+// Two surfaces that grip one particle.
+void MotionFilter::find_pinches(const ElementPairs& candidates) {
+  const ElementSurfaces& surfaces = candidates.surfaces();
+  const auto key = [](const BodyPush& grip) { return std::tie(grip.particle, grip.object); };
+  std::sort(grips_.begin(), grips_.end(),
+            [&](const BodyPush& a, const BodyPush& b) { return key(a) < key(b); });
+  for (std::size_t k = 1; k < grips_.size(); ++k) {
+    const std::uint32_t a = grips_[k - 1].object, b = grips_[k].object;
+    if (grips_[k - 1].particle != grips_[k].particle || a == b) continue;
+    if (surfaces[a].rigid || surfaces[b].rigid)
+      pinches_.push_back(surfaces[a].rigid ? Pinch{a, b} : Pinch{b, a});
+  }
+}
+
+void MotionFilter::end_pushes(const ParticleView& particles) {
+  for (const BodyPush& stopped : stopped_)
+    pushes_.push_back({stopped.object, stopped.particle, particles.moved(stopped.particle) - stopped.moved});
+}
+
+// Adds the motions of free particles by correction contacts with rigid bodies.
+void MotionFilter::add_corrections(const ElementPairs& candidates, const ParticleView& particles) {
+  const ElementSurfaces& surfaces = candidates.surfaces();
+  const kernels::ContactColumns columns = corrections_.columns();
+  for (std::size_t c = 0; c < correction_pair_.size(); ++c) {
+    const Anchor<4> anchor = anchor_of(columns, c);
+    const std::uint32_t one = surfaces.of(anchor.particle[0]), other = surfaces.of(anchor.particle[3]);
+    if (!(surfaces[one].rigid || surfaces[other].rigid) || !(columns.normal_sum[c] > 0)) continue;
+    anchor.distribute(particles, correction_of(columns, c), columns.inverse_mass[c],
+                      [&](std::uint32_t i, const Vec3f& moved) {
+                        pushes_.push_back({surfaces[one].rigid ? one : other, i, moved});
+                      });
+  }
+}
+
+// Equal keys are in order of their motions, so that sums have the same bits everywhere: a stable sort would allocate.
+void MotionFilter::merge_pushes() {
+  const auto key = [](const BodyPush& push) {
+    return std::tie(push.object, push.particle, push.moved.x, push.moved.y, push.moved.z);
+  };
+  std::sort(pushes_.begin(), pushes_.end(),
+            [&](const BodyPush& a, const BodyPush& b) { return key(a) < key(b); });
+  std::size_t count = 0;
+  for (const BodyPush& push : pushes_) {
+    if (count > 0 && pushes_[count - 1].object == push.object && pushes_[count - 1].particle == push.particle)
+      pushes_[count - 1].moved += push.moved;
+    else
+      pushes_[count++] = push;
+  }
+  pushes_.resize(count);
+}
+
 // First correction contacts, which conserve momentum. Then the motions of remaining violations are clamped. Another
 // particle may hit a clamped one, so at last particles are stopped. Driven ones are stopped only where they would pass
 // through stopped ones. Each pass stops further particles, until no violation is left.
@@ -137,7 +215,8 @@ MotionFilter::Result MotionFilter::apply(ElementPairs& candidates, SurfaceNarrow
   // If 4 passes leave violations with rigid bodies, 20 hardly ever resolve them (scenes/brick_wall.json: in 30 of 1600
   // substeps). A body that pinches a cloth has them in every substep.
   constexpr int correction_passes = 20, clamping_passes = 4, stopping_passes = 100, passes_with_bodies = 4;
-  correction_pair_.clear(), correction_toi_.clear();
+  correction_pair_.clear(), correction_toi_.clear(), grips_.clear();
+  clear_pushes();
   Result result;
   held_ = {};
   result.first_new = candidates.update(particles, substep.h, threads);
@@ -147,23 +226,28 @@ MotionFilter::Result MotionFilter::apply(ElementPairs& candidates, SurfaceNarrow
     if (pass == passes_with_bodies && all_are_with_bodies(candidates)) pass = correction_passes;
     if (pass < correction_passes) {
       solve_corrections(candidates, narrow_phase, particles);
-    } else if (pass < correction_passes + clamping_passes) {
-      result.clamped += violations_.size();
-      clamp_to_toi(candidates, particles);
     } else {
       result.clamped += violations_.size();
-      if (!stop(candidates, particles) && !hold_driven(candidates, particles)) break;
+      begin_pushes(candidates, particles);
+      if (pass < correction_passes + clamping_passes)
+        clamp_to_toi(candidates, particles);
+      else if (!stop(candidates, particles) && !hold_driven(candidates, particles))
+        break;
+      end_pushes(particles);
     }
     result.first_new =
         std::min(result.first_new, refind_violations(candidates, narrow_phase, particles, substep, threads));
   }
+  add_corrections(candidates, particles);
+  merge_pushes();
+  find_pinches(candidates);
   held_.speed /= substep.h;
   result.held = held_;
   return result;
 }
 
 std::size_t MotionFilter::bytes() const {
-  return bytes_of(clamp_toi_) + corrections_.bytes();
+  return bytes_of(clamp_toi_, pushes_, stopped_, grips_, pinches_) + corrections_.bytes();
 }
 
 }  // namespace souple

@@ -3,6 +3,7 @@
 #include "souple/contacts/surfaces/surface_narrow_phase.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace souple {
@@ -22,6 +23,12 @@ class MotionFilter {
   /// Changes the motions of particles.
   Result apply(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase, const ParticleView& particles,
                const Substep& substep, Threads& threads);
+  /// Motions by the last `apply` out of the way of rigid bodies, which do not move in it. In order of object and particle,
+  /// each pair once.
+  std::span<const BodyPush> body_pushes() const { return pushes_; }
+  /// Objects that stopped particles between them, see ContactProjector.
+  std::span<const Pinch> pinches() const { return pinches_; }
+  void clear_pushes() { pushes_.clear(), pinches_.clear(); }
   std::size_t bytes() const;
 
  private:
@@ -35,6 +42,11 @@ class MotionFilter {
   bool stop(const ElementPairs& candidates, const ParticleView& particles) const;
   bool all_are_with_bodies(const ElementPairs& candidates) const;
   bool hold_driven(const ElementPairs& candidates, const ParticleView& particles);
+  void begin_pushes(const ElementPairs& candidates, const ParticleView& particles);
+  void end_pushes(const ParticleView& particles);
+  void add_corrections(const ElementPairs& candidates, const ParticleView& particles);
+  void merge_pushes();
+  void find_pinches(const ElementPairs& candidates);
 
   std::vector<PairToi> violations_;
   std::vector<std::uint32_t> correction_pair_;
@@ -43,7 +55,11 @@ class MotionFilter {
   std::vector<std::uint32_t> corrected_particles_;  // moved by the last pass
   std::vector<std::uint32_t> held_particles_;       // driven particles that the last pass stopped
   ShortenedMotion held_;                            // see Result; its speed is a distance [m]
-  std::vector<float> clamp_toi_;                    // per particle: part of the motion that remains
+  std::vector<Pinch> pinches_;
+  std::vector<BodyPush> grips_;    // of particles by what does not give way in a pass; `moved`: none
+  std::vector<BodyPush> pushes_;   // see body_pushes
+  std::vector<BodyPush> stopped_;  // particles that a pass may stop in the way of bodies; `moved`: before it
+  std::vector<float> clamp_toi_;   // per particle: part of the motion that remains
 };
 
 }  // namespace souple

@@ -44,13 +44,16 @@ void SurfaceContacts::begin_step(const ContactInput& input, Threads& threads) {
   if (!pairs_.surfaces().any()) return;
   narrow_phase_->begin_step(pairs_.surfaces(), input.tables.against_objects, input.step);
   contact_margin_ = input.contact_margin;
+  balls_roll_ = !input.step.turn.empty();
   pairs_.begin_step(input.particles, input.velocity, input.radius, input.contact_margin, input.step, threads);
   colors_->extend(0, pairs_);
 }
 
 void SurfaceContacts::clear_contacts() {
   contacts_.resize(0);
+  of_bodies_.clear();
   colors_->clear_contacts();
+  filter_->clear_pushes();
 }
 
 void SurfaceContacts::refresh(const ParticleView& particles, const Substep& substep, double,
@@ -133,6 +136,67 @@ std::size_t SurfaceContacts::after_solve(const ParticleView& particles, const Su
   return clamped;
 }
 
+std::span<const BodyPush> SurfaceContacts::body_pushes() const {
+  return filter_->body_pushes();
+}
+
+std::span<const Pinch> SurfaceContacts::pinches() const {
+  return filter_->pinches();
+}
+
+void SurfaceContacts::update_masses(const ParticleView& particles) {
+  for (std::size_t c = 0; c < size(); ++c) {
+    if (!is_of_body(c) || !(columns_.inverse_mass[c] > 0)) continue;
+    const float ratio = anchor_of(columns_, c).inverse_mass(particles) / columns_.inverse_mass[c];
+    columns_.inverse_mass[c] *= ratio;
+    // Sums are impulses times the inverse mass.
+    columns_.normal_sum[c] *= ratio;
+    for (float* const sum : columns_.tangent_sum) sum[c] *= ratio;
+    if (!balls_roll_) continue;
+    columns_.share[c] /= ratio;
+    for (float* const sum : columns_.moment_sum) sum[c] *= ratio;
+  }
+}
+
+bool SurfaceContacts::is_rigid(std::uint32_t particle) const {
+  return pairs_.surfaces()[pairs_.surfaces().of(particle)].rigid;
+}
+
+bool SurfaceContacts::is_of_body(std::size_t contact) const {
+  return is_rigid(columns_.particle[0][contact]) || is_rigid(columns_.particle[3][contact]);
+}
+
+float SurfaceContacts::gap(std::size_t contact, const ParticleView& particles) const {
+  Vec3f apart;
+  for (std::size_t k = 1; k < 4; ++k)
+    apart += particles.difference(columns_.particle[k][contact], columns_.particle[0][contact]) *
+             columns_.c[k][contact];
+  const Vec3f n{columns_.normal[0][contact], columns_.normal[1][contact], columns_.normal[2][contact]};
+  return dot(n, apart) - columns_.thickness[contact];
+}
+
+void SurfaceContacts::choose_body_contacts(const ParticleView& particles, const ParticleFunction& f) {
+  of_bodies_.clear();
+  for (std::size_t c = 0; c < size(); ++c) {
+    if (!is_of_body(c)) continue;
+    if (!(columns_.normal_sum[c] > 0) && !(gap(c, particles) < columns_.slop[c])) continue;
+    bool moves = false;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::uint32_t i = columns_.particle[k][c];
+      if (!is_rigid(i) || !(abs(columns_.c[k][c]) > 0) || !(particles.inverse_mass(i) > 0)) continue;
+      f(i), moves = true;
+    }
+    if (moves) of_bodies_.push_back(static_cast<std::uint32_t>(c));
+  }
+}
+
+void SurfaceContacts::project_body_contacts(const ParticleView& particles) {
+  const kernels::ElementPairKernels& scalar_kernels =
+      kernels::find_element_pair_kernels(InstructionSet::scalar);
+  for (const std::uint32_t c : of_bodies_)
+    scalar_kernels.project(pairs_.particle_records(particles), columns_, c, c + std::size_t{1});
+}
+
 void SurfaceContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
                                         const Substep&, Threads& threads) {
   if (velocity.empty()) return;
@@ -191,16 +255,34 @@ void SurfaceContacts::visit(const ParticleView& particles, const ConstraintVisit
          c < colors_->begin()[2 * static_cast<std::size_t>(color) + 2]; ++c) {
       const std::array<std::uint32_t, 4> i{columns_.particle[0][c], columns_.particle[1][c],
                                            columns_.particle[2][c], columns_.particle[3][c]};
-      Vec3f apart;
-      for (std::size_t k = 1; k < 4; ++k) apart += particles.difference(i[k], i[0]) * columns_.c[k][c];
-      const Vec3f n{columns_.normal[0][c], columns_.normal[1][c], columns_.normal[2][c]};
-      const float C = dot(n, apart) - columns_.thickness[c];
-      visitor({i, color, 0, max(0.0f, -C)});
+      visitor({i, color, 0, max(0.0f, -gap(c, particles))});
     }
 }
 
+ContactImpulse SurfaceContacts::impulse(std::size_t c) const {
+  const float inverse_mass = columns_.inverse_mass[c];
+  ContactImpulse result = anchor_of(columns_, c).impulse(correction_of(columns_, c), inverse_mass);
+  if (balls_roll_ && columns_.share[c] > 0) {
+    const auto vector = [c](float* const(&of)[3]) { return Vec3f{of[0][c], of[1][c], of[2][c]}; };
+    result.moment =
+        (cross(vector(columns_.tangent_sum), vector(columns_.normal)) + vector(columns_.moment_sum)) *
+        (1 / inverse_mass);
+  }
+  return result;
+}
+
+void SurfaceContacts::visit_impulses(const ParticleView&, const ImpulseFunction& f) const {
+  for (std::size_t c = 0; c < size(); ++c)
+    if (columns_.normal_sum[c] > 0) f(impulse(c));
+}
+
+void SurfaceContacts::visit_body_impulses(const ImpulseFunction& f) const {
+  for (const std::uint32_t c : of_bodies_)
+    if (columns_.normal_sum[c] > 0) f(impulse(c));
+}
+
 std::size_t SurfaceContacts::bytes() const {
-  return bytes_of(contact_pairs_) + pairs_.bytes() + narrow_phase_->bytes() + colors_->bytes() +
+  return bytes_of(contact_pairs_, of_bodies_) + pairs_.bytes() + narrow_phase_->bytes() + colors_->bytes() +
          contacts_.bytes() + filter_->bytes();
 }
 

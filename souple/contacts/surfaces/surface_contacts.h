@@ -54,6 +54,12 @@ class SurfaceContacts final : public ContactProjector {
   void refresh(const ParticleView& particles, const Substep& substep, double time, Threads& threads) override;
   /// Prevents intersections. Returns the number of clamps.
   std::size_t after_solve(const ParticleView& particles, const Substep& substep, Threads& threads) override;
+  std::span<const BodyPush> body_pushes() const override;
+  std::span<const Pinch> pinches() const override;
+  void update_masses(const ParticleView& particles) override;
+  void choose_body_contacts(const ParticleView& particles, const ParticleFunction& f) override;
+  void project_body_contacts(const ParticleView& particles) override;
+  void visit_body_impulses(const ImpulseFunction& f) const override;
   void apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity, const Substep& substep,
                          Threads& threads) override;
   void append_impacts(const Substep& substep, std::vector<Impact>& out) const override;
@@ -72,11 +78,16 @@ class SurfaceContacts final : public ContactProjector {
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
   void visit(const ParticleView& particles, const ConstraintVisitor& visitor) const override;
+  void visit_impulses(const ParticleView& particles, const ImpulseFunction& f) const override;
   std::size_t bytes() const override;
   void clear() override { build({}); }
 
  private:
   void clear_contacts();
+  bool is_rigid(std::uint32_t particle) const;
+  bool is_of_body(std::size_t contact) const;
+  ContactImpulse impulse(std::size_t contact) const;
+  float gap(std::size_t contact, const ParticleView& particles) const;
   void describe_contacts(const ParticleView& particles, Threads& threads);
   void update_contact_margins();
 
@@ -87,9 +98,11 @@ class SurfaceContacts final : public ContactProjector {
   std::unique_ptr<MotionFilter> filter_;
   ShortenedMotion held_;  // the fastest driven particle that was stopped in this step
   std::span<float> contact_margin_;
-  std::vector<PairToi> contact_pairs_;  // in order of pairs
-  SurfaceContactRows contacts_;         // in order of colors
-  kernels::ContactColumns columns_{};   // of contacts_
+  std::vector<PairToi> contact_pairs_;    // in order of pairs
+  SurfaceContactRows contacts_;           // in order of colors
+  kernels::ContactColumns columns_{};     // of contacts_
+  bool balls_roll_ = false;               // contacts have shares and moments
+  std::vector<std::uint32_t> of_bodies_;  // contacts that project_body_contacts projects
 };
 
 }  // namespace souple

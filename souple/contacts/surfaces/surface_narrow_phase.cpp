@@ -27,16 +27,6 @@ const kernels::ElementPairKernels& narrow_kernels() {
   return kernels::find_element_pair_kernels(instruction_set());
 }
 
-/// Nearest point of the first element relative to that of the second.
-Anchor<4> anchor_of(const kernels::ContactColumns& contacts, std::size_t c) {
-  Anchor<4> anchor;
-  for (std::size_t k = 0; k < 4; ++k) {
-    anchor.particle[k] = contacts.particle[k][c];
-    anchor.weight[k] = contacts.c[k][c];
-  }
-  return anchor;
-}
-
 // Twice the area times the unit normal of the pair's triangle.
 Vec3f triangle_normal(const NearPair& pair, const ParticleView& particles) {
   const auto& i = pair.particle;
@@ -112,6 +102,20 @@ void find_chunk_violations(ElementPairs& candidates, std::size_t chunk, const Pa
 }
 
 }  // namespace
+
+Anchor<4> anchor_of(const kernels::ContactColumns& contacts, std::size_t c) {
+  Anchor<4> anchor;
+  for (std::size_t k = 0; k < 4; ++k) {
+    anchor.particle[k] = contacts.particle[k][c];
+    anchor.weight[k] = contacts.c[k][c];
+  }
+  return anchor;
+}
+
+Vec3f correction_of(const kernels::ContactColumns& contacts, std::size_t c) {
+  const auto vector = [c](float* const(&of)[3]) { return Vec3f{of[0][c], of[1][c], of[2][c]}; };
+  return vector(contacts.normal) * contacts.normal_sum[c] + vector(contacts.tangent_sum);
+}
 
 void SurfaceNarrowPhase::begin_step(const ElementSurfaces& surfaces, const ContactMaterialTable& materials,
                                     const ContactStep& step) {

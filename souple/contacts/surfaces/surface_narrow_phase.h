@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/contacts/anchor.h"
 #include "souple/contacts/contact_material.h"
 #include "souple/contacts/surfaces/element_pairs.h"
 #include "souple/contacts/surfaces/feature_owners.h"
@@ -15,6 +16,11 @@ struct PathCrossing {
   Vec3f weight;  ///< barycentric coordinates of the crossing for the three corners
   Vec3f normal;  ///< unit normal of the triangle, to the side that the vertex comes from
 };
+
+/// Nearest point of a contact's first element relative to that of the second.
+Anchor<4> anchor_of(const kernels::ContactColumns& contacts, std::size_t c);
+/// By how much a contact has moved that point [m].
+Vec3f correction_of(const kernels::ContactColumns& contacts, std::size_t c);
 
 /// Finds which candidate pairs touch, and describes their contacts: weights, normal, friction.
 class SurfaceNarrowPhase {
