@@ -105,7 +105,7 @@ TEST(DiscreteDetection, AClothLiesOnTriangles) {
 }
 
 TEST(DiscreteDetection, AMovingTriangleMeetsAVertexAtRest) {
-  World world({.gravity = {}, .detection = Detection::discrete});
+  World world({.gravity = {}, .wind = {.air_density = 0}, .detection = Detection::discrete});
   const ObjectId cloth = world.add_cloth(grid(3, 3, 1), {}, {.velocity = {0, 20, 0}});
   const std::vector<Vec3d> point{{0.11, 0.2, 0.07}};
   const ObjectId grain = world.add_grains(point, {.radius = 1e-3f});
