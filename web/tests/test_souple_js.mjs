@@ -13,8 +13,8 @@ const floor = { name: 'floor', shape: { plane: {} } };
 const says = (pattern) => (error) => error instanceof SoupleError && pattern.test(error.message);
 const heights = (object) => object.positions.filter((_, i) => i % 3 === 1);
 
-test('a free cloth falls as a body falls', () => {
-  const world = new souple.World({ objects: [cloth] });
+test('a free cloth falls as a body falls in a vacuum', () => {
+  const world = new souple.World({ objects: [cloth], wind: { air_density: 0 } });
   for (let i = 0; i < 60; ++i) world.step();
   assert.ok(Math.abs(world.time - 1) < 1e-9);
   for (const y of heights(world.object('sheet'))) assert.ok(Math.abs(y + 4.905) < 0.1, `${y} m`);
@@ -44,7 +44,7 @@ test('pins hold, move and let go', () => {
   }
   assert.ok(Math.abs(object.positions[1] - 0.5) < 1e-6);
   object.unpin([0]);
-  for (let i = 0; i < 60; ++i) world.step();
+  for (let i = 0; i < 120; ++i) world.step();
   assert.ok(object.positions[1] < -1, `${object.positions[1]} m`);
   world.free();
 });
