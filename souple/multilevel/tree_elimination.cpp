@@ -23,9 +23,8 @@ constexpr double floor = 1e-8;
 /// Weights of a link's directions at the substep's end and start in that of its force; the rest is that of a substep
 /// before. The loss of a swing is proportional to 2 end + start - 1 = 0.09. A smaller one calms a jerked rope too slowly.
 constexpr double end_weight = 0.32, start_weight = 0.45;
-/// A link that is jerked gets the weights 1/2, 1/2 and 0. The jerk is the change, from one substep to the next, of the
-/// angle that it turns in a substep: between these two [rad] the weights change gradually. A link that whirls steadily
-/// does not change it, however fast it turns.
+/// A link that is jerked gets the weights 1/2, 1/2 and 0. A jerk is a change of the angle that a link turns in a substep.
+/// Between these two [rad] the weights change gradually. A steady whirl has none, however fast.
 constexpr double small_jerk = 0.002, large_jerk = 0.004;
 /// Cosine of the angle per substep up to which a link's force acts along a mean of its directions.
 constexpr double little_turn = 0.9;
