@@ -12,6 +12,7 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <utility>
 #include <vector>
 
 #include <fmt/core.h>
@@ -110,6 +111,19 @@ Vec3d direction_of(const World& world, ObjectId thrown) {
   return to / length(to);
 }
 
+Outcome watch(World& world, double dt) {
+  Outcome outcome;
+  for (int frame = 0; frame < frames_after && outcome.finite; ++frame) {
+    const double start = processor_time();
+    const StepReport& report = world.step(dt);
+    outcome.frame = std::max(outcome.frame, processor_time() - start);
+    outcome.flagged = outcome.flagged || report.has(Flag::shortened_motion);
+    outcome.finite = report.ok();
+    if (!outcome.flagged && outcome.finite) outcome.crossings += crossings_of(world);
+  }
+  return outcome;
+}
+
 Outcome throw_object(const std::string& scene_name, const std::string& object, double speed) {
   const SceneDescription scene = load_scene(source_path("scenes/" + scene_name + ".json"));
   World world = build_world(scene);
@@ -121,26 +135,35 @@ Outcome throw_object(const std::string& scene_name, const std::string& object, d
   for (int frame = 0; frame < frames_before; ++frame) world.step(1 / scene.frame_rate);
   const Vec3d push = direction_of(world, thrown) * (speed * world.total_mass(thrown));
   if (speed > 0) world.apply_impulse(thrown, all(), Vec3f(push));
-  Outcome outcome;
+  Outcome outcome = watch(world, 1 / scene.frame_rate);
   outcome.fluid = world.kind(thrown) == ObjectKind::fluid;
-  for (int frame = 0; frame < frames_after && outcome.finite; ++frame) {
-    const double start = processor_time();
-    const StepReport& report = world.step(1 / scene.frame_rate);
-    outcome.frame = std::max(outcome.frame, processor_time() - start);
-    outcome.flagged = outcome.flagged || report.has(Flag::shortened_motion);
-    outcome.finite = report.ok();
-    if (!outcome.flagged && outcome.finite) outcome.crossings += crossings_of(world);
-  }
   return outcome;
 }
 
+/// Sheets above each other, every second one thrown up and the others down, over a floor and without air, which would stop
+/// them within a few meters.
+Outcome throw_sheets(int count, float speed) {
+  World world({.substeps = 2,
+               .wind = {.air_density = 0},
+               .measure_residuals = false,
+               .threading = Threading::serial});
+  world.add_collider(Plane{{0, 1, 0}, -1});
+  for (int i = 0; i < count; ++i)
+    world.add_cloth(grid(25, 25, 1), {},
+                    {.transform = {.translation = {0, 0.1 * i, 0}},
+                     .velocity = {0, i % 2 == 0 ? -speed : speed, 0},
+                     .self_collision = SelfCollision::surfaces});
+  return watch(world, 1.0 / 60);
+}
+
 /// In a process of its own, whose peak of memory is that of the case.
-Outcome in_child(const std::string& scene, const std::string& object, double speed) {
+template <class Case>
+Outcome in_child(const Case& run) {
   int ends[2];
   if (pipe(ends) != 0) return {};
   const pid_t child = fork();
   if (child == 0) {
-    const Outcome outcome = throw_object(scene, object, speed);
+    const Outcome outcome = run();
     const bool written = write(ends[1], &outcome, sizeof outcome) == ssize_t{sizeof outcome};
     _exit(written ? 0 : 1);
   }
@@ -169,13 +192,16 @@ class Speeds : public testing::TestWithParam<Thrown> {};
 
 TEST_P(Speeds, TimeAndMemoryAreThoseOfTheMeshSlow) {
   const auto [scene, object] = GetParam();
-  const Outcome calm = in_child(scene, object, speeds[0]);
+  const auto thrown_at = [&](double speed) {
+    return in_child([&] { return throw_object(scene, object, speed); });
+  };
+  const Outcome calm = thrown_at(speeds[0]);
   ASSERT_TRUE(calm.ended);
   std::string row =
       fmt::format("| {}, {} | {:.0f} ms, {:.0f} MB |", scene, object, 1e3 * calm.frame, calm.megabytes);
   const std::size_t stride = std::getenv("SOUPLE_ALL_SPEEDS") ? 1 : 3;
   for (std::size_t i = 1; i < speeds.size(); i += stride) {
-    const Outcome fast = in_child(scene, object, speeds[i]);
+    const Outcome fast = thrown_at(speeds[i]);
     EXPECT_TRUE(fast.ended) << speeds[i] << " m/s";
     if (!fast.fluid) {
       EXPECT_TRUE(fast.finite) << speeds[i] << " m/s";
@@ -205,5 +231,16 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Speeds,
                                          Thrown{"trampoline", "ball"}, Thrown{"turning_torus", "cloth"},
                                          Thrown{"water_balloon", "balloon"}, Thrown{"wrung_cloth", "tube"}),
                          [](const auto& tested) { return tested.param.scene; });
+
+// Five sheets at 300 m/s took 5 GB.
+TEST(SheetsAtSpeed, ManySheetsThatArriveTogetherTakeLittleMemory) {
+  for (const auto& [count, speed] : {std::pair{5, 300.0f}, {5, 3000.0f}, {10, 30.0f}, {10, 300.0f}}) {
+    SCOPED_TRACE(fmt::format("{} sheets at {} m/s", count, speed));
+    const Outcome outcome = in_child([&] { return throw_sheets(count, speed); });
+    EXPECT_TRUE(outcome.ended && outcome.finite);
+    EXPECT_LT(outcome.megabytes, 400);
+    EXPECT_EQ(outcome.crossings, 0u);
+  }
+}
 
 }  // namespace souple::test_physics_speeds

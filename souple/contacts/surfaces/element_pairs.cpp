@@ -108,6 +108,7 @@ std::size_t ElementPairs::budget() const {
 
 void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads) {
   const float h = step_.h > 0 ? min(step_.h, remaining_) : remaining_;
+  limit_.update_frame(surfaces_, overlaps_other_, particles, velocity);
   std::span<const Vec4f> v = limit_.limited(surfaces_, particles, velocity, h);
   paths_.find_means(surfaces_, particles, v);
   paths_.set_frame(limit_.frame());

@@ -215,6 +215,9 @@ MotionFilter::Result MotionFilter::apply(ElementPairs& candidates, SurfaceNarrow
   // If 4 passes leave violations with rigid bodies, 20 hardly ever resolve them (scenes/brick_wall.json: in 30 of 1600
   // substeps). A body that pinches a cloth has them in every substep.
   constexpr int correction_passes = 20, clamping_passes = 4, stopping_passes = 100, passes_with_bodies = 4;
+  // A pile of sheets that is flattened in one substep has more violations than passes can correct: it is stopped.
+  constexpr std::size_t corrections_per_particle = 2;
+  const std::size_t particle_count = candidates.surfaces().particle_count();
   correction_pair_.clear(), correction_toi_.clear(), grips_.clear();
   clear_pushes();
   Result result;
@@ -224,6 +227,9 @@ MotionFilter::Result MotionFilter::apply(ElementPairs& candidates, SurfaceNarrow
   constexpr int passes = correction_passes + clamping_passes + stopping_passes;
   for (int pass = 0; pass < passes && !violations_.empty(); ++pass) {
     if (pass == passes_with_bodies && all_are_with_bodies(candidates)) pass = correction_passes;
+    if (pass < correction_passes &&
+        correction_pair_.size() + violations_.size() > corrections_per_particle * particle_count)
+      pass = correction_passes + clamping_passes;
     if (pass < correction_passes) {
       solve_corrections(candidates, narrow_phase, particles);
     } else {

@@ -37,6 +37,11 @@ class MotionLimit {
   /// call.
   std::span<const Vec4f> limited(const ElementSurfaces& surfaces, const ParticleView& particles,
                                  std::span<const Vec4f> velocity, float h);
+  /// Finds u again if it was needed in this step: what flew may have been stopped since.
+  void update_frame(const ElementSurfaces& surfaces, std::span<const std::uint8_t> overlaps_other,
+                    const ParticleView& particles, std::span<const Vec4f> velocity) {
+    if (has_frame_) find_frame(surfaces, overlaps_other, particles, velocity);
+  }
   /// Shortens the motions since the substep's start, and records the fastest one.
   void apply(const ElementSurfaces& surfaces, const ParticleView& particles, float h, Threads& threads);
 
