@@ -14,10 +14,14 @@ auto kind_of(const ContactSurface& surface) {
 
 }  // namespace
 
-ParticlePairs::ParticlePairs(std::vector<Edge> pairs) : pairs_(std::move(pairs)) {
+ParticlePairs::ParticlePairs(std::vector<Edge> pairs, std::vector<Edge> bodies)
+    : pairs_(std::move(pairs)), bodies_(std::move(bodies)) {
   for (Edge& pair : pairs_)
     if (pair[0] > pair[1]) std::swap(pair[0], pair[1]);
-  std::sort(pairs_.begin(), pairs_.end());
+  for (std::vector<Edge>* const list : {&pairs_, &bodies_}) {
+    std::sort(list->begin(), list->end());
+    list->erase(std::unique(list->begin(), list->end()), list->end());
+  }
 }
 
 // Most of many surfaces are alike, so a few representatives tell that no pair can collide. Otherwise one of the first

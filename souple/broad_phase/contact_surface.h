@@ -35,20 +35,28 @@ struct ContactSurface {
   float radius = 1;    ///< of the object at rest, see ContactStep::depenetration_speed [m]
 };
 
-/// Pairs of particles that never touch, such as those of a distance joint.
+/// Pairs of particles that never touch, such as those of a distance joint. All particles of a rigid body are one.
 class ParticlePairs {
  public:
   ParticlePairs() = default;
-  explicit ParticlePairs(std::vector<Edge> pairs);
+  /// `bodies`: ranges [begin, end) of particles, each of which its first one stands for in `pairs`.
+  explicit ParticlePairs(std::vector<Edge> pairs, std::vector<Edge> bodies = {});
   bool empty() const { return pairs_.empty(); }
   bool contains(std::uint32_t i, std::uint32_t j) const {
-    return !empty() && std::binary_search(pairs_.begin(), pairs_.end(), Edge{std::min(i, j), std::max(i, j)});
+    if (empty()) return false;
+    const std::uint32_t a = first_of(i), b = first_of(j);
+    return std::binary_search(pairs_.begin(), pairs_.end(), Edge{std::min(a, b), std::max(a, b)});
   }
   /// Ascending, and so is each pair.
   const std::vector<Edge>& sorted() const { return pairs_; }
 
  private:
-  std::vector<Edge> pairs_;
+  std::uint32_t first_of(std::uint32_t particle) const {
+    const auto next = std::upper_bound(bodies_.begin(), bodies_.end(), Edge{particle, ~std::uint32_t{0}});
+    return next != bodies_.begin() && particle < (next - 1)->back() ? (next - 1)->front() : particle;
+  }
+
+  std::vector<Edge> pairs_, bodies_;  // ascending
 };
 
 /// Whether any of them collides with another one or with itself.

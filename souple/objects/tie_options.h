@@ -63,7 +63,8 @@ struct TieOptions {
   Vec3d point{};                   ///< of both sides [m]
   std::optional<Vec3d> point_b{};  ///< that of b if it is elsewhere [m]
   /// m; 0: the points are drawn together. Not given: as they lie. A rigid body, a collider and the world then hold the
-  /// point of the other side where it is; otherwise it is their distance.
+  /// point of the other side where it is; otherwise it is their distance. Points at no distance get no contact with each
+  /// other.
   std::optional<double> rest_length{};
   double compliance = 0;                                             ///< m/N; 0 is rigid
   double breaking_force = std::numeric_limits<double>::infinity();   ///< N

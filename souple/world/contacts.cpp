@@ -13,6 +13,7 @@
 #include "souple/stages/rigid_stage.h"
 #include "souple/stages/sleeping.h"
 #include "souple/stages/stage_view.h"
+#include "souple/stages/ties.h"
 #include "souple/stages/user_constraint.h"
 #include "souple/studies/segment_triangle/choice.h"
 #include "souple/world/call_scope.h"
@@ -31,14 +32,40 @@
 namespace souple {
 namespace {
 
+/// Calls f(particle) for the particles of a tie's side; a rigid body is its first one.
+template <class Function>
+void for_each_tied(const WorldState& world, const TieEnd& end, const Function& f) {
+  if (!end.object) return;
+  const std::uint32_t begin = world.object(*end.object).begin;
+  if (end.kind == TieEnd::Kind::body) f(begin);
+  for (const TieEnd::Part& part : end.parts)
+    if (end.kind == TieEnd::Kind::particles && part.weight != 0) f(begin + part.particle);
+}
+
+/// Two points that are tied together have no room for a contact, which would pull at the tie.
+void append_tied(const WorldState& world, std::vector<Edge>& joined, std::vector<Edge>& bodies) {
+  const Ties& ties = *world.constraints.ties;
+  for (std::size_t k = 0; k < ties.count(); ++k) {
+    const Tie& tie = ties.tie(k);
+    if (ties.state(k).broken != 0 || tie.rest_length > 0 || !tie.chain.empty()) continue;
+    for (const TieEnd* const end : {&tie.a, &tie.b})
+      if (end->kind == TieEnd::Kind::body && end->object)
+        bodies.push_back({world.object(*end->object).begin, world.object(*end->object).end});
+    for_each_tied(world, tie.a, [&](std::uint32_t i) {
+      for_each_tied(world, tie.b, [&](std::uint32_t j) { joined.push_back({i, j}); });
+    });
+  }
+}
+
 ParticlePairs joined_particles(const WorldState& world) {
-  std::vector<Edge> joined;
+  std::vector<Edge> joined, bodies;
+  append_tied(world, joined, bodies);
   for (const UserConstraint& user_constraint : world.constraints.users)
     for (std::size_t i = 0; user_constraint.distance_joint && user_constraint.is_active &&
                             i < user_constraint.distance_joint->size();
          ++i)
       joined.push_back(user_constraint.distance_joint->set().indices(i));
-  return ParticlePairs(std::move(joined));
+  return ParticlePairs(std::move(joined), std::move(bodies));
 }
 
 // Reads world.contact->tables. Elements concern solid colliders only.

@@ -380,6 +380,7 @@ void World::restore(const Snapshot& snapshot) {
   world.fluids->foam().set_state(std::move(loaded.foam), loaded.foam_origin);
   world.rigid->set(std::move(loaded.bodies));
   world.constraints.ties->set(loaded.ties);
+  world.dirty.tables = world.dirty.tables || !world.constraints.ties->empty();  // which may be broken now
   resume_colliders(world, loaded);
   world.contact->contacts.load(loaded.contacts);
   world.contact->invalidate();

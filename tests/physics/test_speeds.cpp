@@ -140,7 +140,7 @@ Outcome throw_object(const std::string& scene_name, const std::string& object, d
   return outcome;
 }
 
-/// Sheets above each other, every second one thrown up and the others down, over a floor and without air, which would stop
+/// Sheets above each other, every second one thrown up and the others down, over a floor. There is no air, which would stop
 /// them within a few meters.
 Outcome throw_sheets(int count, float speed) {
   World world({.substeps = 2,

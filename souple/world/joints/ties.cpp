@@ -274,7 +274,7 @@ TieId add(WorldState& world, Tie tie, const TieState& state) {
     throw;
   }
   ++world.registry->next_id;
-  world.dirty.solver = true;
+  world.dirty.solver = world.dirty.tables = true;  // contacts exclude what is tied
   return id;
 }
 
@@ -283,7 +283,7 @@ void remove_tie(WorldState& world, std::size_t index) {
   wake_ends(world, ties.tie(index));
   world.registry->ties.remove(ties.tie(index).id.value);
   ties.remove(index);
-  world.dirty.solver = world.dirty.masses = true;
+  world.dirty.solver = world.dirty.masses = world.dirty.tables = true;
 }
 
 template <class Holds>
@@ -470,7 +470,7 @@ void report_ties(WorldState& world) {
     world.warnings.log_info(ties.tie(k).name,
                             {fmt::format("the tie of {} and {} broke at {:.4g} N", what(ties.tie(k).a),
                                          what(ties.tie(k).b), length(ties.state(k).force))});
-    world.dirty.masses = true;
+    world.dirty.masses = world.dirty.tables = true;
   }
 }
 
