@@ -1,7 +1,8 @@
 #include "app/view/additions.h"
 
+#include "souple/error.h"
+#include "souple/geometry/close_holes.h"
 #include "souple/geometry/measures.h"
-#include "souple/geometry/mesh_report.h"
 #include "souple/math/scalar.h"
 #include "souple/mesh_files/mesh_file.h"
 #include "souple/world/world.h"
@@ -167,9 +168,21 @@ NewObject described(Addition addition, double size) {
   return addition_kinds.at(static_cast<std::size_t>(addition)).described(size);
 }
 
+namespace {
+
+bool has_inside(const TriangleMesh& mesh) {
+  try {
+    return !closed_surface(mesh, "mesh").mesh.triangles.empty();
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+}  // namespace
+
 NewObject described(const std::filesystem::path& mesh_file) {
   const TriangleMesh mesh = read_triangle_mesh(mesh_file);
-  if (inspect(mesh).is_closed) {
+  if (has_inside(mesh)) {
     SoftBodyDescription body;
     static_cast<SoftBodyMaterial&>(body.material) = material::rubber;
     body.material.preset = "rubber";

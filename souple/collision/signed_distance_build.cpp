@@ -1,8 +1,8 @@
 #include "souple/collision/mesh_tree.h"
 #include "souple/collision/signed_distance_grid.h"
 #include "souple/error.h"
+#include "souple/geometry/close_holes.h"
 #include "souple/geometry/measures.h"
-#include "souple/geometry/mesh_report.h"
 #include "souple/threads/threads.h"
 
 #include <algorithm>
@@ -28,22 +28,6 @@ constexpr double far_tolerance = 0.01;  // relative, of distances far from the s
       fmt::format("SignedDistanceField: a spacing of {:.3g} m needs {:.3g} MiB for this mesh; at most {:.3g} "
                   "are allowed: take a spacing of about {:.3g} m or more",
                   spacing, bytes / 1048576, limit / 1048576, fits));
-}
-
-/// The repaired mesh. Throws Error if it is not closed; the message describes the user's mesh if that is open
-/// too.
-TriangleMesh closed_surface(const TriangleMesh& mesh) {
-  const RepairedSurface repaired = repair(mesh);
-  TriangleMesh solid;
-  solid.positions = gather<Vec3d>(repaired.weld, mesh.positions);
-  solid.triangles = repaired.triangles;
-  const MeshReport report = inspect(solid, 0);
-  if (!report.is_closed) {
-    const char* name = "signed distance field (an obstacle may be open)";
-    require_closed(inspect(mesh), name);
-    require_closed(report, name);
-  }
-  return solid;
 }
 
 }  // namespace
@@ -162,7 +146,8 @@ SignedDistanceField::SignedDistanceField(const TriangleMesh& mesh, double spacin
                     "since details smaller than "
                     "two spacings are lost anyway",
                     mesh.triangles.size(), max_triangles));
-  const TriangleMesh solid = closed_surface(mesh);
+  const ClosedSurface closed = closed_surface(mesh, "signed distance field");
+  const TriangleMesh& solid = closed.mesh;
   const MeshTree tree(solid.positions, solid.triangles);
   const auto grid = std::make_shared<Grid>();
   const BoundingBox box = bounding_box(solid.positions, solid.triangles);
@@ -171,6 +156,7 @@ SignedDistanceField::SignedDistanceField(const TriangleMesh& mesh, double spacin
   grid->spacing = spacing;
   grid->mesh_positions = solid.positions;
   grid->mesh_triangles = solid.triangles;
+  grid->sentences = closed.sentences();
   Builder::lay_out(*grid);
   Builder builder{tree, *grid};
   builder.choose_blocks();

@@ -154,6 +154,9 @@ const std::vector<Vec3d>& SignedDistanceField::positions() const {
 const std::vector<Triangle>& SignedDistanceField::triangles() const {
   return grid_->mesh_triangles;
 }
+const std::vector<std::string>& SignedDistanceField::sentences() const {
+  return grid_->sentences;
+}
 std::size_t SignedDistanceField::bytes() const {
   if (!grid_) return 0;
   return sizeof(Grid) +

@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 namespace souple {
 
@@ -23,6 +25,7 @@ struct SignedDistanceField::Grid {
   Vec3d lo{}, hi{};                // bounding box of the mesh [m]
   std::vector<Vec3d> mesh_positions;  // of the repaired mesh [m]
   std::vector<Triangle> mesh_triangles;
+  std::vector<std::string> sentences;  // see SignedDistanceField
 
   /// Distance [m] and normal at a point inside the grid's box, given in cells from the origin.
   SurfaceDistance inside(const Vec3d& cells) const;

@@ -1,9 +1,13 @@
 #include "souple/geometry/close_holes.h"
 
 #include "souple/geometry/adjacency.h"
+#include "souple/geometry/edge_uses.h"
+#include "souple/geometry/measures.h"
+#include "souple/geometry/mesh_report.h"
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include <fmt/core.h>
 
@@ -13,17 +17,14 @@ namespace {
 
 /// Edges (a, b) that occur more often from a to b than from b to a, as often as the difference.
 std::vector<Edge> uncancelled_edges(std::span<const Triangle> triangles) {
-  std::map<Edge, int> balance;  // by edge with a < b
-  for (const Triangle& t : triangles)
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::uint32_t a = t[i], b = t[(i + 1) % 3];
-      balance[{std::min(a, b), std::max(a, b)}] += a < b ? 1 : -1;
-    }
   std::vector<Edge> edges;
-  for (const auto& [edge, count] : balance) {
-    for (int i = 0; i < count; ++i) edges.push_back(edge);
-    for (int i = 0; i < -count; ++i) edges.push_back({edge[1], edge[0]});
-  }
+  EdgeUses(triangles).for_each_proper([&](std::span<const EdgeUse> uses) {
+    const Edge edge{uses[0].low, uses[0].high};
+    int balance = 0;
+    for (const EdgeUse& use : uses) balance += use.forward ? 1 : -1;
+    for (; balance > 0; --balance) edges.push_back(edge);
+    for (; balance < 0; ++balance) edges.push_back({edge[1], edge[0]});
+  });
   std::sort(edges.begin(), edges.end());
   return edges;
 }
@@ -77,6 +78,16 @@ Hole hole_of(std::vector<std::uint32_t> loop, std::span<const Vec3d> positions) 
   return hole;
 }
 
+/// Closes each hole with a fan about its center.
+void add_fans(std::span<const Hole> holes, TriangleMesh& mesh) {
+  for (const Hole& hole : holes) {
+    const auto center = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.push_back(hole.center);
+    for (std::size_t i = 0; i < hole.loop.size(); ++i)
+      mesh.triangles.push_back({hole.loop[(i + 1) % hole.loop.size()], hole.loop[i], center});
+  }
+}
+
 }  // namespace
 
 std::vector<Hole> find_holes(std::span<const Vec3d> positions, std::span<const Triangle> triangles) {
@@ -89,14 +100,37 @@ std::vector<Hole> find_holes(std::span<const Vec3d> positions, std::span<const T
   return holes;
 }
 
-void close_holes(std::span<const Hole> holes, std::vector<Vec3d>& positions,
-                 std::vector<Triangle>& triangles) {
-  for (const Hole& hole : holes) {
-    const auto center = static_cast<std::uint32_t>(positions.size());
-    positions.push_back(hole.center);
-    for (std::size_t i = 0; i < hole.loop.size(); ++i)
-      triangles.push_back({hole.loop[(i + 1) % hole.loop.size()], hole.loop[i], center});
+std::vector<std::string> ClosedSurface::sentences() const {
+  if (holes.empty()) return {};
+  return {fmt::format("Closed {}.", describe(holes))};
+}
+
+ClosedSurface closed_surface(const TriangleMesh& mesh, const std::string& name) {
+  constexpr double largest_share = 0.2;  // of the area of the surface
+  check_indices(mesh, name.c_str());
+  RepairedSurface repaired = repair(mesh);
+  ClosedSurface closed;
+  closed.mesh.positions = gather<Vec3d>(repaired.weld, mesh.positions);
+  closed.mesh.triangles = std::move(repaired.triangles);
+  const bool finite = std::all_of(closed.mesh.positions.begin(), closed.mesh.positions.end(),
+                                  [](const Vec3d& x) { return is_finite(x); });
+  std::vector<Hole> holes = find_holes(closed.mesh.positions, closed.mesh.triangles);
+  double open_area = 0;
+  for (const Hole& hole : holes) open_area += hole.area;
+  const double area = surface_area(closed.mesh.positions, closed.mesh.triangles);
+  if (!finite || !(open_area < largest_share * area)) {
+    // The user's mesh first: the message then has the user's numbers.
+    const std::string where = holes.empty() ? std::string() : describe(holes);
+    require_closed(inspect(mesh), name, where);
+    require_closed(inspect(closed.mesh, 0), name, where);
+    return closed;
   }
+  if (holes.empty()) return closed;
+  add_fans(holes, closed.mesh);
+  // A piece that was open may have been wound inward.
+  wind_consistently(closed.mesh.positions, closed.mesh.triangles);
+  closed.holes = std::move(holes);
+  return closed;
 }
 
 std::string describe(std::span<const Hole> holes) {

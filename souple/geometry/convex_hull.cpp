@@ -69,6 +69,8 @@ class Grid {
 };
 
 struct LocalHull {
+  std::size_t
+      corners{};  // 4, or fewer for points in a plane, on a line or at one place; then there is no more
   std::vector<Vec3d> positions;  // of all points
   HullTriangles triangles;
   HullPolygons polygons;
@@ -76,7 +78,7 @@ struct LocalHull {
 };
 
 // Only vertices matter from here on; the others keep their numbers.
-LocalHull hull_on_grid(std::span<const Vec3d> points, const HullOptions& options, const std::string& name) {
+LocalHull hull_on_grid(std::span<const Vec3d> points, const HullOptions& options) {
   const BoundingBox bounds = bounding_box(points);
   const Grid grid(bounds);
   std::vector<GridPoint> rounded;
@@ -90,7 +92,8 @@ LocalHull hull_on_grid(std::span<const Vec3d> points, const HullOptions& options
   hull.tolerance = std::max(grid.step(), options.tolerance * bounds.diagonal());
   const double steps = hull.tolerance / grid.step();
   const Simplex simplex = find_simplex(rounded, steps);
-  if (simplex.count < 4) throw_degenerate(simplex.count, hull.tolerance, name);
+  hull.corners = simplex.count;
+  if (hull.corners < 4) return hull;
   const std::size_t limit =
       options.max_vertices == 0 ? std::numeric_limits<std::size_t>::max() : options.max_vertices;
   hull.triangles = quickhull(rounded, simplex, steps, limit);
@@ -137,12 +140,7 @@ std::vector<std::uint32_t> add_vertices(ConvexHull& out, std::span<const Vec3d> 
   return vertex_of;
 }
 
-}  // namespace
-
-ConvexHull convex_hull(std::span<const Vec3d> points, const HullOptions& options, const std::string& name) {
-  check_options(options, name);
-  check_points(points, name);
-  const LocalHull hull = hull_on_grid(points, options, name);
+ConvexHull hull_of(std::span<const Vec3d> points, const LocalHull& hull) {
   const std::vector<HullPolygon>& polygons = hull.polygons.polygons;
 
   ConvexHull out;
@@ -156,6 +154,26 @@ ConvexHull convex_hull(std::span<const Vec3d> points, const HullOptions& options
   }
   out.excess = measure_excess(hull);
   return out;
+}
+
+}  // namespace
+
+ConvexHull convex_hull(std::span<const Vec3d> points, const HullOptions& options, const std::string& name) {
+  check_options(options, name);
+  check_points(points, name);
+  const LocalHull hull = hull_on_grid(points, options);
+  if (hull.corners < 4) throw_degenerate(hull.corners, hull.tolerance, name);
+  return hull_of(points, hull);
+}
+
+std::optional<ConvexHull> solid_convex_hull(std::span<const Vec3d> points, const HullOptions& options,
+                                            const std::string& name) {
+  check_options(options, name);
+  if (points.size() < 4) return {};
+  check_points(points, name);
+  const LocalHull hull = hull_on_grid(points, options);
+  if (hull.corners < 4) return {};
+  return hull_of(points, hull);
 }
 
 TriangleMesh surface_mesh(const ConvexHull& hull) {

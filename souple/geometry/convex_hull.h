@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -49,6 +50,9 @@ struct ConvexHull {
 /// point that is not finite or beyond 1e9 m, and for options out of range.
 ConvexHull convex_hull(std::span<const Vec3d> points, const HullOptions& options = {},
                        const std::string& name = "convex hull");
+/// As convex_hull, but none for fewer than 4 points, and for points that coincide or lie on a line or in a plane.
+std::optional<ConvexHull> solid_convex_hull(std::span<const Vec3d> points, const HullOptions& options = {},
+                                            const std::string& name = "convex hull");
 
 /// The surface as a mesh: closed, wound outward, with the polygons as faces.
 TriangleMesh surface_mesh(const ConvexHull& hull);

@@ -4,7 +4,6 @@
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/close_holes.h"
 #include "souple/geometry/measures.h"
-#include "souple/geometry/mesh_report.h"
 #include "souple/math/elementary.h"
 
 #include <algorithm>
@@ -511,44 +510,10 @@ Lattice lattice_of_count(const Solid& solid, int target) {
   return best;
 }
 
-TriangleMesh repaired(const TriangleMesh& mesh) {
-  RepairedSurface surface = repair(mesh);
-  TriangleMesh result;
-  result.positions = gather<Vec3d>(surface.weld, mesh.positions);
-  result.triangles = std::move(surface.triangles);
-  return result;
-}
-
-bool is_closed(const TriangleMesh& mesh) {
-  return inspect(mesh, 0).is_closed;
-}
-
-/// Closes the holes of a repaired surface if they are small beside it, like the eyes of a head; a sheet is no
-/// solid. Says so in `sentences`.
-TriangleMesh closed(const TriangleMesh& surface, const TriangleMesh& original, const std::string& name,
-                    std::vector<std::string>& sentences) {
-  constexpr double largest_share = 0.2;  // of the area of the surface
-  const std::vector<Hole> holes = find_holes(surface.positions, surface.triangles);
-  double open_area = 0;
-  for (const Hole& hole : holes) open_area += hole.area;
-  const double area = surface_area(surface.positions, surface.triangles);
-  TriangleMesh result = surface;
-  close_holes(holes, result.positions, result.triangles);
-  result = repaired(result);  // a piece that was open may have been wound inward
-  if (!(open_area < largest_share * area) || !is_closed(result)) {
-    const std::string where = holes.empty() ? std::string() : describe(holes);
-    require_closed(inspect(original), name, where);
-    require_closed(inspect(surface, 0), name, where);
-  }
-  sentences.push_back("Closed " + describe(holes) + " to fill the surface.");
-  return result;
-}
-
 Solid solid_of(const TriangleMesh& mesh, const std::string& name, std::vector<std::string>& sentences) {
-  check_indices(mesh, name.c_str());
-  TriangleMesh surface = repaired(mesh);
-  if (!is_closed(surface)) surface = closed(surface, mesh, name, sentences);
-  Solid solid{std::move(surface.positions), std::move(surface.triangles), 0, 0, {}};
+  ClosedSurface closed = closed_surface(mesh, name);
+  sentences = closed.sentences();
+  Solid solid{std::move(closed.mesh.positions), std::move(closed.mesh.triangles), 0, 0, {}};
   solid.volume = std::abs(enclosed_volume(solid.positions, solid.triangles));
   solid.area = surface_area(solid.positions, solid.triangles);
   // An unused vertex must not enlarge the lattice.

@@ -140,7 +140,8 @@ void require_closed(const MeshReport& r, const std::string& name, const std::str
   if (why.empty()) add("all its triangles are collapsed");
   if (!holes.empty()) why += ", it has " + holes;
   throw Error(name + ": a closed surface is needed here, but " + why +
-              "; close it in a modeling program (in Blender: a Remesh modifier), or simulate it as a cloth");
+              "; close it in a modeling program (in Blender: a Remesh modifier); only cloth and obstacles "
+              "may be open");
 }
 
 namespace {
@@ -288,35 +289,6 @@ std::size_t turn_outward(const std::vector<ClosedPiece>& pieces, std::vector<Tri
   return turned;
 }
 
-void wind_consistently(RepairedSurface& surface, std::span<const Vec3d> positions) {
-  const EdgeUses edges(surface.triangles);
-  std::vector<char> flipped(surface.triangles.size(), 0), on_rim(surface.triangles.size(), 0);
-  for (std::size_t e = 0; e < edges.size(); ++e)
-    if (edges[e].size() != 2)
-      for (const EdgeUse& use : edges[e]) on_rim[use.slot / 3] = 1;
-  const std::vector<Patch> patches = find_patches(edges, surface.triangles.size(), flipped);
-  std::size_t one_sided = 0;
-  for (const Patch& patch : patches) {
-    keep_majority(patch, flipped);
-    one_sided += patch.orientable ? 0u : 1u;
-  }
-  Indices turned;
-  for (std::uint32_t t = 0; t < flipped.size(); ++t)
-    if (flipped[t]) turned.push_back(t);
-  turn_over(surface.triangles, turned);
-  const std::size_t outward =
-      turn_outward(closed_pieces(patches, on_rim, positions, surface.triangles), surface.triangles);
-  if (!turned.empty())
-    surface.sentences.push_back("Reversed " + plural(turned.size(), "triangle", "triangles") +
-                                " to match the winding of the others.");
-  if (outward > 0)
-    surface.sentences.push_back("Reversed " + plural(outward, "closed piece", "closed pieces") +
-                                " to face outward.");
-  if (one_sided > 0)
-    surface.sentences.push_back("Left " + plural(one_sided, "piece", "pieces") +
-                                " with mixed winding: such a surface has only one side (a Moebius strip).");
-}
-
 // Marks duplicates: all but the first of triangles with equal corners.
 std::vector<char> find_copies(std::span<const Triangle> triangles) {
   struct Key {
@@ -373,6 +345,36 @@ bool every_edge_is_even(std::span<const Triangle> triangles) {
 
 }  // namespace
 
+std::vector<std::string> wind_consistently(std::span<const Vec3d> positions,
+                                           std::vector<Triangle>& triangles) {
+  std::vector<std::string> sentences;
+  const EdgeUses edges(triangles);
+  std::vector<char> flipped(triangles.size(), 0), on_rim(triangles.size(), 0);
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    if (edges[e].size() != 2)
+      for (const EdgeUse& use : edges[e]) on_rim[use.slot / 3] = 1;
+  const std::vector<Patch> patches = find_patches(edges, triangles.size(), flipped);
+  std::size_t one_sided = 0;
+  for (const Patch& patch : patches) {
+    keep_majority(patch, flipped);
+    one_sided += patch.orientable ? 0u : 1u;
+  }
+  Indices turned;
+  for (std::uint32_t t = 0; t < flipped.size(); ++t)
+    if (flipped[t]) turned.push_back(t);
+  turn_over(triangles, turned);
+  const std::size_t outward = turn_outward(closed_pieces(patches, on_rim, positions, triangles), triangles);
+  if (!turned.empty())
+    sentences.push_back("Reversed " + plural(turned.size(), "triangle", "triangles") +
+                        " to match the winding of the others.");
+  if (outward > 0)
+    sentences.push_back("Reversed " + plural(outward, "closed piece", "closed pieces") + " to face outward.");
+  if (one_sided > 0)
+    sentences.push_back("Left " + plural(one_sided, "piece", "pieces") +
+                        " with mixed winding: such a surface has only one side (a Moebius strip).");
+  return sentences;
+}
+
 RepairedSurface repair(const TriangleMesh& mesh, double tolerance) {
   check_indices(mesh);
   RepairedSurface surface;
@@ -398,7 +400,8 @@ RepairedSurface repair(const TriangleMesh& mesh, double tolerance) {
     filter(
         surface, [&](std::size_t t) { return !has_zero_area(positions, surface.triangles[t]); },
         "without area");
-  wind_consistently(surface, positions);
+  for (std::string& sentence : wind_consistently(positions, surface.triangles))
+    surface.sentences.push_back(std::move(sentence));
   return surface;
 }
 

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -58,5 +59,9 @@ struct RepairedSurface {
 /// keeps its winding. Throws Error if an index is out of range.
 RepairedSurface repair(const TriangleMesh& mesh, double tolerance);
 RepairedSurface repair(const TriangleMesh& mesh);
+
+/// Winds triangles over welded vertices as `repair` does. Returns sentences of what it reversed.
+std::vector<std::string> wind_consistently(std::span<const Vec3d> positions,
+                                           std::vector<Triangle>& triangles);
 
 }  // namespace souple

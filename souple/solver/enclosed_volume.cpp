@@ -44,28 +44,40 @@ void require_closed(std::span<const Triangle> triangles) {
   });
 }
 
-std::vector<std::uint32_t> vertices_of(std::span<const Triangle> triangles) {
+/// All but the means.
+std::vector<std::uint32_t> particles_of(std::span<const Triangle> triangles,
+                                        std::span<const EnclosedVolume::Mean> means) {
   std::vector<std::uint32_t> vertices;
   for (const Triangle& t : triangles) vertices.insert(vertices.end(), t.begin(), t.end());
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  for (const EnclosedVolume::Mean& mean : means) std::erase(vertices, mean.vertex);
   return vertices;
 }
 
 }  // namespace
 
 void EnclosedVolume::add(std::span<const Triangle> triangles, double rest_volume,
-                         const EnclosedVolumeOptions& options) {
+                         const EnclosedVolumeOptions& options, std::span<const Mean> means) {
   check(rest_volume, options);
   require_closed(triangles);
-  const std::vector<std::uint32_t> vertices = vertices_of(triangles);
-  groups_.add(vertices, kind());
+  const std::vector<std::uint32_t> particles = particles_of(triangles, means);
+  groups_.add(particles, kind());
+  const auto local_of = [&](std::uint32_t vertex) {
+    std::size_t i = 0;
+    for (; i < means.size(); ++i)
+      if (means[i].vertex == vertex) return static_cast<std::uint32_t>(particles.size() + i);
+    return static_cast<std::uint32_t>(std::lower_bound(particles.begin(), particles.end(), vertex) -
+                                      particles.begin());
+  };
   Surface surface;
+  for (const Mean& mean : means) {
+    Mean& local = surface.means.emplace_back(Mean{local_of(mean.vertex), {}});
+    for (const std::uint32_t i : mean.of) local.of.push_back(local_of(i));
+  }
   for (const Triangle& t : triangles) {
     Triangle local;
-    for (std::size_t k = 0; k < 3; ++k)
-      local[k] = static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), t[k]) -
-                                            vertices.begin());
+    std::transform(t.begin(), t.end(), local.begin(), local_of);
     if (rest_volume < 0) std::swap(local[1], local[2]);
     surface.triangles.push_back(local);
   }
@@ -74,8 +86,8 @@ void EnclosedVolume::add(std::span<const Triangle> triangles, double rest_volume
   surface.keep_volume = options.keep_volume;
   surface.settings = {Sense::equality, static_cast<double>(options.compliance),
                       static_cast<double>(options.damping_time), static_cast<double>(options.stiffness)};
-  surface.position.resize(vertices.size());
-  surface.gradient.resize(vertices.size());
+  surface.position.resize(particles.size() + means.size());
+  surface.gradient.resize(particles.size() + means.size());
   surfaces_.push_back(std::move(surface));
 }
 
@@ -86,12 +98,22 @@ double EnclosedVolume::measure(Surface& surface, std::span<const std::uint32_t> 
     surface.position[k] = Vec3d(particles.difference(group[k], group[0]));
     surface.gradient[k] = {};
   }
+  for (const Mean& mean : surface.means) {
+    Vec3d sum{};
+    for (const std::uint32_t i : mean.of) sum += surface.position[i];
+    surface.position[mean.vertex] = sum / static_cast<double>(mean.of.size());
+    surface.gradient[mean.vertex] = {};
+  }
   double six_volumes = 0;
   for (const Triangle& t : surface.triangles) {
     const Vec3d &x0 = surface.position[t[0]], &x1 = surface.position[t[1]], &x2 = surface.position[t[2]];
     const Vec3d normal = cross(x1 - x0, x2 - x0);
     six_volumes += dot(x0, normal);
     for (const std::uint32_t k : t) surface.gradient[k] += normal / 6.0;
+  }
+  for (const Mean& mean : surface.means) {
+    const Vec3d share = surface.gradient[mean.vertex] / static_cast<double>(mean.of.size());
+    for (const std::uint32_t i : mean.of) surface.gradient[i] += share;
   }
   return six_volumes / 6;
 }
@@ -182,8 +204,10 @@ void EnclosedVolume::erase_particles(std::uint32_t begin, std::uint32_t end) {
 
 std::size_t EnclosedVolume::bytes() const {
   std::size_t sum = groups_.bytes() + bytes_of(surfaces_);
-  for (const Surface& surface : surfaces_)
-    sum += bytes_of(surface.triangles, surface.position, surface.gradient);
+  for (const Surface& surface : surfaces_) {
+    sum += bytes_of(surface.triangles, surface.means, surface.position, surface.gradient);
+    for (const Mean& mean : surface.means) sum += bytes_of(mean.of);
+  }
   return sum;
 }
 

@@ -36,11 +36,18 @@ class EnclosedVolume final : public GroupProjector, public MemoryFacet {
  public:
   using Triangle = std::array<std::uint32_t, 3>;
 
-  /// Adds a surface over particles. `rest_volume` in m^3, signed by the winding: a negative volume flips all
-  /// triangles. Throws Error when the surface is not closed or not consistently wound, or a number is out of
+  /// A vertex that is no particle, but the mean of those around a hole: a fan of triangles about it closes the hole. Its
+  /// number is of no vertex else. The hole's cover passes the pressure on to its rim.
+  struct Mean {
+    std::uint32_t vertex;
+    std::vector<std::uint32_t> of;
+  };
+
+  /// Adds a surface over particles and `means` of them. `rest_volume` in m^3, signed by the winding: a negative volume
+  /// flips all triangles. Throws Error when the surface is not closed or not consistently wound, or a number is out of
   /// range. `prepare` must follow before the next substep.
-  void add(std::span<const Triangle> triangles, double rest_volume,
-           const EnclosedVolumeOptions& options = {});
+  void add(std::span<const Triangle> triangles, double rest_volume, const EnclosedVolumeOptions& options = {},
+           std::span<const Mean> means = {});
 
   std::string_view kind() const override { return "enclosed_volume"; }
   Facets facets() override { return {.elastic = this, .memory = this}; }
@@ -57,7 +64,9 @@ class EnclosedVolume final : public GroupProjector, public MemoryFacet {
 
  private:
   struct Surface {
-    std::vector<Triangle> triangles;  // indices into the group, counter-clockwise from outside
+    std::vector<Triangle>
+        triangles;            // counter-clockwise from outside; indices into the group, then the means
+    std::vector<Mean> means;  // indices likewise
     double target_volume = 0;
     double pressure = 0;
     bool keep_volume = false;

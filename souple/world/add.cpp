@@ -147,19 +147,25 @@ void require_movable(const Object& object, const char* what) {
                 " is an obstacle, which only its motion moves; use set_motion");
 }
 
-void remove_object(WorldState& world, const Object& object) {
-  const std::uint32_t begin = object.begin, end = object.reserved_end();
-  const std::size_t index = world.object_of[begin];
+void erase_particles(WorldState& world, std::uint32_t begin, std::uint32_t end) {
   world.particles.erase(begin, end);
   world.object_of.erase(world.object_of.begin() + static_cast<std::ptrdiff_t>(begin),
                         world.object_of.begin() + static_cast<std::ptrdiff_t>(end));
-  for (std::uint32_t& i : world.object_of)
-    if (i > index) --i;
   for (const auto& other : world.objects)
     if (other->begin >= end) other->begin -= end - begin, other->end -= end - begin;
-  remove_ties_of(world, object.id);
   for (UserConstraint& user_constraint : world.constraints.users) user_constraint.erase_particles(begin, end);
   world.contact->contacts.erase_particles(begin, end);
+  world.dirty.all();
+  world.contact->invalidate();
+  ++world.version;
+}
+
+void remove_object(WorldState& world, const Object& object) {
+  const std::size_t index = world.object_of[object.begin];
+  remove_ties_of(world, object.id);
+  erase_particles(world, object.begin, object.reserved_end());
+  for (std::uint32_t& i : world.object_of)
+    if (i > index) --i;
   if (object.traits().rigid) remove_joints_of(world, object.id), world.rigid->remove(object.id.value);
   world.caches->mirrors.erase(object.id.value);
   std::erase_if(world.flow.emitters,
@@ -167,9 +173,6 @@ void remove_object(WorldState& world, const Object& object) {
   world.registry->names.remove(world.objects[index]->name);
   world.registry->objects.remove(object.id.value);
   world.objects.erase(world.objects.begin() + static_cast<std::ptrdiff_t>(index));
-  world.dirty.all();
-  world.contact->invalidate();
-  ++world.version;
 }
 
 ObjectId World::add_cloth(const TriangleMesh& mesh, const ClothMaterial& material,

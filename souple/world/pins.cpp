@@ -2,6 +2,7 @@
 #include "souple/constraints/distance.h"
 #include "souple/constraints/tether.h"
 #include "souple/geometry/adjacency.h"
+#include "souple/geometry/close_holes.h"
 #include "souple/math/limits.h"
 #include "souple/objects/contact_geometry.h"
 #include "souple/objects/object.h"
@@ -293,16 +294,16 @@ Projector& World::projector(ProjectorId id) {
 
 namespace {
 
+/// A cloth that encloses gas. Logs which holes are closed for it.
 Object& closed_cloth(WorldState& world, ObjectId id, const char* what) {
   const CallScope call(*world.calls, what);
   Object& object = world.object(id);
   if (object.kind != ObjectKind::cloth)
     throw Error(std::string(what) + ": " + object.name + " is a " + std::string(kind_name(object.kind)) +
                 ", expected a closed cloth");
-  const std::size_t open = boundary_edges(object.surface).size();
-  if (object.surface.empty() || open > 0)
-    throw Error(fmt::format("{}: the surface of {} is not closed ({} open edges), so it encloses no volume",
-                            what, object.name, open));
+  if (object.gas.pressure == 0 && !object.gas.volume)
+    world.warnings.log_info(object.name,
+                            closed_surface(object.mesh, std::string(what) + ": " + object.name).sentences());
   return object;
 }
 

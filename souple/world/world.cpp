@@ -487,6 +487,8 @@ ColliderId World::add_collider(const Shape& shape, const ColliderOptions& option
   record.options.name = world.unique_name(options.name, "collider");
   validate(shape, record.options.name);
   validate(contact_material_of(options), record.options.name);
+  if (const auto* const field = std::get_if<SignedDistanceField>(&shape))
+    world.warnings.log_info(record.options.name, field->sentences());
   world.dirty.tables = true;
   ++world.registry->next_id;
   world.colliders.push_back(std::move(record));

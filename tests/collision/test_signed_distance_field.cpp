@@ -238,12 +238,12 @@ TEST(SignedDistanceField, ARayMeetsItWhereItsDistanceIsZero) {
   EXPECT_GT(misses, 100);
 }
 
-TEST(SignedDistanceField, AHoleIsNamed) {
-  TriangleMesh mesh = sphere(2, 1);
-  mesh.triangles.pop_back();
-  expect_error([&] { SignedDistanceField(mesh, 0.1); },
-               {"signed distance field", "closed", "3 edges are open", "between vertices"});
-  expect_error([] { SignedDistanceField(grid(4, 4, 1), 0.1); }, {"12 edges are open", "obstacle"});
+TEST(SignedDistanceField, LargeHolesAreNamed) {
+  TriangleMesh bowl = sphere(2, 1);
+  std::erase_if(bowl.triangles, [&](const Triangle& t) { return bowl.positions[t[0]].y > 0.2; });
+  expect_error([&] { SignedDistanceField(bowl, 0.1); },
+               {"signed distance field", "closed surface", "1 hole (", "edges are open"});
+  expect_error([] { SignedDistanceField(grid(4, 4, 1), 0.1); }, {"12 edges are open"});
   expect_error([] { SignedDistanceField(TriangleMesh{}, 0.1); }, {"no triangles"});
 }
 

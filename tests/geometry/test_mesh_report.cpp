@@ -213,9 +213,9 @@ TEST(Holes, AreFoundWhereTheyAre) {
 
 // Volume of a unit ball below y = h: pi (2/3 + h - h^3 / 3).
 TEST(Holes, ClosedTheyBoundTheVolume) {
-  TriangleMesh ball = open_ball(0.8);
-  close_holes(find_holes(ball.positions, ball.triangles), ball.positions, ball.triangles);
-  const MeshReport report = inspect(ball, 0);
+  const ClosedSurface ball = closed_surface(open_ball(0.8), "ball");
+  EXPECT_EQ(ball.holes.size(), 1u);
+  const MeshReport report = inspect(ball.mesh, 0);
   EXPECT_TRUE(report.is_closed);
   EXPECT_TRUE(report.inconsistent_edges.empty());
   const double expected = std::acos(-1.0) * (2.0 / 3 + 0.8 - 0.8 * 0.8 * 0.8 / 3);

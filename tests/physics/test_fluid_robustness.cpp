@@ -185,10 +185,30 @@ TEST(FluidImmersed, AColliderThrowsNothing) {
   EXPECT_LT(basin.highest, 0.35);
   const std::size_t gone = before - basin.world.positions(basin.fluid).size();
   const double volume = static_cast<double>(gone) * Immersed::spacing * Immersed::spacing * Immersed::spacing;
-  EXPECT_NEAR(volume / (4 * pi / 3 * 0.08 * 0.08 * 0.08), 1, 0.2);
+  // Between the ball's volume and that with a quarter of a spacing around it.
+  const auto ball = [](double radius) { return 4 * pi / 3 * radius * radius * radius; };
+  EXPECT_GT(volume, 0.95 * ball(0.08));
+  EXPECT_LT(volume, ball(0.08 + 0.25 * Immersed::spacing));
   ASSERT_EQ(basin.told.size(), 1u);
   EXPECT_EQ(basin.told[0],
             "water: " + std::to_string(gone) + " of 2560 points lie inside ball and were left out");
+}
+
+// Boxes whose faces lie a share of a spacing before a layer of particles: those are neither far enough from the wall nor in
+// it.
+TEST(FluidImmersed, NoDistanceOfAFaceThrowsTheWater) {
+  for (const double gap : {0.11, 0.2, 0.3}) {
+    Immersed basin;
+    const auto half = static_cast<float>((3.5 - gap) * Immersed::spacing);
+    const std::size_t before = basin.world.positions(basin.fluid).size();
+    const ObjectId body = basin.world.add_rigid_body(Box{{}, {half, half, half}}, {},
+                                                     {.transform = {.translation = {0, 0.125, 0}}});
+    basin.world.set_kinematic(body, true);
+    basin.run(20);
+    EXPECT_LT(basin.fastest, 2) << gap;
+    const double cells = std::pow(2 * double{half} / Immersed::spacing, 3);
+    EXPECT_NEAR(double(before - basin.world.positions(basin.fluid).size()) / cells, 1, 0.15) << gap;
+  }
 }
 
 TEST(FluidImmersed, ALightBodyFloatsAndAHeavyOneStays) {

@@ -55,7 +55,7 @@ inline const char* small_scene = R"({
      "pins": [{"vertices": [0, 5]}]},
     {"kind": "soft_body", "mesh": {"tet_bar": {"cells": [2, 1, 1], "size": [0.2, 0.1, 0.1]}}},
     {"kind": "rope", "points": [[0, 1, 0], [1, 1, 0]], "segments": 8},
-    {"kind": "grains", "grid": {"counts": [2, 3, 4]}}
+    {"kind": "grains", "grid": {"counts": [2, 3, 4]}, "transform": {"translate": [2, 1, 0]}}
   ],
   "colliders": [{"shape": {"plane": {}}}, {"name": "ball", "shape": {"sphere": {"radius": 0.3}}}]
 })";

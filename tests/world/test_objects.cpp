@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -353,6 +355,41 @@ TEST(Memory, EveryConstraintIsCounted) {
   material.bending = BendingModel::distance;
   EXPECT_GE(bytes_of_part(memory_of(material).simulation, "distance"),
             edges + std::size_t{118405} * 2 * sizeof(std::uint32_t));
+}
+
+// Grains in a collider and in a rigid body are left out, those that something holds are not, and other objects stay as they
+// are.
+TEST(Objects, GrainsThatBeginInsideSomethingAreLeftOut) {
+  World world({.gravity = {}});
+  std::string told;
+  world.set_log([&](LogLevel, std::string_view line) { told += line, told += '\n'; });
+  const std::vector<Vec3d> centers = fill(Vec3d{-0.2, -0.1, -0.1}, Vec3d{0.2, 0.1, 0.1}, 0.02);
+  const ObjectId held = world.add_grains(centers, {.radius = 0.01f}, {.name = "held"});
+  const ObjectId sand = world.add_grains(centers, {.radius = 0.01f}, {.name = "sand"});
+  const ObjectId flag = world.add_cloth(grid(3, 3, 0.2), {}, at(0, 1, 0));
+  world.pin(held, vertices({0}));
+  world.pin(flag, vertices({0}));
+  world.add_collider(Sphere{{-0.1f, 0, 0}, 0.05f}, {.name = "ball"});
+  world.add_rigid_body(Box{{}, {0.06f, 0.06f, 0.06f}}, {},
+                       {.name = "box", .transform = {.translation = {0.1, 0, 0}}});
+  world.set_collide("held", "sand", false);
+  const std::vector<Vec3f> before = copy(world.positions(flag));
+  world.leave_out_covered();
+  const auto is_free = [](const Vec3d& x) {
+    const Vec3d b = x - Vec3d{0.1, 0, 0};
+    return length(x + Vec3d{0.1, 0, 0}) > 0.05 &&
+           std::max({std::abs(b.x), std::abs(b.y), std::abs(b.z)}) > 0.06;
+  };
+  std::vector<Vec3f> expected;
+  for (const Vec3d& x : centers)
+    if (is_free(x)) expected.emplace_back(x);
+  EXPECT_EQ(copy(world.positions(sand)), expected);
+  EXPECT_EQ(world.positions(held).size(), centers.size());
+  EXPECT_EQ(copy(world.positions(flag)), before);
+  EXPECT_NE(told.find("points lie inside box and were left out"), std::string::npos) << told;
+  for (int k = 0; k < 3; ++k) ASSERT_TRUE(world.step(1.0 / 60).ok());
+  EXPECT_EQ(world.positions(flag)[0], before[0]);
+  EXPECT_EQ(world.positions(sand).size(), expected.size());
 }
 
 }  // namespace souple::test_world_objects

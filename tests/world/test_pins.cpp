@@ -178,7 +178,7 @@ TEST(Pins, TethersLimitTheReach) {
 TEST(Pins, PressureNeedsAClosedSurface) {
   World world;
   const ObjectId sheet = world.add_cloth(grid(3, 3, 1));
-  expect_error([&] { world.set_pressure(sheet, 100); }, {"cloth", "not closed", "8 open edges"});
+  expect_error([&] { world.set_pressure(sheet, 100); }, {"cloth", "8 edges are open", "1 hole ("});
   const ObjectId ball = world.add_cloth(sphere(2, 0.5), {.membrane_stiffness = 100});
   world.set_settings({.gravity = {}, .drag = 2});
   world.set_pressure(ball, 50);

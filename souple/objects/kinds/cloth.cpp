@@ -1,4 +1,6 @@
+#include "souple/assert.h"
 #include "souple/geometry/adjacency.h"
+#include "souple/geometry/close_holes.h"
 #include "souple/geometry/measures.h"
 #include "souple/geometry/rest_frames.h"
 #include "souple/objects/checks.h"
@@ -120,16 +122,29 @@ void add_cross_springs(const Object& object, const ClothMaterial& m, ConstraintB
 
 void add_gas(const ClothMaterial&, const Object& object, ConstraintGroups& groups) {
   if (object.gas.pressure == 0 && !object.gas.volume) return;
-  std::vector<Triangle> triangles;
-  for (const Triangle& t : object.surface)
-    triangles.push_back({object.begin + t[0], object.begin + t[1], object.begin + t[2]});
+  // The surface is repaired already, so its vertices keep their numbers, and centers of holes follow.
+  TriangleMesh surface;
+  surface.positions = object.rest, surface.triangles = object.surface;
+  std::vector<EnclosedVolume::Mean> means;
+  if (!find_holes(surface.positions, surface.triangles).empty()) {
+    ClosedSurface closed = closed_surface(surface, object.name);
+    for (Hole& hole : closed.holes) {
+      for (std::uint32_t& i : hole.loop) i += object.begin;
+      means.push_back({object.end + static_cast<std::uint32_t>(means.size()), std::move(hole.loop)});
+    }
+    surface = std::move(closed.mesh);
+    SOUPLE_ASSERT(surface.positions.size() == object.rest.size() + means.size(), "a repaired surface");
+  }
+  const double volume = enclosed_volume(surface.positions, surface.triangles);
+  for (Triangle& t : surface.triangles)
+    for (std::uint32_t& i : t) i += object.begin;
   EnclosedVolumeOptions options{.pressure = object.gas.pressure};
   if (object.gas.volume) {
     options.keep_volume = true;
     options.volume_factor = object.gas.volume->first;
     options.compliance = object.gas.volume->second;
   }
-  groups.enclosed_volume.add(triangles, enclosed_volume(object.rest, object.surface), options);
+  groups.enclosed_volume.add(surface.triangles, volume, options, means);
 }
 
 SetKinds kinds_of_stretch(const ClothMaterial& m) {

@@ -1,4 +1,5 @@
 #include "souple/error.h"
+#include "souple/geometry/close_holes.h"
 #include "souple/geometry/fill.h"
 #include "souple/objects/checks.h"
 #include "souple/objects/import_particles.h"
@@ -67,8 +68,11 @@ NewObject import_fluid(std::string name, const TriangleMesh& surface, const Flui
   transform_points(placed.positions, options.transform, name);
   ObjectOptions transformed = options;
   transformed.transform = {};
-  const std::vector<Vec3d> centers = fill(placed, static_cast<double>(material.spacing), name);
-  return import_fluid(std::move(name), centers, material, transformed);
+  const ClosedSurface closed = closed_surface(placed, name);
+  const std::vector<Vec3d> centers = fill(closed.mesh, static_cast<double>(material.spacing), name);
+  NewObject fluid = import_fluid(std::move(name), centers, material, transformed);
+  fluid.sentences = closed.sentences();
+  return fluid;
 }
 
 constinit const KindFunctions kinds::fluid{

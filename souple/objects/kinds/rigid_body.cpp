@@ -1,6 +1,7 @@
 #include "souple/error.h"
 #include "souple/geometry/adjacency.h"
 #include "souple/geometry/builders.h"
+#include "souple/geometry/close_holes.h"
 #include "souple/geometry/convex_hull.h"
 #include "souple/geometry/mass_properties.h"
 #include "souple/objects/checks.h"
@@ -39,25 +40,38 @@ void require_rigid_options(const ObjectOptions& options, const std::string& name
   if (options.self_collision != SelfCollision::off) refuse("self_collision");
 }
 
-/// The hulls of the connected pieces of a surface, in the world.
-std::vector<ConvexHull> hulls_of(const Object& object) {
+/// The hulls of the connected pieces of a surface, in the world. Leaves out flat pieces, which have none.
+std::vector<ConvexHull> hulls_of(const Object& object, std::vector<std::string>& sentences) {
   const Components pieces = connected_components(object.surface, object.rest.size());
   std::vector<std::vector<Vec3d>> points(pieces.count);
   for (std::uint32_t i = 0; i < object.rest.size(); ++i)
     points[pieces.of_vertex[i]].push_back(object.rest[i]);
+  std::erase_if(points, [](const auto& piece) { return piece.size() < 2; });  // no triangle uses it
+  if (points.empty()) throw Error(object.name + ": the mesh has no triangles, so it is no solid");
+  const HullOptions options{.max_vertices = most_hull_vertices};
+  if (points.size() == 1) return {convex_hull(points[0], options, object.name)};
   std::vector<ConvexHull> hulls;
-  for (const std::vector<Vec3d>& piece : points) {
-    if (piece.size() < 2) continue;  // no triangle uses it
-    hulls.push_back(convex_hull(piece, {.max_vertices = most_hull_vertices}, object.name));
-  }
-  if (hulls.empty()) throw Error(object.name + ": the mesh has no triangles, so it is no solid");
+  for (const std::vector<Vec3d>& piece : points)
+    if (auto hull = solid_convex_hull(piece, options, object.name)) hulls.push_back(std::move(*hull));
+  const std::size_t flat = points.size() - hulls.size();
+  if (hulls.empty())
+    throw Error(
+        fmt::format("{}: each of the {} pieces of its mesh is flat, so they enclose no volume; join "
+                    "them, or give them a thickness",
+                    object.name, flat));
+  if (flat > 0)
+    sentences.push_back(fmt::format("{} of its {} pieces {} flat, and do not collide with rigid bodies", flat,
+                                    points.size(), flat == 1 ? "is" : "are"));
   return hulls;
 }
 
 MassProperties mass_of(const Object& object, const std::vector<ConvexHull>& hulls, double density,
                        std::vector<std::string>& sentences) {
   try {
-    return mass_properties(object.mesh, density, object.name);
+    const ClosedSurface closed = closed_surface(object.mesh, object.name);
+    const MassProperties solid = mass_properties(closed.mesh, density, object.name);
+    for (std::string& sentence : closed.sentences()) sentences.push_back(std::move(sentence));
+    return solid;
   } catch (const Error&) {
     sentences.push_back("its surface is not closed, so its mass is that of its convex hull");
   }
@@ -194,7 +208,7 @@ NewObject import_rigid_body(std::string name, const TriangleMesh& mesh, const Ri
   require_rigid_options(options, made.object->name);
   import_surface(made, mesh, options.transform);
   const Object& object = *made.object;
-  const std::vector<ConvexHull> hulls = hulls_of(object);
+  const std::vector<ConvexHull> hulls = hulls_of(object, made.sentences);
   const MassProperties solid = mass_of(object, hulls, static_cast<double>(material.density), made.sentences);
   RigidDefinition body = body_of(with_given(solid, options.given_mass, options.transform, object.name));
   body.shape.parts = shapes_of(object, hulls, solid.volume, body.pose, made.sentences);

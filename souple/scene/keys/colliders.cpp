@@ -7,9 +7,10 @@ namespace {
 CodecPtr<SignedDistanceFieldDescription> signed_distance_field_codec() {
   using F = SignedDistanceFieldDescription;
   auto keys = table<F>("signed_distance_field",
-                       "The solid inside a closed surface, as a grid of signed distances. For large rigid "
+                       "The solid inside a surface, as a grid of signed distances. For large rigid "
                        "meshes with many triangles.");
-  keys->required<&F::mesh>("mesh", mesh_codec(MeshUse::surface), "closed surface in the collider's own frame")
+  keys->required<&F::mesh>("mesh", mesh_codec(MeshUse::surface),
+                           "surface, closed but for small holes, in the collider's own frame")
       .key<&F::spacing>(
           "spacing", maybe(number<double>(size_range)),
           "distance between grid points [m]; walls and gaps thinner than two of these distances are lost")
@@ -56,13 +57,12 @@ CodecPtr<ShapeDescription> shape_codec() {
       .required<&Cylinder::half_height>("half_height", size, "half the height [m]")
       .key<&Cylinder::center>("center", center, center_doc);
   auto keys = table<S>("shape", "The solid of a collider, or the region of a drain.");
-  keys->choice<>({alternative<S, Plane>("plane", plane, "a half space"),
-                  alternative<S, Sphere>("sphere", sphere, "a ball"),
-                  alternative<S, Box>("box", box, "a box"),
-                  alternative<S, Capsule>("capsule", capsule, "a capsule along Y"),
-                  alternative<S, Cylinder>("cylinder", cylinder, "a cylinder along Y"),
-                  alternative<S>("signed_distance_field", signed_distance_field_codec(),
-                                 "the inside of a closed mesh")});
+  keys->choice<>(
+      {alternative<S, Plane>("plane", plane, "a half space"),
+       alternative<S, Sphere>("sphere", sphere, "a ball"), alternative<S, Box>("box", box, "a box"),
+       alternative<S, Capsule>("capsule", capsule, "a capsule along Y"),
+       alternative<S, Cylinder>("cylinder", cylinder, "a cylinder along Y"),
+       alternative<S>("signed_distance_field", signed_distance_field_codec(), "the inside of a mesh")});
   return keys;
 }
 

@@ -21,7 +21,7 @@ CodecPtr<TethersDescription> tethers_codec() {
 
 CodecPtr<EnclosedVolumeDescription> enclosed_volume_codec() {
   using E = EnclosedVolumeDescription;
-  auto keys = table<E>("enclosed_volume", "Preserves the volume inside a closed cloth.");
+  auto keys = table<E>("enclosed_volume", "Preserves the volume inside a cloth.");
   keys->key<&E::factor>("factor", number<float>(positive(1000)), "target volume over the volume at rest")
       .key<&E::compliance>("compliance", number<float>(from_zero(1e6)), "compliance [m^3/Pa]; 0 is rigid");
   return keys;
@@ -121,9 +121,9 @@ std::shared_ptr<Table<ClothDescription>> cloth_table() {
   keys->key<&T::maps>("maps", maps_codec(), "values that vary per vertex")
       .key<&T::tethers>("tethers", maybe(tethers_codec()), "limits the distance of vertices from the pins")
       .key<&T::pressure>("pressure", maybe(number<float>(signed_range(1e9))),
-                         "gas pressure inside a closed surface, above that outside [Pa]")
+                         "gas pressure inside a surface, closed but for small holes, above that outside [Pa]")
       .key<&T::enclosed_volume>("enclosed_volume", maybe(enclosed_volume_codec()),
-                                "preserves the volume inside a closed surface")
+                                "preserves the volume inside a surface, closed but for small holes")
       .key<&T::look>(
           "look",
           enumeration<ClothLook>(
@@ -236,10 +236,11 @@ std::shared_ptr<Table<FluidDescription>> fluid_table() {
   using T = FluidDescription;
   auto keys = object_table<T>("fluid", "A liquid: water, oil, honey.");
   using V = decltype(T::filling);
-  keys->choice<&T::filling>({alternative<V>("points", list(vector3<double>(meters), 0),
-                                            "positions of particles [m]; [] if emitters add all of them"),
-                             alternative<V>("box", fluid_box_codec(), "fills a box"),
-                             alternative<V>("mesh", mesh_codec(MeshUse::surface), "fills a closed surface")});
+  keys->choice<&T::filling>(
+      {alternative<V>("points", list(vector3<double>(meters), 0),
+                      "positions of particles [m]; [] if emitters add all of them"),
+       alternative<V>("box", fluid_box_codec(), "fills a box"),
+       alternative<V>("mesh", mesh_codec(MeshUse::surface), "fills a surface, closed but for small holes")});
   keys->key<&T::material>("material", fluid_material_codec(), "material properties")
       .key<&T::transform>("transform", transform_codec(), "initial position, rotation and scale")
       .key<&T::velocity>("velocity", vector3<float>(signed_range(fast)), "initial velocity [m/s]")

@@ -7,12 +7,17 @@
 #include "souple/objects/fluid_boundary.h"
 #include "souple/objects/kind_functions.h"
 #include "souple/objects/object.h"
+#include "souple/queries/caches.h"
+#include "souple/stages/ties.h"
+#include "souple/stages/user_constraint.h"
+#include "souple/world/add.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/state.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -30,32 +35,41 @@ void append(WorldState& world, Object& fluid, const Drop& drop) {
   world.set_position(i, drop.position);
 }
 
-/// A closed vessel is full where the pressure exceeds that of the depth by a quarter of what substeps resolve,
-/// h sqrt(p / rho) = d / 3 (Flag::coarse_substeps). Then the fluid is compressed by less than a thousandth, and rests.
-bool is_stalled(WorldState& world, const Emitter& emitter, const FluidMaterial& material, double h) {
-  const double density = material.density, spacing = material.spacing, speed = spacing / (6 * h);
+/// The pressure at an emitter's nozzle beyond that of the depth, over rho v^2, v the emitter's speed: what its jet could
+/// resist. But v is at most a half of what substeps resolve, h sqrt(p / rho) = d / 3 (Flag::coarse_substeps), and at least a
+/// quarter, as pressures are noisy.
+double load_of(WorldState& world, const Emitter& emitter, const FluidMaterial& material, double h) {
+  const double density = material.density, spacing = material.spacing, resolved = spacing / (3 * h);
   const Vec3d weight = Vec3d(world.settings.gravity) * density;
-  return back_pressure(emitter, world.objects_view(), weight, spacing, world.time) > density * speed * speed;
+  const double speed = std::clamp(static_cast<double>(emitter.speed), resolved / 4, resolved / 2);
+  return back_pressure(emitter, world.objects_view(), weight, spacing, world.time) /
+         (density * speed * speed);
 }
 
+/// A closed vessel is full where the load reaches 1. A vessel that is nearly full has no room for a whole layer, and half a
+/// percent more particles than fit never come to rest. So they come one by one from a quarter of that load.
 void emit(WorldState& world, EmitterRecord& record, double h) {
   Object& fluid = world.object(ObjectId{record.fluid});
   const auto& material = std::get<FluidMaterial>(fluid.material);
   const auto spacing = static_cast<double>(material.spacing);
   std::vector<Drop> drops;
-  record.stalled = false;
+  constexpr double nearly_full = 0.25;
+  double load = 0;
   world.warnings.guarded("an emitter's motion", [&] {
     drops = next_drops(record, Vec3d(world.settings.gravity), spacing, world.time);
-    record.stalled = is_stalled(world, record.emitter, material, h);
+    load = load_of(world, record.emitter, material, h);
   });
+  record.stalled = !(load < 1);
+  std::size_t room = load < nearly_full ? drops.size() : 1;
   if (record.stalled) world.report.fluid.held_back += drops.size();
   if (drops.empty() || record.stalled) return;
   const std::vector<std::uint8_t> blocked = blocked_drops(drops, world.objects_view(), spacing);
   wake_island(world, fluid);
   for (std::size_t k = 0; k < drops.size(); ++k) {
-    if (blocked[k] != 0 || fluid.particle_count() == fluid.capacity) {
+    if (blocked[k] != 0 || room == 0 || fluid.particle_count() == fluid.capacity) {
       ++world.report.fluid.held_back;
     } else {
+      --room;
       append(world, fluid, drops[k]);
       ++world.report.fluid.emitted;
     }
@@ -76,7 +90,7 @@ void remove_particles(WorldState& world, Object& fluid, const std::vector<std::u
   set_count(world, fluid, to);
 }
 
-/// The surface of an object that no fluid belongs inside, if it is closed. Empty for cloth and what has none.
+/// The surface of an object that no fluid belongs inside. Empty for cloth and what has none.
 TriangleMesh solid_surface(WorldState& world, const Object& object, float spacing) {
   TriangleMesh surface;
   const KindTraits& kind = object.traits();
@@ -93,7 +107,46 @@ TriangleMesh solid_surface(WorldState& world, const Object& object, float spacin
   return surface;
 }
 
-/// The points of a fluid, without those that another object or a collider covers.
+/// Whether a pin, a tie or a constraint of the user refers to a particle of an object.
+bool is_held(WorldState& world, const Object& object) {
+  if (!object.pins.empty()) return true;
+  const Ties& ties = *world.constraints.ties;
+  for (std::size_t k = 0; k < ties.count(); ++k)
+    for (const TieEnd* const end : {&ties.tie(k).a, &ties.tie(k).b})
+      if (end->object && *end->object == object.id) return true;
+  const ParticleView view = world.objects_view().view();
+  return std::any_of(world.constraints.users.begin(), world.constraints.users.end(),
+                     [&](const UserConstraint& user) {
+                       bool any = false, held = false;
+                       user.projector->visit(view, [&](const ConstraintState& constraint) {
+                         any = true;
+                         for (const std::uint32_t i : constraint.particles)
+                           held = held || (i >= object.begin && i < object.end);
+                       });
+                       return held || (!any && user.projector->size() > 0);
+                     });
+}
+
+/// Removes the grains that are `inside`; the others keep their order.
+void remove_grains(WorldState& world, Object& grains, const std::vector<std::uint8_t>& inside) {
+  const auto keep = [&](auto& list) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < list.size(); ++i)
+      if (inside[i] == 0) list[kept++] = list[i];
+    list.resize(kept);
+  };
+  std::uint32_t kept = 0;
+  for (std::uint32_t i = 0; i < grains.particle_count(); ++i)
+    if (inside[i] == 0) world.particles.copy(grains.begin + i, grains.begin + kept++);
+  keep(grains.rest), keep(grains.per_particle.stiffness), keep(grains.per_particle.thickness);
+  grains.particle_of.resize(kept), grains.vertex_of.resize(kept);
+  const std::uint32_t begin = grains.begin + kept, end = grains.reserved_end();
+  grains.end = begin, grains.capacity = kept;
+  world.caches->mirrors.erase(grains.id.value);
+  erase_particles(world, begin, end);
+}
+
+/// The points of a fluid or of grains, without those that another object or a collider covers.
 class Covered {
  public:
   Covered(WorldState& world, Object& fluid) : world_(world), fluid_(fluid) {
@@ -109,16 +162,24 @@ class Covered {
         gone.push_back(i);
       else
         left.push_back(points_[i]);
-    if (gone.empty()) return;
+    const bool flows = fluid_.traits().flows;
+    if (gone.empty() || (!flows && left.empty())) return;
     wake_island(world_, fluid_);
-    remove_particles(world_, fluid_, gone);
+    if (flows)
+      remove_particles(world_, fluid_, gone);
+    else
+      remove_grains(world_, fluid_, inside);
     world_.contact->invalidate();
     ++world_.version;
     world_.warnings.log_info(fluid_.name, {fmt::format("{} of {} points lie inside {} and were left out",
                                                        gone.size(), points_.size(), by)});
     points_ = std::move(left);
   }
-  std::span<const Vec3d> points() const { return points_; }
+  CoverablePoints points() const { return {points_, width(), fluid_.traits().flows}; }
+  double width() const {
+    const auto* const water = std::get_if<FluidMaterial>(&fluid_.material);
+    return static_cast<double>(water ? water->spacing : 2 * contact_radius(fluid_.material));
+  }
   bool is_new() const { return fluid_.collision.since == world_.steps; }
   bool collides(const std::string& name, const CollisionFilter& filter) const {
     return may_collide(fluid_.collision.filter, filter) && world_.contact->pairs.collide(fluid_.name, name);
@@ -131,7 +192,6 @@ class Covered {
 };
 
 void leave_out_covered(WorldState& world, Object& fluid) {
-  const float spacing = std::get<FluidMaterial>(fluid.material).spacing;
   Covered covered(world, fluid);
   const auto applies = [&](std::uint64_t since, const std::string& name, const CollisionFilter& filter) {
     return (covered.is_new() || since == world.steps) && covered.collides(name, filter);
@@ -143,16 +203,17 @@ void leave_out_covered(WorldState& world, Object& fluid) {
       continue;
     world.warnings.guarded("a collider's motion", [&] {
       const Transform pose = options.motion.at(world.time);
-      covered.leave_out(covered_points(collider.shape, pose, static_cast<double>(spacing), covered.points()),
-                        options.name);
+      covered.leave_out(covered_points(collider.shape, pose, covered.points()), options.name);
     });
   }
   for (const auto& object : world.objects) {
     if (!applies(object->collision.since, object->name, object->collision.filter)) continue;
-    const TriangleMesh surface = solid_surface(world, *object, spacing);
-    if (!surface.triangles.empty())
-      covered.leave_out(covered_points(surface, static_cast<double>(spacing), covered.points()),
-                        object->name);
+    const TriangleMesh surface = solid_surface(world, *object, static_cast<float>(covered.width()));
+    if (surface.triangles.empty()) continue;
+    // A body is solid whatever its holes. An obstacle is a shell that fluid enters through a hole of some spacings.
+    const double widest_hole =
+        object->traits().driven ? 3 * covered.width() : std::numeric_limits<double>::infinity();
+    covered.leave_out(covered_points(surface, widest_hole, covered.points()), object->name);
   }
 }
 
@@ -179,7 +240,7 @@ void drain(WorldState& world, DrainRecord& record, double dt) {
 
 }  // namespace
 
-void leave_out_covered(WorldState& world) {
+void leave_out_covered(WorldState& world, bool grains) {
   const auto is_new = [&](std::uint64_t since) { return since == world.steps; };
   const bool any_new = std::any_of(world.colliders.begin(), world.colliders.end(),
                                    [&](const ColliderRecord& collider) { return is_new(collider.since); }) ||
@@ -187,11 +248,13 @@ void leave_out_covered(WorldState& world) {
                                    [&](const auto& object) { return is_new(object->collision.since); });
   if (!any_new) return;
   for (const auto& object : world.objects)
-    if (object->traits().flows && object->particle_count() > 0) leave_out_covered(world, *object);
+    if ((object->traits().flows && object->particle_count() > 0) ||
+        (grains && object->traits().rolls && !is_held(world, *object)))
+      leave_out_covered(world, *object);
 }
 
 void update_flow(WorldState& world, double dt) {
-  leave_out_covered(world);
+  leave_out_covered(world, false);
   for (DrainRecord& record : world.flow.drains) drain(world, record, dt);
   for (EmitterRecord& record : world.flow.emitters) emit(world, record, dt / world.settings.substeps);
 }

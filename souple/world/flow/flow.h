@@ -13,9 +13,9 @@ namespace souple {
 struct Object;
 struct WorldState;
 
-/// Leaves out particles of fluids inside a collider, or inside the closed surface of a body or an obstacle. One of the two
-/// was added since the last step. Logs how many.
-void leave_out_covered(WorldState& world);
+/// Leaves out particles of fluids, and of `grains` that nothing holds, inside a collider, or inside the surface of a body or
+/// an obstacle. One of the two was added since the last step. Logs how many.
+void leave_out_covered(WorldState& world, bool grains);
 
 /// Before a step of dt seconds: leaves out what is covered, removes the particles in drains, then adds the layers of
 /// emitters up to now.
