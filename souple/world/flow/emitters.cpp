@@ -100,7 +100,7 @@ void World::set_emitter(EmitterId id, const Emitter& emitter) {
 void World::leave_out_covered() {
   WorldState& world = state();
   const CallScope call(*world.calls, "leave_out_covered");
-  souple::leave_out_covered(world, true);
+  leave_out_covered_now(world);
 }
 
 void World::remove(EmitterId id) {

@@ -240,7 +240,7 @@ void drain(WorldState& world, DrainRecord& record, double dt) {
 
 }  // namespace
 
-void leave_out_covered(WorldState& world, bool grains) {
+void leave_out_covered(WorldState& world) {
   const auto is_new = [&](std::uint64_t since) { return since == world.steps; };
   const bool any_new = std::any_of(world.colliders.begin(), world.colliders.end(),
                                    [&](const ColliderRecord& collider) { return is_new(collider.since); }) ||
@@ -248,13 +248,21 @@ void leave_out_covered(WorldState& world, bool grains) {
                                    [&](const auto& object) { return is_new(object->collision.since); });
   if (!any_new) return;
   for (const auto& object : world.objects)
-    if ((object->traits().flows && object->particle_count() > 0) ||
-        (grains && object->traits().rolls && !is_held(world, *object)))
-      leave_out_covered(world, *object);
+    if (object->traits().flows && object->particle_count() > 0) leave_out_covered(world, *object);
+}
+
+void leave_out_covered_now(WorldState& world) {
+  leave_out_covered(world);
+  for (const auto& object : world.objects)
+    if (object->traits().rolls && !is_held(world, *object)) leave_out_covered(world, *object);
+  // A second time would leave out a share of what remained.
+  constexpr std::uint64_t long_ago = ~std::uint64_t{0};
+  for (ColliderRecord& collider : world.colliders) collider.since = long_ago;
+  for (const auto& object : world.objects) object->collision.since = long_ago;
 }
 
 void update_flow(WorldState& world, double dt) {
-  leave_out_covered(world, false);
+  leave_out_covered(world);
   for (DrainRecord& record : world.flow.drains) drain(world, record, dt);
   for (EmitterRecord& record : world.flow.emitters) emit(world, record, dt / world.settings.substeps);
 }

@@ -13,9 +13,11 @@ namespace souple {
 struct Object;
 struct WorldState;
 
-/// Leaves out particles of fluids, and of `grains` that nothing holds, inside a collider, or inside the surface of a body or
-/// an obstacle. One of the two was added since the last step. Logs how many.
-void leave_out_covered(WorldState& world, bool grains);
+/// Leaves out particles of fluids inside a collider, or inside the surface of a body or an obstacle. One of the two was
+/// added since the last step. Logs how many.
+void leave_out_covered(WorldState& world);
+/// The next step does not do so again. Also leaves out grains that nothing holds.
+void leave_out_covered_now(WorldState& world);
 
 /// Before a step of dt seconds: leaves out what is covered, removes the particles in drains, then adds the layers of
 /// emitters up to now.
