@@ -62,21 +62,20 @@ class OutOfMemory(Case):
     def test_a_run_ends_in_one_line_and_its_frames_are_whole(self):
         scene = self.scene(FLOOD)
         least = self.least()
-        codes, cut_short = set(), 0
         for threads in (1, 2):
-            for more in range(10 * threads, 170, 40):
+            cut_short = 0
+            for more in range(0, 400, 5):  # MB, until the run has all it needs, which depends on the system's allocator
                 shutil.rmtree(self.folder / "out", ignore_errors=True)
                 done = self.limited(least + more, "run", scene, "--out", "out", "--threads", threads, "--quiet")
-                codes.add(done.returncode)
                 if self.assert_ends(done):
                     self.assert_whole(FLOOD["frames"])
-                    continue
+                    break
                 frame = re.search("in frame ([0-9]+) of 8; the frames before it are in out", done.stderr)
                 if frame:
                     self.assert_whole(int(frame[1]) - 1)
                     cut_short += int(frame[1]) > 1
-        self.assertEqual(codes, {0, 2})
-        self.assertGreater(cut_short, 0, "no run ended after its first frame: the test tests nothing")
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertGreater(cut_short, 0, "no run ended after its first frame: the test tests nothing")
 
     def test_check_and_surface_end_in_one_line(self):
         least = self.least()
