@@ -12,6 +12,16 @@
 
 namespace souple {
 
+/// The ball, capsule or cylinder that the triangles of a rigid body approximate.
+struct RoundShape {
+  std::array<std::uint32_t, 4> particle{};  ///< relative to `begin`; no plane contains all four
+  std::array<std::array<float, 4>, 2>
+      axis{};                ///< its ends as sums of these particles; those of a ball are equal
+  float radius = 0;          ///< 0: no such shape [m]
+  float sagitta = 0;         ///< by which the triangles lie below the surface [m]
+  bool is_cylinder = false;  ///< its ends are flat
+};
+
 /// Contact geometry of an object: triangles, edges without triangles, or particles alone. The spans must
 /// outlive all users of the struct.
 struct ContactSurface {
@@ -29,6 +39,7 @@ struct ContactSurface {
   /// Rest position of each particle [m]: elements that are near at rest may stay as near.
   std::span<const Vec3d> rest{};
   bool rigid = false;  ///< a rigid body
+  RoundShape round{};  ///< of a rigid body
   bool keeps_shape =
       false;           ///< a rigid body or obstacle: two of them are not compared, see rigid/contact_finder.h
   bool rolls = false;  ///< its particles are solid balls that rotate; only with particles_only

@@ -51,6 +51,7 @@ struct Anchor {
   }
   /// Impulses c_k change / sum_j (c_j^2 / m_j) [kg m].
   ContactImpulse impulse(const Vec3f& change, float inverse_mass) const {
+    static_assert(n <= ContactImpulse::most);
     ContactImpulse result;
     for (std::size_t k = 0; k < n; ++k) {
       if (!(abs(weight[k]) > 0)) continue;

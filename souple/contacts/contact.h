@@ -49,8 +49,9 @@ struct Impact {
 
 /// Impulses of one contact in a substep: motions times masses [kg m].
 struct ContactImpulse {
-  std::array<std::uint32_t, 4> particle{};
-  std::array<Vec3f, 4> impulse{};
+  static constexpr std::size_t most = 7;  ///< particles
+  std::array<std::uint32_t, most> particle{};
+  std::array<Vec3f, most> impulse{};
   std::size_t count = 0;
   bool by_collider = false;  ///< else the sum is 0
   Vec3f moment{};            ///< on the ball of the first particle, over its radius [kg m]

@@ -564,6 +564,13 @@ bool IntersectionResolver::exempts(const NearPair& pair, bool edges) const {
   return false;
 }
 
+bool IntersectionResolver::may_exempt(std::uint32_t particle, std::uint32_t surface) const {
+  if (!layers_.found().empty() && layers_.is_exempt(particle, surface)) return true;
+  return !pairs_.empty() && (inside_[particle] == surface ||
+                             (is_intersecting_[particle] != 0 &&
+                              intersecting_pairs_.contains(finder_.surface_of(particle), surface)));
+}
+
 std::size_t IntersectionResolver::bytes() const {
   return finder_.bytes() + layers_.bytes() +
          bytes_of(radius_, order_, pairs_, components_, old_components_, old_order_, last_of_, component_of_,

@@ -51,6 +51,8 @@ class IntersectionResolver {
 
   /// Whether contacts must ignore the pair. `edges`: it is a pair of edges, not a vertex and a triangle.
   bool exempts(const NearPair& pair, bool edges) const;
+  /// Whether `exempts` may hold for a particle and elements of a surface.
+  bool may_exempt(std::uint32_t particle, std::uint32_t surface) const;
   /// Whether `separate` moves anything in this step.
   bool acts() const { return !constraints_.empty(); }
   /// Intersecting pairs of objects that `begin_step` found.

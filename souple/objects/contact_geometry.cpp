@@ -1,9 +1,11 @@
 #include "souple/objects/contact_geometry.h"
 
 #include "souple/geometry/measures.h"
+#include "souple/math/mat3.h"
 #include "souple/objects/kind_functions.h"
 #include "souple/objects/object.h"
 #include "souple/objects/obstacle_pose.h"
+#include "souple/objects/rigid_definition.h"
 
 #include <algorithm>
 #include <cmath>
@@ -84,6 +86,46 @@ ContactSurface contact_surface(const Object& object, std::uint32_t index, std::s
   matrix.for_each_ignored(index, [&](std::uint32_t other) {
     if (other != index) result.ignored_surfaces.push_back(other);
   });
+  return result;
+}
+
+RoundShape round_shape_of(const RigidDefinition& body, std::span<const Triangle> triangles) {
+  constexpr double most_inclined = 0.5;  // of a cylinder's faces to its axis
+  RoundShape result;
+  if (body.shape.parts.size() != 1) return result;
+  const ConvexShape& shape = body.shape.parts[0];
+  result.is_cylinder = shape.side.radius > 0;
+  if (!result.is_cylinder && (!shape.faces.empty() || !(shape.radius > 0))) return result;
+  const double radius = result.is_cylinder ? shape.side.radius : shape.radius;
+  const std::array<Vec3d, 2> ends{result.is_cylinder ? shape.side.from : shape.vertices.front(),
+                                  result.is_cylinder ? shape.side.to : shape.vertices.back()};
+  // Each of the four particles is the farthest from those before.
+  const std::vector<Vec3d>& x = body.particles;
+  const auto farthest = [&](const auto& distance) {
+    std::uint32_t best = 0;
+    for (std::uint32_t i = 0; i < x.size(); ++i)
+      if (distance(x[i] - x[0]) > distance(x[best] - x[0])) best = i;
+    return best;
+  };
+  auto& i = result.particle;
+  i[1] = farthest([](const Vec3d& r) { return length_squared(r); });
+  i[2] = farthest([&](const Vec3d& r) { return length_squared(cross(r, x[i[1]] - x[0])); });
+  const Vec3d normal = cross(x[i[1]] - x[0], x[i[2]] - x[0]);
+  i[3] = farthest([&](const Vec3d& r) { return std::abs(dot(r, normal)); });
+  const Mat3d sides{x[i[1]] - x[0], x[i[2]] - x[0], x[i[3]] - x[0]};
+  if (!(std::abs(determinant(sides)) > 0)) return result;
+  for (std::size_t end = 0; end < 2; ++end) {
+    const Vec3f w(inverse(sides) * (ends[end] - x[0]));
+    result.axis[end] = {1 - w.x - w.y - w.z, w.x, w.y, w.z};
+  }
+  result.radius = static_cast<float>(radius);
+  const Vec3d axis = normalized(ends[1] - ends[0]);
+  for (const Triangle& t : triangles) {
+    const Vec3d n = normalized(cross(x[t[1]] - x[t[0]], x[t[2]] - x[t[0]]));
+    if (result.is_cylinder && std::abs(dot(n, axis)) > most_inclined) continue;
+    const double below = min(std::abs(dot(n, x[t[0]] - ends[0])), std::abs(dot(n, x[t[0]] - ends[1])));
+    result.sagitta = max(result.sagitta, static_cast<float>(radius - below));
+  }
   return result;
 }
 

@@ -15,6 +15,7 @@
 namespace souple {
 
 struct Object;
+struct RigidDefinition;
 
 /// A soft body rebounds by its own elasticity, at up to this part of its speed (measured: 0.2 to 0.65). A larger
 /// coefficient of restitution concerns the body as a whole, see stages/body_restitution.h.
@@ -30,6 +31,8 @@ ContactObject contact_object(const Object& object);
 /// `index`: of the object in the world; `edges`: edges_of_line, must outlive the surface; `radius`: radius_at_rest [m].
 ContactSurface contact_surface(const Object& object, std::uint32_t index, std::span<const Edge> edges,
                                float radius, const ContactMaterialTable& matrix);
+/// The round shape of a rigid body of one part, if it is round. `triangles`: of its particles.
+RoundShape round_shape_of(const RigidDefinition& body, std::span<const Triangle> triangles);
 /// Appends the triangles and edges that may touch colliders.
 void append_elements(const Object& object, std::uint32_t index, std::span<const Edge> edges,
                      std::vector<ContactElement>& elements);

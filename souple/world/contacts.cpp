@@ -79,6 +79,8 @@ ContactGeometry contact_geometry(const WorldState& world, std::span<const NamedC
   for (std::uint32_t a = 0; a < world.objects.size(); ++a) {
     geometry.surfaces.push_back(contact_surface(*world.objects[a], a, tables.rope_edges[a],
                                                 materials[a].radius, tables.against_objects));
+    if (const RigidDefinition* const body = world.rigid->definition(world.objects[a]->id.value))
+      geometry.surfaces.back().round = round_shape_of(*body, world.objects[a]->surface);
     if (any_solid) append_elements(*world.objects[a], a, tables.rope_edges[a], geometry.elements);
   }
   return geometry;

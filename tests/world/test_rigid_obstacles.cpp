@@ -1,6 +1,7 @@
 #include "tests/world/scene.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -8,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-// Rigid bodies on obstacles of triangles.
+// Rigid bodies on triangles of obstacles and cloth.
 
 namespace souple::test_world_rigid_obstacles {
 
@@ -92,6 +93,46 @@ TEST(RigidOnObstacles, RoundBodiesRollAsOnAPlane) {
                                               .angular_velocity = {2, 0, -20}});
   run(world, 2);
   EXPECT_NEAR(world.rigid_body(ball).velocity.x, 2, 0.02);
+}
+
+/// Speed and angular speed after 2 s on a plane or a taut cloth that slopes down along x [m/s, rad/s].
+std::array<double, 2> roll(const Shape& shape, bool on_cloth, double slope, double speed) {
+  World world({.threads = 1});
+  const Transform down{{}, Quatd::from_axis_angle({0, 0, 1}, -slope), 1};
+  double above = 0.1;
+  if (on_cloth) {
+    const ObjectId cloth = world.add_cloth(grid(51, 9, 10), {}, {.transform = down});
+    world.pin(cloth, all());
+    above = 0.1015;
+  } else {
+    world.add_collider(Plane{Vec3f(rotate(down.rotation, Vec3d{0, 1, 0}))});
+  }
+  const bool is_ball = std::holds_alternative<Sphere>(shape);
+  const double aside = is_ball ? 0.1 * speed : 0;
+  const ObjectId body = world.add_rigid_body(
+      shape, {},
+      {.transform = {down.point({-3, above, 0.013}),
+                     down.rotation * Quatd::from_axis_angle({1, 0, 0}, is_ball ? 0.3 : pi / 2), 1},
+       .velocity = Vec3f(rotate(down.rotation, Vec3d{speed, 0, aside})),
+       .angular_velocity = Vec3f(rotate(down.rotation, Vec3d{aside / 0.1, 0, -speed / 0.1}))});
+  run(world, 2);
+  const RigidBodyState state = world.rigid_body(body);
+  return {length(Vec3d(state.velocity)), length(Vec3d(state.angular_velocity))};
+}
+
+TEST(RigidOnCloth, RoundBodiesRollAsOnAPlane) {
+  const std::vector<Shape> shapes{Sphere{{}, 0.1f}, Capsule{.radius = 0.1f, .half_height = 0.2f},
+                                  Cylinder{.radius = 0.1f, .half_height = 0.2f}};
+  for (std::size_t k = 0; k < shapes.size(); ++k)
+    for (const double slope : {0.0, 3 * pi / 180}) {
+      const double speed = slope > 0 ? 0 : 2;
+      const auto on_cloth = roll(shapes[k], true, slope, speed),
+                 on_plane = roll(shapes[k], false, slope, speed);
+      const double theory =
+          k == 1 || slope == 0 ? on_plane[0] : 9.81 * std::sin(slope) * 2 / (k == 0 ? 1.4 : 1.5);
+      EXPECT_NEAR(on_cloth[0], theory, 0.02 * theory) << k << slope;
+      EXPECT_NEAR(on_cloth[1], on_plane[1], 0.02 * on_plane[1]) << k << slope;
+    }
 }
 
 TEST(RigidOnObstacles, AMovingObstacleCarriesABoxAndIsNamedByItsContacts) {

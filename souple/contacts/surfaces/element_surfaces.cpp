@@ -73,6 +73,10 @@ bool ElementSurfaces::are_joined(const NearPair& pair, bool edges) const {
   return false;
 }
 
+bool ElementSurfaces::is_joined_to(std::uint32_t particle, std::uint32_t surface) const {
+  return joined_.contains(particle, surfaces_[surface].begin);
+}
+
 void ElementSurfaces::limit_to_rest_distance(std::span<const NearPair> pairs, bool edges,
                                              float* thickness) const {
   for (std::size_t k = 0; k < pairs.size(); k += rest_batch)

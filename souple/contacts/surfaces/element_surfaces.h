@@ -34,6 +34,8 @@ class ElementSurfaces {
   /// Mean length of a surface's edges, or sides of its triangles, at rest [m]; 0 if it has none.
   float mean_edge(std::size_t surface) const { return mean_edge_[surface]; }
   bool are_joined(const NearPair& pair, bool edges) const;
+  /// Whether a particle is joined to any of another surface.
+  bool is_joined_to(std::uint32_t particle, std::uint32_t surface) const;
   /// Limits the thickness of pairs of one surface: contacts keep them no farther apart than at rest.
   void limit_to_rest_distance(std::span<const NearPair> pairs, bool edges, float* thickness) const;
   /// Calls f(particle) for evenly spaced particles of a surface, which stand for all of them in a mean.

@@ -41,22 +41,21 @@ void FeatureOwners::build(const ElementSurfaces& surfaces) {
                      [](const VertexEdge& a, const VertexEdge& b) { return a.other < b.other; });
 }
 
-bool FeatureOwners::is_owner(const NearPair& pair, unsigned on_border, const ParticleView& particles) const {
+bool FeatureOwners::is_owner(const NearPair& pair, unsigned on_border, const SurfacePoint& x) const {
   if (on_border == 0) return true;
   if (std::has_single_bit(on_border))
-    return is_owner_of_edge(pair, static_cast<std::size_t>(std::countr_zero(on_border)), particles);
+    return is_owner_of_edge(pair, static_cast<std::size_t>(std::countr_zero(on_border)), x);
   const auto k = static_cast<std::size_t>(std::countr_zero(~on_border & 7u)) % 3;
-  return is_owner_of_corner(pair, k, particles);
+  return is_owner_of_corner(pair, k, x);
 }
 
 // The edge opposite to `corner`: its first triangle owns it, unless a triangle with this edge extends below
 // the vertex x. With q the nearest point of the edge and k the corner opposite to it, (x - q) . (k - q) <= 0
 // must hold.
-bool FeatureOwners::is_owner_of_edge(const NearPair& pair, std::size_t corner,
-                                     const ParticleView& particles) const {
-  const std::uint32_t x = pair.particle[0], k = pair.particle[1 + corner];
+bool FeatureOwners::is_owner_of_edge(const NearPair& pair, std::size_t corner, const SurfacePoint& x) const {
+  const std::uint32_t k = pair.particle[1 + corner];
   const std::uint32_t i = pair.particle[1 + (corner + 1) % 3], j = pair.particle[1 + (corner + 2) % 3];
-  const Vec3f to_i = particles.difference(i, x), to_j = particles.difference(j, x);
+  const Vec3f to_i = x.to(i), to_j = x.to(j);
   const float s = nearest_on_edge(Vec3f{}, to_i, to_j);
   const Vec3f to_q = to_i * (1 - s) + to_j * s;
   bool first = true;
@@ -64,22 +63,21 @@ bool FeatureOwners::is_owner_of_edge(const NearPair& pair, std::size_t corner,
     if (other != j) continue;
     if (first && opposite != k) return false;
     first = false;
-    if (opposite != k && opposite != x && points_to_origin(to_q, particles.difference(opposite, x)))
-      return false;
+    if (opposite != k && opposite != x.particle && points_to_origin(to_q, x.to(opposite))) return false;
   }
   return true;
 }
 
 // A corner: its first triangle owns it, if all edges at the corner fulfill the condition above.
 bool FeatureOwners::is_owner_of_corner(const NearPair& pair, std::size_t corner,
-                                       const ParticleView& particles) const {
+                                       const SurfacePoint& x) const {
   const auto& i = pair.particle;
-  const std::uint32_t x = i[0], q = i[1 + corner];
+  const std::uint32_t q = i[1 + corner];
   for (const std::uint32_t k : owner_of_vertex_[q])
     if (k != i[1] && k != i[2] && k != i[3]) return false;
-  const Vec3f to_q = particles.difference(q, x);
+  const Vec3f to_q = x.to(q);
   for (const VertexEdge& edge : edges_[q])
-    if (edge.other != x && points_to_origin(to_q, particles.difference(edge.other, x))) return false;
+    if (edge.other != x.particle && points_to_origin(to_q, x.to(edge.other))) return false;
   return true;
 }
 

@@ -5,6 +5,7 @@
 #include "souple/contacts/kernels/find_kernels.h"
 #include "souple/contacts/surfaces/contact_colors.h"
 #include "souple/contacts/surfaces/motion_filter.h"
+#include "souple/contacts/surfaces/round_contacts.h"
 #include "souple/contacts/surfaces/surface_narrow_phase.h"
 #include "souple/state/bytes.h"
 
@@ -25,7 +26,8 @@ SurfaceContacts::SurfaceContacts(const IntersectionResolver* intersection_resolv
     : intersection_resolver_(intersection_resolver),
       narrow_phase_(std::make_unique<SurfaceNarrowPhase>()),
       colors_(std::make_unique<ContactColors>()),
-      filter_(std::make_unique<MotionFilter>()) {}
+      filter_(std::make_unique<MotionFilter>()),
+      round_(std::make_unique<RoundContacts>()) {}
 SurfaceContacts::~SurfaceContacts() = default;
 
 void SurfaceContacts::build(const ContactGeometry& geometry) {
@@ -35,6 +37,7 @@ void SurfaceContacts::build(const ContactGeometry& geometry) {
   narrow_phase_->build(pairs_.surfaces());
   colors_->set_count(pairs_.surfaces().particle_count());
   filter_->set_count();
+  round_->build(pairs_.surfaces());
 }
 
 void SurfaceContacts::begin_step(const ContactInput& input, Threads& threads) {
@@ -43,14 +46,15 @@ void SurfaceContacts::begin_step(const ContactInput& input, Threads& threads) {
   pairs_.clear();
   if (!pairs_.surfaces().any()) return;
   narrow_phase_->begin_step(pairs_.surfaces(), input.tables.against_objects, input.step);
-  contact_margin_ = input.contact_margin;
+  contact_margin_ = input.contact_margin, radius_ = input.radius;
+  round_->raise_margins(pairs_.surfaces(), contact_margin_);
   balls_roll_ = !input.step.turn.empty();
   pairs_.begin_step(input.particles, input.velocity, input.radius, input.contact_margin, input.step, threads);
   colors_->extend(0, pairs_);
 }
 
 void SurfaceContacts::clear_contacts() {
-  contacts_.resize(0);
+  contacts_.resize(0), round_->clear();
   of_bodies_.clear();
   colors_->clear_contacts();
   filter_->clear_pushes();
@@ -65,9 +69,12 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
   colors_->extend(pairs_.update(particles, substep.h, threads), pairs_);
   pairs_.measure(particles, threads);
   narrow_phase_->find_contacts(pairs_, particles, contact_pairs_, threads);
+  if (!narrow_phase_->is_discrete())
+    round_->find(pairs_, *narrow_phase_, particles, radius_, contact_margin_, intersection_resolver_,
+                 contact_pairs_);
   colors_->sort(contact_pairs_, pairs_, particles);
   describe_contacts(particles, threads);
-  for (std::size_t c = 0; narrow_phase_->is_discrete() && c < size(); ++c)
+  for (std::size_t c = 0; narrow_phase_->is_discrete() && c < contacts_.size(); ++c)
     narrow_phase_->describe_crossing(pairs_, colors_->pair()[c], c, particles, columns_);
 }
 
@@ -88,17 +95,26 @@ void SurfaceContacts::describe_contacts(const ParticleView& particles, Threads& 
   });
 }
 
+std::size_t SurfaceContacts::round_size() const {
+  return round_->contacts().size();
+}
+
 int SurfaceContacts::color_count() const {
-  return colors_->count();
+  return colors_->count() + (round_size() > 0 ? 1 : 0);
 }
 
 std::size_t SurfaceContacts::color_size(int color) const {
+  if (color == colors_->count()) return 1;
   const auto c = static_cast<std::size_t>(color);
   return colors_->begin()[2 * c + 2] - colors_->begin()[2 * c];
 }
 
 void SurfaceContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                               const Substep&) {
+  if (color == colors_->count()) {
+    for (std::size_t c = 0; c < round_size(); ++c) round_->project(c, particles);
+    return;
+  }
   const std::size_t first = colors_->begin()[2 * static_cast<std::size_t>(color)];
   simd_kernels().project(pairs_.particle_records(particles), columns_, first + begin, first + end);
 }
@@ -107,16 +123,21 @@ void SurfaceContacts::project(int color, std::size_t begin, std::size_t end, con
 // speculative margin: at most max_part of the thickness. Older margins decay.
 void SurfaceContacts::update_contact_margins() {
   constexpr float max_part = 0.5f, decay = 0.9f, negligible = 1e-6f;  // negligible: m
+  const auto widen = [this](float normal_sum, float approach, float thickness, const auto& particles) {
+    const float beyond = normal_sum - max(0.0f, approach);
+    if (!(beyond > speculative_part * thickness)) return;
+    SOUPLE_ASSERT(thickness >= 0, "no thickness is negative");
+    for (const std::uint32_t i : particles)
+      contact_margin_[i] = max(contact_margin_[i], min(beyond, max_part * thickness));
+  };
   for (float& contact_margin : contact_margin_)
     contact_margin = contact_margin > negligible ? decay * contact_margin : 0;
-  for (std::size_t c = 0; c < size(); ++c) {
-    const float beyond = columns_.normal_sum[c] - max(0.0f, columns_.approach[c]);
-    if (!(beyond > speculative_part * columns_.thickness[c])) continue;
-    SOUPLE_ASSERT(columns_.thickness[c] >= 0, "no thickness is negative");
-    const float contact_margin = min(beyond, max_part * columns_.thickness[c]);
-    for (const std::uint32_t* particle : columns_.particle)
-      contact_margin_[particle[c]] = max(contact_margin_[particle[c]], contact_margin);
-  }
+  for (std::size_t c = 0; c < contacts_.size(); ++c)
+    widen(columns_.normal_sum[c], columns_.approach[c], columns_.thickness[c],
+          anchor_of(columns_, c).particle);
+  for (const RoundContacts::Contact& contact : round_->contacts())
+    widen(contact.sums.normal_sum, contact.approach, contact.thickness, contact.anchor.particle);
+  round_->raise_margins(pairs_.surfaces(), contact_margin_);
 }
 
 std::size_t SurfaceContacts::after_solve(const ParticleView& particles, const Substep& substep,
@@ -145,7 +166,13 @@ std::span<const Pinch> SurfaceContacts::pinches() const {
 }
 
 void SurfaceContacts::update_masses(const ParticleView& particles) {
-  for (std::size_t c = 0; c < size(); ++c) {
+  for (RoundContacts::Contact& contact : round_->contacts()) {
+    const float inverse_mass = contact.anchor.inverse_mass(particles);
+    const float ratio = inverse_mass / contact.inverse_mass;
+    contact.inverse_mass = inverse_mass;
+    contact.sums = {contact.sums.normal_sum * ratio, contact.sums.tangent_sum * ratio};
+  }
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
     if (!is_of_body(c) || !(columns_.inverse_mass[c] > 0)) continue;
     const float ratio = anchor_of(columns_, c).inverse_mass(particles) / columns_.inverse_mass[c];
     columns_.inverse_mass[c] *= ratio;
@@ -177,7 +204,7 @@ float SurfaceContacts::gap(std::size_t contact, const ParticleView& particles) c
 
 void SurfaceContacts::choose_body_contacts(const ParticleView& particles, const ParticleFunction& f) {
   of_bodies_.clear();
-  for (std::size_t c = 0; c < size(); ++c) {
+  for (std::size_t c = 0; c < contacts_.size(); ++c) {
     if (!is_of_body(c)) continue;
     if (!(columns_.normal_sum[c] > 0) && !(gap(c, particles) < columns_.slop[c])) continue;
     bool moves = false;
@@ -188,49 +215,72 @@ void SurfaceContacts::choose_body_contacts(const ParticleView& particles, const 
     }
     if (moves) of_bodies_.push_back(static_cast<std::uint32_t>(c));
   }
+  // Those of a body act on the same particles, one after the other: together they count as one.
+  for (std::size_t c = 0; c < round_size(); ++c) {
+    const RoundContacts::Contact& contact = round_->contacts()[c];
+    const std::uint32_t i = contact.anchor.particle[0];
+    if (!(contact.sums.normal_sum > 0) && !(contact.C(particles) < contact.slop)) continue;
+    if (!(particles.inverse_mass(i) > 0)) continue;
+    f(i);
+    of_bodies_.push_back(static_cast<std::uint32_t>(contacts_.size() + c));
+  }
 }
 
 void SurfaceContacts::project_body_contacts(const ParticleView& particles) {
   const kernels::ElementPairKernels& scalar_kernels =
       kernels::find_element_pair_kernels(InstructionSet::scalar);
-  for (const std::uint32_t c : of_bodies_)
-    scalar_kernels.project(pairs_.particle_records(particles), columns_, c, c + std::size_t{1});
+  for (const std::uint32_t c : of_bodies_) {
+    if (c < contacts_.size())
+      scalar_kernels.project(pairs_.particle_records(particles), columns_, c, c + std::size_t{1});
+    else
+      round_->project(c - contacts_.size(), particles);
+  }
 }
 
 void SurfaceContacts::apply_restitution(const ParticleView& particles, std::span<Vec4f> velocity,
                                         const Substep&, Threads& threads) {
   if (velocity.empty()) return;
-  for (int color = 0; color < color_count(); ++color) {
+  for (int color = 0; color < colors_->count(); ++color) {
     const std::size_t first = colors_->begin()[2 * static_cast<std::size_t>(color)];
     threads.for_each(color_size(color), grain(), [&](std::size_t begin, std::size_t end) {
       simd_kernels().apply_restitution(pairs_.particle_records(particles), columns_, narrow_phase_->limits(),
                                        &velocity[0].x, first + begin, first + end);
     });
   }
+  round_->apply_restitution(particles, velocity, narrow_phase_->limits());
 }
 
 void SurfaceContacts::append_impacts(const Substep&, std::vector<Impact>& out) const {
-  for (std::size_t c = 0; c < size(); ++c) {
-    const float approach = columns_.approach[c] * narrow_phase_->limits().inverse_h;
-    if (!bounces(columns_.normal_sum[c], columns_.restitution[c], approach,
-                 narrow_phase_->limits().restitution_threshold))
-      continue;
-    out.push_back({columns_.particle[0][c],
-                   columns_.particle[3][c],
-                   {columns_.normal[0][c], columns_.normal[1][c], columns_.normal[2][c]},
-                   approach,
-                   columns_.restitution[c],
-                   {}});
-  }
+  const kernels::ContactLimits& limits = narrow_phase_->limits();
+  const auto append = [&](float normal_sum, const Impact& impact) {
+    if (bounces(normal_sum, impact.restitution, impact.approach, limits.restitution_threshold))
+      out.push_back(impact);
+  };
+  for (std::size_t c = 0; c < contacts_.size(); ++c)
+    append(columns_.normal_sum[c], {columns_.particle[0][c],
+                                    columns_.particle[3][c],
+                                    {columns_.normal[0][c], columns_.normal[1][c], columns_.normal[2][c]},
+                                    columns_.approach[c] * limits.inverse_h,
+                                    columns_.restitution[c],
+                                    {}});
+  for (const RoundContacts::Contact& contact : round_->contacts())
+    append(contact.sums.normal_sum, {contact.anchor.particle[0],
+                                     contact.anchor.particle[4],
+                                     contact.normal,
+                                     contact.approach * limits.inverse_h,
+                                     contact.material.restitution,
+                                     {}});
 }
 
 ContactReport SurfaceContacts::report() const {
-  return report_of(size(), columns_.normal_sum, columns_.depth);
+  const ContactReport round = report_of(round_->contacts());
+  const ContactReport result = report_of(contacts_.size(), columns_.normal_sum, columns_.depth);
+  return {result.count + round.count, max(result.deepest, round.deepest)};
 }
 
 void SurfaceContacts::events(const ParticleView& particles, std::vector<ContactPush>& out) const {
   const std::size_t first = out.size();
-  for (std::size_t contact = 0; contact < size(); ++contact) {
+  for (std::size_t contact = 0; contact < contacts_.size(); ++contact) {
     if (!(columns_.normal_sum[contact] > 0)) continue;
     const auto i = [&](std::size_t k) { return columns_.particle[k][contact]; };
     const auto c = [&](std::size_t k) { return columns_.c[k][contact]; };
@@ -246,20 +296,46 @@ void SurfaceContacts::events(const ParticleView& particles, std::vector<ContactP
                    normal_impulse(columns_.normal_sum[contact], columns_.restitution_velocity[contact],
                                   narrow_phase_->limits().inverse_h, columns_.inverse_mass[contact])});
   }
+  for (const RoundContacts::Contact& contact : round_->contacts()) {
+    if (!(contact.sums.normal_sum > 0)) continue;
+    const auto& weight = contact.anchor.weight;
+    const std::size_t one =
+        static_cast<std::size_t>(std::max_element(weight.begin(), weight.begin() + 4) - weight.begin());
+    const std::size_t other =
+        static_cast<std::size_t>(std::min_element(weight.begin() + 4, weight.end()) - weight.begin());
+    Vec3f point;
+    for (std::size_t k = 4; k < 7; ++k)
+      point -= particles.relative(contact.anchor.particle[k], {}) * weight[k];
+    out.push_back({contact.anchor.particle[one], contact.anchor.particle[other],
+                   point + contact.normal * (0.5f * contact.thickness), contact.normal,
+                   normal_impulse(contact.sums.normal_sum, contact.restitution_velocity,
+                                  narrow_phase_->limits().inverse_h, contact.inverse_mass)});
+  }
   sort_pushes(out, first);
 }
 
 void SurfaceContacts::visit(const ParticleView& particles, const ConstraintVisitor& visitor) const {
-  for (int color = 0; color < color_count(); ++color)
+  for (int color = 0; color < colors_->count(); ++color)
     for (std::size_t c = colors_->begin()[2 * static_cast<std::size_t>(color)];
          c < colors_->begin()[2 * static_cast<std::size_t>(color) + 2]; ++c) {
       const std::array<std::uint32_t, 4> i{columns_.particle[0][c], columns_.particle[1][c],
                                            columns_.particle[2][c], columns_.particle[3][c]};
       visitor({i, color, 0, max(0.0f, -gap(c, particles))});
     }
+  for (const RoundContacts::Contact& contact : round_->contacts())
+    visitor({contact.anchor.particle, colors_->count(), 0, max(0.0f, -contact.C(particles))});
+}
+
+float SurfaceContacts::normal_sum(std::size_t c) const {
+  return c < contacts_.size() ? columns_.normal_sum[c]
+                              : round_->contacts()[c - contacts_.size()].sums.normal_sum;
 }
 
 ContactImpulse SurfaceContacts::impulse(std::size_t c) const {
+  if (c >= contacts_.size()) {
+    const RoundContacts::Contact& contact = round_->contacts()[c - contacts_.size()];
+    return contact.anchor.impulse(contact.correction(), contact.inverse_mass);
+  }
   const float inverse_mass = columns_.inverse_mass[c];
   ContactImpulse result = anchor_of(columns_, c).impulse(correction_of(columns_, c), inverse_mass);
   if (balls_roll_ && columns_.share[c] > 0) {
@@ -273,17 +349,17 @@ ContactImpulse SurfaceContacts::impulse(std::size_t c) const {
 
 void SurfaceContacts::visit_impulses(const ParticleView&, const ImpulseFunction& f) const {
   for (std::size_t c = 0; c < size(); ++c)
-    if (columns_.normal_sum[c] > 0) f(impulse(c));
+    if (normal_sum(c) > 0) f(impulse(c));
 }
 
 void SurfaceContacts::visit_body_impulses(const ImpulseFunction& f) const {
   for (const std::uint32_t c : of_bodies_)
-    if (columns_.normal_sum[c] > 0) f(impulse(c));
+    if (normal_sum(c) > 0) f(impulse(c));
 }
 
 std::size_t SurfaceContacts::bytes() const {
   return bytes_of(contact_pairs_, of_bodies_) + pairs_.bytes() + narrow_phase_->bytes() + colors_->bytes() +
-         contacts_.bytes() + filter_->bytes();
+         contacts_.bytes() + filter_->bytes() + round_->bytes();
 }
 
 }  // namespace souple

@@ -11,6 +11,7 @@ namespace souple {
 
 class ContactColors;
 class MotionFilter;
+class RoundContacts;
 class SurfaceNarrowPhase;
 
 /// Contacts between surfaces: a vertex and a triangle, or two edges, of two objects or of one. A ball and the
@@ -37,6 +38,9 @@ class SurfaceNarrowPhase;
 /// along the triangle's normal (surface_narrow_phase.cpp).
 ///
 /// After the solver, `after_solve` tests all motions again (motion_filter.h).
+///
+/// Round rigid bodies touch triangles as such (round_contacts.h). These contacts are solved one after the other, as one
+/// color of one item, the last.
 ///
 /// A substep goes through four classes. ElementPairs keeps the candidates. SurfaceNarrowPhase finds which of them
 /// touch, and describes the contacts. ContactColors orders them for the solver, and MotionFilter corrects violations
@@ -70,7 +74,7 @@ class SurfaceContacts final : public ContactProjector {
   void events(const ParticleView& particles, std::vector<ContactPush>& out) const override;
 
   std::string_view kind() const override { return "surface contact"; }
-  std::size_t size() const override { return contacts_.size(); }
+  std::size_t size() const override { return contacts_.size() + round_size(); }
   int color_count() const override;
   std::size_t color_size(int color) const override;
   std::size_t grain() const override { return 256; }
@@ -84,8 +88,10 @@ class SurfaceContacts final : public ContactProjector {
 
  private:
   void clear_contacts();
+  std::size_t round_size() const;
   bool is_rigid(std::uint32_t particle) const;
   bool is_of_body(std::size_t contact) const;
+  float normal_sum(std::size_t contact) const;
   ContactImpulse impulse(std::size_t contact) const;
   float gap(std::size_t contact, const ParticleView& particles) const;
   void describe_contacts(const ParticleView& particles, Threads& threads);
@@ -97,12 +103,15 @@ class SurfaceContacts final : public ContactProjector {
   std::unique_ptr<ContactColors> colors_;
   std::unique_ptr<MotionFilter> filter_;
   ShortenedMotion held_;  // the fastest driven particle that was stopped in this step
+  std::unique_ptr<RoundContacts> round_;
+  std::span<const float> radius_;
   std::span<float> contact_margin_;
-  std::vector<PairToi> contact_pairs_;    // in order of pairs
-  SurfaceContactRows contacts_;           // in order of colors
-  kernels::ContactColumns columns_{};     // of contacts_
-  bool balls_roll_ = false;               // contacts have shares and moments
-  std::vector<std::uint32_t> of_bodies_;  // contacts that project_body_contacts projects
+  std::vector<PairToi> contact_pairs_;  // in order of pairs
+  SurfaceContactRows contacts_;         // in order of colors
+  kernels::ContactColumns columns_{};   // of contacts_
+  bool balls_roll_ = false;             // contacts have shares and moments
+  std::vector<std::uint32_t>
+      of_bodies_;  // contacts that project_body_contacts projects, round ones after all others
 };
 
 }  // namespace souple

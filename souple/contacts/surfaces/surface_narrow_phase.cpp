@@ -131,6 +131,19 @@ void SurfaceNarrowPhase::begin_substep(float h) {
   limits_ = {1 / h, step_.restitution_threshold(h)};
 }
 
+ContactMaterialPair SurfaceNarrowPhase::material(std::uint32_t one, std::uint32_t other,
+                                                 const Vec3f& moved) const {
+  ContactMaterialPair result = materials_->at(one, other);
+  if (result.kinetic_friction < result.static_friction)
+    result.kinetic_friction =
+        kinetic_friction_at(result, moved, limits_.restitution_threshold / limits_.inverse_h);
+  return result;
+}
+
+float SurfaceNarrowPhase::release(std::uint32_t one, std::uint32_t other) const {
+  return step_.depenetration_speed(materials_->radius(one, other)) / limits_.inverse_h;
+}
+
 void SurfaceNarrowPhase::find_contacts(ElementPairs& candidates, const ParticleView& particles,
                                        std::vector<PairToi>& found, Threads& threads) {
   find(candidates.chunk_count(), found, threads, [&](std::size_t chunk, std::vector<PairToi>& of_chunk) {
@@ -245,7 +258,7 @@ bool SurfaceNarrowPhase::is_contact(const ElementPairs& candidates, std::uint32_
   }
   if ((classification & Classification::touches) == 0) return false;
   const unsigned on_border = classification / Classification::on_border;
-  if (!edges) return owners_.is_owner(particle, on_border, particles);
+  if (!edges) return owners_.is_owner(particle, on_border, {particles, particle.particle[0]});
   const auto is_rope = [&](std::uint32_t i) {
     return candidates.surfaces()[candidates.surfaces().of(i)].triangles.empty();
   };
@@ -258,21 +271,18 @@ void SurfaceNarrowPhase::describe(ElementPairs& candidates, bool edges, std::siz
   if (begin >= end) return;
   for (std::size_t c = begin; c < end; ++c) {
     const NearPair& pair = candidates.pair(pairs[c]);
-    const float radius = materials_->radius(candidates.surfaces().of(pair.particle[0]),
-                                            candidates.surfaces().of(pair.particle[3]));
-    out.slop[c] = step_.depenetration_speed(radius) / limits_.inverse_h;
+    out.slop[c] =
+        release(candidates.surfaces().of(pair.particle[0]), candidates.surfaces().of(pair.particle[3]));
   }
   narrow_kernels().describe[edges ? 1 : 0](candidates.particle_records(particles), candidates.columns(),
                                            pairs.data(), tois.data(), begin, end, out);
   for (std::size_t c = begin; c < end; ++c) {
     const NearPair& pair = candidates.pair(pairs[c]);
-    const ContactMaterialPair& surface = materials_->at(candidates.surfaces().of(pair.particle[0]),
-                                                        candidates.surfaces().of(pair.particle[3]));
+    const ContactMaterialPair surface =
+        material(candidates.surfaces().of(pair.particle[0]), candidates.surfaces().of(pair.particle[3]),
+                 anchor_of(out, c).moved(particles));
     out.static_friction[c] = surface.static_friction;
     out.kinetic_friction[c] = surface.kinetic_friction;
-    if (surface.kinetic_friction < surface.static_friction)
-      out.kinetic_friction[c] = kinetic_friction_at(surface, anchor_of(out, c).moved(particles),
-                                                    limits_.restitution_threshold / limits_.inverse_h);
     out.restitution[c] = surface.restitution;
     if (!edges && is_placed_at_one_place(candidates, pairs[c]))
       describe_coincident(candidates, c, particles, out);

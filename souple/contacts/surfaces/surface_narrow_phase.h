@@ -31,6 +31,11 @@ class SurfaceNarrowPhase {
                   const ContactStep& step);
   void begin_substep(float h);
   const kernels::ContactLimits& limits() const { return limits_; }
+  const FeatureOwners& owners() const { return owners_; }
+  /// Material of two surfaces whose sides move by `moved` relative to each other in the substep [m].
+  ContactMaterialPair material(std::uint32_t one, std::uint32_t other, const Vec3f& moved) const;
+  /// By how much an old overlap of two surfaces shrinks in the substep [m].
+  float release(std::uint32_t one, std::uint32_t other) const;
   bool is_discrete() const { return step_.detection == Detection::discrete; }
 
   /// Finds the contacts of the substep, in order of pairs.
