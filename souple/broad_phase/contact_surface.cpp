@@ -16,12 +16,13 @@ auto kind_of(const ContactSurface& surface) {
 
 ParticlePairs::ParticlePairs(std::vector<Edge> pairs, std::vector<Edge> bodies)
     : pairs_(std::move(pairs)), bodies_(std::move(bodies)) {
-  for (Edge& pair : pairs_)
+  std::sort(bodies_.begin(), bodies_.end());
+  for (Edge& pair : pairs_) {
+    pair = {first_of(pair[0]), first_of(pair[1])};
     if (pair[0] > pair[1]) std::swap(pair[0], pair[1]);
-  for (std::vector<Edge>* const list : {&pairs_, &bodies_}) {
-    std::sort(list->begin(), list->end());
-    list->erase(std::unique(list->begin(), list->end()), list->end());
   }
+  std::sort(pairs_.begin(), pairs_.end());
+  pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
 }
 
 // Most of many surfaces are alike, so a few representatives tell that no pair can collide. Otherwise one of the first

@@ -50,7 +50,7 @@ struct ContactSurface {
 class ParticlePairs {
  public:
   ParticlePairs() = default;
-  /// `bodies`: ranges [begin, end) of particles, each of which its first one stands for in `pairs`.
+  /// `bodies`: ranges [begin, end) of particles, for each of which its first one stands.
   explicit ParticlePairs(std::vector<Edge> pairs, std::vector<Edge> bodies = {});
   bool empty() const { return pairs_.empty(); }
   bool contains(std::uint32_t i, std::uint32_t j) const {

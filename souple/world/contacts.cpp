@@ -43,14 +43,11 @@ void for_each_tied(const WorldState& world, const TieEnd& end, const Function& f
 }
 
 /// Two points that are tied together have no room for a contact, which would pull at the tie.
-void append_tied(const WorldState& world, std::vector<Edge>& joined, std::vector<Edge>& bodies) {
+void append_tied(const WorldState& world, std::vector<Edge>& joined) {
   const Ties& ties = *world.constraints.ties;
   for (std::size_t k = 0; k < ties.count(); ++k) {
     const Tie& tie = ties.tie(k);
     if (ties.state(k).broken != 0 || tie.rest_length > 0 || !tie.chain.empty()) continue;
-    for (const TieEnd* const end : {&tie.a, &tie.b})
-      if (end->kind == TieEnd::Kind::body && end->object)
-        bodies.push_back({world.object(*end->object).begin, world.object(*end->object).end});
     for_each_tied(world, tie.a, [&](std::uint32_t i) {
       for_each_tied(world, tie.b, [&](std::uint32_t j) { joined.push_back({i, j}); });
     });
@@ -59,12 +56,15 @@ void append_tied(const WorldState& world, std::vector<Edge>& joined, std::vector
 
 ParticlePairs joined_particles(const WorldState& world) {
   std::vector<Edge> joined, bodies;
-  append_tied(world, joined, bodies);
+  append_tied(world, joined);
   for (const UserConstraint& user_constraint : world.constraints.users)
     for (std::size_t i = 0; user_constraint.distance_joint && user_constraint.is_active &&
                             i < user_constraint.distance_joint->size();
          ++i)
       joined.push_back(user_constraint.distance_joint->set().indices(i));
+  for (const auto& object : world.objects)
+    if (!joined.empty() && world.rigid->definition(object->id.value))
+      bodies.push_back({object->begin, object->end});
   return ParticlePairs(std::move(joined), std::move(bodies));
 }
 
