@@ -15,9 +15,6 @@ namespace souple {
 namespace {
 
 constexpr std::uint32_t particles_per_chunk = 1024;
-constexpr std::uint32_t samples_per_group = 128;
-// The part of its angular momentum that a group may lose in a second without being helped: omega^2 h.
-constexpr double negligible_loss = 1e-4;
 
 /// Connects particles, and notes which are held.
 struct Connections {
@@ -42,7 +39,7 @@ void AngularMomentum::find(const ObjectsView& objects, std::span<Projector* cons
                            std::span<const UserConstraint> users, Links links) {
   groups_.clear(), ranges_.clear(), chunks_.clear(), changing_.clear();
   links_ = std::move(links);
-  known_ = true, any_chosen_ = false;
+  known_ = true, any_free_ = false;
   Connections connections{DisjointSets(objects.particles.size()), {}};
   const ParticleView view = objects.view();
   const auto is_custom = [&](const Projector* projector) {
@@ -84,7 +81,7 @@ void AngularMomentum::find(const ObjectsView& objects, std::span<Projector* cons
       const bool is_rigid = object->traits().rigid;
       if (group[root] == none || size[root] == 0 || (size[root] == 1 && root == i && !is_rigid)) continue;
       if (group[root] == unknown)
-        group[root] = static_cast<std::uint32_t>(groups_.size()), groups_.emplace_back();
+        group[root] = static_cast<std::uint32_t>(groups_.size()), groups_.emplace_back().first = i;
       const std::uint32_t g = group[root];
       if (is_rigid && i == object->begin) groups_[g].bodies.push_back(object->id.value);
       const auto append = [&](std::vector<Range>& list, std::uint32_t longest) {
@@ -98,21 +95,9 @@ void AngularMomentum::find(const ObjectsView& objects, std::span<Projector* cons
       if (!is_rigid) append(chunks_, particles_per_chunk);
     }
   of_chunk_.resize(chunks_.size()), of_group_.resize(groups_.size());
-  choose_samples();
 }
 
-void AngularMomentum::choose_samples() {
-  for (const Range& chunk : chunks_) groups_[chunk.group].particles += chunk.end - chunk.begin;
-  std::vector<std::uint32_t> seen(groups_.size());
-  for (const Range& chunk : chunks_) {
-    Group& group = groups_[chunk.group];
-    const std::uint32_t stride = (group.particles - 1) / samples_per_group + 1;
-    for (std::uint32_t i = chunk.begin; i < chunk.end; ++i)
-      if (seen[chunk.group]++ % stride == 0) group.samples.push_back(i);
-  }
-}
-
-/// Fills of_group_ with the sums of the chosen groups. motion(i, x, v): position and velocity of a particle.
+/// Fills of_group_ with the sums of the groups that are free and not held. motion(i, x, v): position and velocity of a particle.
 template <class Motion>
 void AngularMomentum::sum(const StageView& stage, const Motion& motion) {
   const std::vector<float>& mass = stage.objects.particles.mass;
@@ -120,7 +105,7 @@ void AngularMomentum::sum(const StageView& stage, const Motion& motion) {
     const Range& chunk = chunks_[c];
     const Group& group = groups_[chunk.group];
     of_chunk_[c] = {};
-    for (std::uint32_t i = chunk.begin; group.chosen && i < chunk.end; ++i) {
+    for (std::uint32_t i = chunk.begin; group.turns() && i < chunk.end; ++i) {
       Vec3d x, v;
       motion(i, x, v);
       of_chunk_[c].add(static_cast<double>(mass[i]), x - group.origin, v);
@@ -165,44 +150,25 @@ void AngularMomentum::begin_step(const StageView& stage, const RigidStage& bodie
   }
 }
 
-// A sample of its particles tells well enough how fast a group turns.
-bool AngularMomentum::turns(const Group& group, const StageView& stage, const RigidStage& bodies,
-                            double h) const {
-  const ParticleView view = stage.objects.view();
-  const double share = static_cast<double>(group.particles) / static_cast<double>(group.samples.size());
-  RigidSums sums;
-  for (const std::uint32_t i : group.samples)
-    sums.add(static_cast<double>(stage.objects.particles.mass[i]) * share,
-             view.exact_position(i) - group.origin, Vec3d(view.moved(i)) / h);
-  for (const std::uint32_t body : group.bodies) bodies.add_to(sums, body, group.origin, h);
-  const Vec3d L = sums.angular - cross(sums.position, sums.momentum) / sums.mass;
-  return length_squared(spin_of(sums.inertia(), L)) * h > negligible_loss;
-}
-
 void AngularMomentum::begin_solve(const StageView& stage, const RigidStage& bodies, double h) {
   const ParticleView view = stage.objects.view();
-  stage.threads.each(groups_.size(), 8, [&](std::size_t g) {
-    Group& group = groups_[g];
-    if (group.is_free) group.origin = view.exact_position(group.samples.front());
-    group.chosen = group.is_free && turns(group, stage, bodies, h);
-  });
-  any_chosen_ = std::any_of(groups_.begin(), groups_.end(), [](const Group& group) { return group.chosen; });
-  if (!any_chosen_) return;
+  any_free_ = std::any_of(groups_.begin(), groups_.end(), [](const Group& group) { return group.is_free; });
+  if (!any_free_) return;
+  for (Group& group : groups_) group.origin = view.exact_position(group.first), group.held = false;
   sum(stage,
       [&](std::uint32_t i, Vec3d& x, Vec3d& v) { x = view.exact_position(i), v = Vec3d(view.moved(i)) / h; });
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    if (!groups_[g].chosen) continue;
+    if (!groups_[g].is_free) continue;
     for (const std::uint32_t body : groups_[g].bodies)
       bodies.add_to(of_group_[g], body, groups_[g].origin, h);
     groups_[g].momentum = of_group_[g].angular;
-    groups_[g].held = false;
   }
 }
 
 // Impulses act on positions at the substep's start.
 void AngularMomentum::end_solve(const StageView& stage, const RigidStage& bodies, const Contacts& contacts,
                                 double h) {
-  if (!any_chosen_) return;
+  if (!any_free_) return;
   const ParticleView view = stage.objects.view();
   const auto is_body = [&](std::uint32_t i) {
     return stage.objects.objects[stage.objects.object_of[i]]->traits().rigid;
@@ -213,7 +179,7 @@ void AngularMomentum::end_solve(const StageView& stage, const RigidStage& bodies
     const bool within = !contact.by_collider &&
                         std::all_of(begin, end, [&](std::uint32_t i) { return group_of(i) == first; });
     if (within) {
-      if (first && first->chosen && std::any_of(begin, end, is_body))
+      if (first && first->is_free && std::any_of(begin, end, is_body))
         first->momentum += bodies.moment_of(stage.objects, contact) / h;
       return;
     }
@@ -221,34 +187,41 @@ void AngularMomentum::end_solve(const StageView& stage, const RigidStage& bodies
                        std::all_of(begin, end, [&](std::uint32_t i) { return gives_way(stage, bodies, i); });
     for (std::size_t k = 0; k < contact.count; ++k) {
       Group* const group = group_of(contact.particle[k]);
-      if (!group || !group->chosen) continue;
+      if (!group || !group->is_free) continue;
       group->held = group->held || !gives;
       const Vec3d x = bodies.start_of(stage.objects, contact.particle[k]) - group->origin;
       group->momentum += cross(x, Vec3d(contact.impulse[k])) / h;
     }
   };
   contacts.visit_impulses(view, std::ref(take));
+  for (Group& group : groups_)
+    group.held = group.held || std::any_of(group.bodies.begin(), group.bodies.end(),
+                                           [&](std::uint32_t body) { return bodies.is_pushed(body); });
   sum(stage,
       [&](std::uint32_t i, Vec3d& x, Vec3d& v) { x = view.exact_position(i), v = Vec3d(view.moved(i)) / h; });
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     Group& group = groups_[g];
-    if (!group.chosen) continue;
+    if (!group.turns()) continue;
     RigidSums& sums = of_group_[g];
-    for (const std::uint32_t body : group.bodies) {
-      bodies.add_to(sums, body, group.origin, h);
-      group.held = group.held || bodies.is_pushed(body);
-    }
-    group.center = group.origin + sums.position / sums.mass;
-    group.spin = group.held ? Vec3d{} : spin_of(sums.inertia(), group.momentum - sums.angular);
+    for (const std::uint32_t body : group.bodies) bodies.add_to(sums, body, group.origin, h);
+    group.spin = spin_of(sums.inertia(), group.momentum - sums.angular);
   }
 }
 
 void AngularMomentum::finish(const StageView& stage, RigidStage& bodies) {
-  if (!any_chosen_) return;
+  if (!any_free_) return;
   Particles& particles = stage.objects.particles;
+  // The center after keep_apart moved particles: a rotation about another one would change momentum.
+  sum(stage, [&](std::uint32_t i, Vec3d& x, Vec3d&) { x = particles.exact_position(i); });
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    if (!groups_[g].turns()) continue;
+    for (const std::uint32_t body : groups_[g].bodies)
+      bodies.add_to(of_group_[g], body, groups_[g].origin, 0);
+    groups_[g].center = groups_[g].origin + of_group_[g].position / of_group_[g].mass;
+  }
   stage.threads.each(chunks_.size(), 1, [&](std::size_t c) {
     const Group& group = groups_[chunks_[c].group];
-    for (std::uint32_t i = chunks_[c].begin; group.chosen && i < chunks_[c].end; ++i) {
+    for (std::uint32_t i = chunks_[c].begin; group.turns() && i < chunks_[c].end; ++i) {
       const Vec3d turn = cross(group.spin, particles.exact_position(i) - group.center);
       particles.velocity[i].set_xyz(Vec3f(Vec3d(particles.velocity[i].xyz()) + turn));
     }
@@ -256,16 +229,16 @@ void AngularMomentum::finish(const StageView& stage, RigidStage& bodies) {
   for (const auto& object : stage.objects.objects) {
     if (!object->traits().rigid) continue;
     const Group* const group = group_of(object->begin);
-    if (!group || !group->chosen) continue;
+    if (!group || !group->turns()) continue;
     const Vec3d r = bodies.pose(object->id.value)->position - group->center;
     bodies.change_velocity(particles, *object, {cross(group->spin, r), group->spin});
   }
-  any_chosen_ = false;  // where everything sleeps, the next substep has no solve
+  any_free_ = false;  // where everything sleeps, the next substep has no solve
 }
 
 std::size_t AngularMomentum::bytes() const {
   std::size_t result = bytes_of(links_, groups_, ranges_, chunks_, of_chunk_, of_group_);
-  for (const Group& group : groups_) result += bytes_of(group.bodies, group.samples);
+  for (const Group& group : groups_) result += bytes_of(group.bodies);
   return result;
 }
 

@@ -24,8 +24,8 @@ struct UserConstraint;
 ///
 /// A group is a set of particles and rigid bodies that constraints, ties and joints connect with each other, and with
 /// nothing else. `end_solve` measures what the solver changed of its L, less what contacts did. `finish` adds the rigid
-/// rotation I^-1 (L - L') to its velocities, which changes no momentum. A group is left alone in a substep if it loses
-/// less than 0.1 % in ten seconds, or if it touches something that cannot give way.
+/// rotation I^-1 (L - L') to its velocities, which changes no momentum. A group is left alone in a substep if it touches
+/// something that cannot give way.
 class AngularMomentum {
  public:
   /// In place of the second particle of a link: something that does not belong to any group.
@@ -55,24 +55,22 @@ class AngularMomentum {
     std::uint32_t begin, end, group;
   };
   struct Group {
-    std::vector<std::uint32_t> bodies;   ///< ids of objects
-    std::uint32_t particles = 0;         ///< number of those that are no body's
-    std::vector<std::uint32_t> samples;  ///< some of them
-    bool is_free = false;                ///< in this step: awake, and nothing is pinned
-    bool chosen = false;                 ///< in this substep
-    bool held = false;                   ///< in this substep, by contacts
-    Vec3d origin;                        ///< near it [m]
-    Vec3d momentum;                      ///< angular, about the origin, before the solver [kg m^2/s]
-    Vec3d center, spin;                  ///< of the rotation that `finish` adds
+    std::vector<std::uint32_t> bodies;  ///< ids of objects
+    std::uint32_t first = 0;            ///< particle
+    bool is_free = false;               ///< in this step: awake, and nothing is pinned
+    bool held = false;                  ///< in this substep, by contacts
+    Vec3d origin;                       ///< near it [m]
+    Vec3d momentum;                     ///< angular, about the origin, before the solver [kg m^2/s]
+    Vec3d center, spin;                 ///< of the rotation that `finish` adds
+
+    bool turns() const { return is_free && !held; }
   };
 
   template <class Motion>
   void sum(const StageView& stage, const Motion& motion);
-  void choose_samples();
-  bool turns(const Group& group, const StageView& stage, const RigidStage& bodies, double h) const;
   Group* group_of(std::uint32_t particle);
 
-  bool known_ = false, any_chosen_ = false;
+  bool known_ = false, any_free_ = false;
   Links links_;
   std::vector<Group> groups_;
   std::vector<Range> ranges_;  ///< of particles, ascending, those of bodies included

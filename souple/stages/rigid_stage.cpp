@@ -561,17 +561,20 @@ void RigidStage::share_pushes(const StageView& stage, std::size_t body, double i
                               std::span<const BodyPush> pushes) {
   Particles& particles = stage.objects.particles;
   const auto b = static_cast<std::uint32_t>(body);
-  Vec3d impulse, moment;
+  Vec3d impulse, moment, shifted;
   double along = 0, size = 0;
   for (const BodyPush& push : pushes) {
     const auto m = static_cast<double>(particles.mass[push.particle]);
     const Vec3d u = Vec3d(push.moved) * inverse_h;
+    const Vec3d v(particles.velocity[push.particle].xyz());
     impulse += u * m;
     moment += cross(particles.exact_position(push.particle) - bodies_.pose[body].position, u * m);
-    along -= m * dot(u, Vec3d(particles.velocity[push.particle].xyz()));
+    shifted += cross(Vec3d(push.moved), v * m);
+    along -= m * dot(u, v);
     size += m * length_squared(u);
   }
   bodies_.inverse_inertia[body] = world_inverse_inertia(bodies_.mass[body], bodies_.pose[body].rotation);
+  turn_velocity(bodies_, b, -shifted);
   const BodyVelocity& v = bodies_.velocity[body];
   along += dot(v.linear, impulse) + dot(v.angular, moment);
   size += length_squared(impulse) * bodies_.mass[body].inverse +

@@ -155,6 +155,31 @@ double height_of(Impact::Kind kind) {
   return 0;
 }
 
+Vec3d angular_momentum(const RigidBodyState& body) {
+  const Vec3d spin = rotate(conjugate(body.pose.rotation), body.angular_velocity);
+  const Vec3d& inertia = body.inertia;
+  return cross(body.pose.translation, body.velocity) * body.mass +
+         rotate(body.pose.rotation, {inertia.x * spin.x, inertia.y * spin.y, inertia.z * spin.z});
+}
+
+/// Steps, and returns the angular momentum about the origin at its start. A field without force sees all particles.
+Vec3d step_from(World& world, ObjectId target, ObjectId body) {
+  Vec3d sum = angular_momentum(world.rigid_body(body));
+  const double start = world.time();
+  const ForceFieldId field = world.add_force_field([&](const ForcePoint& point) {
+    if (point.object == target && point.time == start)
+      sum += cross(Vec3d(point.position), Vec3d(point.velocity)) * static_cast<double>(point.mass);
+    return Vec3f{};
+  });
+  const auto spins = world.angular_velocities(target);  // of grains, else none
+  const double inertia =
+      spins.empty() ? 0 : 0.4 * world.total_mass(target) / double(spins.size()) * 0.02 * 0.02;
+  for (const Vec3f& spin : spins) sum += Vec3d(spin) * inertia;
+  world.step(1.0 / 60);
+  world.remove(field);
+  return sum;
+}
+
 // Also where it moves by much more than the thickness in a substep, and where it hits beside the center.
 TEST(RigidImpacts, KeepMomentumAndAddNoEnergy) {
   using enum Impact::Kind;
@@ -166,9 +191,13 @@ TEST(RigidImpacts, KeepMomentumAndAddNoEnergy) {
                             {tets, false, 2, 10, 1e4f, 50},
                             {tets, false, 0.5f, 5, 1e7f},
                             {tets, true, 2, 10, 1e7f},
+                            {tets, true, 2, 5, 1e4f},
+                            {tets, true, 10, 5, 1e7f},
+                            {tets, false, 10, 5, 1e4f, 50},
                             {grains, false, 10, 5},
                             {grains, true, 2},
                             {lattice, true, 2},
+                            {lattice, false, 0.5f, 5},
                             {lattice, false, 10}};
   for (const Impact& impact : impacts) {
     World world({.substeps = impact.substeps, .gravity = {}, .wind = {.air_density = 0}, .threads = 1});
@@ -180,10 +209,12 @@ TEST(RigidImpacts, KeepMomentumAndAddNoEnergy) {
                                      : world.add_rigid_body(Sphere{{}, 0.1f}, {.density = 300}, options);
     const Vec3d before = total_momentum(world);
     const double energy = world.kinetic_energy(body);
+    const Vec3d angular_before = angular_momentum(world.rigid_body(body));
     const std::string where = std::to_string(static_cast<int>(impact.kind)) + ", " +
                               std::to_string(impact.speed) + " m/s, " + std::to_string(impact.substeps);
     for (int frame = 0; frame < 18 / static_cast<double>(impact.speed) + 6; ++frame) {
-      world.step(1.0 / 60);
+      const Vec3d angular = step_from(world, target, body);
+      EXPECT_LT(length(angular - angular_before), 0.01 * length(angular_before)) << where;
       EXPECT_LT(length(total_momentum(world) - before), 1e-3 * length(before)) << where;
       EXPECT_LT(world.kinetic_energy(body) + world.kinetic_energy(target), 1.001 * energy) << where;
     }
