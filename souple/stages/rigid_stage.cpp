@@ -610,7 +610,8 @@ void RigidStage::take_pushes(const StageView& stage, const Substep& substep,
   });
 }
 
-// A body that is held keeps a part of its velocity. Bodies that hold each other alone keep their common motion.
+// A body that is held keeps a part of its velocity. Bodies that nothing immovable holds keep their common motion: what is
+// between them, and gives way too slowly, must not take their momentum.
 void RigidStage::hold(const StageView& stage, std::span<const Pinch> pinches) {
   for (Record& record : records_) record.held = false;
   for_each_awake(stage, [&](std::size_t k) { records_[k].held = is_held(stage, k); });
@@ -639,10 +640,9 @@ void RigidStage::hold(const StageView& stage, std::span<const Pinch> pinches) {
     add_to(set.sums, records_[k].object, set.origin, 0);
   });
   for_each_free([&](std::uint32_t k, const HeldSet& set) {
-    const bool alone = set.alone && set.bodies > 1;
-    if (!set.any_held || !(alone || records_[k].held)) return;
+    if (!set.any_held || !(set.alone ? set.bodies > 1 : records_[k].held)) return;
     BodyVelocity common;
-    if (alone) {
+    if (set.alone) {
       const RigidSums& sums = set.sums;
       const Vec3d center = sums.position / sums.mass;
       common.angular = spin_of(sums.inertia(), sums.angular - cross(center, sums.momentum));
