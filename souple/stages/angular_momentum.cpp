@@ -205,6 +205,8 @@ void AngularMomentum::end_solve(const StageView& stage, const RigidStage& bodies
     RigidSums& sums = of_group_[g];
     for (const std::uint32_t body : group.bodies) bodies.add_to(sums, body, group.origin, h);
     group.spin = spin_of(sums.inertia(), group.momentum - sums.angular);
+    // More than a radian in a substep, or a number that is not finite, is no correction.
+    group.held = !(length_squared(group.spin) * h * h < 1);
   }
 }
 

@@ -202,6 +202,14 @@ std::optional<std::size_t> finish_motion(const StageView& stage, const Substep& 
   return first_non_finite.found();
 }
 
+std::optional<std::size_t> find_non_finite(const StageView& stage) {
+  LowestParticle first_non_finite;
+  for_each_awake(stage, [&](std::size_t begin, std::size_t end) {
+    find_non_finite(stage.objects.particles, begin, end, first_non_finite);
+  });
+  return first_non_finite.found();
+}
+
 std::optional<std::size_t> find_out_of_range(const ObjectsView& objects, Threads& threads) {
   constexpr auto limit = static_cast<float>(range::coordinate);
   const std::vector<Vec4f>& position = objects.particles.position;

@@ -36,6 +36,8 @@ void keep_prediction(const StageView& stage, MotionScratch& scratch);
 std::optional<std::size_t> finish_motion(const StageView& stage, const Substep& substep,
                                          const MotionScratch& scratch);
 
+/// The lowest particle that has no finite position or velocity.
+std::optional<std::size_t> find_non_finite(const StageView& stage);
 /// The lowest particle of an object that is farther than range::coordinate from the origin along an axis.
 std::optional<std::size_t> find_out_of_range(const ObjectsView& objects, Threads& threads);
 

@@ -115,7 +115,7 @@ bool finish(WorldState& world, const Substep& substep) {
   return !world.current.first_non_finite;
 }
 
-void update_velocities(WorldState& world, const Substep& substep) {
+bool update_velocities(WorldState& world, const Substep& substep) {
   apply_restitution(world, substep);
   const ObjectsView objects = world.objects_view();
   finish_spin(objects, substep, *world.threads);
@@ -125,6 +125,8 @@ void update_velocities(WorldState& world, const Substep& substep) {
     if (object->sleep.island == 0)
       damp(objects, *object, substep.h, *world.threads, world.scratch->rigid_sums);
   world.rigid->gather_velocities(world.stage_view());
+  if (world.current.last_substep) note(world, find_non_finite(world.stage_view()));
+  return !world.current.first_non_finite;
 }
 
 }  // namespace souple

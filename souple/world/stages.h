@@ -37,8 +37,8 @@ void solve(WorldState& world, const Substep& substep);
 /// non-finite.
 bool finish(WorldState& world, const Substep& substep);
 
-/// (6) Restitution, damping, viscosity.
-void update_velocities(WorldState& world, const Substep& substep);
+/// (6) Restitution, damping, viscosity. Returns false if a value is non-finite after the last substep.
+bool update_velocities(WorldState& world, const Substep& substep);
 /// Its part for fluids.
 void update_fluid_velocities(WorldState& world, const Substep& substep);
 

@@ -93,7 +93,7 @@ void advance(World& self, WorldState& world, double dt) {
     run(self, world, Stage::contacts, [&] { generate_contacts(world, substep); });
     run(self, world, Stage::solve, [&] { solve(world, substep); });
     run(self, world, Stage::finish, [&] { valid = finish(world, substep); });
-    run(self, world, Stage::velocity, [&] { update_velocities(world, substep); });
+    run(self, world, Stage::velocity, [&] { valid = update_velocities(world, substep); });
     world.contact->tracker.end_substep(world);
     world.time = start + dt * i / substep.count;
   }
