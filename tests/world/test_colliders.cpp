@@ -68,7 +68,7 @@ TriangleMesh bumpy_ball() {
 
 // Cotton of half a millimeter, edges of 5 cm. Where it hits, the solver leaves some millimeters for a moment. Without
 // contacts of elements, edges are 17 mm inside the box and 6 mm inside the bumps. Results are means of four positions.
-// For a single one, chance decides whether it is 1 or 5 mm inside the cylinder in the end; the mean of sixteen is 3 mm. It is
+// For a single one, chance decides whether it is 1 or 5 mm inside the cylinder in the end. The mean of sixteen is 3 mm, and
 // 6 to 9 mm where it hits.
 TEST(ColliderElementContacts, AThinClothStaysOutsideEdgesAndBumps) {
   const Shape shapes[] = {Box{{0, -0.25f, 0}, {0.25f, 0.25f, 0.25f}}, Cylinder{{0, -0.25f, 0}, 0.25f, 0.25f},
