@@ -261,7 +261,7 @@ void RoundContacts::apply_restitution(const ParticleView& particles, std::span<V
         limits.restitution_threshold, contact.material, limits.inverse_h);
     anchor.accelerate(velocity, particles, change, contact.inverse_mass);
     contact.restitution_velocity = restitution_velocity;
-    contact.depth = max(0.0f, -contact.C(particles));
+    contact.depth = max(0.0f, -contact.gap(particles));
   }
 }
 

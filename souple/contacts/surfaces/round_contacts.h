@@ -53,7 +53,7 @@ class RoundContacts {
     float restitution_velocity = 0;  ///< m/s
     float depth = 0;                 ///< m
 
-    float C(const ParticleView& particles) const { return base + dot(normal, anchor.moved(particles)); }
+    float gap(const ParticleView& particles) const { return base + dot(normal, anchor.moved(particles)); }
     Vec3f correction() const { return normal * sums.normal_sum + sums.tangent_sum; }
   };
 

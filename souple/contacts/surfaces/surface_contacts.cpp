@@ -219,7 +219,7 @@ void SurfaceContacts::choose_body_contacts(const ParticleView& particles, const 
   for (std::size_t c = 0; c < round_size(); ++c) {
     const RoundContacts::Contact& contact = round_->contacts()[c];
     const std::uint32_t i = contact.anchor.particle[0];
-    if (!(contact.sums.normal_sum > 0) && !(contact.C(particles) < contact.slop)) continue;
+    if (!(contact.sums.normal_sum > 0) && !(contact.gap(particles) < contact.slop)) continue;
     if (!(particles.inverse_mass(i) > 0)) continue;
     f(i);
     of_bodies_.push_back(static_cast<std::uint32_t>(contacts_.size() + c));
@@ -323,7 +323,7 @@ void SurfaceContacts::visit(const ParticleView& particles, const ConstraintVisit
       visitor({i, color, 0, max(0.0f, -gap(c, particles))});
     }
   for (const RoundContacts::Contact& contact : round_->contacts())
-    visitor({contact.anchor.particle, colors_->count(), 0, max(0.0f, -contact.C(particles))});
+    visitor({contact.anchor.particle, colors_->count(), 0, max(0.0f, -contact.gap(particles))});
 }
 
 float SurfaceContacts::normal_sum(std::size_t c) const {
