@@ -5,6 +5,7 @@
 #include "souple/geometry/close_holes.h"
 #include "souple/geometry/measures.h"
 
+#include <cstdlib>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -23,7 +24,8 @@ class Shares {
   explicit Shares(const CoverablePoints& points) : spacing_(points.spacing), flow_(points.flow) {}
   bool takes(double distance) {
     constexpr double touching = 0.1, reach = 0.6;  // spacings
-    if (!flow_) return distance < 0;
+    static const double thr = getenv("THR") ? atof(getenv("THR")) : 0;
+    if (!flow_ || getenv("THR")) return distance < thr * spacing_;
     const double spacings = distance / spacing_;
     if (spacings < touching) return true;
     if (!(spacings < reach)) return false;
