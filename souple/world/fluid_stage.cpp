@@ -1,10 +1,11 @@
-#include <cstdlib>
 #include "souple/fluid/stage/fluid_input.h"
 #include "souple/fluid/stage/fluids.h"
 #include "souple/stages/forces.h"
 #include "souple/stages/rigid_stage.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/stages.h"
+
+#include <utility>
 
 // Connects a world to its fluids' stage (souple/fluid/stage/fluids.h).
 
@@ -36,27 +37,9 @@ void begin_fluids(WorldState& world, double dt) {
   world.fluids->begin_step(fluid_input(world, world.time), dt);
 }
 
-// Water that begins at a solid may overlap it, or be denser than water. Before the first substep its particles move apart
-// without velocity; otherwise they would be thrown off.
-void settle(WorldState& world, const Substep& substep) {
-  static const int rounds = getenv("ROUNDS") ? atoi(getenv("ROUNDS")) : 20;
-  Particles& particles = world.particles;
-  const std::vector<Vec4f> predicted = particles.offset, before = particles.start;
-  for (int round = 0; round < rounds; ++round) {
-    for (std::size_t i = 0; i < particles.size(); ++i) particles.offset[i].set_xyz(particles.start[i].xyz());
-    world.fluids->solve_incompressibility(fluid_input(world, world.time), substep);
-    for (const auto& object : world.objects)
-      for (std::uint32_t i = object->begin; object->traits().flows && i < object->end; ++i)
-        particles.start[i].set_xyz(particles.offset[i].xyz());
-  }
-  particles.offset = predicted;
-  for (std::size_t i = 0; i < particles.size(); ++i)
-    particles.offset[i].set_xyz(predicted[i].xyz() + (particles.start[i].xyz() - before[i].xyz()));
-}
-
 void solve_incompressibility(WorldState& world, const Substep& substep) {
   if (!fluids_move(world)) return;
-  if (world.time == 0) settle(world, substep);
+  if (std::exchange(world.flow.settles, false)) world.fluids->settle(fluid_input(world, world.time), substep);
   world.fluids->solve_incompressibility(fluid_input(world, world.time), substep);
   world.rigid->gather(world.stage_view());
 }

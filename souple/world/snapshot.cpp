@@ -156,6 +156,7 @@ struct Loaded {
   SavedBytes contacts{{}, {}};
   std::vector<Rest> rests;
   std::vector<std::uint64_t> layers;
+  std::uint8_t settles = 0;
   std::vector<double> credits;
   FoamState foam;
   Vec3d foam_origin{};
@@ -188,6 +189,7 @@ void save_objects(const WorldState& world, SavedBytesWriter& out) {
 void save_flow(const WorldState& world, SavedBytesWriter& out) {
   for (const EmitterRecord& record : world.flow.emitters) out.put(record.layers);
   for (const DrainRecord& record : world.flow.drains) out.put(record.credit);
+  out.put(std::uint8_t{world.flow.settles});
 }
 
 void save_poses(const WorldState& world, SavedBytesWriter& out) {
@@ -243,7 +245,9 @@ void load_flow(const WorldState& world, SavedBytes in, Loaded& loaded) {
   constexpr double most = 1e15;
   loaded.layers = in.get_list<std::uint64_t>(world.flow.emitters.size());
   loaded.credits = in.get_list<double>(world.flow.drains.size());
+  in.get(loaded.settles);
   in.require_end();
+  in.require(loaded.settles <= 1);
   for (const double credit : loaded.credits) in.require(credit >= 0 && credit <= most);
 }
 
@@ -317,6 +321,7 @@ void resume_objects(WorldState& world, const Loaded& loaded) {
     object.imbalance = rest.imbalance;
     if (object.traits().flows) set_count(world, object, rest.particles);
   }
+  world.flow.settles = loaded.settles == 1;
   for (std::size_t k = 0; k < loaded.layers.size(); ++k) world.flow.emitters[k].layers = loaded.layers[k];
   for (std::size_t k = 0; k < loaded.credits.size(); ++k) world.flow.drains[k].credit = loaded.credits[k];
 }

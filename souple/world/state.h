@@ -61,6 +61,7 @@ struct Changes {
 struct FlowRecords {
   std::vector<EmitterRecord> emitters;
   std::vector<DrainRecord> drains;
+  bool settles = false;  ///< fluid begins too near a solid: the next substep moves it away first
 };
 
 /// Constraints of all objects and of the user.

@@ -93,6 +93,20 @@ void Fluids::Parts::choose_solver(const FluidSettings& settings) {
   options = wanted;
 }
 
+void Fluids::settle(const FluidInput& input, const Substep& substep) {
+  constexpr int rounds = 10;
+  Particles& particles = input.objects.particles;
+  const std::vector<Vec4f> predicted = particles.offset, before = particles.start;
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t i = 0; i < particles.size(); ++i) particles.offset[i].set_xyz(particles.start[i].xyz());
+    parts_->incompressibility.solve(input, substep, parts_->state);
+    for (const std::uint32_t i : parts_->state.registry.particle)
+      particles.start[i].set_xyz(particles.offset[i].xyz());
+  }
+  for (std::size_t i = 0; i < particles.size(); ++i)
+    particles.offset[i].set_xyz(predicted[i].xyz() + (particles.start[i].xyz() - before[i].xyz()));
+}
+
 void Fluids::solve_incompressibility(const FluidInput& input, const Substep& substep) {
   FluidState& fluids = parts_->state;
   parts_->incompressibility.solve(input, substep, fluids);

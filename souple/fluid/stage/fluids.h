@@ -39,6 +39,9 @@ class Fluids {
   /// Finds the current particles. Reuses nothing of the last step.
   void begin_step(const FluidInput& input, double dt);
   bool none() const;
+  /// Moves particles until no fluid is compressed at the substep's start, without changing velocities. Water that begins too
+  /// near a solid would be thrown off at up to 10 m/s. To be called before solve_incompressibility.
+  void settle(const FluidInput& input, const Substep& substep);
   /// Moves predicted particles until no fluid is compressed.
   void solve_incompressibility(const FluidInput& input, const Substep& substep);
   /// Forces on velocities, after v = (p - x) / h.

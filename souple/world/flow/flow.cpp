@@ -153,8 +153,10 @@ class Covered {
     for (std::uint32_t i = fluid.begin; i < fluid.end; ++i)
       points_.push_back(world.particles.exact_position(i));
   }
-  /// `inside`: per point.
-  void leave_out(const std::vector<std::uint8_t>& inside, const std::string& by) {
+  void leave_out(const CoveredPoints& covered, const std::string& by) {
+    const std::vector<std::uint8_t>& inside = covered.inside;
+    const bool flows = fluid_.traits().flows;
+    world_.flow.settles = world_.flow.settles || (flows && covered.crowded);
     std::vector<std::uint32_t> gone;
     std::vector<Vec3d> left;
     for (std::uint32_t i = 0; i < inside.size(); ++i)
@@ -162,7 +164,6 @@ class Covered {
         gone.push_back(i);
       else
         left.push_back(points_[i]);
-    const bool flows = fluid_.traits().flows;
     if (gone.empty() || (!flows && left.empty())) return;
     wake_island(world_, fluid_);
     if (flows)
@@ -175,7 +176,7 @@ class Covered {
                                                        gone.size(), points_.size(), by)});
     points_ = std::move(left);
   }
-  CoverablePoints points() const { return {points_, width(), fluid_.traits().flows}; }
+  CoverablePoints points() const { return {points_, width()}; }
   double width() const {
     const auto* const water = std::get_if<FluidMaterial>(&fluid_.material);
     return static_cast<double>(water ? water->spacing : 2 * contact_radius(fluid_.material));
@@ -255,7 +256,6 @@ void leave_out_covered_now(WorldState& world) {
   leave_out_covered(world);
   for (const auto& object : world.objects)
     if (object->traits().rolls && !is_held(world, *object)) leave_out_covered(world, *object);
-  // A second time would leave out a share of what remained.
   constexpr std::uint64_t long_ago = ~std::uint64_t{0};
   for (ColliderRecord& collider : world.colliders) collider.since = long_ago;
   for (const auto& object : world.objects) object->collision.since = long_ago;
