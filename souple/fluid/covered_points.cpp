@@ -14,7 +14,7 @@ namespace souple {
 
 namespace {
 
-constexpr double nearest = 0.4;  // of a fluid at a wall, in spacings
+constexpr double crowding = 0.4;  // below it a point is too near, in spacings
 
 /// The surface without its holes, unless one is too wide.
 std::optional<TriangleMesh> solid_of(const TriangleMesh& surface, double widest_hole) {
@@ -37,7 +37,7 @@ CoveredPoints covered_points(const Shape& shape, const Transform& pose, const Co
     const Vec3d local = rotate(conjugate(pose.rotation), x - pose.translation);
     const double distance = surface_distance(shape, local).distance;
     result.inside.push_back(distance < 0 ? 1 : 0);
-    result.crowded = result.crowded || (distance >= 0 && distance < nearest * points.spacing);
+    result.crowded = result.crowded || (distance >= 0 && distance < crowding * points.spacing);
   }
   return result;
 }
@@ -60,10 +60,10 @@ CoveredPoints covered_points(const TriangleMesh& surface, double widest_hole, co
     if (std::fabs(tree.winding_number(x)) > 0.5) {
       result.inside[i] = 1;
       ++count;
-      crowded_inside = crowded_inside || distance < nearest * points.spacing;
+      crowded_inside = crowded_inside || distance < crowding * points.spacing;
     } else {
       touched = touched || distance < points.spacing;
-      result.crowded = result.crowded || distance < nearest * points.spacing;
+      result.crowded = result.crowded || distance < crowding * points.spacing;
     }
   }
   if (!touched || 2 * count > points.positions.size()) {
