@@ -29,8 +29,7 @@ void open(TriangleMesh& mesh, const Remove& remove) {
 /// A ring and a ball above it, each with a hole at its bottom, turned inside out.
 struct Figure {
   TriangleMesh mesh;
-  double volume = 0;                                                  // of the closed pieces [m^3]
-  const double area = 4 * pi * pi * 0.2 * 0.08 + 4 * pi * 0.1 * 0.1;  // [m^2]
+  double volume = 0;  // of the closed pieces [m^3]
 
   Figure() {
     TriangleMesh ring = torus(0.2, 0.08, 48, 24), ball = sphere(3, 0.1);
@@ -110,11 +109,9 @@ TEST(OpenMeshes, NoWaterBeginsInBodiesOrInObstaclesWithSmallHoles) {
   World world;
   world.add_rigid_body(figure.mesh);
   const float d = 0.035f;  // the holes are 0.08 m wide
-  // A quarter of a layer around it gives way as well: a point stands for half a spacing of water on either side.
-  const double with_layer =
-      (figure.volume + 0.25 * double(d) * figure.area) / (double(d) * double(d) * double(d));
-  EXPECT_NEAR(double(left_out(world, d)), with_layer, 0.05 * with_layer);
-  EXPECT_NEAR(double(obstacle(d)), with_layer, 0.05 * with_layer);
+  const double inside = figure.volume / (double(d) * double(d) * double(d));
+  EXPECT_NEAR(double(left_out(world, d)), inside, 0.03 * inside);
+  EXPECT_NEAR(double(obstacle(d)), inside, 0.03 * inside);
   EXPECT_EQ(obstacle(0.02f), 0u);  // water enters a hole of several spacings
 }
 
