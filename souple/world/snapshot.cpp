@@ -30,7 +30,7 @@
 // - particles: of each, position with inverse mass, offset, velocity, contact margin: how far contacts recently pushed
 //   it. Then the angular velocities of grains, object by object;
 // - contacts: a section for each kind (the friction of pairs of particles);
-// - flow: the state of emitters and drains;
+// - flow: the state of emitters and drains, and whether fluid has yet to settle;
 // - foam;
 // - bodies: rigid bodies with their joints and contacts;
 // - ties;
