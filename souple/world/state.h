@@ -61,7 +61,7 @@ struct Changes {
 struct FlowRecords {
   std::vector<EmitterRecord> emitters;
   std::vector<DrainRecord> drains;
-  bool settles = false;  ///< fluid begins too near a solid: the next substep moves it away first
+  bool settles = false;  ///< fluid begins too near a solid: the next step that is done moves it away first
 };
 
 /// Constraints of all objects and of the user.
@@ -93,6 +93,7 @@ struct LastValid {
 struct CurrentStep {
   bool running = false;                         ///< its stages, from the first to the last
   bool last_substep = false;                    ///< of the step
+  bool settles = false;                         ///< its next substep moves fluid away from solids first
   bool saved = false;                           ///< LastValid holds the particles before this step
   double start = 0, length = 1;                 ///< s
   std::optional<std::size_t> first_non_finite;  ///< the lowest particle with a non-finite value

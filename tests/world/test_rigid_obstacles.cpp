@@ -85,14 +85,22 @@ TEST(RigidOnObstacles, RoundBodiesRollAsOnAPlane) {
     const double theory = 9.81 * std::sin(slope) * 2 / (ball ? 1.4 : 1.5);
     EXPECT_NEAR(length(world.rigid_body(body).velocity), theory, 0.02 * theory) << ball;
   }
-  World world({.threads = 1});
-  world.add_obstacle(grid(61, 61, 12));
-  const ObjectId ball = world.add_rigid_body(Sphere{{}, 0.1f}, {},
-                                             {.transform = {.translation = {-2, 0.1, 0.013}},
-                                              .velocity = {2, 0, 0.2f},
-                                              .angular_velocity = {2, 0, -20}});
-  run(world, 2);
-  EXPECT_NEAR(world.rigid_body(ball).velocity.x, 2, 0.02);
+  const TriangleMesh floor = grid(61, 61, 12);
+  const std::vector<Vec3f> low(floor.positions.begin(), floor.positions.end());
+  std::vector<Vec3f> high = low;
+  for (Vec3f& x : high) x.y += 0.4f;
+  for (const bool rises : {false, true}) {
+    World world({.threads = 1});
+    ObstacleMotion motion;
+    if (rises) motion.sequence = {.frames = {low, high}, .frame_rate = 0.5};
+    world.add_obstacle(floor, {}, motion);
+    const ObjectId ball = world.add_rigid_body(Sphere{{}, 0.1f}, {},
+                                               {.transform = {.translation = {-2, 0.1, 0.013}},
+                                                .velocity = {2, 0, 0.2f},
+                                                .angular_velocity = {2, 0, -20}});
+    run(world, 2);
+    EXPECT_NEAR(world.rigid_body(ball).velocity.x, 2, 0.02) << rises;
+  }
 }
 
 /// Speed and angular speed after 2 s on a plane or a taut cloth that slopes down along x [m/s, rad/s].

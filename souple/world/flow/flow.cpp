@@ -265,9 +265,11 @@ void update_flow(WorldState& world, double dt) {
   leave_out_covered(world);
   for (DrainRecord& record : world.flow.drains) drain(world, record, dt);
   for (EmitterRecord& record : world.flow.emitters) emit(world, record, dt / world.settings.substeps);
+  world.current.settles = world.flow.settles;
 }
 
 void end_flow(WorldState& world) {
+  world.flow.settles = world.current.settles;
   if (!world.flow.emitters.empty()) world.fluids->store_pressures(world.particles.velocity);
 }
 
