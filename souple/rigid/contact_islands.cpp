@@ -22,6 +22,9 @@ void ContactIslands::find(std::span<const ContactBlock> blocks, std::size_t bodi
     std::uint32_t& island = island_at(block);
     if (island == none) island = static_cast<std::uint32_t>(islands_.size()), islands_.emplace_back();
     ++islands_[island].contacts.end;
+    std::uint32_t& lowest = islands_[island].lowest;
+    if (block.moves_a) lowest = std::min(lowest, block.a);
+    if (block.moves_b) lowest = std::min(lowest, block.b);
   }
   std::uint32_t begin = 0;
   for (Island& island : islands_) {

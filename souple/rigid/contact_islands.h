@@ -20,7 +20,8 @@ class ContactIslands {
   };
   struct Island {
     Range contacts;
-    Range colors;  ///< in colors(); empty in a small island
+    Range colors;                              ///< in colors(); empty in a small island
+    std::uint32_t lowest = ~std::uint32_t{0};  ///< of its bodies that move: names the island in all substeps
   };
   /// Islands with more contacts are large.
   static constexpr std::uint32_t small = 400;

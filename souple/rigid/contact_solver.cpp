@@ -65,7 +65,8 @@ void ContactSolver::begin(std::span<RigidContact> contacts, const RigidBodies& b
   changes_.resize(blocks_.size());
   local_.resize(states_.size());
   const std::size_t count = islands_.islands().size();
-  if (newton_.size() < count) newton_.resize(count), budgets_.resize(count, in_a_step);
+  if (newton_.size() < count) newton_.resize(count);
+  budgets_.resize(states_.size(), in_a_step);
 }
 
 void ContactSolver::apply_last_impulses() {
@@ -123,9 +124,10 @@ bool ContactSolver::solve_at_once(std::size_t i, double limit) {
   ContactNewton& newton = newton_[i];
   newton.prepare(system);
   if (newton.cost() > affordable) return false;
-  const bool moved = newton.step(system, {most_solves, limit}, budgets_[i]);
+  double& budget = budgets_[islands_.islands()[i].lowest];
+  const bool moved = newton.step(system, {most_solves, limit}, budget);
   if (moved && newton.converged()) return true;
-  budgets_[i] = 0;
+  budget = 0;
   return false;
 }
 
@@ -163,25 +165,43 @@ void ContactSolver::solve_island(std::size_t i, const RigidSubstep& substep, Thr
   sweeps(max(count, most));
 }
 
+void ContactSolver::choose(std::span<const std::uint8_t> chosen) {
+  chosen_.assign(states_.size(), 1);
+  if (chosen.empty()) return;
+  std::copy(chosen.begin(), chosen.end(), chosen_.begin());
+  for (const ContactIslands::Island& island : islands_.islands()) {
+    const std::span<const std::uint32_t> contacts = islands_.contacts(island.contacts);
+    const bool any = std::any_of(contacts.begin(), contacts.end(), [&](std::uint32_t c) {
+      const ContactBlock& block = blocks_[c];
+      return (block.moves_a && chosen[block.a] != 0) || (block.moves_b && chosen[block.b] != 0);
+    });
+    for (const std::uint32_t c : contacts) {
+      if (blocks_[c].moves_a) chosen_[blocks_[c].a] = any ? 1 : 0;
+      if (blocks_[c].moves_b) chosen_[blocks_[c].b] = any ? 1 : 0;
+    }
+  }
+}
+
 void ContactSolver::solve(std::span<RigidContact> contacts, RigidBodies& bodies, const RigidSubstep& substep,
-                          Threads& threads) {
+                          Threads& threads, std::span<const std::uint8_t> chosen) {
   const bool first = !begun_;
   if (first) begin(contacts, bodies, substep, threads);
   begun_ = true;
   before_ = states_;
+  choose(chosen);
   threads.each(blocks_.size(), 16, [&](std::size_t i) {
-    measure_block(contacts[blocks_[i].contact], blocks_[i], bodies, states_);
+    if (is_chosen(blocks_[i])) measure_block(contacts[blocks_[i].contact], blocks_[i], bodies, states_);
   });
   if (first) apply_last_impulses();
   const std::span<const ContactIslands::Island> islands = islands_.islands();
   for (std::size_t i = 0; i < islands.size(); ++i)
-    if (islands[i].colors.size() > 0) solve_island(i, substep, threads);
+    if (islands[i].colors.size() > 0 && chosen_[islands[i].lowest] != 0) solve_island(i, substep, threads);
   threads.each(islands.size(), 1, [&](std::size_t i) {
-    if (islands[i].colors.size() == 0) solve_island(i, substep, threads);
+    if (islands[i].colors.size() == 0 && chosen_[islands[i].lowest] != 0) solve_island(i, substep, threads);
   });
   for (const ContactBlock& block : blocks_) keep_block(block, contacts[block.contact]);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!(bodies.mass[i].inverse > 0)) continue;
+    if (!(bodies.mass[i].inverse > 0) || chosen_[i] == 0) continue;
     bodies.pose[i].position += states_[i].dx - before_[i].dx;
     bodies.pose[i].rotation = turned(bodies.pose[i].rotation, states_[i].dtheta - before_[i].dtheta);
   }
@@ -197,7 +217,7 @@ double ContactSolver::deepest(std::span<const RigidContact> contacts, const Rigi
 
 std::size_t ContactSolver::bytes() const {
   std::size_t result = impacts_.bytes() + islands_.bytes() +
-                       bytes_of(states_, before_, blocks_, changes_, newton_, budgets_, local_);
+                       bytes_of(states_, before_, blocks_, changes_, newton_, budgets_, chosen_, local_);
   for (const ContactNewton& newton : newton_) result += newton.bytes();
   return result;
 }

@@ -25,8 +25,9 @@ class ContactSolver {
   /// Call when the list of contacts has changed.
   void prepare(std::span<const RigidContact> contacts, const RigidBodies& bodies);
   void bounce(std::span<const RigidContact> contacts, RigidBodies& bodies, const RigidSubstep& substep);
+  /// chosen[i] == 0: body i is left alone, unless it is in an island with a chosen one. Empty: all are chosen.
   void solve(std::span<RigidContact> contacts, RigidBodies& bodies, const RigidSubstep& substep,
-             Threads& threads);
+             Threads& threads, std::span<const std::uint8_t> chosen = {});
 
   /// The largest depth [m].
   static double deepest(std::span<const RigidContact> contacts, const RigidBodies& bodies);
@@ -36,6 +37,8 @@ class ContactSolver {
   void begin(std::span<RigidContact> contacts, const RigidBodies& bodies, const RigidSubstep& substep,
              Threads& threads);
   void apply_last_impulses();
+  void choose(std::span<const std::uint8_t> chosen);
+  bool is_chosen(const ContactBlock& block) const { return chosen_[block.moves_a ? block.a : block.b] != 0; }
   void solve_island(std::size_t island, const RigidSubstep& substep, Threads& threads);
   double residual(std::span<const std::uint32_t> contacts) const;
   bool solve_at_once(std::size_t island, double limit);
@@ -50,7 +53,8 @@ class ContactSolver {
   std::vector<double> changes_;       // per block: in the last sweep, in a large island [m]
   ContactIslands islands_;
   std::vector<ContactNewton> newton_;  // per island
-  std::vector<double> budgets_;        // likewise: multiplications left in this step
+  std::vector<double> budgets_;        // at the lowest body of an island: multiplications left in this step
+  std::vector<std::uint8_t> chosen_;   // per body: in an island that is solved
   std::vector<std::uint32_t> local_;   // per body: scratch memory of newton_
 };
 

@@ -517,19 +517,32 @@ void RigidStage::solve(const StageView& stage, const Substep& substep, Contacts&
   });
 }
 
+void RigidStage::find_in_turns(const Ties& ties) {
+  in_turns_.assign(bodies_.size(), 0);
+  for (const joint::Joint& joint : joints_->joints().joint)
+    for (const std::uint32_t body : {joint.a, joint.b})
+      if (body < bodies_.size()) in_turns_[body] = 1;
+  ties.for_each_body([this](std::uint32_t body) { in_turns_[body] = 1; });
+}
+
 void RigidStage::solve_bodies(const StageView& stage, const Substep& substep, Ties& ties) {
-  const auto tie = [&] {
-    if (!ties.empty()) ties.project_all(stage.objects.view(), bodies_);
+  const auto tie = [&](bool in_turns_only) {
+    if (!ties.empty()) ties.project_all(stage.objects.view(), bodies_, in_turns_only);
   };
-  if (empty()) return tie();
-  const bool in_turns = !joints_->empty() || ties.holds_bodies();
+  if (empty()) return tie(false);
+  const RigidSubstep of_substep = of_contacts(stage, substep);
   joints_->project(bodies_);
-  for (int round = 0; round < (in_turns ? rounds_with_joints : 1); ++round) {
-    solver_.solve(finder_.contacts(), bodies_, of_contacts(stage, substep), stage.threads);
-    joints_->project(bodies_);
-    if (in_turns) tie();
+  solver_.solve(finder_.contacts(), bodies_, of_substep, stage.threads);
+  joints_->project(bodies_);
+  tie(false);
+  if (!joints_->empty() || ties.holds_bodies()) {
+    find_in_turns(ties);
+    for (int round = 1; round < rounds_with_joints; ++round) {
+      solver_.solve(finder_.contacts(), bodies_, of_substep, stage.threads, in_turns_);
+      joints_->project(bodies_);
+      tie(true);
+    }
   }
-  if (!in_turns) tie();
   if (joints_->end_substep()) invalidate();  // bodies that were joined may collide now
 }
 

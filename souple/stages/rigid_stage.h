@@ -220,6 +220,7 @@ class RigidStage {
   void share_pushes(const StageView& stage, std::size_t body, double inverse_h,
                     std::span<const BodyPush> pushes);
   void solve_bodies(const StageView& stage, const Substep& substep, Ties& ties);
+  void find_in_turns(const Ties& ties);
   bool is_awake(std::size_t body) const;
   bool is_held(const StageView& stage, std::size_t body) const;
 
@@ -238,8 +239,9 @@ class RigidStage {
   std::vector<BodyPose> predicted_;
   std::vector<std::uint64_t> touched_at_;  // per particle: the count in which it was last touched
   std::uint64_t counts_ = 0;
-  DisjointSets holding_;            // bodies that hold each other
-  std::vector<HeldSet> held_sets_;  // at the root of each
+  DisjointSets holding_;                // bodies that hold each other
+  std::vector<HeldSet> held_sets_;      // at the root of each
+  std::vector<std::uint8_t> in_turns_;  // per body: joints or ties hold it
   ContactFinder finder_;
   ContactSolver solver_;
   std::unique_ptr<RigidJoints> joints_;

@@ -246,7 +246,20 @@ std::size_t Ties::sharing_of(const Record& record) const {
   return static_cast<std::size_t>(most);
 }
 
+void Ties::find_turns() {
+  held_.clear();
+  for (const Record& record : records_)
+    for (const TieEnd* const end : {&record.tie.a, &record.tie.b})
+      if (has_body(record.tie) && end->object) held_.push_back(end->object->value);
+  std::sort(held_.begin(), held_.end());
+  const auto is_held = [&](const TieEnd& end) {
+    return end.object && std::binary_search(held_.begin(), held_.end(), end.object->value);
+  };
+  for (Record& record : records_) record.in_turns = is_held(record.tie.a) || is_held(record.tie.b);
+}
+
 bool Ties::find_loads() {
+  find_turns();
   holds_bodies_ = false;
   keys_.clear(), fresh_loads_.clear(), between_particles_.clear(), shared_.clear();
   for (std::uint32_t k = 0; k < records_.size(); ++k) {
@@ -370,10 +383,10 @@ void Ties::end(const ParticleView& particles, RigidBodies& bodies, std::span<Vec
 
 // --- projection
 
-void Ties::project_all(const ParticleView& particles, RigidBodies& bodies) {
+void Ties::project_all(const ParticleView& particles, RigidBodies& bodies, bool in_turns_only) {
   const Sides sides(particles, &bodies);
   for (Record& record : records_)
-    if (record.state.broken == 0) project_one(record, sides);
+    if (record.state.broken == 0 && (record.in_turns || !in_turns_only)) project_one(record, sides);
 }
 
 void Ties::project(int, std::size_t, std::size_t, const ParticleView& particles, const Substep&) {

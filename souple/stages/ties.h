@@ -106,6 +106,15 @@ class Ties final : public Projector, public MemoryFacet {
   /// Adds the loads to inverse masses (w lanes) that particles have without them.
   void add_loads(std::span<Vec4f> position) const;
   bool holds_bodies() const { return holds_bodies_; }
+  /// Calls f(body) for the rigid bodies that ties hold.
+  template <class Function>
+  void for_each_body(const Function& f) const {
+    for (const Record& record : records_) {
+      if (record.state.broken != 0) continue;
+      if (record.tie.a.kind == TieEnd::Kind::body) f(record.a.index);
+      if (record.tie.b.kind == TieEnd::Kind::body) f(record.b.index);
+    }
+  }
   /// Whether a tie broke in this step. The solver was then prepared for other masses.
   bool has_broken() const { return !broken_.empty(); }
 
@@ -118,8 +127,8 @@ class Ties final : public Projector, public MemoryFacet {
              const Substep& substep);
   /// Call after the solver.
   void end(const ParticleView& particles, RigidBodies& bodies, std::span<Vec4f> position);
-  /// Projects all ties, in order.
-  void project_all(const ParticleView& particles, RigidBodies& bodies);
+  /// Projects all ties, in order, or those that take turns with contacts: of bodies, and of what they are tied to.
+  void project_all(const ParticleView& particles, RigidBodies& bodies, bool in_turns_only = false);
   /// Reports forces, and breaks ties.
   void end_substep(const ParticleView& particles, const RigidBodies& bodies);
   /// Indices of the ties that broke since begin_step.
@@ -158,6 +167,7 @@ class Ties final : public Projector, public MemoryFacet {
     Carrier carrier = Carrier::none;
     TieState state, kept;
     TieNumber a, b;
+    bool in_turns = false;
     Vec3d target_a{}, target_b{};    ///< m
     Vec3d lambda{};                  ///< positional impulse on a in this substep [kg m]
     double friction = 0;             ///< its part by friction, along the chain
@@ -182,6 +192,7 @@ class Ties final : public Projector, public MemoryFacet {
 
   double softness(const Record& record) const;  ///< alpha~ [1/kg]
   bool find_loads();
+  void find_turns();
   void find_loads_of(std::uint32_t record, double w);
   static std::pair<const TieEnd&, const TieNumber&> heavy_side(const Record& record);
   static Carrier carrier_of(const Record& record);
@@ -193,10 +204,11 @@ class Ties final : public Projector, public MemoryFacet {
   void project_row(Record& record, const Sides& sides, const Vec3d& d) const;
   static void rub(Record& record, const Sides& sides);
 
-  std::vector<Record> records_;    // ascending by id
-  std::vector<Load> loads_;        // ascending by particle
-  std::vector<Load> fresh_loads_;  // work space of find_loads
-  std::vector<HeavyKey> keys_;     // work space: what each heavy side is tied by, sorted
+  std::vector<Record> records_;      // ascending by id
+  std::vector<Load> loads_;          // ascending by particle
+  std::vector<Load> fresh_loads_;    // work space of find_loads
+  std::vector<HeavyKey> keys_;       // work space: what each heavy side is tied by, sorted
+  std::vector<std::uint32_t> held_;  // work space: ids of the objects of ties that hold bodies, sorted
   std::vector<std::uint32_t>
       shared_;                   // work space: particles whose mass others carry, once for each tie, sorted
   std::vector<Vec3f> reached_;   // per load: `moving` of its particle when the solver began
