@@ -274,19 +274,19 @@ void ColliderContacts::project(int color, std::size_t begin, std::size_t end, co
                     body.contact_begin + begin, body.contact_begin + end);
 }
 
-bool ColliderContacts::removes_overlaps() const {
-  const float* const slop = contacts_.columns().slop;
-  return std::any_of(slop, slop + contacts_.size(), [](float s) { return s < 0; });
+void ColliderContacts::visit_overlaps(const std::function<void(std::uint32_t)>& f) const {
+  const kernels::ColliderContactColumns columns = contacts_.columns();
+  for (std::size_t c = 0; c < contacts_.size(); ++c)
+    if (columns.slop[c] < 0) f(columns.particle[c]);
 }
 
-std::size_t ColliderContacts::take_some(std::span<const std::uint32_t> chosen) {
+void ColliderContacts::take_some(std::span<const std::uint32_t> chosen, std::vector<std::uint32_t>& taken) {
   some_.clear();
   // At first enough for a contact of each particle with one collider.
   if (some_.capacity() < size()) some_.reserve(std::max(chosen.size(), 2 * size()));
   const kernels::ColliderContactColumns columns = contacts_.columns();
   for (std::uint32_t c = 0; c < contacts_.size(); ++c)
-    if (chosen[columns.particle[c]] != unchosen) some_.push_back(c);
-  return some_.size();
+    if (chosen[columns.particle[c]] != unchosen) some_.push_back(c), taken.push_back(columns.particle[c]);
 }
 
 void ColliderContacts::project_some(const ParticleView& particles, bool again) {

@@ -39,8 +39,8 @@ class ColliderContacts final : public ContactProjector {
 
   std::string_view kind() const override { return "collider contact"; }
   bool is_collider_contact() const override { return true; }
-  bool removes_overlaps() const override;
-  std::size_t take_some(std::span<const std::uint32_t> chosen) override;
+  void visit_overlaps(const std::function<void(std::uint32_t)>& f) const override;
+  void take_some(std::span<const std::uint32_t> chosen, std::vector<std::uint32_t>& taken) override;
   /// `again`: with the normals and surface points of the last projection.
   void project_some(const ParticleView& particles, bool again) override;
   void put_back_some() override;

@@ -123,8 +123,8 @@ void Contacts::events(const ParticleView& particles, std::vector<ContactPush>& o
       if (kind->is_collider_contact() == colliders) kind->events(particles, out);
 }
 
-bool Contacts::separates() const {
-  return intersection_resolver_->acts();
+void Contacts::visit_separated(const ParticleFunction& f) const {
+  intersection_resolver_->visit_separated(f);
 }
 
 std::span<const IntersectingPair> Contacts::intersecting_pairs() const {

@@ -48,8 +48,8 @@ class Contacts {
   /// The kinds in order of solution. The last ones keep objects out of colliders.
   std::span<const std::unique_ptr<ContactProjector>> kinds() const { return kinds_; }
 
-  /// Whether `refresh` separates anything in this step.
-  bool separates() const;
+  /// Calls f(particle) for those that `refresh` separates in this step.
+  void visit_separated(const ParticleFunction& f) const;
   /// Intersecting pairs of objects that begin_step found.
   std::span<const IntersectingPair> intersecting_pairs() const;
   /// Number of layer violations that begin_step found.

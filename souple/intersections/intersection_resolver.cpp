@@ -392,6 +392,11 @@ Vec3f IntersectionResolver::contour_descent(const EdgeIntersection& intersection
 
 // --- velocity constraints
 
+void IntersectionResolver::visit_separated(const std::function<void(std::uint32_t)>& f) const {
+  for (const VelocityConstraint& constraint : constraints_)
+    for (const std::uint32_t i : constraint.particle) f(i);
+}
+
 void IntersectionResolver::add_constraint(const VelocityConstraint& constraint,
                                           const ParticleView& particles) {
   if (any_movable(particles, constraint.particle, 5)) constraints_.push_back(constraint);

@@ -7,6 +7,7 @@
 #include "souple/math/disjoint_sets.h"
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -53,8 +54,8 @@ class IntersectionResolver {
   bool exempts(const NearPair& pair, bool edges) const;
   /// Whether `exempts` may hold for a particle and elements of a surface.
   bool may_exempt(std::uint32_t particle, std::uint32_t surface) const;
-  /// Whether `separate` moves anything in this step.
-  bool acts() const { return !constraints_.empty(); }
+  /// Calls f(particle) for the particles that `separate` moves in this step.
+  void visit_separated(const std::function<void(std::uint32_t)>& f) const;
   /// Intersecting pairs of objects that `begin_step` found.
   std::span<const IntersectingPair> pairs() const { return pairs_; }
   /// Layer violations that `begin_step` found.

@@ -71,8 +71,7 @@ void Automatic::solve(std::span<Projector* const> projectors, const ParticleView
   Substep swept = substep;
   swept.left_out = &left_out_;
   if (trees_.has_trees()) trees_.begin_substep(particles, substep);
-  const bool with_levels =
-      substep.levels && cloth_levels_.begin_substep(projectors, particles, substep, threads);
+  const bool with_levels = cloth_levels_.begin_substep(projectors, particles, substep);
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
     stiff_bending_.solve(particles, iteration, threads);
     if (with_levels) cloth_levels_.correct(particles, substep, iteration, threads);

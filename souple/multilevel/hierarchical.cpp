@@ -15,25 +15,12 @@ namespace {
 
 /// Particles of the coarsest level, at most: few sweeps solve it.
 constexpr std::size_t coarsest_level_size = 24;
-/// Sweeps per level. The last is plain, those before it are over-relaxed. One sweep from lambda = 0 leaves a smooth
-/// stretch (1/omega - 1/2) h^2 (w_a + w_b) lambda per link (docs/notes/solvers.md). With omega = 1.6 a quarter of the
-/// stretch with omega = 1 remains. A third sweep gains little and makes a flag's worst link worse.
-constexpr int level_sweeps = 2, coarsest_sweeps = 4;
-/// Additional sweeps of the links around isolated pinned particles, and how many links away they reach.
-constexpr int near_sweeps = 12, near_radius = 6;
-/// Levels of fewer particles get none around pinned ones: six links reach across them.
-constexpr std::size_t smallest_near_level = 64;
-/// One sweep of the finest links leaves a stretch of this times h^2 (w_a + w_b) lambda (SetProjector::find_shared).
-constexpr float finest_share = 0.55f;
 /// With Pieces::large, pieces of fewer particles get no levels: at 14 x 14 plain sweeps leave a cotton
 /// cloth of 1 m 0.18 % too long.
 constexpr std::size_t smallest_piece = 200;
 /// Smaller ones that are long get levels: so many links across, and their square so many times the particles. A strip
 /// of 17 x 3 has 16 links and 5 times.
 constexpr std::size_t shortest_strip = 16, slenderness = 5;
-/// Minimum number of coarse particles per thread.
-constexpr std::size_t sweep_grain = 256;
-
 /// Merges the links of each pair of particles into one as strong as all of them together; sorts them.
 void merge(std::vector<Link>& links, std::size_t particles) {
   Lists<Link> by_a(particles, [&](const auto& add) {
@@ -135,24 +122,6 @@ bool same_shape(std::span<const Link> links, std::span<const Link> others) {
       [](const Link& p, const Link& q) { return p.a == q.a && p.b == q.b && p.length == q.length; });
 }
 
-float inverse(float mass) {
-  return mass > 0 ? 1 / mass : 0;
-}
-
-/// Stiffness that the n sweeps of a level supply to a smooth stretch. Each starts from lambda = 0, with a compliance n
-/// alpha. It acts like springs of compliance n alpha / omega + (1/omega - 1/2) h^2 w beside those of the other sweeps
-/// (docs/notes/solvers.md). w: sum of the inverse masses of a link.
-float supplied(float alpha, float h2_w) {
-  const float each = alpha * float{level_sweeps}, omega = over_relaxation;
-  return (level_sweeps - 1) / (each / omega + (1 / omega - 0.5f) * h2_w) + 1 / (each + 0.5f * h2_w);
-}
-
-/// Stiffness of `iterations` sweeps of the finest constraints. One alone subtracts its share (projection.h).
-float supplied_finest(float alpha, float h2_w, int iterations) {
-  if (iterations == 1) return 1 / std::fmax(alpha, finest_share * h2_w);
-  return 1 / (alpha + finest_share * h2_w / static_cast<float>(iterations));
-}
-
 }  // namespace
 
 // Whether constraints changed since the last call. Comparing the links themselves takes as long as a frame of a
@@ -201,18 +170,27 @@ std::vector<Link> Hierarchical::links_of(std::span<Projector* const> projectors,
   return links;
 }
 
-// Updates the data of levels that depends on the stiffness of the finest links alone. The rest depends on their shape
-// and the masses.
-void Hierarchical::take_stiffness() {
-  std::span<const Link> finer = links_;
-  for (Level& level : levels_) {
-    take_energies(finer, level.map);
-    finer = level.map.links;
-  }
-  compliant_ =
-      std::any_of(links_.begin(), links_.end(), [](const Link& link) { return std::isfinite(link.energy); });
-  stretched_.take_stiffness(links_);
-  gains_for_ = {};
+// The links of a tower, between its particles.
+std::vector<Link> Hierarchical::links_of(const Tower& tower) const {
+  const std::span<const std::uint32_t> particles = tower.levels.particles();
+  const auto number = [&](std::uint32_t particle) {
+    return static_cast<std::uint32_t>(std::lower_bound(particles.begin(), particles.end(), particle) -
+                                      particles.begin());
+  };
+  std::vector<Link> result;
+  for (const IndexRange& range : tower.links)
+    for (std::size_t e = range.begin; e < range.end; ++e) {
+      result.push_back(links_[e]);
+      result.back().a = number(links_[e].a), result.back().b = number(links_[e].b);
+    }
+  return result;
+}
+
+std::vector<float> Hierarchical::masses_of(const Tower& tower) const {
+  std::vector<float> result;
+  for (const IndexRange& range : tower.particles)
+    for (std::size_t i = range.begin; i < range.end; ++i) result.push_back(masses_[i]);
+  return result;
 }
 
 void Hierarchical::prepare(std::span<Projector* const> projectors, const ParticleView& particles) {
@@ -233,316 +211,118 @@ void Hierarchical::prepare(std::span<Projector* const> projectors, const LeftOut
     links_ = std::move(links);
     particle_ = linked(links_, particles.position.size());
   }
+  if (links_changed || active_.particles() != particles.position.size())
+    find_pieces(particles.position.size());
   if (!links_changed && !masses_changed(particles)) {
-    if (stiffness_changed) take_stiffness();
+    if (!stiffness_changed) return;
+    for (Tower& tower : towers_) tower.levels.set_links(links_of(tower));
+    stretched_.take_stiffness(links_);
     return;
   }
   masses_.clear();
   for (const std::uint32_t i : particle_) masses_.push_back(tied_.mass(i, particles));
-  compliant_ =
-      std::any_of(links_.begin(), links_.end(), [](const Link& link) { return std::isfinite(link.energy); });
-  inverse_masses_.clear();
-  for (const Link& link : links_)
-    inverse_masses_.push_back(inverse(tied_.mass(link.a, particles)) +
-                              inverse(tied_.mass(link.b, particles)));
   stretched_ = {};
-  gains_for_ = {};
   std::vector<std::uint32_t> number(particles.position.size(), no_index);
   for (std::uint32_t i = 0; i < particle_.size(); ++i) number[particle_[i]] = i;
   std::vector<Link> links = links_;
   for (Link& link : links) link.a = number[link.a], link.b = number[link.b];
   const std::vector<char> before = std::exchange(classes_, classes_of(links, masses_));
-  if (!links_changed && before == classes_) return update_masses(particles);
-  build(links, particles, threads);
+  if (links_changed || before != classes_) return build(links, particles, threads);
+  for (Tower& tower : towers_) {
+    tower.levels.set_links(links_of(tower));
+    tower.levels.set_masses(masses_of(tower), tied_, particles);
+  }
 }
 
+// `links`: ends are linked particles.
 void Hierarchical::build(std::span<const Link> links, const ParticleView& particles, Threads& threads) {
   const ActiveScope awake(threads);
-  levels_.clear();
-  for (CoarseLevel& level : cache_.build(links, masses_, coarsest_level_size, threads))
-    add_level(std::move(level), particles);
-  double length = 0;
-  for (const Link& link : links_) length += static_cast<double>(link.length);
-  mean_length_ = static_cast<float>(length / static_cast<double>(std::max<std::size_t>(links_.size(), 1)));
-}
-
-// Updates the data of levels that depends on the masses and the stiffness of the finest particles and links.
-void Hierarchical::update_masses(const ParticleView& particles) {
-  std::span<const float> finer = masses_;
-  std::span<const Link> links = links_;
-  for (Level& level : levels_) {
-    take_masses(finer, level.map), take_energies(links, level.map);
-    for (std::size_t j = 0; j < level.map.mass.size(); ++j)
-      level.position[j].w = level.moving[j].w = level.before[j].w = inverse(level.map.mass[j]);
-    find_restriction(level, &level == levels_.data(), particles);
-    finer = level.map.mass, links = level.map.links;
-  }
-}
-
-void Hierarchical::add_level(CoarseLevel map, const ParticleView& particles) {
-  const std::span<const std::uint32_t> finer = levels_.empty() ? particle_ : levels_.back().particle;
-  Level level;
-  for (const std::uint32_t i : map.finer) level.particle.push_back(finer[i]);
-  for (const float mass : map.mass) {
-    level.position.push_back({0, 0, 0, inverse(mass)});
-    level.moving.push_back({0, 0, 0, inverse(mass)});
-  }
-  level.position.emplace_back(), level.moving.emplace_back();
-  level.correction = level.before = level.moving;
-  level.softening.resize(map.links.size());
-  std::vector<std::uint32_t> links(map.links.size());
-  std::iota(links.begin(), links.end(), 0u);
-  level.all = LevelLinks(map, links);
-  level.map = std::move(map);
-  find_prolongation(level, levels_.empty(), particles);
-  find_restriction(level, levels_.empty(), particles);
-  find_slots(level);
-  add_links_near_pins(level);
-  levels_.push_back(std::move(level));
-}
-
-// Those of the first level act on every particle of the world that is tied to a linked one.
-void Hierarchical::find_prolongation(Level& level, bool first, const ParticleView& particles) const {
-  const CoarseLevel& map = level.map;
-  for (std::uint32_t i = 0; i + 1 < map.parent_begin.size(); ++i)
-    for_each_tied(i, first, particles, [&](std::uint32_t finer, float) {
-      level.finer.push_back(finer);
-      for (std::uint32_t k = map.parent_begin[i]; k < map.parent_begin[i + 1]; ++k)
-        level.prolongation.add(map.parent[k], map.weight[k]);
-      level.prolongation.end_row();
-    });
-}
-
-void Hierarchical::find_restriction(Level& level, bool first, const ParticleView& particles) const {
-  const CoarseLevel& map = level.map;
-  level.restriction = {};
-  for (std::size_t j = 0; j < map.mass.size(); ++j) {
-    for (std::uint32_t k = map.child_begin[j]; k < map.child_begin[j + 1]; ++k)
-      for_each_tied(map.child[k], first, particles, [&](std::uint32_t finer, float part) {
-        if (part > 0) level.restriction.add(finer, map.child_weight[k] * part);
-      });
-    level.restriction.end_row();
-  }
-}
-
-// Fills the arrays per slot. Padding measures the distance of a particle from itself.
-void Hierarchical::find_slots(Level& level) const {
-  const Level* const finer = levels_.empty() ? nullptr : &levels_.back();
-  const std::vector<std::uint32_t> finer_slot =
-      finer ? finer->all.slot_of_link() : std::vector<std::uint32_t>{};
-  const CoarseLevel& map = level.map;
-  level.path_begin.push_back(0);
-  for (std::size_t s = 0; s < level.all.slots(); ++s) {
-    const std::uint32_t e = level.all.link(s);
-    const bool padding = e == LevelLinks::none;
-    const Link link = padding ? Link{.length = 1} : map.links[e];
-    float path_length = 0;
-    for (std::uint32_t k = padding ? 0 : map.path_begin[e]; finer && !padding && k < map.path_begin[e + 1];
-         ++k) {
-      level.path.push_back(finer_slot[map.path[k]]);
-      path_length += finer->map.links[map.path[k]].length;
+  towers_.clear();
+  for (JoinedLevels& joined : cache_.build(links, masses_, coarsest_level_size, threads)) {
+    FinestLevel finest;
+    for (std::size_t b = 0; b < joined.particles.size(); ++b) {
+      const IndexRange &own = joined.particles[b], &own_links = joined.links[b];
+      const auto offset = static_cast<std::uint32_t>(own.begin - finest.particle.size());
+      for (std::size_t i = own.begin; i < own.end; ++i)
+        finest.particle.push_back(particle_[i]), finest.mass.push_back(masses_[i]);
+      for (std::size_t e = own_links.begin; e < own_links.end; ++e) {
+        finest.links.push_back(links[e]);
+        finest.links.back().a -= offset, finest.links.back().b -= offset;
+      }
     }
-    level.start_a.push_back(4 * level.particle[link.a]), level.start_b.push_back(4 * level.particle[link.b]);
-    level.rest_length.push_back(link.length);
-    level.path_length.push_back(path_length);
-    level.path_begin.push_back(static_cast<std::uint32_t>(level.path.size()));
+    towers_.push_back({{std::move(finest), std::move(joined.levels), tied_, particles},
+                       std::move(joined.particles),
+                       std::move(joined.links)});
   }
-  level.stretch.resize(level.all.slots());
 }
 
-namespace {
-
-/// Whether a particle is near an isolated pinned or an isolated heavy one.
-std::vector<bool> near_isolated(const CoarseLevel& map, int radius) {
-  std::vector<bool> near(map.mass.size());
-  if (near.size() >= smallest_near_level) near = near_isolated_pins(map.links, map.mass, radius);
-  const std::vector<char> classes = classes_of(map.links, map.mass);
-  if (std::find(classes.begin(), classes.end(), heavy_particle) == classes.end()) return near;
-  std::vector<float> as_pinned;
-  as_pinned.reserve(classes.size());
-  for (const char c : classes) as_pinned.push_back(c == heavy_particle ? 0.0f : 1.0f);
-  const std::vector<bool> near_heavy = near_isolated_pins(map.links, as_pinned, radius);
-  for (std::size_t i = 0; i < near.size(); ++i) near[i] = near[i] || near_heavy[i];
-  return near;
-}
-
-}  // namespace
-
-void Hierarchical::add_links_near_pins(Level& level) {
-  const CoarseLevel& map = level.map;
-  const std::vector<bool> near = near_isolated(map, near_radius);
-  std::vector<std::uint32_t> links;
-  for (std::uint32_t e = 0; e < map.links.size(); ++e) {
-    const Link& link = map.links[e];
-    if (near[link.a] && near[link.b] && map.mass[link.a] + map.mass[link.b] > 0) links.push_back(e);
+void Hierarchical::find_pieces(std::size_t particles) {
+  LinkedPieces pieces(links_, particles);
+  active_.reset(particles);
+  for (const std::uint32_t i : particle_)  // the root is the lowest of its piece
+    active_.set(i, pieces.root(i) == i ? active_.add() : active_.of(pieces.root(i)));
+  tied_.for_each_tied(
+      [this](std::uint32_t i, std::uint32_t representative) { active_.set(i, active_.of(representative)); });
+  std::vector<double> length(active_.count()), count(active_.count());
+  for (const Link& link : links_) {
+    length[active_.of(link.a)] += static_cast<double>(link.length);
+    ++count[active_.of(link.a)];
   }
-  level.near = LevelLinks(map, links);
-  const std::vector<std::uint32_t> slot = level.all.slot_of_link();
-  for (std::size_t s = 0; s < level.near.slots(); ++s)
-    level.near_slot.push_back(level.near.link(s) != LevelLinks::none ? slot[level.near.link(s)]
-                                                                     : LevelLinks::none);
-}
-
-int Hierarchical::sweeps_of(std::size_t l) const {
-  return l + 1 == levels_.size() ? coarsest_sweeps : level_sweeps;
+  mean_length_.clear();
+  for (std::size_t p = 0; p < length.size(); ++p)
+    mean_length_.push_back(static_cast<float>(length[p] / count[p]));
 }
 
 std::size_t Hierarchical::coarse_projections() const {
   std::size_t sum = 0;
-  for (std::size_t l = 0; l < levels_.size(); ++l)
-    sum += static_cast<std::size_t>(sweeps_of(l)) * levels_[l].all.swept();
+  for (const Tower& tower : towers_) sum += tower.levels.coarse_projections();
   return sum;
 }
 
-// Stretch of the paths and limits of the coarse links, at the start of the substep. Links of the first coarse level
-// need no path. Their lengths are those of paths across triangles of finer links, so no state that satisfies the finer
-// links is longer.
-void Hierarchical::measure(const ParticleView& particles, Threads& threads) {
-  for (std::size_t l = 0; l < levels_.size(); ++l) {
-    Level& level = levels_[l];
-    if (l > 0) measure_paths(l, threads);
-    level.all.measure({.position = &level.position.data()->x,
-                       .moving = &level.moving.data()->x,
-                       .start = &particles.position.data()->x,
-                       .start_a = level.start_a.data(),
-                       .start_b = level.start_b.data(),
-                       .rest_length = level.rest_length.data(),
-                       .path_length = l > 0 ? level.path_length.data() : nullptr,
-                       .stretch = level.stretch.data()},
-                      threads);
-    level.near.copy_limits(level.all, level.near_slot);
-  }
-}
-
-void Hierarchical::measure_paths(std::size_t l, Threads& threads) {
-  Level& level = levels_[l];
-  const std::span<const float> finer = levels_[l - 1].stretch;
-  threads.each(level.stretch.size(), sweep_grain, [&](std::size_t s) {
-    float stretch = 0;
-    for (std::uint32_t k = level.path_begin[s]; k < level.path_begin[s + 1]; ++k)
-      stretch += finer[level.path[k]];
-    level.stretch[s] = stretch;
+void Hierarchical::start_pieces(const ParticleView& particles, const Substep& substep) {
+  active_.start_all();
+  tied_.for_each_tied([&](std::uint32_t i, std::uint32_t representative) {
+    if (active_.of(i) == ActivePieces::none) return;
+    const float distance = mean_length_[active_.of(i)];
+    if (length_squared(particles.difference(i, representative)) > distance * distance) active_.stop(i);
   });
+  for (const IndexRange& range : substep.without_levels)
+    for (std::size_t i = range.begin; i < range.end; ++i) active_.stop(static_cast<std::uint32_t>(i));
 }
 
-// The sweeps of a level do not supply all of its stiffness 1/alpha; the next coarser level supplies the rest:
-//
-//   1/alpha' = 1/alpha - k
-//
-// So each level's compliance is the material's times a factor, its softening, which grows towards coarser
-// levels. Rigid stays rigid. Without softening each level supplies all of the stiffness, and a soft cloth
-// hangs five times too stiff (measured).
-//
-// n sweeps of n times the compliance, each from lambda = 0, are as compliant to a smooth stretch as one, and no
-// multipliers are stored. In PBD mode a link's k' takes the place of its compliance:
-//
-//   g = 1 / (w_J + w_K + n alpha'/h^2),   PBD: g = k' / (w_J + w_K)
-void Hierarchical::set_gains(const Substep& substep) {
-  const auto key = [](const Substep& of) { return std::tuple(of.h, of.iterations, of.mode); };
-  if (key(gains_for_) == key(substep)) return;
-  gains_for_ = substep;
-  for (std::size_t l = 0; l < levels_.size(); ++l) {
-    Level& level = levels_[l];
-    for (std::size_t e = 0; compliant_ && e < level.map.links.size(); ++e)
-      level.softening[e] = softening_of(l, e);
-    set_gains_of(level, level.all, sweeps_of(l)), set_gains_of(level, level.near, near_sweeps);
-  }
-}
-
-void Hierarchical::set_gains_of(const Level& level, LevelLinks& links, int n) const {
-  const float h = gains_for_.h;
-  for (std::size_t s = 0; s < links.slots(); ++s) {
-    const std::uint32_t e = links.link(s);
-    if (e == LevelLinks::none) continue;
-    const Link& link = level.map.links[e];
-    const float w = level.position[link.a].w + level.position[link.b].w;
-    const float alpha = compliant_ ? link.compliance() * level.softening[e] : 0;
-    const float gain = gains_for_.mode == Mode::pbd
-                           ? stiffness_per_iteration(link.stiffness, gains_for_.iterations) / w
-                           : 1 / (w + static_cast<float>(n) * alpha / (h * h));
-    links.set_gain(s, w > 0 ? gain : 0);
-  }
-}
-
-// Mean softening that the finer links of the path leave to this link.
-float Hierarchical::softening_of(std::size_t l, std::size_t e) const {
-  const CoarseLevel& map = levels_[l].map;
-  float sum = 0;
-  for (std::uint32_t k = map.path_begin[e]; k < map.path_begin[e + 1]; ++k) {
-    const std::uint32_t step = map.path[k];
-    const Level* const finer = l > 0 ? &levels_[l - 1] : nullptr;
-    const Link& link = finer ? finer->map.links[step] : links_[step];
-    const float factor = finer ? finer->softening[step] : 1;
-    const float w = finer ? finer->position[link.a].w + finer->position[link.b].w : inverse_masses_[step];
-    const float alpha = factor * link.compliance(), h2_w = gains_for_.h * gains_for_.h * w;
-    const float stiffness =
-        finer ? supplied(alpha, h2_w) : supplied_finest(alpha, h2_w, gains_for_.iterations);
-    sum += h2_w > 0 ? factor / std::fmax(1 - alpha * stiffness, 1e-6f) : factor;
-  }
-  return sum / static_cast<float>(map.path_begin[e + 1] - map.path_begin[e]);
-}
-
-void Hierarchical::restrict_particles(const ParticleView& particles, Threads& threads) {
-  std::span<const Vec4f> position = particles.position, moving = particles.moving;
-  for (Level& level : levels_) {
-    threads.for_each(level.restriction.rows(), sweep_grain, [&](std::size_t begin, std::size_t end) {
-      level.restriction.assign(begin, end, position, moving, level.position, level.moving);
-      std::copy(level.moving.begin() + static_cast<std::ptrdiff_t>(begin),
-                level.moving.begin() + static_cast<std::ptrdiff_t>(end),
-                level.before.begin() + static_cast<std::ptrdiff_t>(begin));
-    });
-    position = level.position, moving = level.moving;
-  }
-}
-
-void Hierarchical::prolong(const Level& from, std::span<const Vec4f> inverse_mass, std::span<Vec4f> to,
-                           Threads& threads) {
-  threads.for_each(from.prolongation.rows(), 4 * sweep_grain, [&](std::size_t begin, std::size_t end) {
-    from.prolongation.add_to(begin, end, from.correction, from.finer, inverse_mass, to);
-  });
-}
-
-// From the coarsest level to the particles.
-void Hierarchical::project_levels(const ParticleView& particles, Threads& threads) {
-  for (std::size_t l = levels_.size(); l-- > 0;) {
-    Level& level = levels_[l];
-    if (l + 1 < levels_.size()) prolong(levels_[l + 1], level.position, level.moving, threads);
-    level.near.sweep(near_sweeps, over_relaxation, level.moving, threads);
-    level.all.sweep(sweeps_of(l), over_relaxation, level.moving, threads);
-    threads.each(level.moving.size(), 4 * sweep_grain, [&](std::size_t i) {
-      // whole records: w becomes 0
-      level.correction[i] = {level.moving[i].x - level.before[i].x, level.moving[i].y - level.before[i].y,
-                             level.moving[i].z - level.before[i].z, 0};
-    });
-  }
-  prolong(levels_.front(), particles.position, particles.moving, threads);
+void Hierarchical::sweep_attached(Projector& projector, const ParticleView& particles,
+                                  const Substep& substep) const {
+  const StructureFacet& set = *projector.facets().attachments;
+  std::size_t i = 0;
+  for (int color = 0; color < projector.color_count(); ++color)
+    for (std::size_t k = 0; k < projector.color_size(color); ++k)
+      if (active_.acts(set.pull(i++).particle[0])) projector.project(color, k, k + 1, particles, substep);
 }
 
 // Levels take attached particles for fixed: they move first.
 bool Hierarchical::begin_substep(std::span<Projector* const> projectors, const ParticleView& particles,
-                                 const Substep& substep, Threads& threads) {
-  if (levels_.empty() || !tied_.closed(mean_length_, particles)) return false;
+                                 const Substep& substep) {
+  if (towers_.empty()) return false;
+  start_pieces(particles, substep);
   for (Projector* projector : projectors)
     if (tied_.has_attached() && projector->facets().attachments != nullptr)
-      sweep(*projector, particles, substep, threads);
-  return true;
+      sweep_attached(*projector, particles, substep);
+  return active_.any();
 }
 
 void Hierarchical::correct(const ParticleView& particles, const Substep& substep, int iteration,
                            Threads& threads) {
-  restrict_particles(particles, threads);
-  if (iteration == 0) measure(particles, threads), set_gains(substep);
-  project_levels(particles, threads);
+  for (Tower& tower : towers_) tower.levels.correct(active_, particles, substep, iteration, threads);
 }
 
 void Hierarchical::shorten_stretched(std::span<Projector* const> projectors, const ParticleView& particles,
                                      const Substep& substep, Threads& threads) {
-  stretched_.sweep(links_, tied_, projectors, particles, substep, threads);
+  stretched_.sweep(links_, tied_, active_, projectors, particles, substep, threads);
 }
 
 void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleView& particles,
                          const Substep& substep, Threads& threads) {
-  const bool with_levels = begin_substep(projectors, particles, substep, threads);
+  const bool with_levels = begin_substep(projectors, particles, substep);
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
     if (with_levels) correct(particles, substep, iteration, threads);
     for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);

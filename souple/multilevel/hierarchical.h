@@ -1,11 +1,9 @@
 #pragma once
 
-#include "souple/multilevel/hierarchical_levels.h"
 #include "souple/multilevel/level_cache.h"
-#include "souple/multilevel/level_links.h"
+#include "souple/multilevel/level_tower.h"
 #include "souple/multilevel/stretched_links.h"
 #include "souple/multilevel/tied_particles.h"
-#include "souple/multilevel/weighted_sums.h"
 #include "souple/solver/left_out.h"
 #include "souple/solver/solver.h"
 
@@ -35,7 +33,7 @@ namespace souple {
 /// There each level sweeps the links around them a few times more.
 ///
 /// Particles that are tied rigidly are one particle of the levels, and attached ones are fixed (TiedParticles). While a
-/// tie is open by more than a link, there are no levels: they would close it at once, however large the cloth.
+/// tie is open by more than a link, its piece has no levels: they would close it at once, however large the cloth.
 ///
 /// With compliance, a coarse link is a spring in parallel with the finer links. Its stiffness and the
 /// stiffness that the sweeps of the finer levels reach add up to that of the material.
@@ -64,9 +62,9 @@ class Hierarchical final : public Solver {
   /// Builds the levels, unless their inputs are unchanged: links without `left_out`, rest lengths, ties, masses.
   void prepare(std::span<Projector* const> projectors, const LeftOut& left_out, const ParticleView& particles,
                Threads& threads);
-  /// Whether there are levels in this substep. Moves attached particles to their targets.
+  /// Whether levels act on any piece in this substep. Moves attached particles to their targets.
   bool begin_substep(std::span<Projector* const> projectors, const ParticleView& particles,
-                     const Substep& substep, Threads& threads);
+                     const Substep& substep);
   /// Corrects all levels, before the sweep of `iteration`.
   void correct(const ParticleView& particles, const Substep& substep, int iteration, Threads& threads);
   /// Sweeps links that are stretched after the sweep of all constraints.
@@ -78,54 +76,19 @@ class Hierarchical final : public Solver {
   std::size_t coarse_projections() const;
 
  private:
-  /// A coarser level and the state of its particles and links during a substep. Arrays per coarse particle have
-  /// one more record, for the padding of LevelLinks.
-  struct Level {
-    CoarseLevel map;
-    WeightedSums restriction;             ///< of finer particles; first level: of the world's
-    WeightedSums prolongation;            ///< a row per finer particle
-    std::vector<std::uint32_t> finer;     ///< per row of the prolongation: its particle, as in `restriction`
-    std::vector<std::uint32_t> particle;  ///< per coarse particle: its particle in the world
-    std::vector<Vec4f> position;          ///< X at the start of the substep [m]; w = inverse mass
-    std::vector<Vec4f> moving;      ///< displacement since the start of the substep [m]; w = inverse mass
-    std::vector<Vec4f> before;      ///< `moving` before this iteration's corrections [m]
-    std::vector<Vec4f> correction;  ///< moving - before, after the sweeps [m]
-    std::vector<float> softening;   ///< per link: factor of its compliance, see set_compliance
-    LevelLinks all, near;           ///< near: copies of those around isolated pinned particles
-    std::vector<std::uint32_t> near_slot;  ///< per slot of `near`: the slot in `all`
-    // Per slot of `all`:
-    std::vector<std::uint32_t> start_a, start_b;  ///< 4 times the particle in the world
-    std::vector<float> rest_length, path_length;  ///< of the link, of its path along finer links [m]
-    std::vector<float> stretch;                   ///< of the path; first level: of the link [m]
-    std::vector<std::uint32_t> path_begin, path;  ///< slots of the finer links; see CoarseLevel::path
+  /// The levels of pieces that have equally many.
+  struct Tower {
+    LevelTower levels;
+    std::vector<IndexRange> particles, links;  ///< their places in particle_ and links_
   };
 
-  void add_level(CoarseLevel map, const ParticleView& particles);
-  static void add_links_near_pins(Level& level);
   /// `links`: ends are linked particles.
   void build(std::span<const Link> links, const ParticleView& particles, Threads& threads);
-  void update_masses(const ParticleView& particles);
-  /// Finds the prolongation of the first level or a coarser one.
-  void find_prolongation(Level& level, bool first, const ParticleView& particles) const;
-  void find_restriction(Level& level, bool first, const ParticleView& particles) const;
-  /// Calls f(finer particle, part of the mass) for what the particle i below a level stands for.
-  template <class Function>
-  void for_each_tied(std::uint32_t i, bool first, const ParticleView& particles, const Function& f) const {
-    first ? tied_.for_each(particle_[i], particles, f) : f(i, 1.0f);
-  }
-  void find_slots(Level& level) const;
-  void measure(const ParticleView& particles, Threads& threads);
-  void measure_paths(std::size_t l, Threads& threads);
-  void set_gains(const Substep& substep);
-  void set_gains_of(const Level& level, LevelLinks& links, int n) const;
-  float softening_of(std::size_t l, std::size_t e) const;
-  void restrict_particles(const ParticleView& particles, Threads& threads);
-  void project_levels(const ParticleView& particles, Threads& threads);
-  static void prolong(const Level& from, std::span<const Vec4f> inverse_mass, std::span<Vec4f> to,
-                      Threads& threads);
-  int sweeps_of(std::size_t l) const;
-
-  void take_stiffness();
+  std::vector<Link> links_of(const Tower& tower) const;
+  std::vector<float> masses_of(const Tower& tower) const;
+  void find_pieces(std::size_t particles);
+  void start_pieces(const ParticleView& particles, const Substep& substep);
+  void sweep_attached(Projector& projector, const ParticleView& particles, const Substep& substep) const;
   bool constraints_changed(std::span<Projector* const> projectors);
   bool masses_changed(const ParticleView& particles) const;
   /// Whether the mass of any particle changed since the last call.
@@ -136,18 +99,16 @@ class Hierarchical final : public Solver {
   Pieces pieces_;
   std::vector<std::pair<const Projector*, std::uint64_t>> revisions_;  ///< of the sets that links_ come from
   std::vector<Link> links_;              ///< links of the finest level; ends are the world's particles
-  std::vector<float> inverse_masses_;    ///< per link: sum of the inverse masses of its two ends [1/kg]
   TiedParticles tied_;                   ///< one linked particle each
   std::vector<float> seen_;              ///< inverse masses of all particles [1/kg]
   std::vector<float> masses_;            ///< per linked particle [kg]; 0: fixed
   std::vector<char> classes_;            ///< per linked particle: see classes_of
   std::vector<std::uint32_t> particle_;  ///< per linked particle: its representative in the world, ascending
   LevelCache cache_;
-  std::vector<Level> levels_;  ///< finest first
-  StretchedLinks stretched_;   ///< of the finest level; built when a link is stretched
-  bool compliant_ = false;
-  float mean_length_ = 0;  ///< of the links of the finest level [m]
-  Substep gains_for_;      ///< substep of the current gains; length 0: none
+  std::vector<Tower> towers_;
+  StretchedLinks stretched_;  ///< of the finest level; built when a link is stretched
+  ActivePieces active_;
+  std::vector<float> mean_length_;  ///< per piece: of its links of the finest level [m]
 };
 
 }  // namespace souple

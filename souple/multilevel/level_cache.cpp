@@ -4,6 +4,7 @@
 #include "souple/math/bit_cast.h"
 
 #include <algorithm>
+#include <map>
 #include <unordered_map>
 #include <utility>
 
@@ -39,22 +40,26 @@ void append_begins(std::vector<std::uint32_t>& to, std::span<const std::uint32_t
 
 }  // namespace
 
-void LevelCache::Block::add_level(Threads& threads) {
-  const bool first = levels.empty();
-  CoarseLevel level = build_level(first ? std::span<const Link>(links) : levels.back().links,
-                                  first ? fixed : fixed_on_last_level, threads);
-  std::vector<char> next;
-  for (const std::uint32_t i : level.finer) next.push_back((first ? fixed : fixed_on_last_level)[i]);
-  fixed_on_last_level = std::move(next);
-  levels.push_back(std::move(level));
+void LevelCache::Block::build_levels(std::size_t coarsest_size, Threads& threads) {
+  std::vector<char> classes = fixed;
+  while (classes.size() > coarsest_size) {
+    CoarseLevel level =
+        build_level(levels.empty() ? std::span<const Link>(links) : levels.back().links, classes, threads);
+    if (level.finer.size() == classes.size()) break;
+    std::vector<char> next;
+    for (const std::uint32_t i : level.finer) next.push_back(classes[i]);
+    classes = std::move(next);
+    levels.push_back(std::move(level));
+  }
+  built = true;
 }
 
 // A block ends before the first particle that no link of the particles before reaches.
 void LevelCache::find_blocks(std::span<const Link> links, std::span<const float> masses) {
   std::unordered_multimap<std::uint64_t, std::shared_ptr<Block>> known;
-  for (std::shared_ptr<Block>& block : blocks_) {
-    const std::uint64_t hash = block->hash;
-    if (known.find(hash) == known.end()) known.emplace(hash, std::move(block));
+  for (Place& place : blocks_) {
+    const std::uint64_t hash = place.block->hash;
+    if (known.find(hash) == known.end()) known.emplace(hash, std::move(place.block));
   }
   blocks_.clear();
   const std::vector<char> classes = classes_of(links, masses);
@@ -64,6 +69,7 @@ void LevelCache::find_blocks(std::span<const Link> links, std::span<const float>
   for (std::uint32_t begin = 0; begin < masses.size();) {
     own.clear(), fixed.clear();
     std::uint32_t end = begin + 1;
+    const std::size_t first_link = e;
     for (; e < links.size() && links[e].a < end; ++e) {
       end = std::max(end, links[e].b + 1);
       own.push_back(links[e]);
@@ -77,42 +83,46 @@ void LevelCache::find_blocks(std::span<const Link> links, std::span<const float>
       return block.fixed == fixed &&
              std::equal(own.begin(), own.end(), block.links.begin(), block.links.end(), of_same_shape);
     });
+    std::shared_ptr<Block> block;
     if (found != last) {
-      blocks_.push_back(found->second);
+      block = found->second;
     } else {
-      blocks_.push_back(std::make_shared<Block>(Block{hash, own, fixed, {}, {}}));
-      known.emplace(hash, blocks_.back());
+      block = std::make_shared<Block>();
+      block->hash = hash, block->links = own, block->fixed = fixed;
+      known.emplace(hash, block);
     }
+    blocks_.push_back({std::move(block), {begin, end}, {first_link, e}});
     begin = end;
   }
   SOUPLE_ASSERT(e == links.size(), "links are sorted by their lower particle");
 }
 
-void LevelCache::deepen(std::size_t levels, Threads& threads) {
+void LevelCache::build_blocks(std::size_t coarsest_size, Threads& threads) {
   std::vector<Block*> small;
-  for (const std::shared_ptr<Block>& block : blocks_) {
-    if (block->levels.size() >= levels) continue;
-    if (block->fixed.size() < large_block) {
-      small.push_back(block.get());
+  for (const Place& place : blocks_) {
+    if (place.block->built) continue;
+    if (place.block->fixed.size() < large_block) {
+      small.push_back(place.block.get());
     } else {
-      block->add_level(threads);
+      place.block->build_levels(coarsest_size, threads);
     }
   }
   std::sort(small.begin(), small.end());  // equal blocks are one: their order does not matter
   small.erase(std::unique(small.begin(), small.end()), small.end());
   threads.for_each(small.size(), 1, [&](std::size_t begin, std::size_t end) {
     const std::unique_ptr<Threads> alone = make_threads(Threading::serial, 1);
-    for (std::size_t k = begin; k < end; ++k) small[k]->add_level(*alone);
+    for (std::size_t k = begin; k < end; ++k) small[k]->build_levels(coarsest_size, *alone);
   });
 }
 
-// The level of all blocks, one after the other: numbers are offset by the particles and links of the blocks before.
-CoarseLevel LevelCache::join(std::size_t level) const {
+// A level of some blocks, one after the other: numbers are offset by the particles and links of the blocks before.
+CoarseLevel LevelCache::join(std::span<const Place* const> blocks, std::size_t level) {
   CoarseLevel all;
   std::size_t finer = 0, finer_links = 0, link_count = 0;
-  for (const std::shared_ptr<Block>& block : blocks_) link_count += block->levels[level].links.size();
-  for (const std::shared_ptr<Block>& block : blocks_) {
-    const CoarseLevel& own = block->levels[level];
+  for (const Place* const place : blocks) link_count += place->block->levels[level].links.size();
+  for (const Place* const place : blocks) {
+    const Block& block = *place->block;
+    const CoarseLevel& own = block.levels[level];
     const std::size_t coarse = all.finer.size(), links = all.links.size();
     append(all.finer, own.finer, finer);
     for (Link link : own.links) {
@@ -129,26 +139,42 @@ CoarseLevel LevelCache::join(std::size_t level) const {
     for (const std::uint32_t to : own.energy_to)
       all.energy_to.push_back(static_cast<std::uint32_t>(
           to < own.links.size() ? links + to : link_count + coarse + (to - own.links.size())));
-    finer += block->particles_above(level);
-    finer_links += level == 0 ? block->links.size() : block->levels[level - 1].links.size();
+    finer += block.particles_above(level);
+    finer_links += level == 0 ? block.links.size() : block.levels[level - 1].links.size();
   }
   return all;
 }
 
-std::vector<CoarseLevel> LevelCache::build(std::span<const Link> links, std::span<const float> masses,
-                                           std::size_t coarsest_size, Threads& threads) {
-  find_blocks(links, masses);
-  std::vector<CoarseLevel> levels;
-  while (masses.size() > coarsest_size) {
-    deepen(levels.size() + 1, threads);
-    CoarseLevel level = join(levels.size());
-    if (level.finer.size() == masses.size()) break;
-    take_masses(masses, level), take_energies(links, level);
-    levels.push_back(std::move(level));
-    links = levels.back().links;
-    masses = levels.back().mass;
+JoinedLevels LevelCache::join(std::span<const Place* const> blocks, std::span<const Link> links,
+                              std::span<const float> masses) {
+  JoinedLevels result;
+  std::vector<float> mass;
+  std::vector<Link> own;
+  for (const Place* const place : blocks) {
+    result.particles.push_back(place->particles), result.links.push_back(place->links);
+    for (std::size_t e = place->links.begin; e < place->links.end; ++e) own.push_back(links[e]);
+    for (std::size_t i = place->particles.begin; i < place->particles.end; ++i) mass.push_back(masses[i]);
   }
-  return levels;
+  for (std::size_t l = 0; l < blocks.front()->block->levels.size(); ++l) {
+    const CoarseLevel* const finer = result.levels.empty() ? nullptr : &result.levels.back();
+    CoarseLevel level = join(blocks, l);
+    take_masses(finer != nullptr ? finer->mass : mass, level);
+    take_energies(finer != nullptr ? finer->links : own, level);
+    result.levels.push_back(std::move(level));
+  }
+  return result;
+}
+
+std::vector<JoinedLevels> LevelCache::build(std::span<const Link> links, std::span<const float> masses,
+                                            std::size_t coarsest_size, Threads& threads) {
+  find_blocks(links, masses);
+  build_blocks(coarsest_size, threads);
+  std::map<std::size_t, std::vector<const Place*>> by_depth;
+  for (const Place& place : blocks_)
+    if (!place.block->levels.empty()) by_depth[place.block->levels.size()].push_back(&place);
+  std::vector<JoinedLevels> result;
+  for (const auto& [depth, blocks] : by_depth) result.push_back(join(blocks, links, masses));
+  return result;
 }
 
 }  // namespace souple

@@ -30,19 +30,12 @@ ContactFacet* collider_contacts(Projector& projector) {
   return contact != nullptr && contact->is_collider_contact() ? contact : nullptr;
 }
 
-bool removes_overlaps(std::span<Projector* const> projectors) {
-  return std::any_of(projectors.begin(), projectors.end(), [](Projector* projector) {
-    const ContactFacet* const contact = collider_contacts(*projector);
-    return contact != nullptr && contact->removes_overlaps();
-  });
-}
-
-/// Lets colliders take the contacts of chosen particles. Returns whether there are any.
-bool take_contacts(std::span<Projector* const> projectors, std::span<const std::uint32_t> chosen) {
-  bool any = false;
+/// Lets colliders take the contacts of chosen particles. Lists these.
+void take_contacts(std::span<Projector* const> projectors, std::span<const std::uint32_t> chosen,
+                   std::vector<std::uint32_t>& taken) {
+  taken.clear();
   for (Projector* projector : projectors)
-    if (ContactFacet* const contact = projector->facets().contact) any |= contact->take_some(chosen) > 0;
-  return any;
+    if (ContactFacet* const contact = projector->facets().contact) contact->take_some(chosen, taken);
 }
 
 void project_contacts(std::span<Projector* const> projectors, const ParticleView& particles,
@@ -154,7 +147,17 @@ void StretchedLinks::build(std::span<const Link> of_level, const TiedParticles& 
   region_.color_begin.reserve(color_begin_.size() + 1);
 }
 
-// Fills found_. Returns whether any link is stretched and none is torn.
+void StretchedLinks::stop_overlapping(std::span<Projector* const> projectors) {
+  for (Projector* projector : projectors)
+    if (const ContactFacet* const contact = collider_contacts(*projector))
+      contact->visit_overlaps([this](std::uint32_t particle) { pieces_.stop(particle); });
+}
+
+void StretchedLinks::leave_out_stopped(std::span<const Link> of_level) {
+  std::erase_if(found_, [&](std::uint32_t e) { return !pieces_.acts(of_level[e].a); });
+}
+
+// Fills found_ with the stretched links of pieces that are swept. Returns whether there are any.
 bool StretchedLinks::find_stretched(std::span<const Link> of_level, const ParticleView& particles,
                                     Threads& threads) {
   const kernels::ParticleLinks links{search_a_.data(), search_b_.data(), search_longest_.data()};
@@ -166,8 +169,11 @@ bool StretchedLinks::find_stretched(std::span<const Link> of_level, const Partic
   found_.clear();
   for_each_bit(stretched_, stretched_.size(),
                [&](std::size_t e) { found_.push_back(static_cast<std::uint32_t>(e)); });
-  return !found_.empty() && std::none_of(found_.begin(), found_.end(),
-                                         [&](std::uint32_t e) { return is_torn(of_level[e], particles); });
+  leave_out_stopped(of_level);
+  for (const std::uint32_t e : found_)
+    if (is_torn(of_level[e], particles)) pieces_.stop(of_level[e].a);
+  leave_out_stopped(of_level);
+  return !found_.empty();
 }
 
 bool StretchedLinks::is_torn(const Link& link, const ParticleView& particles) const {
@@ -191,11 +197,14 @@ void StretchedLinks::choose(std::uint32_t particle) {
   chosen_.push_back(particle);
 }
 
-bool StretchedLinks::choose_particles(std::span<const Link> of_level, float h2, int radius) {
+template <class Chooses>
+bool StretchedLinks::choose_particles(std::span<const Link> of_level, float h2, int radius,
+                                      const Chooses& chooses) {
   for (const std::uint32_t i : chosen_) number_[i] = ContactFacet::unchosen;
   chosen_.clear();
   for (const std::uint32_t e : found_)
-    if (of_level[e].compliance() < softest * h2 * counted_[e]) choose(of_level[e].a), choose(of_level[e].b);
+    if (chooses(of_level[e]) && of_level[e].compliance() < softest * h2 * counted_[e])
+      choose(of_level[e].a), choose(of_level[e].b);
   std::size_t next = 0;
   for (int step = 0; step < radius; ++step) {
     for (const std::size_t last = chosen_.size(); next < last; ++next) {
@@ -267,29 +276,41 @@ void StretchedLinks::store(const ParticleView& particles) const {
     if (moving_[i].w > 0) particles.moving[i].set_xyz(moving_[i].xyz());
 }
 
-void StretchedLinks::sweep(std::span<const Link> of_level, const TiedParticles& tied,
-                           std::span<Projector* const> projectors, const ParticleView& particles,
-                           const Substep& substep, Threads& threads) {
-  if (substep.mode != Mode::small_steps || removes_overlaps(projectors)) return;
-  // At once, not when the first link is stretched: that may be late, and warm steps allocate nothing.
-  if (number_.size() != particles.position.size()) prepare_search(of_level), build(of_level, tied, particles);
-  if (!find_stretched(of_level, particles, threads)) return;
-  bar(projectors, particles);
-  const float h2 = substep.h * substep.h;
-  if (!choose_particles(of_level, h2, with_contacts.radius)) return;
-  const bool touches = take_contacts(projectors, number_);
-  const Rounds& rounds = touches ? with_contacts : without_contacts;
-  if (!touches) choose_particles(of_level, h2, rounds.radius);
+void StretchedLinks::sweep_pieces(std::span<const Link> of_level, bool touching,
+                                  std::span<Projector* const> projectors, const ParticleView& particles,
+                                  const Substep& substep, Threads& threads) {
+  const Rounds& rounds = touching ? with_contacts : without_contacts;
+  const auto chooses = [&](const Link& link) { return (touches_[pieces_.of(link.a)] != 0) == touching; };
+  if (!choose_particles(of_level, substep.h * substep.h, rounds.radius, chooses)) return;
   gather_links();
   const ParticleView view = load(particles, substep.external != nullptr);
   measure_links(rounds, substep.h, threads);
   for (int round = 0; round < rounds.count; ++round) {
     sweep_colors(region_.arrays(), region_.color_begin, rounds.sweeps, over_relaxation, moving_, threads);
-    if (touches) project_contacts(projectors, view, substep, round > 0);
+    if (touching) project_contacts(projectors, view, substep, round > 0);
   }
+  store(particles);
+}
+
+void StretchedLinks::sweep(std::span<const Link> of_level, const TiedParticles& tied,
+                           const ActivePieces& pieces, std::span<Projector* const> projectors,
+                           const ParticleView& particles, const Substep& substep, Threads& threads) {
+  if (substep.mode != Mode::small_steps) return;
+  // At once, not when the first link is stretched: that may be late, and warm steps allocate nothing.
+  if (number_.size() != particles.position.size()) prepare_search(of_level), build(of_level, tied, particles);
+  pieces_ = pieces;
+  stop_overlapping(projectors);
+  if (!find_stretched(of_level, particles, threads)) return;
+  bar(projectors, particles);
+  const auto all = [](const Link&) { return true; };
+  if (!choose_particles(of_level, substep.h * substep.h, with_contacts.radius, all)) return;
+  take_contacts(projectors, number_, touched_);
+  touches_.assign(pieces_.count(), 0);
+  for (const std::uint32_t i : touched_) touches_[pieces_.of(i)] = 1;
+  for (const bool touching : {true, false})
+    sweep_pieces(of_level, touching, projectors, particles, substep, threads);
   for (Projector* projector : projectors)
     if (ContactFacet* const contact = projector->facets().contact) contact->put_back_some();
-  store(particles);
 }
 
 }  // namespace souple

@@ -2,6 +2,7 @@
 
 #include "souple/math/lists.h"
 #include "souple/multilevel/hierarchical_levels.h"
+#include "souple/multilevel/pieces.h"
 #include "souple/multilevel/tied_particles.h"
 #include "souple/solver/kernels/links.h"
 #include "souple/solver/projector.h"
@@ -21,18 +22,19 @@ namespace souple {
 /// between the sweeps: without, the cloth is pulled into the collider and pushed back, and nothing is gained.
 ///
 /// Particles that touch cloth, fluids or other bodies take no part: the sweeps would pull layers into each other. Nor
-/// do tied or attached ones. There are no sweeps while old overlaps with colliders are removed or a link is torn.
-/// Otherwise a collider that jumps into a sheet would throw it.
+/// do tied or attached ones. A piece is not swept while its old overlaps with colliders are removed or one of its links is
+/// torn. Otherwise a collider that jumps into a sheet would throw it.
 ///
-/// Which links are swept depends on the state of the substep alone.
+/// Which links are swept depends on the state of the substep and of their piece alone.
 class StretchedLinks {
  public:
   /// After the stiffness of the links changed and nothing else about them.
   void take_stiffness(std::span<const Link> links);
   /// Finds the links that are stretched now and sweeps those around them.
-  /// `links`: of the finest level, always the same; ends are the world's particles.
-  void sweep(std::span<const Link> links, const TiedParticles& tied, std::span<Projector* const> projectors,
-             const ParticleView& particles, const Substep& substep, Threads& threads);
+  /// `links`: of the finest level, always the same; ends are the world's particles. `pieces`: theirs.
+  void sweep(std::span<const Link> links, const TiedParticles& tied, const ActivePieces& pieces,
+             std::span<Projector* const> projectors, const ParticleView& particles, const Substep& substep,
+             Threads& threads);
 
  private:
   /// A particle at the other end of a link, and the place of the link in links_.
@@ -70,11 +72,16 @@ class StretchedLinks {
 
   void prepare_search(std::span<const Link> of_level);
   void build(std::span<const Link> of_level, const TiedParticles& tied, const ParticleView& particles);
+  void stop_overlapping(std::span<Projector* const> projectors);
   bool find_stretched(std::span<const Link> of_level, const ParticleView& particles, Threads& threads);
+  void leave_out_stopped(std::span<const Link> of_level);
   bool is_torn(const Link& link, const ParticleView& particles) const;
   void bar(std::span<Projector* const> projectors, const ParticleView& particles);
   void choose(std::uint32_t particle);
-  bool choose_particles(std::span<const Link> of_level, float h2, int radius);
+  template <class Chooses>
+  bool choose_particles(std::span<const Link> of_level, float h2, int radius, const Chooses& chooses);
+  void sweep_pieces(std::span<const Link> of_level, bool touching, std::span<Projector* const> projectors,
+                    const ParticleView& particles, const Substep& substep, Threads& threads);
   void mark_links();
   void gather_links();
   void measure_links(const Rounds& rounds, float h, Threads& threads);
@@ -95,6 +102,9 @@ class StretchedLinks {
   std::vector<std::uint32_t> chosen_;     ///< particles near stretched links
   std::vector<std::uint32_t> number_;     ///< per particle of the world: index in chosen_, or unchosen
   std::vector<std::uint64_t> marked_;     ///< a bit per entry of links_: between chosen particles
+  ActivePieces pieces_;                   ///< those that are swept
+  std::vector<std::uint32_t> touched_;    ///< particles whose contacts with colliders are projected too
+  std::vector<std::uint8_t> touches_;     ///< per piece: it has such particles
   Region region_;
   /// Per particle of the world, and a fixed one, those of chosen particles: moving_.w = inverse mass.
   std::vector<Vec4f> position_, moving_;

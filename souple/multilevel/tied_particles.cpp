@@ -59,12 +59,6 @@ bool TiedParticles::is_alone(std::uint32_t representative) const {
          !std::binary_search(attached_.begin(), attached_.end(), representative);
 }
 
-bool TiedParticles::closed(float distance, const ParticleView& particles) const {
-  return std::all_of(tied_.begin(), tied_.end(), [&](const auto& tie) {
-    return length_squared(particles.difference(tie.first, tie.second)) <= distance * distance;
-  });
-}
-
 float TiedParticles::mass(std::uint32_t representative, const ParticleView& particles) const {
   if (is_fixed(representative, particles)) return 0;
   if (groups_.empty()) return 1 / particles.inverse_mass(representative);

@@ -33,8 +33,11 @@ class TiedParticles {
       f(i, all > 0 ? 1 / (particles.inverse_mass(i) * all) : i == representative ? 1.0f : 0.0f);
     });
   }
-  /// Whether tied particles are no farther apart than `distance` [m].
-  bool closed(float distance, const ParticleView& particles) const;
+  /// Calls f(particle, representative) for all that are tied.
+  template <class Function>
+  void for_each_tied(const Function& f) const {
+    for (const auto& [particle, representative] : tied_) f(particle, representative);
+  }
   bool has_attached() const { return !attached_.empty(); }
 
   bool operator==(const TiedParticles&) const = default;

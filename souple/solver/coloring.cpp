@@ -1,11 +1,13 @@
 #include "souple/solver/coloring.h"
 
 #include "souple/assert.h"
+#include "souple/math/disjoint_sets.h"
 #include "souple/math/lists.h"
 
 #include <algorithm>
 #include <bit>
 #include <numeric>
+#include <utility>
 
 // First-fit, then repairs of its long tail of small colors. On regular grids first-fit alone is optimal: it
 // uses as many colors as constraints meet in a particle. On an irregular mesh it uses up to half as many
@@ -197,6 +199,66 @@ void Palette::improve() {
   fill_small();
 }
 
+/// Constraints that are connected by particles. Each piece is colored by itself: what is not connected to it, far objects
+/// among it, does not change its order of solution.
+class Pieces {
+ public:
+  Pieces(std::span<const std::uint32_t> indices, std::size_t arity, std::size_t particle_count)
+      : constraints_(indices.size() / arity) {
+    DisjointSets connected(particle_count);
+    for (std::size_t i = 0; i < constraints_.size(); ++i)
+      for (std::size_t k = 1; k < arity; ++k) connected.join(indices[i * arity], indices[i * arity + k]);
+    std::vector<std::uint32_t> piece_at(particle_count, none), piece_of(constraints_.size());
+    for (std::size_t i = 0; i < constraints_.size(); ++i) {
+      std::uint32_t& piece = piece_at[connected.root(indices[i * arity])];
+      if (piece == none) piece = static_cast<std::uint32_t>(end_.size()), end_.push_back(0);
+      piece_of[i] = piece;
+      ++end_[piece];
+    }
+    std::uint32_t begin = 0;
+    for (std::uint32_t& end : end_) begin += std::exchange(end, begin);
+    for (std::uint32_t i = 0; i < constraints_.size(); ++i) constraints_[end_[piece_of[i]]++] = i;
+  }
+  std::size_t count() const { return end_.size(); }
+  std::span<const std::uint32_t> constraints(std::size_t piece) const {
+    const std::size_t begin = piece == 0 ? 0 : end_[piece - 1];
+    return std::span(constraints_).subspan(begin, end_[piece] - begin);
+  }
+
+ private:
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
+  std::vector<std::uint32_t> constraints_;  // piece after piece, each in order
+  std::vector<std::uint32_t> end_;          // per piece
+};
+
+/// Numbers particles in the order in which they occur. `local`: work space, per particle. Returns how many there are.
+std::size_t number(std::span<std::uint32_t> particles, std::vector<std::uint32_t>& local) {
+  std::size_t count = 0;
+  std::vector<std::uint32_t> seen;  // by number
+  for (std::uint32_t& particle : particles) {
+    const std::uint32_t known = local[particle];
+    if (known >= count || seen[known] != particle) {
+      local[particle] = static_cast<std::uint32_t>(count++);
+      seen.push_back(particle);
+    }
+    particle = local[particle];
+  }
+  return count;
+}
+
+/// Returns the color of each constraint.
+std::vector<std::uint32_t> color_piece(std::span<const std::uint32_t> indices, std::size_t arity,
+                                       std::size_t particle_count) {
+  Palette palette(indices, arity, particle_count);
+  std::vector<std::uint32_t> pending(indices.size() / arity);
+  std::iota(pending.begin(), pending.end(), 0u);
+  pending = palette.first_fit(pending, 0);
+  if (pending.empty()) palette.improve();
+  for (std::uint32_t first = colors_per_round; !pending.empty(); first += colors_per_round)
+    pending = palette.first_fit(pending, first);
+  return palette.color_of();
+}
+
 std::vector<std::uint32_t> reordered(std::span<const std::uint32_t> indices, std::size_t arity,
                                      std::span<const std::uint32_t> order) {
   std::vector<std::uint32_t> result;
@@ -210,14 +272,18 @@ std::vector<std::uint32_t> reordered(std::span<const std::uint32_t> indices, std
 
 Coloring color_constraints(std::span<const std::uint32_t> indices, int arity, std::size_t particle_count) {
   const auto width = static_cast<std::size_t>(arity);
-  Palette palette(indices, width, particle_count);
-  std::vector<std::uint32_t> pending(indices.size() / width);
-  std::iota(pending.begin(), pending.end(), 0u);
-  pending = palette.first_fit(pending, 0);
-  if (pending.empty()) palette.improve();
-  for (std::uint32_t first = colors_per_round; !pending.empty(); first += colors_per_round)
-    pending = palette.first_fit(pending, first);
-  Coloring result = sorted_by_color(indices, arity, particle_count, palette.color_of());
+  const Pieces pieces(indices, width, particle_count);
+  std::vector<std::uint32_t> color_of(indices.size() / width), local(particle_count), own;
+  for (std::size_t p = 0; p < pieces.count(); ++p) {
+    const std::span<const std::uint32_t> constraints = pieces.constraints(p);
+    own.clear();
+    for (const std::uint32_t i : constraints)
+      for (const std::uint32_t particle : indices.subspan(i * width, width)) own.push_back(particle);
+    const std::size_t count = number(own, local);
+    const std::vector<std::uint32_t> colors = color_piece(own, width, count);
+    for (std::size_t k = 0; k < constraints.size(); ++k) color_of[constraints[k]] = colors[k];
+  }
+  Coloring result = sorted_by_color(indices, arity, particle_count, color_of);
   SOUPLE_ASSERT(are_independent(reordered(indices, width, result.order), arity, result.color_begin),
                 "constraints of one color share no particle");
   return result;

@@ -31,8 +31,9 @@ struct Substep {
   /// Factor of every correction and its multiplier (above 1: over-relaxation), constant from begin_substep
   /// on. Only solvers that sweep use it. Contacts ignore it.
   float relaxation = 1;
-  /// Whether coarser levels act. While intersections are resolved they must not: they pull back what is separated.
-  bool levels = true;
+  /// Particles of objects on which no coarser levels act, ascending. While intersections are resolved they must not: they
+  /// pull back what is separated.
+  std::span<const IndexRange> without_levels{};
   ExternalMoves* external = nullptr;  ///< records the sweeps of this substep; null: not needed
   const LeftOut* left_out = nullptr;  ///< constraints that sweeps omit; null: none
   const LeftOut* asleep = nullptr;    ///< constraints that would move nothing; null: none
@@ -120,11 +121,12 @@ class ContactFacet {
  public:
   /// Whether they keep objects out of colliders: each moves particles of one object only.
   virtual bool is_collider_contact() const { return false; }
-  /// Whether an overlap that existed before is being removed slowly.
-  virtual bool removes_overlaps() const { return false; }
+  /// Calls f(particle) where an overlap that existed before is being removed slowly.
+  virtual void visit_overlaps(const std::function<void(std::uint32_t)>&) const {}
   /// Takes the constraints whose particle is chosen, chosen[i] != unchosen, for project_some until put_back_some.
-  /// Returns their number. The default takes none.
-  virtual std::size_t take_some([[maybe_unused]] std::span<const std::uint32_t> chosen) { return 0; }
+  /// Appends their particles to `taken`. The default takes none.
+  virtual void take_some([[maybe_unused]] std::span<const std::uint32_t> chosen,
+                         [[maybe_unused]] std::vector<std::uint32_t>& taken) {}
   static constexpr std::uint32_t unchosen = ~std::uint32_t{0};
   /// Projects them. `again`: particles have hardly moved since the last projection, so that it may use the gradients
   /// found there.

@@ -115,8 +115,6 @@ class Ties final : public Projector, public MemoryFacet {
       if (record.tie.b.kind == TieEnd::Kind::body) f(record.b.index);
     }
   }
-  /// Whether a tie broke in this step. The solver was then prepared for other masses.
-  bool has_broken() const { return !broken_.empty(); }
 
   /// Begins a step with substeps of h seconds. Call before `list`.
   void begin_step(double h);

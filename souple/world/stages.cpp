@@ -22,6 +22,8 @@
 #include "souple/world/step_report.h"
 #include "souple/world/step_scratch.h"
 
+#include <algorithm>
+
 namespace souple {
 namespace {
 
@@ -50,6 +52,27 @@ bool measures_balance(const WorldState& world) {
   const Settings& settings = world.settings;
   return world.current.last_substep && settings.measure_residuals && settings.mode != Mode::pbd &&
          settings.solver.colors == 0;
+}
+
+/// Particles of the objects that intersections are being removed from, and of those whose tie broke in this step: the
+/// solver was prepared for other masses.
+std::span<const IndexRange> find_without_levels(WorldState& world) {
+  std::vector<IndexRange>& ranges = world.scratch->without_levels;
+  ranges.clear();
+  const auto add = [&](const Object& object) {
+    if (ranges.empty() || ranges.back().begin != object.begin) ranges.push_back({object.begin, object.end});
+  };
+  world.contact->contacts.visit_separated(
+      [&](std::uint32_t particle) { add(*world.objects[world.object_of[particle]]); });
+  const Ties& ties = *world.constraints.ties;
+  for (const std::uint32_t k : ties.broken())
+    for (const TieEnd* const end : {&ties.tie(k).a, &ties.tie(k).b})
+      if (end->object) add(world.object(*end->object));
+  const auto before = [](const IndexRange& a, const IndexRange& b) { return a.begin < b.begin; };
+  std::sort(ranges.begin(), ranges.end(), before);
+  const auto same = [](const IndexRange& a, const IndexRange& b) { return a.begin == b.begin; };
+  ranges.erase(std::unique(ranges.begin(), ranges.end(), same), ranges.end());
+  return ranges;
 }
 
 }  // namespace
@@ -88,7 +111,7 @@ void solve(WorldState& world, const Substep& substep) {
   angular_momentum.begin_solve(world.stage_view(), *world.rigid, h);
   world.rigid->begin_ties(world.stage_view(), substep, *world.constraints.ties);
   Substep solved = substep;
-  solved.levels = !world.contact->contacts.separates() && !world.constraints.ties->has_broken();
+  solved.without_levels = find_without_levels(world);
   SleepScratch& sleep = *world.scratch->sleep;
   leave_out_asleep(world.objects_view(), world.constraints.object_projectors, sleep);
   if (!sleep.constraints.empty()) solved.asleep = &sleep.constraints;

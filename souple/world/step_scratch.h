@@ -24,6 +24,7 @@ struct StepScratch {
   Balance balance;
   AngularMomentum angular_momentum;
   AngularMomentum::Links links;
+  std::vector<IndexRange> without_levels;
   std::unique_ptr<SleepScratch> sleep;
 };
 
