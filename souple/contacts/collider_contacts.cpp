@@ -274,6 +274,12 @@ void ColliderContacts::project(int color, std::size_t begin, std::size_t end, co
                     body.contact_begin + begin, body.contact_begin + end);
 }
 
+std::uint32_t ColliderContacts::particle_of(int color, std::size_t index,
+                                            const ParticleView& particles) const {
+  const std::size_t c = bodies_[static_cast<std::size_t>(color)].contact_begin + index;
+  return particles.first_movable(std::array{contacts_.columns().particle[c]});
+}
+
 void ColliderContacts::visit_overlaps(const std::function<void(std::uint32_t)>& f) const {
   const kernels::ColliderContactColumns columns = contacts_.columns();
   for (std::size_t c = 0; c < contacts_.size(); ++c)

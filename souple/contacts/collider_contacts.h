@@ -52,6 +52,7 @@ class ColliderContacts final : public ContactProjector {
     return body.contact_end - body.contact_begin;
   }
   std::size_t grain() const override { return 64; }
+  std::uint32_t particle_of(int color, std::size_t index, const ParticleView& particles) const override;
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;

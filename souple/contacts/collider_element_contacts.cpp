@@ -426,6 +426,11 @@ void ColliderElementContacts::project(int, std::size_t begin, std::size_t end, c
   for (std::size_t c = begin; c < end; ++c) project_one(contacts_[c], particles);
 }
 
+std::uint32_t ColliderElementContacts::particle_of(int, std::size_t index,
+                                                   const ParticleView& particles) const {
+  return particles.first_movable(contacts_[index].anchor.particle);
+}
+
 // As ColliderContacts::project, for a point of an element.
 void ColliderElementContacts::project_one(Contact& contact, const ParticleView& particles) {
   const Vec3f motion = contact.anchor.moved(particles);

@@ -53,6 +53,7 @@ class ColliderElementContacts final : public ContactProjector {
   std::size_t color_size(int) const override { return contacts_.size(); }
   /// Contacts share particles, so one thread projects all of them.
   std::size_t grain() const override { return ~std::size_t{0} / 2; }
+  std::uint32_t particle_of(int color, std::size_t index, const ParticleView& particles) const override;
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;

@@ -75,11 +75,16 @@ using ImpulseFunction = std::function<void(const ContactImpulse&)>;
 /// The input of `begin_step` must live until the step ends, except for the views of particles.
 class ContactProjector : public Projector, public ContactFacet {
  public:
-  Facets facets() final { return {.grain = grain(), .every_round = true, .contact = this}; }
+  Facets facets() final {
+    return {.grain = grain(), .every_round = true, .alternates = alternates(), .contact = this};
+  }
   /// See Facets.
   virtual std::size_t grain() const = 0;
+  virtual bool alternates() const { return false; }
   virtual std::size_t bytes() const = 0;
   void prepare(std::size_t) final {}
+
+  std::uint32_t particle_of(int color, std::size_t index, const ParticleView& particles) const override = 0;
 
   /// Replaces all geometry, and drops all contacts: called when objects or colliders are added, removed or changed.
   virtual void build(const ContactGeometry& geometry) = 0;

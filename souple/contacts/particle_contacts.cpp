@@ -88,7 +88,6 @@ void ParticleContacts::begin_step(const ContactInput& input, Threads& threads) {
   objects_ = objects, radius_ = input.radius;
   materials_ = &materials;
   step_ = input.step;
-  sweeps_.begin_step();
   clear_contacts();
   save_friction();
   find_members(input.particles, input.velocity);
@@ -237,7 +236,6 @@ void ParticleContacts::refresh(const ParticleView& particles, const Substep& sub
   color_contacts(particles);
   if (contacts_.capacity() < sorted_.size()) contacts_.reserve(2 * sorted_.size());
   contacts_.resize(sorted_.size());
-  sweeps_.begin_sweep(contacts_.size());
   threads.each(contacts_.size(), grain(),
                [&](std::size_t c) { contacts_[c] = contact_of(sorted_[c], particles, substep.h); });
 }
@@ -311,10 +309,15 @@ ParticleContacts::Contact ParticleContacts::contact_of(std::uint32_t pair, const
   return contact;
 }
 
-// Contacts of the color that is number `color` in this sweep's order.
 ParticleContacts::Range ParticleContacts::contacts_of(int color) const {
-  const auto c = static_cast<std::size_t>(sweeps_.backwards() ? color_count() - 1 - color : color);
+  const auto c = static_cast<std::size_t>(color);
   return {color_begin_[c], color_begin_[c + 1]};
+}
+
+std::uint32_t ParticleContacts::particle_of(int color, std::size_t index,
+                                            const ParticleView& particles) const {
+  const Contact& contact = contacts_[contacts_of(color).begin + index];
+  return particles.first_movable(std::array{contact.i, contact.j});
 }
 
 // Returns C and sets the normal, for a difference x_i - x_j.
@@ -330,7 +333,6 @@ void ParticleContacts::project(int color, std::size_t begin, std::size_t end, co
                                const Substep&) {
   const std::size_t first = contacts_of(color).begin;
   for (std::size_t c = first + begin; c < first + end; ++c) project_one(contacts_[c], particles);
-  sweeps_.projected(end - begin, contacts_.size());
 }
 
 // As in collider_contacts.cpp, for the difference of two particles.

@@ -8,7 +8,6 @@
 #include "souple/contacts/contact_projector.h"
 #include "souple/math/lists.h"
 
-#include <atomic>
 #include <span>
 #include <vector>
 
@@ -74,6 +73,8 @@ class ParticleContacts final : public ContactProjector {
     return range.end - range.begin;
   }
   std::size_t grain() const override { return 32; }
+  bool alternates() const override { return true; }
+  std::uint32_t particle_of(int color, std::size_t index, const ParticleView& particles) const override;
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
@@ -133,30 +134,6 @@ class ParticleContacts final : public ContactProjector {
   struct Range {
     std::size_t begin, end;
   };
-  /// Counts sweeps over all contacts. The call that projects the last contacts of a sweep ends it, whichever
-  /// thread makes it. So no thread reads the count while it changes.
-  class Sweeps {
-   public:
-    Sweeps() = default;
-    Sweeps(const Sweeps& other) { *this = other; }
-    Sweeps& operator=(const Sweeps& other) {
-      left_ = other.left_.load();
-      done_ = other.done_;
-      return *this;
-    }
-    void begin_step() { done_ = 0; }
-    void begin_sweep(std::size_t contacts) { left_ = contacts; }
-    bool backwards() const { return done_ % 2 == 1; }
-    void projected(std::size_t count, std::size_t contacts) {
-      if (left_.fetch_sub(count, std::memory_order_acq_rel) != count) return;
-      ++done_;
-      begin_sweep(contacts);
-    }
-
-   private:
-    std::atomic<std::size_t> left_{0};  // contacts not yet projected in this sweep
-    std::size_t done_ = 0;
-  };
   /// A pair that has a contact in this substep.
   struct ColoredPair {
     std::uint32_t pair, color;
@@ -198,7 +175,6 @@ class ParticleContacts final : public ContactProjector {
   float last_h_ = 0;  // h of the last refresh [s]
   float largest_diameter_ = 0;
   float margin_ = 0;  // of the last broad phase: how far two members may approach each other [m]
-  Sweeps sweeps_;     // of this step; odd sweeps run in reverse order
   Boxes boxes_;
   std::vector<Member> members_;
   Places places_;  // of members, in the last broad phase

@@ -308,6 +308,11 @@ void VertexBalls::project(int color, std::size_t begin, std::size_t end, const P
                     });
 }
 
+std::uint32_t VertexBalls::particle_of(int color, std::size_t index, const ParticleView& particles) const {
+  const std::size_t c = color_begin_[static_cast<std::size_t>(color)] + index;
+  return particles.first_movable(std::array{columns_.first_float[0][c] / 4, columns_.first_float[1][c] / 4});
+}
+
 void VertexBalls::visit_impulses(const ParticleView& particles, const ImpulseFunction& f) const {
   for (std::size_t c = 0; c < size(); ++c) {
     if (!(columns_.normal_sum[c] > 0)) continue;

@@ -45,6 +45,7 @@ class VertexBalls final : public ContactProjector {
     return color_begin_[c + 1] - color_begin_[c];
   }
   std::size_t grain() const override { return 512; }
+  std::uint32_t particle_of(int color, std::size_t index, const ParticleView& particles) const override;
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;

@@ -47,7 +47,7 @@ class Automatic final : public Solver {
   LeftOut left_out_;  ///< of sweeps: constraints of stiff_bending_ and trees_
   bool left_out_changed_ = true;
   std::vector<Projector*> with_trees_;  ///< all projectors and trees_, in order of solution
-  std::vector<Vec4f> motion_;           ///< work space of sweep_as_needed
+  SweepScratch sweeps_;
 };
 
 }  // namespace souple

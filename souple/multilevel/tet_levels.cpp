@@ -247,18 +247,15 @@ void TetLevels::choose(const Substep& substep) {
 
 // Tells the tets which of them have a level.
 void TetLevels::mark() {
-  float softness = 0;
-  for (const Body& body : bodies_)
-    if (!body.active) softness = std::max(softness, body.softness);
   for (std::size_t t = 0; t < in_level_.size(); ++t) in_level_[t] = bodies_[body_of_[t]].active ? 1 : 0;
-  tets_->set_levels(in_level_, softness);
+  tets_->set_levels(in_level_);
 }
 
 void TetLevels::correct(std::span<Projector* const> projectors, const ParticleView& particles,
                         const Substep& substep, Threads& threads) {
   if (!any_) return;
   meet_contacts(projectors, particles, substep, threads);
-  find_forces(particles, substep, tets_->sweeps_needed(substep), threads);
+  find_forces(particles, substep, threads);
   const float h2 = substep.h * substep.h;
   for (Body& body : bodies_) {
     if (!body.active) continue;
@@ -269,6 +266,24 @@ void TetLevels::correct(std::span<Projector* const> projectors, const ParticleVi
     limit_moves(body);
     prolong(body, particles, threads);
   }
+}
+
+// Other regions' contacts are left alone.
+void TetLevels::choose_wanted(std::span<Projector* const> projectors, const ParticleView& particles,
+                              const Substep& substep) const {
+  if (substep.regions == nullptr) return;
+  substep.regions->choose_none(projectors, particles);
+  for (const Body& body : bodies_)
+    if (body.wanted) substep.regions->choose(body.lattice.particle.front());
+}
+
+void TetLevels::sweep_wanted(Projector& contacts, const ParticleView& particles, const Substep& substep,
+                             Threads& threads) {
+  Substep before = substep;
+  ++before.sweep;  // the first one of the rounds takes the other order
+  if (substep.regions == nullptr) return sweep(contacts, particles, before, threads);
+  substep.regions->list_chosen(contacts, particles, runs_);
+  sweep(contacts, runs_, particles, before, threads);
 }
 
 // Contacts come first as well as last, so that it is known what touches what.
@@ -289,9 +304,10 @@ void TetLevels::meet_contacts(std::span<Projector* const> projectors, const Part
     if (std::none_of(projectors.begin(), projectors.end(), concerned)) return;
     for_each_particle([&](std::uint32_t i) { moved[i] -= particles.moved(i); });
     for (Projector* projector : projectors)
-      if (concerned(projector)) sweep(*projector, particles, substep, threads);
+      if (concerned(projector)) sweep_wanted(*projector, particles, substep, threads);
     for_each_particle([&](std::uint32_t i) { moved[i] += particles.moved(i); });
   };
+  choose_wanted(projectors, particles, substep);
   meet(false, others_moved_);
   meet(true, collider_moved_);
   bool changed = false;
@@ -320,20 +336,62 @@ void TetLevels::find_held(Body& body) const {
       body.held_stiffness[lattice.parent[i][c]] += lattice.weight[i][c] * pin_margin * lattice.stiffness[i];
 }
 
-void TetLevels::find_forces(const ParticleView& particles, const Substep& substep, int sweeps,
-                            Threads& threads) {
+void TetLevels::find_sweeps(const Substep& substep) {
+  for (Body& body : bodies_) {
+    if (!body.active) continue;
+    if (substep.regions == nullptr) {
+      body.sweeps = tets_->sweeps_needed(substep);
+    } else {
+      substep.regions->list_particles(body.lattice.particle.front(), ranges_);
+      body.sweeps = tets_->sweeps_needed(substep, ranges_);
+    }
+  }
+}
+
+// Of the active bodies with so many sweeps.
+void TetLevels::add_forces(int sweeps, const ParticleView& particles, const Substep& substep,
+                           Threads& threads) {
+  ranges_.clear(), tet_ranges_.clear();
+  for (const Body& body : bodies_)
+    if (body.active && body.sweeps == sweeps)
+      ranges_.push_back({body.lattice.particle.front(), body.lattice.particle.back() + std::size_t{1}});
+  std::sort(ranges_.begin(), ranges_.end(),
+            [](const IndexRange& a, const IndexRange& b) { return a.begin < b.begin; });
+  std::size_t count = 0;
+  for (const IndexRange& range : ranges_)
+    if (count > 0 && range.begin < ranges_[count - 1].end)
+      ranges_[count - 1].end = std::max(ranges_[count - 1].end, range.end);
+    else
+      ranges_[count++] = range;
+  ranges_.resize(count);
+  tets_->append_constraints_of(ranges_, tet_ranges_);
+  const float share = sweep_share / static_cast<float>(sweeps);
+  const std::size_t least = tets_->facets().grain;
+  std::size_t first = 0;
+  int color = 0;
+  for (const IndexRange& range : tet_ranges_) {
+    for (; range.begin >= first + tets_->color_size(color); ++color) first += tets_->color_size(color);
+    threads.for_each(range.end - range.begin, least, [&](std::size_t begin, std::size_t end) {
+      tets_->add_forces(color, range.begin - first + begin, range.begin - first + end, particles, substep,
+                        share);
+    });
+  }
+}
+
+void TetLevels::find_forces(const ParticleView& particles, const Substep& substep, Threads& threads) {
+  find_sweeps(substep);
+  int most = 0;
   for (const Body& body : bodies_) {
     if (!body.active) continue;
+    most = std::max(most, body.sweeps);
     for (const std::uint32_t i : body.lattice.particle) force_[i] = {};
   }
   ParticleView view = particles;
   view.corrected = force_;
-  const float share = sweep_share / static_cast<float>(sweeps);
-  const std::size_t least = tets_->facets().grain;
-  for (int color = 0; color < tets_->color_count(); ++color)
-    threads.for_each(tets_->color_size(color), least, [&](std::size_t begin, std::size_t end) {
-      tets_->add_forces(color, begin, end, view, substep, share);
-    });
+  for (int sweeps = 1; sweeps <= most; ++sweeps)
+    if (std::any_of(bodies_.begin(), bodies_.end(),
+                    [&](const Body& body) { return body.active && body.sweeps == sweeps; }))
+      add_forces(sweeps, view, substep, threads);
   for (const Body& body : bodies_) {
     if (!body.active) continue;
     for (const std::uint32_t k : body.pinned) force_[body.lattice.particle[k]] = {};

@@ -43,6 +43,7 @@ class TetLevels {
     float softness = 0;                             ///< mean of NeoHookean::softness [1/s^2]
     bool wanted = false;                            ///< needs a level in substeps of this length
     bool active = false;                            ///< and has one in this substep
+    int sweeps = 1;                                 ///< of its tets in this substep
     std::vector<std::uint32_t> child_begin, child;  ///< per node: particles of the lattice
     std::vector<float> child_weight;
     std::vector<float> mass;            ///< per node [kg]
@@ -62,13 +63,19 @@ class TetLevels {
 
   void meet_contacts(std::span<Projector* const> projectors, const ParticleView& particles,
                      const Substep& substep, Threads& threads);
+  void choose_wanted(std::span<Projector* const> projectors, const ParticleView& particles,
+                     const Substep& substep) const;
+  void sweep_wanted(Projector& contacts, const ParticleView& particles, const Substep& substep,
+                    Threads& threads);
   void find_held(Body& body) const;
   void mark();
   void find_bodies(const ParticleView& particles);
   void find_softness(const ParticleView& particles);
   void set_masses(Body& body, const ParticleView& particles) const;
   static void arrange(Body& body);
-  void find_forces(const ParticleView& particles, const Substep& substep, int sweeps, Threads& threads);
+  void find_forces(const ParticleView& particles, const Substep& substep, Threads& threads);
+  void find_sweeps(const Substep& substep);
+  void add_forces(int sweeps, const ParticleView& particles, const Substep& substep, Threads& threads);
   static void measure_cells(Body& body, const ParticleView& particles, float h2, Threads& threads);
   static void restrict_forces(Body& body, std::span<const Vec4f> force, Threads& threads);
   static void solve(Body& body, float h2, Threads& threads);
@@ -79,6 +86,9 @@ class TetLevels {
   static void prolong(const Body& body, const ParticleView& particles, Threads& threads);
 
   SetProjector<NeoHookean>* tets_ = nullptr;
+  // Work space:
+  std::vector<IndexRange> ranges_, tet_ranges_;
+  std::vector<SweptRun> runs_;
   std::uint64_t revision_ = 0;
   std::vector<Body> bodies_;
   std::vector<std::uint32_t> body_of_;  ///< per tet of the set

@@ -116,10 +116,10 @@ void TreeElimination::begin_substep(const ParticleView& particles, const Substep
     predicted_[k] = particles.exact_position(trees_.nodes[k].particle);
 }
 
-bool TreeElimination::is_fixed(std::size_t tree, const ParticleView& particles) const {
+std::uint32_t TreeElimination::particle_of(int, std::size_t tree, const ParticleView& particles) const {
   for (std::size_t k = trees_.begin[tree]; k < trees_.begin[tree + 1]; ++k)
-    if (particles.inverse_mass(trees_.nodes[k].particle) > 0) return false;
-  return true;
+    if (particles.inverse_mass(trees_.nodes[k].particle) > 0) return trees_.nodes[k].particle;
+  return no_particle;
 }
 
 // All trees of a call use the memory of the first nodes, which stays in the cache: no tree has more nodes than all.
@@ -127,7 +127,7 @@ void TreeElimination::project(int, std::size_t begin, std::size_t end, const Par
                               const Substep& substep) {
   SOUPLE_ASSERT(end <= trees_.size() && begun_.size() == trees_.size(), "begin_substep comes before project");
   for (std::size_t tree = begin; tree < end; ++tree) {
-    if (is_fixed(tree, particles)) continue;
+    if (particle_of(0, tree, particles) == no_particle) continue;
     Work work{trees_.begin[tree], {}, square(substep.h)};
     work.nodes = std::span(nodes_).subspan(trees_.begin[begin], trees_.begin[tree + 1] - work.begin);
     load(work, particles, begun_[tree] != 0);

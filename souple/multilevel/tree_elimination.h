@@ -63,6 +63,7 @@ class TreeElimination final : public Projector {
   Facets facets() override { return {.every_round = true}; }
   int color_count() const override { return 1; }
   std::size_t color_size(int) const override { return trees_.size(); }
+  std::uint32_t particle_of(int color, std::size_t tree, const ParticleView& particles) const override;
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
@@ -116,7 +117,6 @@ class TreeElimination final : public Projector {
   };
 
   void find_attachments(std::size_t particle_count);
-  bool is_fixed(std::size_t tree, const ParticleView& particles) const;
   Node& parent_of(const Work& work, std::size_t k) const {
     return work.nodes[trees_.nodes[work.begin + k].parent - work.begin];
   }

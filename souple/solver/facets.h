@@ -24,6 +24,8 @@ class ElasticFacet {
   /// Number of sweeps that reach the stiffness of the material from lambda = 0, each with that many times the
   /// compliance. It is at least 1 and at most max_sweeps.
   virtual int sweeps_needed(const Substep&) const { return 1; }
+  /// Likewise, of the constraints of some ranges of particles alone.
+  virtual int sweeps_needed(const Substep&, std::span<const IndexRange>) const { return 1; }
   /// With fewer than 10 substeps a step, their sweeps make up for them: up to 360 a step.
   static int max_sweeps(const Substep& substep) { return substep.count < 10 ? 360 / substep.count : 10; }
   /// Damps the constraints that have a damping time: changes velocities, after the substep (see
@@ -71,9 +73,10 @@ class LinearFacet {
   /// Calls the visitor for the constraints of the given numbers, in their order: numbers as `linearize` counts them.
   virtual void linearize_some(std::span<const std::uint32_t>, const ParticleView&, const Substep&,
                               const LinearVisitor&) const = 0;
-  /// Ranges of constraints, as `linearize` counts them, that concern only the given ranges of particles; both ascending
-  /// and disjoint. Each constraint is of one object, each range of particles consists of whole objects. May omit some.
-  virtual std::vector<IndexRange> constraints_of(std::span<const IndexRange>) const = 0;
+  /// Appends ranges of constraints, as `linearize` counts them, that concern only the given ranges of particles; both
+  /// ascending and disjoint, none of two colors. Each constraint is of one object, each range of particles consists of
+  /// whole objects. May omit some.
+  virtual void append_constraints_of(std::span<const IndexRange>, std::vector<IndexRange>& out) const = 0;
 
  protected:
   ~LinearFacet() = default;

@@ -67,6 +67,9 @@ class GroupProjector : public Projector, public ElasticFacet {
   void prepare(std::size_t particle_count) final { groups_.prepare(particle_count, kind()); }
   int color_count() const final { return groups_.color_count(); }
   std::size_t color_size(int color) const final { return groups_.color(color).size(); }
+  std::uint32_t particle_of(int color, std::size_t index, const ParticleView& particles) const final {
+    return particles.first_movable(groups_[groups_.color(color)[index]]);
+  }
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) final {

@@ -16,6 +16,9 @@ namespace souple {
 
 class ExternalMoves;
 class LeftOut;
+class SweepRegions;
+
+inline constexpr std::uint32_t no_particle = ~std::uint32_t{0}, unknown_particle = no_particle - 1;
 
 /// Indices [begin, end).
 struct IndexRange {
@@ -27,7 +30,9 @@ struct Substep {
   float h = 0;         ///< length [s]
   int iterations = 1;  ///< per substep
   Mode mode = Mode::small_steps;
-  int count = 1;  ///< substeps per step
+  int count = 1;   ///< substeps per step
+  int number = 0;  ///< of this one in its step
+  int sweep = 0;   ///< number of the present sweep in this substep
   /// Factor of every correction and its multiplier (above 1: over-relaxation), constant from begin_substep
   /// on. Only solvers that sweep use it. Contacts ignore it.
   float relaxation = 1;
@@ -37,6 +42,7 @@ struct Substep {
   ExternalMoves* external = nullptr;  ///< records the sweeps of this substep; null: not needed
   const LeftOut* left_out = nullptr;  ///< constraints that sweeps omit; null: none
   const LeftOut* asleep = nullptr;    ///< constraints that would move nothing; null: none
+  SweepRegions* regions = nullptr;    ///< null: all constraints are swept equally often
 
   bool stores_multipliers() const {
     return mode == Mode::xpbd || (mode == Mode::small_steps && iterations > 1);
@@ -58,6 +64,13 @@ struct ParticleView {
 
   float inverse_mass(std::size_t i) const { return position[i].w; }
 
+  /// The first of these particles that can move; no_particle if none can.
+  template <class Indices>
+  std::uint32_t first_movable(const Indices& indices) const {
+    for (const std::uint32_t i : indices)
+      if (position[i].w > 0) return i;
+    return no_particle;
+  }
   /// x_i - origin, without the rounding error of a large x_i. [m]
   Vec3f relative(std::size_t i, const Vec3f& origin) const {
     return position[i].xyz() - origin + moving[i].xyz();
@@ -141,6 +154,7 @@ class ContactFacet {
 struct Facets {
   std::size_t grain = 1;     ///< minimum number of constraints per thread
   bool every_round = false;  ///< projected in every round of sweeps, as contacts are
+  bool alternates = false;   ///< every second sweep takes the colors in reverse order
   ContactFacet* contact = nullptr;
   ElasticFacet* elastic = nullptr;
   ErrorFacet* errors = nullptr;
@@ -169,6 +183,12 @@ class Projector {
   virtual int color_count() const = 0;
   /// Number of constraints of a color.
   virtual std::size_t color_size(int color) const = 0;
+  /// A particle that the constraint moves; no_particle if none can move. By default it is unknown: while there is such a
+  /// projector, all constraints are swept equally often.
+  virtual std::uint32_t particle_of([[maybe_unused]] int color, [[maybe_unused]] std::size_t index,
+                                    const ParticleView&) const {
+    return unknown_particle;
+  }
   virtual void begin_substep(const ParticleView&, const Substep&) {}
   /// Projects constraints [begin, end) of a color. Other parts of the color may be projected at the same
   /// time.

@@ -11,6 +11,7 @@
 #include "souple/constraints/triangle_membrane.h"
 #include "souple/error.h"
 #include "souple/geometry/reorder.h"
+#include "souple/math/disjoint_sets.h"
 #include "souple/math/reductions.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/solver/coloring.h"
@@ -133,19 +134,26 @@ class SetProjector final : public Projector,
   /// n sweeps supply the stiffness if n >= softness h^2. The gradient of a tet's shear turns while it is projected,
   /// which costs as much again and more. This was measured on hanging bars of 1e6 to 1e7 Pa.
   int sweeps_needed(const Substep& substep) const override {
-    if (substep.mode == Mode::pbd) return 1;
-    const float softness = !in_level_.empty() ? softness_of_rest_ : softness_;
-    const float needed = sweeps_for(softness, substep.h);
-    return static_cast<int>(std::fmin(needed, static_cast<float>(max_sweeps(substep))));
+    float softness = 0;
+    for (const Piece& piece : pieces_) softness = max(softness, softness_of(piece));
+    return sweeps_needed(substep, softness);
+  }
+  int sweeps_needed(const Substep& substep, std::span<const IndexRange> particles) const override {
+    const auto before = [](const Piece& piece, std::size_t particle) { return piece.particle < particle; };
+    float softness = 0;
+    auto piece = pieces_.begin();
+    for (const IndexRange& range : particles)
+      for (piece = std::lower_bound(piece, pieces_.end(), range.begin, before);
+           piece != pieces_.end() && piece->particle < range.end; ++piece)
+        softness = max(softness, softness_of(*piece));
+    return sweeps_needed(substep, softness);
   }
 
   static float sweeps_for(float softness, float h) { return std::round(1 + 2.5f * softness * h * h); }
 
-  /// Tells sweeps of which constraints levels carry a part of the load (TetLevels); `softness`: of the others, as in
-  /// sweeps_needed. [1/s^2]
-  void set_levels(std::span<const std::uint8_t> in_level, float softness) {
+  /// Tells sweeps of which pieces' constraints levels carry a part of the load (TetLevels). Such pieces need one sweep.
+  void set_levels(std::span<const std::uint8_t> in_level) {
     SOUPLE_ASSERT(in_level.size() == set_.size(), "one entry per constraint");
-    softness_of_rest_ = softness;
     for (std::vector<float>* values : {&in_level_, &level_scales_, &level_shared_})
       values->resize(in_level.size());
     for (std::size_t i = 0; i < in_level.size(); ++i) {
@@ -258,9 +266,9 @@ class SetProjector final : public Projector,
                  const LinearVisitor& visitor) const override {
     for (std::size_t i = 0; i < set_.size(); ++i) linearize_one(i, particles, substep, visitor);
   }
-  std::vector<IndexRange> constraints_of(std::span<const IndexRange> particles) const override {
-    std::vector<IndexRange> result;
-    if (is_replaced()) return result;  // not in order of particles
+  void append_constraints_of(std::span<const IndexRange> particles,
+                             std::vector<IndexRange>& out) const override {
+    if (is_replaced()) return;  // not in order of particles
     const std::vector<std::uint32_t>& first = set_.records[0];
     for (std::size_t c = 0; c + 1 < set_.color_begin.size(); ++c) {
       const auto at = [&](std::size_t i) { return first.begin() + static_cast<std::ptrdiff_t>(i); };
@@ -274,10 +282,12 @@ class SetProjector final : public Projector,
       for (const IndexRange& range : particles) {
         const std::size_t begin = before(i, range.begin);
         i = before(begin, range.end);
-        if (begin < i) result.push_back({begin, i});
+        if (begin < i) out.push_back({begin, i});
       }
     }
-    return result;
+  }
+  std::uint32_t particle_of(int color, std::size_t index, const ParticleView& particles) const override {
+    return particles.first_movable(set_.indices(set_.color_begin[static_cast<std::size_t>(color)] + index));
   }
   void linearize_some(std::span<const std::uint32_t> constraints, const ParticleView& particles,
                       const Substep& substep, const LinearVisitor& visitor) const override {
@@ -411,17 +421,38 @@ class SetProjector final : public Projector,
     }
   }
   // Mean over the constraints of what one sweep adds to their compliance, relative to it. [1/s^2]
+  /// The mean over each piece.
   void find_softness(const ParticleView& particles) {
     if constexpr (requires { Kind::softness; }) {
-      double sum = 0;
+      DisjointSets connected(particles.position.size());
+      for (std::size_t i = 0; i < set_.size(); ++i)
+        for (const std::uint32_t particle : set_.indices(i)) connected.join(set_.indices(i)[0], particle);
+      std::vector<std::uint32_t> piece_at(particles.position.size(), no_particle);
+      std::vector<double> sum, count;
+      pieces_.clear();
       for (std::size_t i = 0; i < set_.size(); ++i) {
-        float w[Kind::arity];
         const Indices indices = set_.indices(i);
+        const std::uint32_t root = connected.root(indices[0]);
+        if (piece_at[root] == no_particle) {
+          piece_at[root] = static_cast<std::uint32_t>(pieces_.size());
+          pieces_.push_back({root, static_cast<std::uint32_t>(i), 0});
+          sum.push_back(0), count.push_back(0);
+        }
+        float w[Kind::arity];
         for (std::size_t k = 0; k < Set::arity; ++k) w[k] = particles.inverse_mass(indices[k]);
-        sum += static_cast<double>(Kind::softness(set_.params(i), set_.compliance(i), w));
+        sum[piece_at[root]] += static_cast<double>(Kind::softness(set_.params(i), set_.compliance(i), w));
+        ++count[piece_at[root]];
       }
-      softness_ = set_.size() > 0 ? static_cast<float>(sum / static_cast<double>(set_.size())) : 0;
+      for (std::size_t p = 0; p < pieces_.size(); ++p)
+        pieces_[p].softness = static_cast<float>(sum[p] / count[p]);
+      std::sort(pieces_.begin(), pieces_.end(),
+                [](const Piece& a, const Piece& b) { return a.particle < b.particle; });
     }
+  }
+  int sweeps_needed(const Substep& substep, float softness) const {
+    if (substep.mode == Mode::pbd) return 1;
+    const float needed = sweeps_for(softness, substep.h);
+    return static_cast<int>(std::fmin(needed, static_cast<float>(max_sweeps(substep))));
   }
   bool is_replaced() const { return !replaced_.former.order.empty(); }
   // Particles that `project` acts on.
@@ -699,13 +730,20 @@ class SetProjector final : public Projector,
   }
 
   Set set_;
-  mutable std::vector<Residual> partial_;                      // per chunk
-  Column half_shared_;                                         // phi / 2 of each constraint
-  float softness_ = 0;                                         // see find_softness
+  mutable std::vector<Residual> partial_;  // per chunk
+  Column half_shared_;                     // phi / 2 of each constraint
+  /// Connected constraints, with their softness [1/s^2].
+  struct Piece {
+    std::uint32_t particle, constraint;  // the lowest particle, a constraint
+    float softness;
+  };
+  float softness_of(const Piece& piece) const {
+    return in_level_.empty() || !(in_level_[piece.constraint] > 0) ? piece.softness : 0;
+  }
+  std::vector<Piece> pieces_;                                  // see find_softness; ascending by particle
   std::vector<float> in_level_, level_scales_, level_shared_;  // see set_levels; empty: no levels
-  float softness_of_rest_ = 0;                                 // see set_levels
-  bool dirty_sweeps_ = true;                                   // half_shared_ and softness_ are out of date
-  bool dirty_softness_ = true;                                 // softness_ is out of date
+  bool dirty_sweeps_ = true;                                   // half_shared_ and pieces_ are out of date
+  bool dirty_softness_ = true;                                 // pieces_ are out of date
   std::uint64_t revision_ = detail::next_revision();
   Column scales_;        // k' of each constraint, for scales_for_
   int scales_for_ = -1;  // number of iterations in PBD mode, else 0

@@ -5,6 +5,7 @@
 #include "souple/math/polar_decomposition.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include <fmt/core.h>
 
@@ -124,17 +125,11 @@ void ShapeMatching::update_masses(Region& region, std::span<const std::uint32_t>
 }
 
 void ShapeMatching::prepare_sweeps(const ParticleView& particles, bool) {
-  softness_ = 0;
-  std::size_t particle_count = 0;
-  for (std::size_t i = 0; i < regions_.size(); ++i) {
-    Region& region = regions_[i];
-    update_masses(region, groups_[i], particles);
-    if (!(region.free_mass > 0)) continue;
-    particle_count += groups_[i].size();
-    if (region.settings.compliance > 0)
-      softness_ = std::fmax(softness_, 1 / (2 * region.free_mass * region.settings.compliance));
-  }
-  affordable_sweeps_ = max_moves / static_cast<double>(std::max(particle_count, std::size_t{1}));
+  for (std::size_t i = 0; i < regions_.size(); ++i) update_masses(regions_[i], groups_[i], particles);
+  by_particle_.resize(regions_.size());
+  std::iota(by_particle_.begin(), by_particle_.end(), 0u);
+  std::stable_sort(by_particle_.begin(), by_particle_.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return groups_[a][0] < groups_[b][0]; });
 }
 
 void ShapeMatching::find_stacks(const ParticleView& particles) {
@@ -153,18 +148,50 @@ void ShapeMatching::find_stacks(const ParticleView& particles) {
     const Vec3f margin{near, near, near};
     stacks_.set(i, lo - margin, hi + margin, regions_[i].free_mass);
   }
-  const Stacks::Size size = stacks_.find();
-  const double stack = std::fmin(sweeps_per_region * static_cast<double>(size.bodies), max_stack_sweeps);
-  stack_sweeps_ = size.bodies < 2 ? 1 : std::fmin(std::fmax(stack, size.mass_ratio), affordable_sweeps_);
+  stacks_.find();
 }
 
 // A region alone needs one sweep. Contacts take part in each sweep. With contacts it needs as many sweeps as its
 // particles would (SetProjector::sweeps_needed), and in a stack as many as carry a weight through it.
-int ShapeMatching::sweeps_needed(const Substep& substep) const {
+template <class ForEach>
+int ShapeMatching::sweeps_of(const Substep& substep, const ForEach& for_each) const {
   if (substep.mode == Mode::pbd) return 1;
-  const double own = std::round(1 + 2.5 * softness_ * static_cast<double>(substep.h * substep.h));
-  const double stack = stack_sweeps_ * std::fmin(1, 10.0 / substep.count);
-  return static_cast<int>(std::fmax(std::fmin(own, max_sweeps(substep)), stack));
+  double softness = 0, stack = 1;  // softness: largest D / (2 alpha) [1/s^2]
+  std::size_t moved = 0;
+  Stacks::Size size;
+  for_each([&](std::uint32_t i) {
+    const Region& region = regions_[i];
+    if (!(region.free_mass > 0)) return;
+    moved += groups_[i].size();
+    if (region.settings.compliance > 0)
+      softness = std::fmax(softness, 1 / (2 * region.free_mass * region.settings.compliance));
+    if (regions_.size() > 1) size.add(stacks_.size_of(i));
+  });
+  if (size.bodies > 1)
+    stack =
+        std::fmin(std::fmax(std::fmin(sweeps_per_region * static_cast<double>(size.bodies), max_stack_sweeps),
+                            size.mass_ratio),
+                  max_moves / static_cast<double>(moved));
+  const double own = std::round(1 + 2.5 * softness * static_cast<double>(substep.h * substep.h));
+  return static_cast<int>(
+      std::fmax(std::fmin(own, max_sweeps(substep)), stack * std::fmin(1, 10.0 / substep.count)));
+}
+
+int ShapeMatching::sweeps_needed(const Substep& substep) const {
+  return sweeps_of(substep, [&](const auto& f) {
+    for (std::uint32_t i = 0; i < regions_.size(); ++i) f(i);
+  });
+}
+
+int ShapeMatching::sweeps_needed(const Substep& substep, std::span<const IndexRange> particles) const {
+  return sweeps_of(substep, [&](const auto& f) {
+    const auto before = [&](std::uint32_t i, std::size_t particle) { return groups_[i][0] < particle; };
+    auto at = by_particle_.begin();
+    for (const IndexRange& range : particles)
+      for (at = std::lower_bound(at, by_particle_.end(), range.begin, before);
+           at != by_particle_.end() && groups_[*at][0] < range.end; ++at)
+        f(*at);
+  });
 }
 
 void ShapeMatching::begin_substep(const ParticleView& particles, const Substep&) {

@@ -49,6 +49,7 @@ class ShapeMatching final : public GroupProjector, public MemoryFacet {
   Facets facets() override { return {.elastic = this, .memory = this}; }
   void prepare_sweeps(const ParticleView& particles, bool masses_changed) override;
   int sweeps_needed(const Substep& substep) const override;
+  int sweeps_needed(const Substep& substep, std::span<const IndexRange> particles) const override;
   /// Must run before `project`: it updates changed masses.
   void begin_substep(const ParticleView& particles, const Substep& substep) override;
   Residual residual(const ParticleView& particles, Threads* = nullptr) const override;
@@ -96,10 +97,12 @@ class ShapeMatching final : public GroupProjector, public MemoryFacet {
   void damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
                 const Substep& substep) override;
 
-  double softness_ = 0;      // largest D / (2 alpha) [1/s^2]
-  double stack_sweeps_ = 1;  // sweeps of regions that touch each other
-  double affordable_sweeps_ = 1;
-  Stacks stacks_;
+  /// `for_each(f)` calls f(i) for the regions that count.
+  template <class ForEach>
+  int sweeps_of(const Substep& substep, const ForEach& for_each) const;
+
+  std::vector<std::uint32_t> by_particle_;  // regions, by their first particle
+  mutable Stacks stacks_;
   mutable std::vector<Region> regions_;  // `residual` updates values that depend on the masses
 };
 

@@ -3,6 +3,7 @@
 #include "souple/solver/left_out.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/solver_settings.h"
+#include "souple/solver/sweep_regions.h"
 #include "souple/threads/threads.h"
 
 #include <span>
@@ -45,13 +46,21 @@ void sweep_color(Projector& projector, int color, const ParticleView& particles,
 
 /// Projects all constraints of a projector once, color after color.
 void sweep(Projector& projector, const ParticleView& particles, const Substep& substep, Threads& threads);
+/// Projects those of some runs, ascending.
+void sweep(Projector& projector, std::span<const SweptRun> runs, const ParticleView& particles,
+           const Substep& substep, Threads& threads);
+
+/// Work space of sweep_as_needed.
+struct SweepScratch {
+  std::vector<Vec4f> motion;
+  std::vector<int> sweeps;  ///< per projector
+};
 
 /// Sweeps each projector as often as it needs to be as stiff as its material (ElasticFacet::sweeps_needed), in
-/// rounds. Contacts take part in every round: a stiff body that is swept alone pushes itself back into them and
+/// rounds; each class of regions (SweepRegions) for itself. Contacts take part in every round: a stiff body that is swept alone pushes itself back into them and
 /// trembles. With stored multipliers there is one round. With more than 10 rounds, each advances the particles by a
-/// part of their motion in the substep. Projectors with fewer sweeps take part in the last rounds. `motion` is work
-/// space.
+/// part of their motion in the substep. Projectors with fewer sweeps take part in the last rounds.
 void sweep_as_needed(std::span<Projector* const> projectors, const ParticleView& particles,
-                     const Substep& substep, Threads& threads, std::vector<Vec4f>& motion);
+                     const Substep& substep, Threads& threads, SweepScratch& scratch);
 
 }  // namespace souple

@@ -27,13 +27,12 @@ void Stacks::set(std::size_t body, const Vec3f& lo, const Vec3f& hi, double mass
   bodies_[body] = {lo, hi, mass};
 }
 
-Stacks::Size Stacks::find() {
+void Stacks::find() {
   const auto x = [&](std::size_t k) { return bodies_[by_x_[k]].lo.x; };
   for (std::size_t k = 1; k < by_x_.size(); ++k)
     for (std::size_t j = k; j > 0 && x(j) < x(j - 1); --j) std::swap(by_x_[j], by_x_[j - 1]);
   connected_.reset(bodies_.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) groups_[i] = {1, bodies_[i].mass, bodies_[i].mass};
-  Size size;
   for (std::size_t k = 0; k < by_x_.size(); ++k) {
     const std::uint32_t a = by_x_[k];
     for (std::size_t j = k + 1; j < by_x_.size() && !(x(j) > bodies_[a].hi.x); ++j) {
@@ -41,14 +40,15 @@ Stacks::Size Stacks::find() {
       if (!(bodies_[a].mass > 0) || !(bodies_[b].mass > 0) || !touch(bodies_[a], bodies_[b])) continue;
       const Group one = groups_[connected_.root(a)], other = groups_[connected_.root(b)];
       if (!connected_.join(a, b)) continue;
-      const Group group{one.bodies + other.bodies, std::min(one.lightest, other.lightest),
-                        std::max(one.heaviest, other.heaviest)};
-      groups_[connected_.root(a)] = group;
-      size = {std::max(size.bodies, group.bodies),
-              std::max(size.mass_ratio, group.heaviest / group.lightest)};
+      groups_[connected_.root(a)] = {one.bodies + other.bodies, std::min(one.lightest, other.lightest),
+                                     std::max(one.heaviest, other.heaviest)};
     }
   }
-  return size;
+}
+
+Stacks::Size Stacks::size_of(std::uint32_t body) {
+  const Group& group = groups_[connected_.root(body)];
+  return {group.bodies, group.heaviest / group.lightest};
 }
 
 }  // namespace souple

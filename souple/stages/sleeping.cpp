@@ -338,8 +338,8 @@ void leave_out_asleep(const ObjectsView& objects, std::span<Projector* const> pr
   if (particles.empty()) return;
   for (Projector* projector : projectors) {
     const LinearFacet* const linear = projector->facets().linear;
-    const std::vector<IndexRange> asleep =
-        linear ? linear->constraints_of(particles) : std::vector<IndexRange>{};
+    std::vector<IndexRange> asleep;
+    if (linear != nullptr) linear->append_constraints_of(particles, asleep);
     sleep.constraints.add_ranges(*projector, asleep, projector->size());
   }
 }

@@ -389,9 +389,19 @@ void Ties::project_all(const ParticleView& particles, RigidBodies& bodies, bool 
     if (record.state.broken == 0 && (record.in_turns || !in_turns_only)) project_one(record, sides);
 }
 
-void Ties::project(int, std::size_t, std::size_t, const ParticleView& particles, const Substep&) {
+void Ties::project(int, std::size_t begin, std::size_t end, const ParticleView& particles, const Substep&) {
   const Sides sides(particles, nullptr);
-  for (const std::uint32_t k : between_particles_) project_one(records_[k], sides);
+  for (std::size_t k = begin; k < end; ++k) project_one(records_[between_particles_[k]], sides);
+}
+
+std::uint32_t Ties::particle_of(int, std::size_t index, const ParticleView& particles) const {
+  const Record& record = records_[between_particles_[index]];
+  std::uint32_t found = no_particle;
+  const auto look = [&](std::uint32_t i, double) {
+    if (found == no_particle && particles.inverse_mass(i) > 0) found = i;
+  };
+  Sides::for_each_part(Sides::a_of(record), look), Sides::for_each_part(Sides::b_of(record), look);
+  return found;
 }
 
 void Ties::project_one(Record& record, const Sides& sides) const {

@@ -142,11 +142,12 @@ class Ties final : public Projector, public MemoryFacet {
 
   std::string_view kind() const override { return "tie"; }
   std::size_t size() const override;
-  Facets facets() override { return {.memory = this}; }
+  /// All are solved on one thread, in order.
+  Facets facets() override { return {.grain = std::numeric_limits<std::size_t>::max(), .memory = this}; }
   void prepare(std::size_t) override {}
   int color_count() const override { return 1; }
-  /// All are solved on one thread, in order.
-  std::size_t color_size(int) const override { return between_particles_.empty() ? 0 : 1; }
+  std::size_t color_size(int) const override { return between_particles_.size(); }
+  std::uint32_t particle_of(int, std::size_t index, const ParticleView& particles) const override;
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;

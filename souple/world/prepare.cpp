@@ -19,6 +19,8 @@
 #include "souple/world/step_report.h"
 #include "souple/world/step_scratch.h"
 
+#include <algorithm>
+
 namespace souple {
 
 Substep substep_of(const Settings& settings, double dt) {
@@ -69,6 +71,24 @@ void for_each_lasting(const WorldState& world, const Function& f) {
   if (!world.constraints.ties->empty()) f(*world.constraints.ties);
 }
 
+/// Regions that constraints other than contacts connect.
+void prepare_regions(WorldState& world) {
+  std::vector<IndexRange> objects;
+  for (const auto& object : world.objects) objects.push_back({object->begin, object->reserved_end()});
+  std::vector<SweepRegions::ObjectPair> joined;
+  const ParticleView view = world.view();
+  const auto join = [&](const ConstraintState& constraint) {
+    for (const std::uint32_t i : constraint.particles)
+      joined.emplace_back(world.object_of[constraint.particles.front()], world.object_of[i]);
+  };
+  for (const UserConstraint& user_constraint : world.constraints.users)
+    if (user_constraint.is_active) user_constraint.projector->visit(view, join);
+  world.constraints.ties->visit(view, join);
+  std::sort(joined.begin(), joined.end());
+  joined.erase(std::unique(joined.begin(), joined.end()), joined.end());
+  world.scratch->regions.set_objects(objects, std::move(joined));
+}
+
 void order_projectors(WorldState& world) {
   std::vector<Projector*>& order = world.constraints.order;
   order.clear();
@@ -107,6 +127,7 @@ void build_constraints_and_solver(WorldState& world) {
                                : make_threads(world.settings.threading, world.settings.threads);
   if (!world.dirty.solver && !world.dirty.masses) return;
   order_projectors(world);
+  prepare_regions(world);
   world.scratch->sleep->changed = true;
   for (Projector* projector : world.constraints.order)
     if (StudyFacet* const study = projector->facets().study)

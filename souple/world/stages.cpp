@@ -112,6 +112,8 @@ void solve(WorldState& world, const Substep& substep) {
   world.rigid->begin_ties(world.stage_view(), substep, *world.constraints.ties);
   Substep solved = substep;
   solved.without_levels = find_without_levels(world);
+  world.scratch->regions.begin_substep();
+  solved.regions = &world.scratch->regions;
   SleepScratch& sleep = *world.scratch->sleep;
   leave_out_asleep(world.objects_view(), world.constraints.object_projectors, sleep);
   if (!sleep.constraints.empty()) solved.asleep = &sleep.constraints;

@@ -78,7 +78,7 @@ void end_step(WorldState& world, double dt, bool valid) {
 /// A step of World::step.
 void advance(World& self, WorldState& world, double dt) {
   if (!begin_step(world, dt)) return;
-  const Substep substep = substep_of(world.settings, dt);
+  Substep substep = substep_of(world.settings, dt);
   const double start = world.time;
   bool valid = true;
   world.current.running = true;
@@ -88,6 +88,7 @@ void advance(World& self, WorldState& world, double dt) {
   begin_angular_momentum(world);
   for (int i = 1; valid && i <= substep.count; ++i) {
     world.current.last_substep = i == substep.count;
+    substep.number = i - 1;
     run(self, world, Stage::integrate, [&] { integrate(world, substep); });
     run(self, world, Stage::fluids, [&] { solve_incompressibility(world, substep); });
     run(self, world, Stage::contacts, [&] { generate_contacts(world, substep); });

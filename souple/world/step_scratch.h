@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/solver/sweep_regions.h"
 #include "souple/stages/angular_momentum.h"
 #include "souple/stages/balance.h"
 #include "souple/stages/body_restitution.h"
@@ -25,6 +26,7 @@ struct StepScratch {
   AngularMomentum angular_momentum;
   AngularMomentum::Links links;
   std::vector<IndexRange> without_levels;
+  SweepRegions regions;
   std::unique_ptr<SleepScratch> sleep;
 };
 

@@ -114,7 +114,8 @@ TEST(SetProjector, ConstraintsOfSleepingObjectsAreFoundAndMayBeLeftOut) {
   };
   SetProjector<Distance> links = make();
   const IndexRange asleep[] = {{n, both}};
-  const std::vector<IndexRange> found = links.constraints_of(asleep);
+  std::vector<IndexRange> found;
+  links.append_constraints_of(asleep, found);
   std::vector<bool> left_out(links.size());
   for (const IndexRange& range : found)
     for (std::size_t i = range.begin; i < range.end; ++i) left_out[i] = true;

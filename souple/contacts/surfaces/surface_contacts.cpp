@@ -99,24 +99,32 @@ std::size_t SurfaceContacts::round_size() const {
   return round_->contacts().size();
 }
 
+// Round contacts come last, one after the other: those of a body act on the same particles.
 int SurfaceContacts::color_count() const {
-  return colors_->count() + (round_size() > 0 ? 1 : 0);
+  return colors_->count() + static_cast<int>(round_size());
 }
 
 std::size_t SurfaceContacts::color_size(int color) const {
-  if (color == colors_->count()) return 1;
+  if (color >= colors_->count()) return 1;
   const auto c = static_cast<std::size_t>(color);
   return colors_->begin()[2 * c + 2] - colors_->begin()[2 * c];
 }
 
 void SurfaceContacts::project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                               const Substep&) {
-  if (color == colors_->count()) {
-    for (std::size_t c = 0; c < round_size(); ++c) round_->project(c, particles);
-    return;
-  }
+  if (color >= colors_->count())
+    return round_->project(static_cast<std::size_t>(color - colors_->count()), particles);
   const std::size_t first = colors_->begin()[2 * static_cast<std::size_t>(color)];
   simd_kernels().project(pairs_.particle_records(particles), columns_, first + begin, first + end);
+}
+
+std::uint32_t SurfaceContacts::particle_of(int color, std::size_t index,
+                                           const ParticleView& particles) const {
+  if (color >= colors_->count())
+    return particles.first_movable(
+        round_->contacts()[static_cast<std::size_t>(color - colors_->count())].anchor.particle);
+  const std::size_t c = colors_->begin()[2 * static_cast<std::size_t>(color)] + index;
+  return particles.first_movable(anchor_of(columns_, c).particle);
 }
 
 // A contact's correction beyond the approach becomes the margin of its particles, if it exceeds the

@@ -78,6 +78,7 @@ class SurfaceContacts final : public ContactProjector {
   int color_count() const override;
   std::size_t color_size(int color) const override;
   std::size_t grain() const override { return 256; }
+  std::uint32_t particle_of(int color, std::size_t index, const ParticleView& particles) const override;
   using Projector::project;
   void project(int color, std::size_t begin, std::size_t end, const ParticleView& particles,
                const Substep& substep) override;
