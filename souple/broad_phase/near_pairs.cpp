@@ -101,6 +101,7 @@ bool NearPairFinder::find(const SurfaceElements& elements, std::span<const Bound
 
   start = Clock::now();
   const std::size_t patches = patch_boxes_.size();
+  find_partners(compares, threads);
   const bool complete =
       find_in_chunks(patches, patches_per_chunk, most, out, threads, [&](std::size_t a, Part& part) {
         find_near(static_cast<std::uint32_t>(a), compares, position_w, part);
@@ -109,6 +110,34 @@ bool NearPairFinder::find(const SurfaceElements& elements, std::span<const Bound
   marks_.assign(patches, {});
   is_moving_.assign(elements.particle_end(), 0);
   return complete;
+}
+
+// Fills partners_. Grids list a pair at the smaller box, and which grids there are depends on all boxes. Here it is listed at
+// the lower patch, so that the order of pairs depends on nothing but their own objects.
+void NearPairFinder::find_partners(const ObjectFilter& compares, Threads& threads) {
+  const std::size_t patches = patch_boxes_.size(), chunks = chunks_.size();
+  if (overlaps_.size() < chunks) overlaps_.resize(chunks);
+  threads.each(chunks, 1, [&](std::size_t c) {
+    Overlaps& own = overlaps_[c];
+    own.pairs.clear();
+    for (std::size_t k = c * patches_per_chunk; k < std::min(patches, (c + 1) * patches_per_chunk); ++k) {
+      const auto a = static_cast<std::uint32_t>(k);
+      own.found.clear();
+      hash_.find_partners(a, skipped(a, compares), own.found);
+      for (const std::uint32_t b : own.found) own.pairs.push_back({std::min(a, b), std::max(a, b)});
+    }
+  });
+  partners_begin_.assign(patches + 1, 0);
+  for (std::size_t c = 0; c < chunks; ++c)
+    for (const auto& pair : overlaps_[c].pairs) ++partners_begin_[pair[0] + 1];
+  for (std::size_t a = 0; a < patches; ++a) partners_begin_[a + 1] += partners_begin_[a];
+  resize_with_spare(partners_, partners_begin_[patches]);
+  next_partner_.assign(partners_begin_.begin(), partners_begin_.end());
+  for (std::size_t c = 0; c < chunks; ++c)
+    for (const auto& pair : overlaps_[c].pairs) partners_[next_partner_[pair[0]]++] = pair[1];
+  threads.each(patches, patches_per_chunk, [&](std::size_t a) {
+    std::sort(partners_.data() + partners_begin_[a], partners_.data() + partners_begin_[a + 1]);
+  });
 }
 
 // Calls find_one(k, part) for k in [0, count). Parts take chunks in rotation, so that crowded regions are
@@ -295,10 +324,9 @@ std::size_t NearPairFinder::make_boxes_of(std::size_t a, std::span<const Vec4f> 
 void NearPairFinder::find_near(std::uint32_t a, const ObjectFilter& compares,
                                std::span<const Vec4f> position_w, Part& part) const {
   constexpr Marks all{~0u, ~0u, ~0u};
-  part.found.clear();
-  hash_.find_partners(a, skipped(a, compares), part.found);
   find_between(a, all, a, all, compares, position_w, part);
-  for (const std::uint32_t b : part.found) find_between(a, all, b, all, compares, position_w, part);
+  for (std::uint32_t k = partners_begin_[a]; k < partners_begin_[a + 1]; ++k)
+    find_between(a, all, partners_[k], all, compares, position_w, part);
 }
 
 void NearPairFinder::find_between(std::uint32_t a, const Marks& of_a, std::uint32_t b, const Marks& of_b,

@@ -103,6 +103,7 @@ class NearPairFinder {
   bool find_in_chunks(std::size_t count, std::size_t per_chunk, std::size_t most, NearPairs& out,
                       Threads& threads, const Function& find_one);
   void find_own_patches();
+  void find_partners(const ObjectFilter& compares, Threads& threads);
   SpatialHash::Skip skipped(std::uint32_t patch, const ObjectFilter& compares) const;
   void mark(std::span<const std::uint32_t> particles);
   void unmark(std::span<const std::uint32_t> particles);
@@ -126,6 +127,14 @@ class NearPairFinder {
   SpatialHash hash_;
   std::vector<Part> parts_;
   std::vector<Chunk> chunks_;
+  /// Patches that overlap, of a number of patches.
+  struct Overlaps {
+    std::vector<std::uint32_t> found;
+    std::vector<std::array<std::uint32_t, 2>> pairs;
+  };
+  std::vector<Overlaps> overlaps_;                            // per chunk
+  std::vector<std::uint32_t> partners_begin_, next_partner_;  // per patch
+  std::vector<std::uint32_t> partners_;       // those with a higher number that a patch overlaps, ascending
   std::vector<std::size_t> left_out_of_;      // per chunk
   std::vector<Marks> marks_;                  // per patch, in find_moved
   std::vector<std::uint8_t> is_moving_;       // per particle, in find_moved
