@@ -31,6 +31,15 @@ void ContactColors::extend(std::size_t first_new, const ElementPairs& pairs) {
   used_.assign(pairs.surfaces().particle_count(), 0);
 }
 
+void ContactColors::forget(std::span<const IndexRange> particles) {
+  const std::size_t n = first_free_.size();
+  for (const IndexRange& range : particles)
+    for (std::size_t i = range.begin; i < range.end; ++i) {
+      first_free_[i] = next_[i] = 0;
+      for (std::size_t at = i; at < used_.size(); at += n) used_[at] = 0;
+    }
+}
+
 // The lowest color that none of its movable particles has.
 std::uint32_t ContactColors::color_of(const NearPair& pair, const ParticleView& particles, std::size_t n) {
   std::size_t word = 0;

@@ -19,9 +19,6 @@ constexpr std::size_t batch_size = 1024;
 // Margin of a surface's bounds, as a part of its size. The rest of the world may pull a surface far from all
 // others by as much within a step, while its particles are not checked.
 constexpr float far_surface_margin_part = 0.125f;
-// Pairs that a search may find: for each element that may touch itself or another surface, and for any scene. A sheet
-// that collapses in folds has 25.
-constexpr std::size_t self_pairs_of_element = 32, other_pairs_of_element = 20, pairs_of_any = 65536;
 // Far pairs: more than the contact distance apart by at least this part of their thickness.
 constexpr float far_part = 0.4f;
 
@@ -56,9 +53,10 @@ ElementPairs::ElementPairs(std::vector<ContactSurface> surfaces, ParticlePairs j
                            const IntersectionResolver* intersection_resolver)
     : surfaces_(std::move(surfaces), std::move(joined)), intersection_resolver_(intersection_resolver) {
   if (!surfaces_.any()) return;
-  overlaps_other_.assign(surfaces_.size(), 0);
+  searches_.resize(surfaces_.size()), overlaps_other_.assign(surfaces_.size(), 0);
   for (std::uint32_t a = 0; a < surfaces_.size(); ++a) {
     const ContactSurface& surface = surfaces_[a];
+    searches_[a].elements = surface.reserved_end - surface.begin + surface.edges.size();
     if (!surface.self_collision) continue;
     self_elements_.add_triangles(surface.triangles, surface.begin, a);
     self_elements_.add_edges(surface.edges, surface.begin, a);
@@ -74,26 +72,38 @@ void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec
                               std::span<const float> radius, std::span<const float> contact_margin,
                               const ContactStep& step, Threads& threads) {
   paths_.begin_step(radius, contact_margin, step.gravity);
+  paths_.reset(surfaces_);
   step_ = step;
   remaining_ = step.dt;
   limit_.begin_step(surfaces_);
-  find(particles, velocity, threads);
+  anew_.clear();
+  find(particles, velocity, 0, threads);
 }
 
-// Time that the next search covers [s]: the rest of the step. If particles move faster relative to their object, it is
-// the time in which their mean motion is motion_in_thicknesses times their thickness. It is then a multiple of h.
-float ElementPairs::horizon(const ParticleView& particles, std::span<const Vec4f> velocity) const {
+void ElementPairs::begin_substep(float h) {
+  remaining_ -= h;
+  for (Search& search : searches_) search.covered -= h;
+  paths_.advance(h);
+}
+
+std::span<const IndexRange> ElementPairs::take_searched_anew() {
+  taken_anew_.swap(anew_);
+  anew_.clear();
+  return taken_anew_;
+}
+
+// Time that the next search of a surface covers [s]: the rest of the step. If its particles move faster relative to it, it
+// is the time in which their mean motion is motion_in_thicknesses times their thickness. It is then a multiple of h.
+float ElementPairs::horizon(std::size_t surface, const ParticleView& particles,
+                            std::span<const Vec4f> velocity) const {
   constexpr double motion_in_thicknesses = 1;
-  if (!(step_.h > 0) || !(step_.h < remaining_)) return remaining_;
+  if (!surfaces_[surface].self_collision || !(step_.h > 0) || !(step_.h < remaining_)) return remaining_;
   double speeds = 0, thickness = 0;
-  for (std::size_t a = 0; a < surfaces_.size(); ++a) {
-    if (!surfaces_[a].self_collision) continue;
-    surfaces_.for_each_sample(a, [&](std::uint32_t i) {
-      if (particles.inverse_mass(i) == 0) return;
-      speeds += static_cast<double>(length(paths_.relative_velocity(velocity[i].xyz(), a)));
-      thickness += static_cast<double>(paths_.thickness(i));
-    });
-  }
+  surfaces_.for_each_sample(surface, [&](std::uint32_t i) {
+    if (particles.inverse_mass(i) == 0) return;
+    speeds += static_cast<double>(length(paths_.relative_velocity(velocity[i].xyz(), surface)));
+    thickness += static_cast<double>(paths_.thickness(i));
+  });
   const double h = static_cast<double>(step_.h), remaining = static_cast<double>(remaining_);
   if (!(speeds * remaining > motion_in_thicknesses * thickness)) return remaining_;
   return static_cast<float>(
@@ -101,38 +111,50 @@ float ElementPairs::horizon(const ParticleView& particles, std::span<const Vec4f
 }
 
 std::size_t ElementPairs::budget() const {
-  const auto elements = [](const SurfaceElements& all) { return all.vertices().size() + all.edges().size(); };
-  return pairs_of_any + self_pairs_of_element * elements(self_elements_) +
-         other_pairs_of_element * elements(inter_object_elements_);
+  std::size_t elements = 0;
+  for (std::uint32_t a = 0; a < searches_.size(); ++a)
+    if (is_searched(a)) elements += searches_[a].elements;
+  return pairs_of_any + pairs_of_element * elements;
 }
 
-void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads) {
+// `ago`: the particles are those of so many seconds before the substep's end.
+void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> velocity, float ago,
+                        Threads& threads) {
   const float h = step_.h > 0 ? min(step_.h, remaining_) : remaining_;
+  const auto begin = [&](std::span<const Vec4f> v) {
+    paths_.find_means(surfaces_, particles, v);
+    paths_.set_frame(limit_.frame());
+  };
   limit_.update_frame(surfaces_, overlaps_other_, particles, velocity);
   std::span<const Vec4f> v = limit_.limited(surfaces_, particles, velocity, h);
-  paths_.find_means(surfaces_, particles, v);
-  paths_.set_frame(limit_.frame());
-  float dt = limit_.is_active() ? h : horizon(particles, v);
-  bool found = find_within(dt, budget(), particles, v, threads);
-  if (!found && dt > h) found = find_within(dt = h, budget(), particles, v, threads);
+  begin(v);
+  bool one_substep = limit_.is_active();
+  bool found = find_within(one_substep, budget(), particles, v, ago, threads);
+  if (!found && !one_substep) found = find_within(one_substep = true, budget(), particles, v, ago, threads);
   while (!found) {
     // Pairs that are near although they hardly move have to be found.
     const bool helps = limit_.shorten(surfaces_, overlaps_other_, particles, velocity, h);
     v = limit_.limited(surfaces_, particles, velocity, h);
-    paths_.find_means(surfaces_, particles, v);
-    paths_.set_frame(limit_.frame());
-    if (!helps && !limit_.is_active()) dt = horizon(particles, v);
-    found = find_within(dt, helps ? budget() : NearPairFinder::unlimited, particles, v, threads);
+    begin(v);
+    if (!helps && !limit_.is_active()) one_substep = false;
+    found =
+        find_within(one_substep, helps ? budget() : NearPairFinder::unlimited, particles, v, ago, threads);
   }
-  covered_ = dt;
   pairs_.clear(surfaces_.particle_count());
-  add_found(particles, dt, threads);
+  add_found(particles, threads);
 }
 
-// Searches for the pairs within dt. Returns false if there are more than `most`.
-bool ElementPairs::find_within(float dt, std::size_t most, const ParticleView& particles,
-                               std::span<const Vec4f> velocity, Threads& threads) {
-  paths_.predict_all(surfaces_, particles, velocity, dt, threads);
+// Searches for the pairs of the next substep, or within the surfaces' horizons. Returns false if there are more than `most`.
+bool ElementPairs::find_within(bool one_substep, std::size_t most, const ParticleView& particles,
+                               std::span<const Vec4f> velocity, float ago, Threads& threads) {
+  const float h = step_.h > 0 ? min(step_.h, remaining_) : remaining_;
+  for (std::uint32_t a = 0; a < surfaces_.size(); ++a) {
+    searches_[a].covered = one_substep ? h : horizon(a, particles, velocity);
+    searches_[a].found = 0;
+    paths_.predict_surface(surfaces_, a, particles, velocity, ago, searches_[a].covered, threads);
+    find_bounds(a);
+  }
+  find_overlaps();
   select_inter_object_elements();
   const auto others = [this](std::uint32_t a, std::uint32_t b) {
     return surfaces_.collides_with_other(a, b);
@@ -143,25 +165,37 @@ bool ElementPairs::find_within(float dt, std::size_t most, const ParticleView& p
                                    inter_object_pairs_, threads, most);
 }
 
-// Selects the elements of surfaces whose bounds overlap those of a surface that they may collide with.
-void ElementPairs::select_inter_object_elements() {
-  const std::size_t n = surfaces_.size();
-  surface_bounds_.assign(n, {{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}});
-  for (std::size_t a = 0; a < n; ++a) {
-    Bounds& bounds = surface_bounds_[a];
-    for (std::uint32_t i = surfaces_[a].begin; i < surfaces_[a].end; ++i)
-      bounds = united(bounds, paths_.boxes()[i]);
-    const Vec3f size = bounds.hi - bounds.lo;
-    bounds = around(bounds.lo, bounds.hi, far_surface_margin_part * max(size.x, max(size.y, size.z)));
-  }
-  overlaps_other_now_.assign(n, 0);
+void ElementPairs::find_bounds(std::uint32_t surface) {
+  Bounds bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
+  for (std::uint32_t i = surfaces_[surface].begin; i < surfaces_[surface].end; ++i)
+    bounds = united(bounds, paths_.boxes()[i]);
+  const Vec3f size = bounds.hi - bounds.lo;
+  searches_[surface].bounds =
+      around(bounds.lo, bounds.hi, far_surface_margin_part * max(size.x, max(size.y, size.z)));
+}
+
+// Finds the surfaces whose bounds overlap those of a surface that they may collide with. Returns whether their elements
+// are at hand.
+bool ElementPairs::find_overlaps() {
+  surface_bounds_.clear();
+  for (Search& search : searches_) surface_bounds_.push_back(search.bounds), search.overlaps_other = false;
   for (const auto& [a, b] : surface_sweep_.find(surface_bounds_))
-    if (surfaces_.collides_with_other(a, b)) overlaps_other_now_[a] = overlaps_other_now_[b] = 1;
-  if (overlaps_other_now_ == overlaps_other_) return;
-  overlaps_other_ = overlaps_other_now_;
+    if (surfaces_.collides_with_other(a, b)) searches_[a].overlaps_other = searches_[b].overlaps_other = true;
+  bool complete = true;
+  for (std::size_t a = 0; a < searches_.size(); ++a) {
+    overlaps_other_[a] = searches_[a].overlaps_other ? 1 : 0;
+    complete = complete && (!searches_[a].overlaps_other || searches_[a].in_elements);
+  }
+  return complete;
+}
+
+void ElementPairs::select_inter_object_elements() {
+  const auto is_current = [](const Search& search) { return search.in_elements == search.overlaps_other; };
+  if (std::all_of(searches_.begin(), searches_.end(), is_current)) return;
   inter_object_elements_.clear();
-  for (std::uint32_t a = 0; a < n; ++a) {
-    if (overlaps_other_[a] == 0) continue;
+  for (std::uint32_t a = 0; a < surfaces_.size(); ++a) {
+    searches_[a].in_elements = searches_[a].overlaps_other;
+    if (!searches_[a].in_elements) continue;
     const ContactSurface& surface = surfaces_[a];
     inter_object_elements_.add_triangles(surface.triangles, surface.begin, a);
     inter_object_elements_.add_edges(surface.edges, surface.begin, a);
@@ -173,10 +207,9 @@ void ElementPairs::select_inter_object_elements() {
 // --- searches within a step
 
 std::size_t ElementPairs::update(const ParticleView& particles, float h, Threads& threads) {
-  const bool over = covered_ <= -0.5f * h;
   limit_.apply(surfaces_, particles, h, threads);
-  if (!over) paths_.find_off_path(surfaces_, overlaps_other_, particles, threads);
-  return refind(particles, h, over, threads);
+  paths_.find_off_path(surfaces_, overlaps_other_, particles, threads);
+  return refind(particles, h, true, threads);
 }
 
 std::size_t ElementPairs::update(const ParticleView& particles, float h,
@@ -186,18 +219,41 @@ std::size_t ElementPairs::update(const ParticleView& particles, float h,
   return refind(particles, h, false, threads);
 }
 
-std::size_t ElementPairs::refind(const ParticleView& particles, float h, bool over, Threads& threads) {
+// Chooses the surfaces all of whose pairs are searched again. Returns whether these are all that are searched at all.
+bool ElementPairs::choose_surfaces(float h, bool may_be_over) {
   // For a fifth of all particles, a search for their pairs alone takes as long as a search for all pairs.
   constexpr std::size_t refind_all_divisor = 5;
   // Pairs that were replaced stay until the next search of all. They may take as much as so many searches.
   constexpr std::size_t kept_budgets = 2;
-  const std::size_t off_path = paths_.off_path().size();
-  const bool all = over || off_path > surfaces_.particle_count() / refind_all_divisor + 8 ||
-                   (off_path > 0 && size() > kept_budgets * budget());
-  if (!all && off_path == 0) return size();
+  for (Search& search : searches_) search.off_path = 0;
+  for (const std::uint32_t i : paths_.off_path()) ++searches_[surfaces_.of(i)].off_path;
+  bool all = true;
+  for (std::uint32_t a = 0; a < searches_.size(); ++a) {
+    Search& search = searches_[a];
+    const std::size_t particles = surfaces_[a].end - surfaces_[a].begin;
+    search.again =
+        is_searched(a) && ((may_be_over && search.covered <= -0.5f * h) ||
+                           search.off_path > particles / refind_all_divisor + 8 ||
+                           (search.off_path > 0 && search.found > kept_budgets * budget_of(search)));
+    all = all && (search.again || !is_searched(a));
+  }
+  return all;
+}
+
+std::size_t ElementPairs::refind(const ParticleView& particles, float h, bool may_be_over, Threads& threads) {
+  // Storage of replaced pairs, in pairs of an ordinary search.
+  constexpr std::size_t stored_budgets = 8;
+  const bool all = choose_surfaces(h, may_be_over);
+  const auto is_chosen = [](const Search& search) { return search.again; };
+  const bool any = std::any_of(searches_.begin(), searches_.end(), is_chosen);
+  if (!any && paths_.off_path().empty()) return size();
   const ParticleView before = rewind(particles, h);
   const std::size_t first = size();
-  if (!all && refind_off_path(before, h, threads)) return first;
+  if (!(all && any) && first <= stored_budgets * budget() && refind_some(before, h, threads)) {
+    for (std::uint32_t a = 0; a < searches_.size(); ++a)
+      if (searches_[a].again) paths_.find_shift(surfaces_, a, particles);
+    return first;
+  }
   refind_all(before, h, threads);
   limit_.apply(surfaces_, particles, h, threads);
   paths_.find_shift(surfaces_, particles);
@@ -217,36 +273,72 @@ ParticleView ElementPairs::rewind(const ParticleView& particles, float h) {
 // Searches for all pairs, for the rest of the step.
 void ElementPairs::refind_all(const ParticleView& before, float h, Threads& threads) {
   remaining_ = max(remaining_ + h, h);
-  find(before, velocity_now_, threads);
-  begin_substep(h);
+  find(before, velocity_now_, h, threads);
+  anew_.clear();
+  remaining_ -= h;
+  for (Search& search : searches_) search.covered -= h;
 }
 
-// Searches for the pairs of the particles that left their paths. Contacts moved these particles, so a prediction of
-// their motion is valid for a short time only.
-// Returns false if there are too many.
-bool ElementPairs::refind_off_path(const ParticleView& before, float h, Threads& threads) {
+// Predicts the paths of the chosen surfaces for the rest of the step, and of other particles that have left theirs.
+// Contacts moved the latter, so a prediction of their motion is valid for a short time only. Fills moved_.
+void ElementPairs::predict_some(const ParticleView& before, float h, Threads& threads) {
   constexpr float covered_substeps = 3;
-  const float dt = max(min(covered_ + h, covered_substeps * h), h);
-  paths_.predict_off_path(surfaces_, before, velocity_now_, h, dt);
-  const std::span<const std::uint32_t> off_path = paths_.off_path();
+  moved_.clear();
+  for (const std::uint32_t i : paths_.off_path()) {
+    const std::uint32_t a = surfaces_.of(i);
+    if (searches_[a].again) continue;
+    const float dt = max(min(searches_[a].covered + h, covered_substeps * h), h);
+    paths_.predict_off_path(i, a, paths_.shift_of(surfaces_, a, before), before, velocity_now_[i].xyz(), h,
+                            dt);
+    moved_.push_back(i);
+  }
+  const float remaining = remaining_;
+  remaining_ = max(remaining_ + h, h);
+  for (std::uint32_t a = 0; a < searches_.size(); ++a) {
+    if (!searches_[a].again) continue;
+    paths_.find_mean(surfaces_, a, before, velocity_now_);
+    const float dt = limit_.is_active() ? h : horizon(a, before, velocity_now_);
+    paths_.predict_surface(surfaces_, a, before, velocity_now_, h, dt, threads);
+    searches_[a].covered = dt - h, searches_[a].found = 0;
+    find_bounds(a);
+    for (std::uint32_t i = surfaces_[a].begin; i < surfaces_[a].end; ++i)
+      if (surfaces_.of(i) == a) moved_.push_back(i);
+  }
+  remaining_ = remaining;
+  std::sort(moved_.begin(), moved_.end());
+}
+
+// Searches for the pairs of the particles that left their paths, and of the chosen surfaces. Returns false if all pairs
+// have to be searched.
+bool ElementPairs::refind_some(const ParticleView& before, float h, Threads& threads) {
+  predict_some(before, h, threads);
+  if (!find_overlaps()) return false;
   const auto others = [this](std::uint32_t a, std::uint32_t b) {
-    return surfaces_.collides_with_other(a, b);
+    return surfaces_.collides_with_other(a, b) && searches_[a].overlaps_other && searches_[b].overlaps_other;
   };
-  if (!self_finder_.find_moved(off_path, paths_.relative_boxes(), itself, before.position, self_pairs_,
-                               threads, budget()) ||
-      !inter_object_finder_.find_moved(off_path, paths_.boxes(), others, before.position, inter_object_pairs_,
+  if (!self_finder_.find_moved(moved_, paths_.relative_boxes(), itself, before.position, self_pairs_, threads,
+                               budget()) ||
+      !inter_object_finder_.find_moved(moved_, paths_.boxes(), others, before.position, inter_object_pairs_,
                                        threads, budget()))
     return false;
-  for (const std::uint32_t i : off_path) pairs_.replace_pairs_of(i);
-  add_found(before, dt, threads);
+  for (const std::uint32_t i : moved_) pairs_.replace_pairs_of(i);
+  add_found(before, threads);
+  for (std::uint32_t a = 0; a < searches_.size(); ++a)
+    if (searches_[a].again) anew_.push_back({surfaces_[a].begin, surfaces_[a].reserved_end});
   return true;
 }
 
 // --- pairs
 
-// Keeps the pairs that can come into contact within dt.
+// Keeps the pairs that can come into contact before they are searched again.
 void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool inter_object,
-                             const ParticleView& particles, float dt) const {
+                             const ParticleView& particles) const {
+  const auto covered = [&](std::uint32_t i) { return searches_[surfaces_.of(i)].covered; };
+  float dt = 0;  // until the first of a pair's surfaces is searched again
+  for (const NearPair& pair : pairs)
+    dt = max(dt, inter_object ? min(covered(pair.particle[0]), covered(pair.particle[3]))
+                              : covered(pair.particle[0]));
+  dt += step_.h;  // `covered` may be that after the substep
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
   const std::size_t kind = edges ? 1 : 0;
   float distance[batch_size], thickness[batch_size], range[batch_size];
@@ -269,7 +361,7 @@ void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
 }
 
 void ElementPairs::add(std::span<const NearPair> pairs, bool edges, bool inter_object,
-                       const ParticleView& particles, float dt, Threads& threads) {
+                       const ParticleView& particles, Threads& threads) {
   const std::size_t count = batches_of(pairs.size());
   if (batches_.size() < count) {
     const std::size_t before = batches_.size();
@@ -279,19 +371,25 @@ void ElementPairs::add(std::span<const NearPair> pairs, bool edges, bool inter_o
   }
   threads.each(count, 1, [&](std::size_t b) {
     add_batch(batches_[b], pairs.subspan(b * batch_size, std::min(batch_size, pairs.size() - b * batch_size)),
-              edges, inter_object, particles, dt);
+              edges, inter_object, particles);
   });
   const std::span<Batch> batches = std::span(batches_).first(count);
   pairs_.append(batches, &Batch::near, edges, inter_object, threads);
   pairs_.append(batches, &Batch::far, edges, inter_object, threads);
 }
 
-void ElementPairs::add_found(const ParticleView& particles, float dt, Threads& threads) {
+void ElementPairs::count_found(const NearPairs& pairs) {
+  for (const std::vector<NearPair>* const list : {&pairs.vertex_triangle, &pairs.edge_edge})
+    for (const NearPair& pair : *list) ++searches_[surfaces_.of(pair.particle[0])].found;
+}
+
+void ElementPairs::add_found(const ParticleView& particles, Threads& threads) {
+  count_found(self_pairs_), count_found(inter_object_pairs_);
   const std::size_t first = chunk_count();
-  add(self_pairs_.vertex_triangle, false, false, particles, dt, threads);
-  add(inter_object_pairs_.vertex_triangle, false, true, particles, dt, threads);
-  add(self_pairs_.edge_edge, true, false, particles, dt, threads);
-  add(inter_object_pairs_.edge_edge, true, true, particles, dt, threads);
+  add(self_pairs_.vertex_triangle, false, false, particles, threads);
+  add(inter_object_pairs_.vertex_triangle, false, true, particles, threads);
+  add(self_pairs_.edge_edge, true, false, particles, threads);
+  add(inter_object_pairs_.edge_edge, true, true, particles, threads);
   bounds_.resize(chunk_count());
   threads.each(chunk_count() - first, 4, [&](std::size_t c) { bounds_.add_chunk(first + c, pairs_); });
 }

@@ -31,10 +31,13 @@ inline constexpr double contact_spare = SurfaceContactRows::spare;
 /// Candidate pairs of elements, vertex and triangle or edge and edge, that may come into contact in a step.
 ///
 /// One search a step finds them with boxes swept along the velocities (predicted_paths.h, near_pairs.h). A pair is
-/// kept if its relative velocity and its margins can bring it into contact. Where particles move by many times their
-/// thickness within a step, a search covers only a part of the step, and another one follows. When particles
-/// leave their paths, only their pairs are searched again. The new pairs follow the existing pairs and
-/// replace the earlier pairs of those particles. Chunks of pairs that cannot touch yet are skipped (motion_bounds.h).
+/// kept if its relative velocity and its margins can bring it into contact. Where particles of a surface move by many times
+/// their thickness within a step, a search covers only a part of the step, and another one of that surface follows. When
+/// particles leave their paths, only their pairs are searched again, or those of their surface if they are many. The new
+/// pairs follow the existing pairs and replace the earlier pairs of those particles. Chunks of pairs that cannot touch yet
+/// are skipped (motion_bounds.h).
+///
+/// The order of a surface's pairs, and when they are searched, depend on no surface that it cannot touch.
 ///
 /// The number of pairs is bounded in proportion to the number of elements. A search that exceeds its budget is repeated
 /// for one substep alone, and then for shortened motions (motion_limit.h).
@@ -52,7 +55,7 @@ class ElementPairs {
                   std::span<const float> radius, std::span<const float> contact_margin,
                   const ContactStep& step, Threads& threads);
   /// Starts the next substep, of length `h` [s].
-  void begin_substep(float h) { remaining_ -= h, covered_ -= h, paths_.advance(h); }
+  void begin_substep(float h);
   /// Searches again for the pairs of particles that have left their paths within the substep of length `h`. Shortens
   /// motions while there is a limit.
   /// Returns the index of the first new pair: size() if there is none, 0 if all pairs are new.
@@ -60,6 +63,8 @@ class ElementPairs {
   /// Updates after `particles_moved` alone have moved since the last update.
   std::size_t update(const ParticleView& particles, float h, std::span<const std::uint32_t> particles_moved,
                      Threads& threads);
+  /// Particles of the surfaces all of whose pairs are new since the last call, if not all pairs are.
+  std::span<const IndexRange> take_searched_anew();
   void clear() { pairs_.clear(); }
   /// The fastest motion that was shortened in this step; speed 0: none.
   const ShortenedMotion& shortened() const { return limit_.shortened(); }
@@ -108,21 +113,44 @@ class ElementPairs {
   using List = PairChunks::List;
   using Batch = PairChunks::Batch;
 
-  void find(const ParticleView& particles, std::span<const Vec4f> velocity, Threads& threads);
-  bool find_within(float dt, std::size_t most, const ParticleView& particles, std::span<const Vec4f> velocity,
-                   Threads& threads);
+  /// State of a surface in a step.
+  struct Search {
+    float covered = 0;            ///< time after this substep that its last search covers [s]
+    std::size_t elements = 0;     ///< vertices and edges that may touch themselves or others
+    std::size_t found = 0;        ///< pairs since the last search of all its pairs
+    std::size_t off_path = 0;     ///< particles that have left their paths
+    bool again = false;           ///< all its pairs are searched again
+    Bounds bounds{};              ///< around its particles' boxes, with a margin
+    bool overlaps_other = false;  ///< its bounds overlap those of a surface that it may collide with
+    bool in_elements = false;     ///< of inter_object_elements_
+  };
+
+  void find(const ParticleView& particles, std::span<const Vec4f> velocity, float ago, Threads& threads);
+  bool find_within(bool one_substep, std::size_t most, const ParticleView& particles,
+                   std::span<const Vec4f> velocity, float ago, Threads& threads);
+  static std::size_t budget_of(const Search& search) {
+    return pairs_of_any + pairs_of_element * search.elements;
+  }
   std::size_t budget() const;
-  float horizon(const ParticleView& particles, std::span<const Vec4f> velocity) const;
+  float horizon(std::size_t surface, const ParticleView& particles, std::span<const Vec4f> velocity) const;
+  void find_bounds(std::uint32_t surface);
+  bool find_overlaps();
   void select_inter_object_elements();
-  std::size_t refind(const ParticleView& particles, float h, bool over, Threads& threads);
+  bool is_searched(std::uint32_t surface) const {
+    return surfaces_[surface].self_collision || searches_[surface].overlaps_other;
+  }
+  std::size_t refind(const ParticleView& particles, float h, bool may_be_over, Threads& threads);
+  bool choose_surfaces(float h, bool may_be_over);
   ParticleView rewind(const ParticleView& particles, float h);
   void refind_all(const ParticleView& before, float h, Threads& threads);
-  bool refind_off_path(const ParticleView& before, float h, Threads& threads);
-  void add_found(const ParticleView& particles, float dt, Threads& threads);
+  bool refind_some(const ParticleView& before, float h, Threads& threads);
+  void predict_some(const ParticleView& before, float h, Threads& threads);
+  void count_found(const NearPairs& pairs);
+  void add_found(const ParticleView& particles, Threads& threads);
   void add(std::span<const NearPair> pairs, bool edges, bool inter_object, const ParticleView& particles,
-           float dt, Threads& threads);
+           Threads& threads);
   void add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool inter_object,
-                 const ParticleView& particles, float dt) const;
+                 const ParticleView& particles) const;
 
   ElementSurfaces surfaces_;
   PredictedPaths paths_;
@@ -131,13 +159,17 @@ class ElementPairs {
   MotionBounds bounds_;
   const IntersectionResolver* intersection_resolver_ = nullptr;
   ContactStep step_;
+  // Pairs that a search may find: for each element that may touch itself or another surface, and for any scene. A sheet
+  // that collapses in folds has 25.
+  static constexpr std::size_t pairs_of_element = 32, pairs_of_any = 65536;
   float remaining_ = 0;  // time of the step after this substep [s]
-  float covered_ = 0;    // time after this substep that the last search covers [s]
-  // Elements of the surfaces with self-collision, and of the surfaces with overlaps_other_.
+  // Elements of the surfaces with self-collision, and of the surfaces that overlap others.
   SurfaceElements self_elements_, inter_object_elements_;
-  std::vector<Bounds> surface_bounds_;  // per surface: around its particles' boxes, with a margin
-  // Per surface: its bounds overlap those of a surface that it may collide with.
-  std::vector<std::uint8_t> overlaps_other_now_, overlaps_other_;
+  std::vector<Search> searches_;               // per surface
+  std::vector<Bounds> surface_bounds_;         // work space
+  std::vector<std::uint8_t> overlaps_other_;   // per surface
+  std::vector<std::uint32_t> moved_;           // particles whose pairs are searched again
+  std::vector<IndexRange> anew_, taken_anew_;  // see take_searched_anew
   BoxSweep surface_sweep_;
   NearPairFinder self_finder_, inter_object_finder_;
   NearPairs self_pairs_, inter_object_pairs_;

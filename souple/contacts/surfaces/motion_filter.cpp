@@ -9,6 +9,13 @@
 #include <tuple>
 
 namespace souple {
+namespace {
+
+// If 4 passes leave violations with rigid bodies, 20 hardly ever resolve them (scenes/brick_wall.json: in 30 of 1600
+// substeps). A body that pinches a cloth has them in every substep.
+constexpr int correction_passes = 20, clamping_passes = 4, stopping_passes = 100, passes_with_bodies = 4;
+
+}  // namespace
 
 void MotionFilter::set_count() {
   // The number of violations varies between substeps.
@@ -48,13 +55,12 @@ std::size_t MotionFilter::refind_violations(ElementPairs& candidates, SurfaceNar
   return first_new;
 }
 
-// Adds correction contacts of the violations and solves all correction contacts, one after the other. They
-// conserve momentum.
-void MotionFilter::solve_corrections(ElementPairs& candidates, const SurfaceNarrowPhase& narrow_phase,
-                                     const ParticleView& particles) {
+// Adds correction contacts of the violations to correct.
+void MotionFilter::append_corrections(ElementPairs& candidates, const SurfaceNarrowPhase& narrow_phase,
+                                      const ParticleView& particles) {
   const std::size_t begin = correction_pair_.size();
   const auto append = [&](bool edges) {
-    for (const PairToi& violation : violations_) {
+    for (const PairToi& violation : corrected_) {
       const NearPair& pair = candidates.pair(violation.pair);
       if (candidates.are_edges(violation.pair) != edges ||
           !has_normal(pair, motion_of(pair, particles), violation.toi, edges, particles))
@@ -72,17 +78,56 @@ void MotionFilter::solve_corrections(ElementPairs& candidates, const SurfaceNarr
                         columns);
   narrow_phase.describe(candidates, true, edges, correction_pair_.size(), particles, correction_pair_,
                         correction_toi_, columns);
+}
+
+// The group of a pair's surfaces that give way; that of its first surface if none does.
+std::uint32_t MotionFilter::group_of(const ElementPairs& candidates, const NearPair& pair,
+                                     const ParticleView& particles) {
+  const std::uint32_t i = particles.first_movable(pair.particle);
+  return groups_.root(candidates.surfaces().of(i == no_particle ? pair.particle[0] : i));
+}
+
+// Surfaces that give way in a violation or in a correction contact are of one group.
+void MotionFilter::find_groups(const ElementPairs& candidates, const ParticleView& particles) {
+  const ElementSurfaces& surfaces = candidates.surfaces();
+  groups_.reset(surfaces.size());
+  const auto join = [&](const auto& pair) {
+    const std::uint32_t first = particles.first_movable(pair);
+    for (const std::uint32_t i : pair)
+      if (first != no_particle && particles.inverse_mass(i) > 0)
+        groups_.join(surfaces.of(first), surfaces.of(i));
+  };
+  for (const PairToi& violation : violations_) join(candidates.pair(violation.pair).particle);
+  for (std::size_t c = 0; c < correction_pair_.size(); ++c)
+    join(anchor_of(corrections_.columns(), c).particle);
+}
+
+// Solves the correction contacts of the groups that have violations to correct, one after the other. They conserve
+// momentum.
+void MotionFilter::solve_corrections(ElementPairs& candidates, const ParticleView& particles) {
+  acts_.assign(candidates.surfaces().size(), 0);
+  for (const PairToi& violation : corrected_)
+    acts_[group_of(candidates, candidates.pair(violation.pair), particles)] = 1;
+  const kernels::ContactColumns columns = corrections_.columns();
   const kernels::ElementPairKernels& scalar_kernels =
       kernels::find_element_pair_kernels(InstructionSet::scalar);
+  const auto acts = [&](std::size_t c) {
+    NearPair pair;
+    std::copy_n(anchor_of(columns, c).particle.begin(), 4, pair.particle);
+    return acts_[group_of(candidates, pair, particles)] != 0;
+  };
   constexpr int sweeps = 4;
   for (int sweep = 0; sweep < sweeps; ++sweep)
-    scalar_kernels.project(candidates.particle_records(particles), columns, 0, correction_pair_.size());
+    for (std::size_t begin = 0, end = 0; begin < correction_pair_.size(); begin = end + 1) {
+      for (end = begin; end < correction_pair_.size() && acts(end);) ++end;
+      if (begin < end) scalar_kernels.project(candidates.particle_records(particles), columns, begin, end);
+    }
 }
 
 // Particles of violations keep the part of their motion that is safe.
 void MotionFilter::clamp_to_toi(const ElementPairs& candidates, const ParticleView& particles) {
   clamp_toi_.assign(candidates.surfaces().particle_count(), 1);
-  for (const PairToi& violation : violations_)
+  for (const PairToi& violation : clamped_)
     for (const std::uint32_t i : candidates.pair(violation.pair).particle)
       clamp_toi_[i] = min(clamp_toi_[i], violation.toi);
   for (std::size_t i = 0; i < clamp_toi_.size(); ++i)
@@ -93,7 +138,7 @@ void MotionFilter::clamp_to_toi(const ElementPairs& candidates, const ParticleVi
 // Particles of violations stay where they were at the substep's start. Returns whether any had moved.
 bool MotionFilter::stop(const ElementPairs& candidates, const ParticleView& particles) const {
   bool any_moved = false;
-  for (const PairToi& violation : violations_)
+  for (const PairToi& violation : stopped_pairs_)
     for (const std::uint32_t i : candidates.pair(violation.pair).particle) {
       if (particles.inverse_mass(i) == 0 || particles.moved(i) == Vec3f{}) continue;
       particles.moving[i].set_xyz(particles.start[i].xyz());
@@ -105,7 +150,7 @@ bool MotionFilter::stop(const ElementPairs& candidates, const ParticleView& part
 // Stops the driven particles of surfaces with violations. All of a surface stop, so that an obstacle keeps its shape.
 bool MotionFilter::hold_driven(const ElementPairs& candidates, const ParticleView& particles) {
   const ElementSurfaces& surfaces = candidates.surfaces();
-  for (const PairToi& violation : violations_)
+  for (const PairToi& violation : stopped_pairs_)
     for (const std::uint32_t particle : candidates.pair(violation.pair).particle) {
       if (particles.inverse_mass(particle) > 0 || particles.moved(particle) == Vec3f{}) continue;
       const std::uint32_t surface = surfaces.of(particle);
@@ -119,22 +164,44 @@ bool MotionFilter::hold_driven(const ElementPairs& candidates, const ParticleVie
   return !held_particles_.empty();
 }
 
-// Whether all violations are with rigid bodies, which are driven here. Particles between such a body and another one,
-// or between two surfaces, can only go back and forth.
-bool MotionFilter::all_are_with_bodies(const ElementPairs& candidates) const {
+// Groups whose violations are all with rigid bodies, which are driven here, leave out further corrections. Particles
+// between such a body and another one, or between two surfaces, can only go back and forth.
+void MotionFilter::advance_groups_with_bodies(const ElementPairs& candidates, const ParticleView& particles) {
   const ElementSurfaces& surfaces = candidates.surfaces();
-  return std::all_of(violations_.begin(), violations_.end(), [&](const PairToi& violation) {
-    const auto& particles = candidates.pair(violation.pair).particle;
-    return std::any_of(std::begin(particles), std::end(particles),
-                       [&](std::uint32_t i) { return surfaces[surfaces.of(i)].rigid; });
-  });
+  acts_.assign(surfaces.size(), 1);
+  for (const PairToi& violation : violations_) {
+    const NearPair& pair = candidates.pair(violation.pair);
+    const auto is_rigid = [&](std::uint32_t i) { return surfaces[surfaces.of(i)].rigid; };
+    if (std::none_of(std::begin(pair.particle), std::end(pair.particle), is_rigid))
+      acts_[group_of(candidates, pair, particles)] = 0;
+  }
+  for (std::uint32_t a = 0; a < surfaces.size(); ++a)
+    if (acts_[groups_.root(a)] != 0) ahead_[a] = correction_passes - passes_with_bodies;
+}
+
+// What is done about each violation in a pass.
+void MotionFilter::divide_violations(const ElementPairs& candidates, const ParticleView& particles,
+                                     int pass) {
+  corrected_.clear(), clamped_.clear(), stopped_pairs_.clear();
+  find_groups(candidates, particles);
+  if (pass == passes_with_bodies) advance_groups_with_bodies(candidates, particles);
+  const ElementSurfaces& surfaces = candidates.surfaces();
+  for (const PairToi& violation : violations_) {
+    int own = pass;
+    for (const std::uint32_t i : candidates.pair(violation.pair).particle)
+      if (particles.inverse_mass(i) > 0) own = std::max(own, pass + ahead_[surfaces.of(i)]);
+    (own < correction_passes                     ? corrected_
+     : own < correction_passes + clamping_passes ? clamped_
+                                                 : stopped_pairs_)
+        .push_back(violation);
+  }
 }
 
 // Lists the free particles of violations with rigid bodies, before a pass that does not conserve momentum.
 void MotionFilter::begin_pushes(const ElementPairs& candidates, const ParticleView& particles) {
   const ElementSurfaces& surfaces = candidates.surfaces();
   stopped_.clear();
-  for (const PairToi& violation : violations_) {
+  const auto begin = [&](const PairToi& violation) {
     const auto& pair = candidates.pair(violation.pair).particle;
     const std::uint32_t one = surfaces.of(pair[0]), other = surfaces.of(pair[3]);
     const auto gives_way = [&](std::uint32_t i) { return particles.inverse_mass(i) > 0; };
@@ -145,7 +212,9 @@ void MotionFilter::begin_pushes(const ElementPairs& candidates, const ParticleVi
       if (surfaces[one].rigid || surfaces[other].rigid)
         stopped_.push_back({surfaces[one].rigid ? one : other, i, particles.moved(i)});
     }
-  }
+  };
+  std::for_each(clamped_.begin(), clamped_.end(), begin);
+  std::for_each(stopped_pairs_.begin(), stopped_pairs_.end(), begin);
   // One of several bodies receives the whole push.
   std::sort(stopped_.begin(), stopped_.end(), [](const BodyPush& a, const BodyPush& b) {
     return std::tie(a.particle, a.object) < std::tie(b.particle, b.object);
@@ -212,13 +281,11 @@ void MotionFilter::merge_pushes() {
 MotionFilter::Result MotionFilter::apply(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase,
                                          const ParticleView& particles, const Substep& substep,
                                          Threads& threads) {
-  // If 4 passes leave violations with rigid bodies, 20 hardly ever resolve them (scenes/brick_wall.json: in 30 of 1600
-  // substeps). A body that pinches a cloth has them in every substep.
-  constexpr int correction_passes = 20, clamping_passes = 4, stopping_passes = 100, passes_with_bodies = 4;
   // A pile of sheets that is flattened in one substep has more violations than passes can correct: it is stopped.
   constexpr std::size_t corrections_per_particle = 2;
   const std::size_t particle_count = candidates.surfaces().particle_count();
   correction_pair_.clear(), correction_toi_.clear(), grips_.clear();
+  ahead_.assign(candidates.surfaces().size(), 0);
   clear_pushes();
   Result result;
   held_ = {};
@@ -226,19 +293,20 @@ MotionFilter::Result MotionFilter::apply(ElementPairs& candidates, SurfaceNarrow
   find_violations(candidates, narrow_phase, particles, threads);
   constexpr int passes = correction_passes + clamping_passes + stopping_passes;
   for (int pass = 0; pass < passes && !violations_.empty(); ++pass) {
-    if (pass == passes_with_bodies && all_are_with_bodies(candidates)) pass = correction_passes;
-    if (pass < correction_passes &&
-        correction_pair_.size() + violations_.size() > corrections_per_particle * particle_count)
-      pass = correction_passes + clamping_passes;
-    if (pass < correction_passes) {
-      solve_corrections(candidates, narrow_phase, particles);
-    } else {
-      result.clamped += violations_.size();
+    if (correction_pair_.size() + violations_.size() > corrections_per_particle * particle_count)
+      pass = std::max(pass, correction_passes + clamping_passes);
+    divide_violations(candidates, particles, pass);
+    if (!corrected_.empty()) {
+      append_corrections(candidates, narrow_phase, particles);
+      find_groups(candidates, particles);
+      solve_corrections(candidates, particles);
+    }
+    if (corrected_.size() < violations_.size()) {
+      result.clamped += violations_.size() - corrected_.size();
       begin_pushes(candidates, particles);
-      if (pass < correction_passes + clamping_passes)
-        clamp_to_toi(candidates, particles);
-      else if (!stop(candidates, particles) && !hold_driven(candidates, particles))
-        break;
+      clamp_to_toi(candidates, particles);
+      const bool moves = stop(candidates, particles) || hold_driven(candidates, particles);
+      if (!moves && corrected_.empty() && clamped_.empty()) break;
       end_pushes(particles);
     }
     result.first_new =

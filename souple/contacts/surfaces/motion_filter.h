@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/contacts/surfaces/surface_narrow_phase.h"
+#include "souple/math/disjoint_sets.h"
 
 #include <cstdint>
 #include <span>
@@ -11,7 +12,8 @@ namespace souple {
 /// Prevents intersections after the solver: tests all motions again. Pairs that would still pass through each other
 /// receive correction contacts, which conserve momentum. If these do not suffice (an object is squeezed between walls),
 /// motions are clamped, and at last stopped. Driven particles are stopped as well and lag behind. So objects without
-/// intersections never start to intersect.
+/// intersections never start to intersect. Surfaces that correction contacts connect are a group; groups do not see each
+/// other.
 class MotionFilter {
  public:
   void set_count();
@@ -36,11 +38,15 @@ class MotionFilter {
                        const ParticleView& particles, Threads& threads);
   std::size_t refind_violations(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase,
                                 const ParticleView& particles, const Substep& substep, Threads& threads);
-  void solve_corrections(ElementPairs& candidates, const SurfaceNarrowPhase& narrow_phase,
-                         const ParticleView& particles);
+  void append_corrections(ElementPairs& candidates, const SurfaceNarrowPhase& narrow_phase,
+                          const ParticleView& particles);
+  void find_groups(const ElementPairs& candidates, const ParticleView& particles);
+  std::uint32_t group_of(const ElementPairs& candidates, const NearPair& pair, const ParticleView& particles);
+  void divide_violations(const ElementPairs& candidates, const ParticleView& particles, int pass);
+  void solve_corrections(ElementPairs& candidates, const ParticleView& particles);
   void clamp_to_toi(const ElementPairs& candidates, const ParticleView& particles);
   bool stop(const ElementPairs& candidates, const ParticleView& particles) const;
-  bool all_are_with_bodies(const ElementPairs& candidates) const;
+  void advance_groups_with_bodies(const ElementPairs& candidates, const ParticleView& particles);
   bool hold_driven(const ElementPairs& candidates, const ParticleView& particles);
   void begin_pushes(const ElementPairs& candidates, const ParticleView& particles);
   void end_pushes(const ParticleView& particles);
@@ -49,6 +55,11 @@ class MotionFilter {
   void find_pinches(const ElementPairs& candidates);
 
   std::vector<PairToi> violations_;
+  // Those of a pass, by what is done about them.
+  std::vector<PairToi> corrected_, clamped_, stopped_pairs_;
+  DisjointSets groups_;             // surfaces that violations and corrections connect
+  std::vector<int> ahead_;          // per surface: passes that its group has left out
+  std::vector<std::uint8_t> acts_;  // per group, at its root: it has violations to correct; to advance
   std::vector<std::uint32_t> correction_pair_;
   std::vector<float> correction_toi_;
   SurfaceContactRows corrections_;                  // correction contacts, of correction_pair_

@@ -40,50 +40,64 @@ void PredictedPaths::begin_step(std::span<const float> radius, std::span<const f
   radius_ = radius, contact_margin_ = contact_margin, gravity_ = gravity;
 }
 
-// Mean velocities and positions of the particles that can move.
+// Mean velocity and position of the particles that can move.
+void PredictedPaths::find_mean(const ElementSurfaces& surfaces, std::size_t surface,
+                               const ParticleView& particles, std::span<const Vec4f> velocity) {
+  Vec3d sum;
+  double count = 0;
+  surfaces.for_each_sample(surface, [&](std::uint32_t i) {
+    if (particles.inverse_mass(i) == 0) return;
+    sum += Vec3d(velocity[i].xyz());
+    ++count;
+  });
+  const Vec3f mean(count > 0 ? sum / count : sum);
+  mean_velocity_[surface] = is_finite(mean) ? mean : Vec3f{};
+  shift_[surface] = {};
+  mean_position_[surface] = mean_position(surfaces, surface, particles);
+}
+
 void PredictedPaths::find_means(const ElementSurfaces& surfaces, const ParticleView& particles,
                                 std::span<const Vec4f> velocity) {
-  mean_velocity_.assign(surfaces.size(), {}), frame_ = {};
-  shift_.assign(surfaces.size(), {});
-  mean_position_.assign(surfaces.size(), {});
-  for (std::size_t a = 0; a < surfaces.size(); ++a) {
-    Vec3d sum;
-    double count = 0;
-    surfaces.for_each_sample(a, [&](std::uint32_t i) {
-      if (particles.inverse_mass(i) == 0) return;
-      sum += Vec3d(velocity[i].xyz());
-      ++count;
-    });
-    const Vec3f mean(count > 0 ? sum / count : sum);
-    if (is_finite(mean)) mean_velocity_[a] = mean;
-    mean_position_[a] = mean_position(surfaces, a, particles);
-  }
+  frame_ = {};
+  for (std::size_t a = 0; a < surfaces.size(); ++a) find_mean(surfaces, a, particles, velocity);
+}
+
+Vec3f PredictedPaths::shift_of(const ElementSurfaces& surfaces, std::size_t surface,
+                               const ParticleView& particles) const {
+  if (!surfaces[surface].self_collision) return {};
+  return Vec3f(mean_position(surfaces, surface, particles) - mean_position_[surface]);
 }
 
 void PredictedPaths::find_shift(const ElementSurfaces& surfaces, const ParticleView& particles) {
-  for (std::size_t a = 0; a < surfaces.size(); ++a)
-    if (surfaces[a].self_collision)
-      shift_[a] = Vec3f(mean_position(surfaces, a, particles) - mean_position_[a]);
+  for (std::size_t a = 0; a < surfaces.size(); ++a) find_shift(surfaces, a, particles);
 }
 
-void PredictedPaths::predict_all(const ElementSurfaces& surfaces, const ParticleView& particles,
-                                 std::span<const Vec4f> velocity, float dt, Threads& threads) {
+void PredictedPaths::reset(const ElementSurfaces& surfaces) {
   elapsed_ = 0;
   const std::size_t n = surfaces.particle_count();
-  boxes_.resize(n), relative_boxes_.resize(n), path_.resize(n), predicted_velocity_.resize(n);
-  threads.each(n, particle_grain, [&](std::size_t k) {
-    const auto i = static_cast<std::uint32_t>(k);
-    boxes_[i] = infinite_box;
-    if (surfaces.of(i) != no_surface)
-      predict(i, surfaces.of(i), particles.relative(i, {}), velocity[i].xyz(), 0, dt,
+  boxes_.assign(n, infinite_box);
+  relative_boxes_.resize(n), path_.resize(n), predicted_velocity_.resize(n);
+  mean_velocity_.assign(surfaces.size(), {});
+  shift_.assign(surfaces.size(), {});
+  mean_position_.assign(surfaces.size(), {});
+}
+
+void PredictedPaths::predict_surface(const ElementSurfaces& surfaces, std::uint32_t surface,
+                                     const ParticleView& particles, std::span<const Vec4f> velocity,
+                                     float ago, float dt, Threads& threads) {
+  const std::uint32_t begin = surfaces[surface].begin;
+  threads.each(surfaces[surface].end - begin, particle_grain, [&](std::size_t k) {
+    const std::uint32_t i = begin + static_cast<std::uint32_t>(k);
+    if (surfaces.of(i) == surface)
+      predict(i, surface, particles.relative(i, {}), {}, velocity[i].xyz(), elapsed_ - ago, dt,
               radius_margin_part * max(radius_[i], 0.0f));
   });
 }
 
-// The path of a particle that is at x at the time `since` after pairs were found and moves with v for dt.
-void PredictedPaths::predict(std::uint32_t i, std::uint32_t surface, const Vec3f& x, const Vec3f& v,
-                             float since, float dt, float margin) {
-  const Vec3f relative_v = v - mean_velocity_[surface], relative_x = x - shift_[surface];
+// The path of a particle that is at x at the time `since` after the step began and moves with v for dt.
+void PredictedPaths::predict(std::uint32_t i, std::uint32_t surface, const Vec3f& x, const Vec3f& shift,
+                             const Vec3f& v, float since, float dt, float margin) {
+  const Vec3f relative_v = v - mean_velocity_[surface], relative_x = x - shift;
   const float contact_distance = max(radius_[i], min_thickness) * (1 + speculative_part) + contact_margin_[i];
   const float fall = 0.5f * gravity_ * dt * dt, relative_length = dt * length(relative_v);
   Path& path = path_[i];
@@ -143,14 +157,10 @@ void PredictedPaths::find_off_path(const ElementSurfaces& surfaces,
   }
 }
 
-void PredictedPaths::predict_off_path(const ElementSurfaces& surfaces, const ParticleView& before,
-                                      std::span<const Vec4f> velocity, float h, float dt) {
-  saved_shift_ = shift_;
-  find_shift(surfaces, before);
-  for (const std::uint32_t i : off_path_)
-    predict(i, surfaces.of(i), before.relative(i, {}), velocity[i].xyz(), elapsed_ - h, dt,
-            off_path_margin_part * max(radius_[i], 0.0f));
-  shift_.swap(saved_shift_);
+void PredictedPaths::predict_off_path(std::uint32_t particle, std::uint32_t surface, const Vec3f& shift,
+                                      const ParticleView& before, const Vec3f& velocity, float h, float dt) {
+  predict(particle, surface, before.relative(particle, {}), shift, velocity, elapsed_ - h, dt,
+          off_path_margin_part * max(radius_[particle], 0.0f));
 }
 
 kernels::PredictionMargins PredictedPaths::margins(bool inter_object) const {

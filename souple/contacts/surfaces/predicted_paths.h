@@ -26,10 +26,13 @@ class PredictedPaths {
   /// particle i begin [m]. Both must live until the step ends.
   void begin_step(std::span<const float> radius, std::span<const float> contact_margin, float gravity);
 
-  /// Sets the mean motions of the surfaces, relative to which the next paths are predicted.
+  /// Sets the mean motion of a surface, relative to which its next paths are predicted.
+  void find_mean(const ElementSurfaces& surfaces, std::size_t surface, const ParticleView& particles,
+                 std::span<const Vec4f> velocity);
+  /// Sets those of all, and the frame's velocity to 0.
   void find_means(const ElementSurfaces& surfaces, const ParticleView& particles,
                   std::span<const Vec4f> velocity);
-  /// Sets the velocity of the frame in which the next boxes() are swept [m/s]; find_means sets it to 0.
+  /// Sets the velocity of the frame in which the next boxes() are swept [m/s].
   void set_frame(const Vec3f& velocity) { frame_ = velocity; }
   /// Velocity of a particle relative to its surface's mean [m/s].
   Vec3f relative_velocity(const Vec3f& velocity, std::size_t surface) const {
@@ -37,9 +40,11 @@ class PredictedPaths {
   }
   /// Thickness of a particle in contacts [m].
   float thickness(std::uint32_t particle) const { return 2 * max(radius_[particle], min_thickness); }
-  /// Predicts all paths for a time of `dt` [s].
-  void predict_all(const ElementSurfaces& surfaces, const ParticleView& particles,
-                   std::span<const Vec4f> velocity, float dt, Threads& threads);
+  /// Forgets the paths of the last step.
+  void reset(const ElementSurfaces& surfaces);
+  /// Predicts the paths of a surface for a time of `dt` [s], from a moment that was `ago` [s].
+  void predict_surface(const ElementSurfaces& surfaces, std::uint32_t surface, const ParticleView& particles,
+                       std::span<const Vec4f> velocity, float ago, float dt, Threads& threads);
   /// Starts the next substep.
   void advance(float h) { elapsed_ += h; }
   /// Finds the particles that have left their paths. If overlaps_other is 0, a surface is far from all others. Its
@@ -51,10 +56,16 @@ class PredictedPaths {
   void find_off_path(const ElementSurfaces& surfaces, std::span<const std::uint8_t> overlaps_other,
                      const ParticleView& particles, std::span<const std::uint32_t> moved);
   std::span<const std::uint32_t> off_path() const { return off_path_; }
-  /// Predicts those again, from the substep's start, for a time of `dt`.
-  void predict_off_path(const ElementSurfaces& surfaces, const ParticleView& before,
-                        std::span<const Vec4f> velocity, float h, float dt);
-  /// Sets the motion of each surface's mean since pairs were found.
+  /// Predicts a particle again, from the start of the substep of length h, for a time of `dt`. `shift`: of its surface's
+  /// mean then [m].
+  void predict_off_path(std::uint32_t particle, std::uint32_t surface, const Vec3f& shift,
+                        const ParticleView& before, const Vec3f& velocity, float h, float dt);
+  /// The motion of a surface's mean since its pairs were found [m].
+  Vec3f shift_of(const ElementSurfaces& surfaces, std::size_t surface, const ParticleView& particles) const;
+  /// Sets the motion of a surface's mean since its pairs were found; of all.
+  void find_shift(const ElementSurfaces& surfaces, std::size_t surface, const ParticleView& particles) {
+    shift_[surface] = shift_of(surfaces, surface, particles);
+  }
   void find_shift(const ElementSurfaces& surfaces, const ParticleView& particles);
 
   /// Per particle: around its path, in the frame and relative to its surface's mean motion.
@@ -75,8 +86,8 @@ class PredictedPaths {
     float margin, relative_margin;
     float valid_until;  // end of the time that the search covers, since pairs were found [s]
   };
-  void predict(std::uint32_t particle, std::uint32_t surface, const Vec3f& x, const Vec3f& v, float since,
-               float dt, float margin);
+  void predict(std::uint32_t particle, std::uint32_t surface, const Vec3f& x, const Vec3f& shift,
+               const Vec3f& v, float since, float dt, float margin);
   bool is_on_path(std::uint32_t particle, const ContactSurface& surface, std::uint32_t index,
                   bool checks_world, const Vec3f& x) const;
 
@@ -86,11 +97,10 @@ class PredictedPaths {
   Vec3f frame_;                       // of boxes_ [m/s]
   std::vector<Vec3d> mean_position_;  // per surface: mean of sampled particles, when pairs were found [m]
   std::vector<Vec3f> shift_;          // per surface: motion of that mean since then [m]
-  std::vector<Vec3f> saved_shift_;    // shift_, while particles are at the substep's start [m]
   std::vector<Bounds> boxes_, relative_boxes_;
   std::vector<Path> path_;
   std::vector<Vec4f> predicted_velocity_;  // v above
-  float elapsed_ = 0;                      // from the last search of all pairs to the substep's end [s]
+  float elapsed_ = 0;                      // from the step's start to the substep's end [s]
   std::vector<std::vector<std::uint32_t>> off_path_of_chunk_;  // off_path_, by chunks of particles
   std::vector<std::uint32_t> off_path_;                        // particles that have left their paths
 };

@@ -66,7 +66,7 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
   if (!pairs_.surfaces().any()) return;
   narrow_phase_->begin_substep(substep.h);
   pairs_.begin_substep(substep.h);
-  colors_->extend(pairs_.update(particles, substep.h, threads), pairs_);
+  color_new(pairs_.update(particles, substep.h, threads));
   pairs_.measure(particles, threads);
   narrow_phase_->find_contacts(pairs_, particles, contact_pairs_, threads);
   if (!narrow_phase_->is_discrete())
@@ -76,6 +76,11 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
   describe_contacts(particles, threads);
   for (std::size_t c = 0; narrow_phase_->is_discrete() && c < contacts_.size(); ++c)
     narrow_phase_->describe_crossing(pairs_, colors_->pair()[c], c, particles, columns_);
+}
+
+void SurfaceContacts::color_new(std::size_t first_new) {
+  colors_->extend(first_new, pairs_);
+  colors_->forget(pairs_.take_searched_anew());
 }
 
 void SurfaceContacts::describe_contacts(const ParticleView& particles, Threads& threads) {
@@ -152,14 +157,14 @@ std::size_t SurfaceContacts::after_solve(const ParticleView& particles, const Su
                                          Threads& threads) {
   if (!pairs_.surfaces().any()) return 0;
   if (narrow_phase_->is_discrete()) {
-    colors_->extend(pairs_.update(particles, substep.h, threads), pairs_);
+    color_new(pairs_.update(particles, substep.h, threads));
     pairs_.measure(particles, threads);
     pairs_.end_substep();
     return 0;
   }
   const auto [clamped, first_new, held] = filter_->apply(pairs_, *narrow_phase_, particles, substep, threads);
   if (held.speed > held_.speed) held_ = held;
-  colors_->extend(first_new, pairs_);
+  color_new(first_new);
   pairs_.end_substep();
   update_contact_margins();
   return clamped;

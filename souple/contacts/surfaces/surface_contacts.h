@@ -95,6 +95,7 @@ class SurfaceContacts final : public ContactProjector {
   float normal_sum(std::size_t contact) const;
   ContactImpulse impulse(std::size_t contact) const;
   float gap(std::size_t contact, const ParticleView& particles) const;
+  void color_new(std::size_t first_new);
   void describe_contacts(const ParticleView& particles, Threads& threads);
   void update_contact_margins();
 
