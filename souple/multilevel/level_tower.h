@@ -21,8 +21,8 @@ struct FinestLevel {
   std::vector<Link> links;  ///< between these particles; a < b, sorted
 };
 
-/// The levels above pieces that all have the same number of levels, with the state of their particles and links during a
-/// substep: what Hierarchical describes. Pieces do not see each other.
+/// The levels that Hierarchical describes, above pieces that all have the same number of them. They hold the state of their
+/// particles and links during a substep. Pieces do not see each other.
 class LevelTower {
  public:
   /// `levels`: finest first, at least one.

@@ -42,7 +42,7 @@ class ActivePieces {
   std::uint32_t of(std::uint32_t particle) const { return piece_of_[particle]; }
 
   void start_all() { std::fill(acts_.begin(), acts_.end(), std::uint8_t{1}); }
-  /// Of the particle's piece, if it is in one.
+  /// Levels no longer act on the piece of the particle, if it is in one.
   void stop(std::uint32_t particle) {
     if (of(particle) != none) acts_[of(particle)] = 0;
   }

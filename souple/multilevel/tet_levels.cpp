@@ -348,7 +348,7 @@ void TetLevels::find_sweeps(const Substep& substep) {
   }
 }
 
-// Of the active bodies with so many sweeps.
+// Forces of the active bodies with so many sweeps.
 void TetLevels::add_forces(int sweeps, const ParticleView& particles, const Substep& substep,
                            Threads& threads) {
   ranges_.clear(), tet_ranges_.clear();

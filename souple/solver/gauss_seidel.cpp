@@ -22,7 +22,7 @@ float part_of_motion(int round, int rounds) {
   return (round == 0 ? part / 2 : part) + (round == rounds - 1 ? part / 2 : 0);
 }
 
-/// Of particles [begin, end).
+/// Takes back the motion of a range of particles.
 void take_back_motion(const IndexRange& range, const ParticleView& particles, Threads& threads,
                       std::vector<Vec4f>& motion) {
   threads.each(range.end - range.begin, motion_grain, [&](std::size_t k) {

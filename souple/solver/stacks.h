@@ -13,7 +13,7 @@ namespace souple {
 /// Groups of bodies whose bounding boxes touch, directly or through others.
 class Stacks {
  public:
-  /// Of a group, or the largest values of some.
+  /// Size of a group, or the largest values of some.
   struct Size {
     std::size_t bodies = 1;
     double mass_ratio = 1;  ///< heaviest to lightest body of a group
@@ -28,7 +28,7 @@ class Stacks {
   void set(std::size_t body, const Vec3f& lo, const Vec3f& hi, double mass);
   /// Sorts the boxes along x, where they are nearly sorted from the last call, and joins those that overlap.
   void find();
-  /// Of the group of a body, as `find` found it.
+  /// Size of the group of a body, as `find` found it.
   Size size_of(std::uint32_t body);
 
  private:

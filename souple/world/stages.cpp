@@ -54,8 +54,8 @@ bool measures_balance(const WorldState& world) {
          settings.solver.colors == 0;
 }
 
-/// Particles of the objects that intersections are being removed from, and of those whose tie broke in this step: the
-/// solver was prepared for other masses.
+/// Particles of the objects that intersections are being removed from, and of those whose tie broke in this step. For the
+/// latter the solver was prepared with other masses.
 std::span<const IndexRange> find_without_levels(WorldState& world) {
   std::vector<IndexRange>& ranges = world.scratch->without_levels;
   ranges.clear();

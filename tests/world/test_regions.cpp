@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-// What objects cannot touch changes nothing for them, not even a bit: objects, each alone and with a companion 60 m away.
+// Nothing changes for an object by what it cannot touch, not even a bit: objects alone, and with a companion 60 m away.
 
 namespace souple::test_world_regions {
 

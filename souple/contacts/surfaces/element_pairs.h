@@ -31,8 +31,8 @@ inline constexpr double contact_spare = SurfaceContactRows::spare;
 /// Candidate pairs of elements, vertex and triangle or edge and edge, that may come into contact in a step.
 ///
 /// One search a step finds them with boxes swept along the velocities (predicted_paths.h, near_pairs.h). A pair is
-/// kept if its relative velocity and its margins can bring it into contact. Where particles of a surface move by many times
-/// their thickness within a step, a search covers only a part of the step, and another one of that surface follows. When
+/// kept if its relative velocity and its margins can bring it into contact. Particles of a surface may move by many times
+/// their thickness within a step. A search then covers a part of the step, and another one of that surface follows. When
 /// particles leave their paths, only their pairs are searched again, or those of their surface if they are many. The new
 /// pairs follow the existing pairs and replace the earlier pairs of those particles. Chunks of pairs that cannot touch yet
 /// are skipped (motion_bounds.h).

@@ -179,7 +179,7 @@ void MotionFilter::advance_groups_with_bodies(const ElementPairs& candidates, co
     if (acts_[groups_.root(a)] != 0) ahead_[a] = correction_passes - passes_with_bodies;
 }
 
-// What is done about each violation in a pass.
+// Lists the violations of a pass by what is done about them.
 void MotionFilter::divide_violations(const ElementPairs& candidates, const ParticleView& particles,
                                      int pass) {
   corrected_.clear(), clamped_.clear(), stopped_pairs_.clear();
