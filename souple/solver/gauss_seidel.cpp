@@ -3,6 +3,7 @@
 #include "souple/assert.h"
 #include "souple/solver/external_moves.h"
 #include "souple/solver/facets.h"
+#include "souple/solver/sweep_regions.h"
 
 #include <algorithm>
 #include <cmath>

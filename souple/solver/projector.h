@@ -25,6 +25,12 @@ struct IndexRange {
   std::size_t begin = 0, end = 0;
 };
 
+/// Constraints [begin, end) of a color of a projector.
+struct SweptRun {
+  int color = 0;
+  std::size_t begin = 0, end = 0;
+};
+
 /// The current substep.
 struct Substep {
   float h = 0;         ///< length [s]

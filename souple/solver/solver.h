@@ -3,7 +3,6 @@
 #include "souple/solver/left_out.h"
 #include "souple/solver/projector.h"
 #include "souple/solver/solver_settings.h"
-#include "souple/solver/sweep_regions.h"
 #include "souple/threads/threads.h"
 
 #include <span>

@@ -11,12 +11,6 @@
 
 namespace souple {
 
-/// Constraints [begin, end) of a color of a projector.
-struct SweptRun {
-  int color = 0;
-  std::size_t begin = 0, end = 0;
-};
-
 /// Regions whose projectors need equally many sweeps.
 struct SweepClass {
   std::vector<int> sweeps;                  ///< per projector
