@@ -11,7 +11,6 @@
 #include "souple/constraints/triangle_membrane.h"
 #include "souple/error.h"
 #include "souple/geometry/reorder.h"
-#include "souple/math/disjoint_sets.h"
 #include "souple/math/reductions.h"
 #include "souple/simd/instruction_set.h"
 #include "souple/solver/coloring.h"
@@ -35,6 +34,10 @@ namespace detail {
 /// Throws Error: constraint number `constraint` of this kind names a particle that does not exist.
 [[noreturn]] void throw_missing_particle(std::string_view kind, std::size_t constraint,
                                          std::uint32_t particle, std::size_t particle_count);
+
+/// Per constraint: the lowest particle of all that constraints connect with it.
+std::vector<std::uint32_t> lowest_connected(std::span<const std::uint32_t> indices, std::size_t arity,
+                                            std::size_t particle_count);
 
 /// A number that no call returned before.
 std::uint64_t next_revision();
@@ -424,24 +427,23 @@ class SetProjector final : public Projector,
   /// The mean over each piece.
   void find_softness(const ParticleView& particles) {
     if constexpr (requires { Kind::softness; }) {
-      DisjointSets connected(particles.position.size());
-      for (std::size_t i = 0; i < set_.size(); ++i)
-        for (const std::uint32_t particle : set_.indices(i)) connected.join(set_.indices(i)[0], particle);
+      const std::vector<std::uint32_t> lowest =
+          detail::lowest_connected(set_.flat_indices(), Set::arity, particles.position.size());
       std::vector<std::uint32_t> piece_at(particles.position.size(), no_particle);
       std::vector<double> sum, count;
       pieces_.clear();
       for (std::size_t i = 0; i < set_.size(); ++i) {
         const Indices indices = set_.indices(i);
-        const std::uint32_t root = connected.root(indices[0]);
-        if (piece_at[root] == no_particle) {
-          piece_at[root] = static_cast<std::uint32_t>(pieces_.size());
-          pieces_.push_back({root, static_cast<std::uint32_t>(i), 0});
+        std::uint32_t& piece = piece_at[lowest[i]];
+        if (piece == no_particle) {
+          piece = static_cast<std::uint32_t>(pieces_.size());
+          pieces_.push_back({lowest[i], static_cast<std::uint32_t>(i), 0});
           sum.push_back(0), count.push_back(0);
         }
         float w[Kind::arity];
         for (std::size_t k = 0; k < Set::arity; ++k) w[k] = particles.inverse_mass(indices[k]);
-        sum[piece_at[root]] += static_cast<double>(Kind::softness(set_.params(i), set_.compliance(i), w));
-        ++count[piece_at[root]];
+        sum[piece] += static_cast<double>(Kind::softness(set_.params(i), set_.compliance(i), w));
+        ++count[piece];
       }
       for (std::size_t p = 0; p < pieces_.size(); ++p)
         pieces_[p].softness = static_cast<float>(sum[p] / count[p]);
