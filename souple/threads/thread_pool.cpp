@@ -30,6 +30,9 @@ constexpr int spin_limit_uncontended = 2000;
 /// With more threads than processors: the awaited thread may need this processor.
 constexpr int spin_limit_oversubscribed = 20;
 
+/// Yields before a worker that waits for a job sleeps: some hundred microseconds on an idle machine.
+constexpr int yield_limit = 200;
+
 /// Hints to the processor that this thread only waits.
 void pause() {
 #if defined(__x86_64__) || defined(__i386__)
@@ -120,7 +123,10 @@ void ThreadPool::start() {
 // of the threads may be destroyed.
 void ThreadPool::forget_if_forked() {
   if (!started_ || process_ == process_number()) return;
-  for (Worker& worker : workers_) std::construct_at(&worker.thread);
+  for (Worker& worker : workers_) {
+    std::construct_at(&worker.thread);
+    worker.parked = false;
+  }
   std::construct_at(&mutex_);
   std::construct_at(&wake_condition_);
   started_ = false;
@@ -135,17 +141,20 @@ void ThreadPool::send(std::uint64_t command) {
   SOUPLE_ASSERT(command <= command_mask, "a command fits into its bits");
   const std::uint64_t number = (job_.signal.load(std::memory_order_relaxed) >> job_bits) + 1;
   const std::uint64_t signal = number << job_bits | command;
+  bool wakes = sleeping_;
   if (!sleeping_) {
-    job_.signal.store(signal, std::memory_order_release);
+    // Either a worker that parks sees this signal, or it is seen to be parked.
+    job_.signal.store(signal, std::memory_order_seq_cst);
+    for (const Worker& worker : workers_) wakes = wakes || worker.parked.load(std::memory_order_seq_cst);
+    if (wakes) {
+      const std::lock_guard lock(mutex_);  // a worker that is about to park then waits
+    }
   } else {
     // Under the lock, so that no worker falls asleep between its check and the notification.
-    {
-      const std::lock_guard lock(mutex_);
-      job_.signal.store(signal, std::memory_order_release);
-    }
-    wake_condition_.notify_all();
-    ++wake_count_;
+    const std::lock_guard lock(mutex_);
+    job_.signal.store(signal, std::memory_order_seq_cst);
   }
+  if (wakes) wake_condition_.notify_all(), ++wake_count_;
   sleeping_ = command == command_sleep;
 }
 
@@ -186,22 +195,32 @@ void ThreadPool::rest() {
   if (--awake_ == 0 && started_ && !sleeping_) send(command_sleep);
 }
 
-// Returns the next signal after `seen`: spins for it, or sleeps if `seen` commands sleep.
-std::uint64_t ThreadPool::next_signal(std::uint64_t seen, int spin_limit) {
+void ThreadPool::park(Worker& worker, std::uint64_t seen) {
+  std::unique_lock lock(mutex_);
+  worker.parked.store(true, std::memory_order_seq_cst);
+  wake_condition_.wait(lock, [&] { return job_.signal.load(std::memory_order_seq_cst) != seen; });
+  worker.parked.store(false, std::memory_order_relaxed);
+}
+
+// Returns the next signal after `seen`: spins for it, then yields, then sleeps; at once if `seen` commands sleep.
+std::uint64_t ThreadPool::next_signal(std::size_t t, std::uint64_t seen) {
   const auto changed = [&] { return job_.signal.load(std::memory_order_acquire) != seen; };
-  if ((seen & command_mask) == command_sleep) {
-    std::unique_lock lock(mutex_);
-    wake_condition_.wait(lock, changed);
-  } else {
-    spin_until(spin_limit, changed);
+  const bool sleeps = (seen & command_mask) == command_sleep;
+  const int limit = sleeps ? 0 : spin_limit_ + yield_limit;
+  for (int k = 0; k < limit && !changed(); ++k) {
+    if (k < spin_limit_)
+      pause();
+    else
+      std::this_thread::yield();
   }
+  if (!changed()) park(workers_[t - 1], seen);
   return job_.signal.load(std::memory_order_acquire);
 }
 
 void ThreadPool::work(std::size_t t) noexcept {
   std::uint64_t signal = 0;
   for (;;) {
-    signal = next_signal(signal, spin_limit_);
+    signal = next_signal(t, signal);
     const std::uint64_t command = signal & command_mask;
     if (command == command_end) return;
     if (command == command_sleep || t >= command || !claim(workers_[t - 1], signal)) continue;

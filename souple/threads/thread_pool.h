@@ -14,7 +14,8 @@
 namespace souple {
 
 /// Threads that spin on one word for their next job. Fork and join of two threads costs a few hundred
-/// nanoseconds; waking a sleeping thread costs fifty microseconds. Between steps the threads sleep.
+/// nanoseconds; waking a sleeping thread costs fifty microseconds. Between steps the threads sleep, and within a step where
+/// the next job is long in coming: a processor that only waits is one that others lack.
 ///
 /// That word, the signal, holds the number of the job (upper 48 bits) and a command (lower 16). The command is the
 /// number of parts to work on, or sleep, or end. Part 0 belongs to the caller and part t to worker t, so that a thread
@@ -52,6 +53,7 @@ class ThreadPool final : public Threads {
   struct alignas(128) Worker {
     std::atomic<std::uint64_t> claimed{0};  ///< signal of the last job whose part was claimed
     std::atomic<std::uint64_t> done{0};     ///< signal of the last job whose part is finished
+    std::atomic<bool> parked{false};        ///< sleeps, or is about to, until the next signal
     std::exception_ptr error;               ///< exception of that part; null: none
     std::thread thread;
   };
@@ -62,7 +64,8 @@ class ThreadPool final : public Threads {
   void forget_if_forked();
   void send(std::uint64_t command);
   void work(std::size_t t) noexcept;
-  std::uint64_t next_signal(std::uint64_t seen, int spin_limit);
+  std::uint64_t next_signal(std::size_t t, std::uint64_t seen);
+  void park(Worker& worker, std::uint64_t seen);
 
   int count_;
   int spin_limit_;

@@ -250,9 +250,7 @@ TEST(Threads, SleepBetweenSteps) {
   EXPECT_LT(test::idle_seconds(), 0.01) << "after a job outside wake and rest";
   threads->wake();
   visits(*threads, 100, 1);
-  double awake = 0;  // a busy machine gives the workers little time
-  for (int i = 0; i < 50 && awake < 0.02; ++i) awake += test::idle_seconds();
-  EXPECT_GE(awake, 0.02) << "while awake: the test does not detect spinning";
+  EXPECT_LT(test::idle_seconds(), 0.01) << "while awake, where the next job is long in coming";
   threads->rest();
   EXPECT_LT(test::idle_seconds(), 0.01) << "after rest";
   threads->wake();
