@@ -2,6 +2,7 @@
 
 #include "souple/contacts/collider_contacts.h"
 #include "souple/contacts/particle_contacts.h"
+#include "souple/solver/solver.h"
 #include "souple/state/particles.h"
 
 #include <cstring>
@@ -57,7 +58,8 @@ struct MiniWorld {
 
   void step(double dt, int substeps, int iterations = 1) {
     begin_step(dt);
-    for (int s = 0; s < substeps; ++s) substep({float(dt / substeps), iterations, Mode::small_steps});
+    for (int s = 0; s < substeps; ++s)
+      substep({.h = float(dt / substeps), .iterations = iterations, .mode = Mode::small_steps, .number = s});
   }
 
   void substep(const Substep& substep) {
@@ -70,10 +72,10 @@ struct MiniWorld {
     }
     on_colliders.refresh(view(), substep, time, *threads);
     on_particles.refresh(view(), substep, time, *threads);
-    for (int k = 0; k < substep.iterations; ++k) {
-      for (int c = 0; c < on_particles.color_count(); ++c) on_particles.project(c, view(), substep);
-      for (int c = 0; c < on_colliders.color_count(); ++c) on_colliders.project(c, view(), substep);
-    }
+    for (Substep swept = substep; swept.sweep < substep.iterations; ++swept.sweep)
+      for (Projector* const contacts :
+           {static_cast<Projector*>(&on_particles), static_cast<Projector*>(&on_colliders)})
+        sweep(*contacts, view(), swept, *threads);
     for (std::size_t i = 0; i < position.size(); ++i) {
       if (position[i].w == 0) continue;
       velocity[i].set_xyz((offset[i].xyz() - start[i].xyz()) * (1 / h));

@@ -269,6 +269,21 @@ TEST(HierarchicalLevels, DoNotDependOnThreads) {
                build_levels(links_of(sheet), masses, 24, *make_threads(Threading::pool, 3)));
 }
 
+/// Those whose levels are joined.
+Sheets sheets_of(const Sheets& all, const JoinedLevels& joined) {
+  Sheets result;
+  for (std::size_t b = 0; b < joined.particles.size(); ++b) {
+    const auto offset = static_cast<std::uint32_t>(joined.particles[b].begin - result.masses.size());
+    for (std::size_t i = joined.particles[b].begin; i < joined.particles[b].end; ++i)
+      result.masses.push_back(all.masses[i]);
+    for (std::size_t e = joined.links[b].begin; e < joined.links[b].end; ++e) {
+      result.links.push_back(all.links[e]);
+      result.links.back().a -= offset, result.links.back().b -= offset;
+    }
+  }
+  return result;
+}
+
 // Sheets come, go and get heavier; two are alike.
 TEST(LevelCache, GivesTheLevelsThatAreBuiltFromScratch) {
   LevelCache cache;
@@ -278,8 +293,17 @@ TEST(LevelCache, GivesTheLevelsThatAreBuiltFromScratch) {
   for (const auto& world : worlds) {
     Sheets sheets;
     for (const auto& [n, mass] : world) sheets.add(n, mass);
-    expect_equal(cache.build(sheets.links, sheets.masses, 24, *threads),
-                 build_levels(sheets.links, sheets.masses, 24, *threads));
+    std::size_t found = 0;
+    for (const JoinedLevels& joined : cache.build(sheets.links, sheets.masses, 24, *threads)) {
+      const Sheets own = sheets_of(sheets, joined);
+      std::vector<CoarseLevel> expected = build_levels(own.links, own.masses, 24, *threads);
+      ASSERT_GE(expected.size(), joined.levels.size());
+      expected.resize(joined.levels.size());
+      expect_equal(joined.levels, expected);
+      EXPECT_LE(joined.levels.back().mass.size(), 24 * joined.particles.size());
+      found += joined.particles.size();
+    }
+    EXPECT_EQ(found, world.size());
   }
 }
 
