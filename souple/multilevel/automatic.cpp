@@ -63,8 +63,11 @@ void Automatic::solve(std::span<Projector* const> projectors, const ParticleView
                       const Substep& substep, Threads& threads) {
   tet_levels_->choose(substep);
   if (substep.mode != Mode::small_steps) {
-    for (int iteration = 0; iteration < substep.iterations; ++iteration)
-      sweep_as_needed(projectors, particles, substep, threads, sweeps_);
+    Substep swept = substep;
+    for (int iteration = 0; iteration < substep.iterations; ++iteration) {
+      swept.sweep = substep.first_sweep() + iteration;
+      sweep_as_needed(projectors, particles, swept, threads, sweeps_);
+    }
     return;
   }
   if (stiff_bending_.begin_substep(substep) || left_out_changed_) find_left_out();
@@ -76,6 +79,7 @@ void Automatic::solve(std::span<Projector* const> projectors, const ParticleView
     stiff_bending_.solve(particles, iteration, threads);
     if (with_levels) cloth_levels_.correct(particles, substep, iteration, threads);
     tet_levels_->correct(projectors, particles, substep, threads);
+    swept.sweep = substep.first_sweep() + iteration;
     sweep_as_needed(trees_.has_trees() ? with_trees_ : projectors, particles, swept, threads, sweeps_);
     if (with_levels) cloth_levels_.shorten_stretched(projectors, particles, substep, threads);
   }

@@ -323,9 +323,11 @@ void Hierarchical::shorten_stretched(std::span<Projector* const> projectors, con
 void Hierarchical::solve(std::span<Projector* const> projectors, const ParticleView& particles,
                          const Substep& substep, Threads& threads) {
   const bool with_levels = begin_substep(projectors, particles, substep);
+  Substep swept = substep;
   for (int iteration = 0; iteration < substep.iterations; ++iteration) {
     if (with_levels) correct(particles, substep, iteration, threads);
-    for (Projector* projector : projectors) sweep(*projector, particles, substep, threads);
+    swept.sweep = substep.first_sweep() + iteration;
+    for (Projector* projector : projectors) sweep(*projector, particles, swept, threads);
     if (with_levels) shorten_stretched(projectors, particles, substep, threads);
   }
 }

@@ -43,7 +43,7 @@ void add_motion(const IndexRange& range, std::span<const Vec4f> motion, float pa
 
 /// Every second sweep of the contacts of grains is in reverse order.
 bool is_reversed(Projector& projector, const Substep& substep) {
-  return projector.facets().alternates && (substep.number + substep.sweep) % 2 == 1;
+  return projector.facets().alternates && substep.sweep % 2 == 1;
 }
 
 /// Calls `sweep_all` between the notes of what it moves.
@@ -110,7 +110,7 @@ struct Rounds {
       if ((round < first || round >= first + sweeps[p]) && !projectors[p]->facets().every_round) continue;
       Substep part = substep;
       part.h /= std::sqrt(static_cast<float>(sweeps[p]));
-      part.sweep = substep.sweep + round;
+      part.sweep = substep.sweep * rounds + round;
       if (of != nullptr)
         sweep(*projectors[p], of->runs[p], particles, part, threads);
       else
@@ -152,8 +152,10 @@ void sweep_as_needed(std::span<Projector* const> projectors, const ParticleView&
 void GaussSeidel::solve(std::span<Projector* const> projectors, const ParticleView& particles,
                         const Substep& substep, Threads& threads) {
   Substep swept = substep;
-  for (; swept.sweep < substep.iterations; ++swept.sweep)
+  for (int iteration = 0; iteration < substep.iterations; ++iteration) {
+    swept.sweep = substep.first_sweep() + iteration;
     for (Projector* projector : projectors) sweep(*projector, particles, swept, threads);
+  }
 }
 
 }  // namespace souple

@@ -38,7 +38,7 @@ struct Substep {
   Mode mode = Mode::small_steps;
   int count = 1;   ///< substeps per step
   int number = 0;  ///< of this one in its step
-  int sweep = 0;   ///< number of the present sweep in this substep
+  int sweep = 0;   ///< number of the present sweep in its step
   /// Factor of every correction and its multiplier (above 1: over-relaxation), constant from begin_substep
   /// on. Only solvers that sweep use it. Contacts ignore it.
   float relaxation = 1;
@@ -50,6 +50,8 @@ struct Substep {
   const LeftOut* asleep = nullptr;    ///< constraints that would move nothing; null: none
   SweepRegions* regions = nullptr;    ///< null: all constraints are swept equally often
 
+  /// With one sweep per iteration.
+  int first_sweep() const { return number * iterations; }
   bool stores_multipliers() const {
     return mode == Mode::xpbd || (mode == Mode::small_steps && iterations > 1);
   }

@@ -72,7 +72,9 @@ struct MiniWorld {
     }
     on_colliders.refresh(view(), substep, time, *threads);
     on_particles.refresh(view(), substep, time, *threads);
-    for (Substep swept = substep; swept.sweep < substep.iterations; ++swept.sweep)
+    Substep swept = substep;
+    for (swept.sweep = substep.first_sweep(); swept.sweep < substep.first_sweep() + substep.iterations;
+         ++swept.sweep)
       for (Projector* const contacts :
            {static_cast<Projector*>(&on_particles), static_cast<Projector*>(&on_colliders)})
         sweep(*contacts, view(), swept, *threads);
