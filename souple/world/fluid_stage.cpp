@@ -39,7 +39,8 @@ void begin_fluids(WorldState& world, double dt) {
 
 void solve_incompressibility(WorldState& world, const Substep& substep) {
   if (!fluids_move(world)) return;
-  if (std::exchange(world.current.settles, false)) world.fluids->settle(fluid_input(world, world.time), substep);
+  if (std::exchange(world.current.settles, false))
+    world.fluids->settle(fluid_input(world, world.time), substep);
   world.fluids->solve_incompressibility(fluid_input(world, world.time), substep);
   world.rigid->gather(world.stage_view());
 }
