@@ -128,7 +128,7 @@ void ThreadPool::forget_if_forked() {
 
 void ThreadPool::wake() {
   forget_if_forked();
-  ++awake_;
+  awake_ = true;
 }
 
 void ThreadPool::send(std::uint64_t command) {
@@ -144,7 +144,6 @@ void ThreadPool::send(std::uint64_t command) {
       job_.signal.store(signal, std::memory_order_release);
     }
     wake_condition_.notify_all();
-    ++wake_count_;
   }
   sleeping_ = command == command_sleep;
 }
@@ -156,7 +155,7 @@ bool ThreadPool::claim(Worker& worker, std::uint64_t signal) {
 
 void ThreadPool::for_each(std::size_t n, std::size_t grain, RangeFunction f) {
   if (n == 0) return;
-  if (awake_ == 0) forget_if_forked();
+  if (!awake_) forget_if_forked();
   if (count_ > 1 && !started_ && WorkPartition(n, grain, count_).parts() > 1) start();
   const WorkPartition partition(n, grain, count_);
   if (partition.parts() < 2) return f(0, n);
@@ -177,13 +176,13 @@ void ThreadPool::for_each(std::size_t n, std::size_t grain, RangeFunction f) {
   for (std::size_t t = 1; t < partition.parts(); ++t)
     if (std::exception_ptr of_part = std::exchange(workers_[t - 1].error, {}); of_part && !error)
       error = std::move(of_part);
-  if (awake_ == 0) send(command_sleep);
+  if (!awake_) send(command_sleep);
   if (error) std::rethrow_exception(std::move(error));
 }
 
 void ThreadPool::rest() {
-  SOUPLE_ASSERT(awake_ > 0, "each rest follows a wake");
-  if (--awake_ == 0 && started_ && !sleeping_) send(command_sleep);
+  awake_ = false;
+  if (started_ && !sleeping_) send(command_sleep);
 }
 
 // Returns the next signal after `seen`: spins for it, or sleeps if `seen` commands sleep.

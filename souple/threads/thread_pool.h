@@ -39,8 +39,6 @@ class ThreadPool final : public Threads {
   void for_each(std::size_t n, std::size_t grain, RangeFunction f) override;
   void wake() override;
   void rest() override;
-  /// How often it has woken sleeping workers, which is what a step must not do again and again.
-  std::uint64_t wake_count() const { return wake_count_; }
 
  private:
   /// Message from the caller to the workers, on one cache line (two, where the processor fetches pairs).
@@ -68,9 +66,8 @@ class ThreadPool final : public Threads {
   int spin_limit_;
   long process_ = 0;  // that started the workers
   bool started_ = false;
-  int awake_ = 0;          // calls of wake() without their rest()
+  bool awake_ = false;     // between wake() and rest()
   bool sleeping_ = false;  // the workers sleep or are about to
-  std::uint64_t wake_count_ = 0;
   Job job_;
   std::vector<Worker> workers_;  // all threads but the caller
   std::mutex mutex_;             // guards the transition from sleep to a job

@@ -44,7 +44,7 @@ class Threads {
     });
   }
   /// `wake` and `rest` enclose many for_each calls in close succession: between these calls, workers may spin
-  /// instead of sleeping. A for_each with a single part wakes no worker. Pairs of calls may be nested.
+  /// instead of sleeping. A for_each with a single part wakes no worker.
   virtual void wake() {}
   virtual void rest() {}
 };

@@ -1,5 +1,4 @@
 #include "souple/error.h"
-#include "souple/threads/thread_pool.h"
 #include "souple/threads/threads.h"
 #include "souple/threads/work_partition.h"
 #include "tests/expect_error.h"
@@ -186,23 +185,6 @@ TEST(Threads, EndWhileTheySleepWhileTheySpinAndBeforeTheyStart) {
       spinning->wake();
       visits(*spinning, 100, 1);
     }
-}
-
-TEST(Threads, AreWokenOnceInScopesThatAreNested) {
-  ThreadPool pool(3);
-  visits(pool, 100, 1);
-  const std::uint64_t before = pool.wake_count();
-  {
-    const ActiveScope step(pool);
-    for (int stage = 0; stage < 10; ++stage) {
-      const ActiveScope search(pool);
-      visits(pool, 100, 1);
-    }
-    visits(pool, 100, 1);
-  }
-  EXPECT_EQ(pool.wake_count(), before + 1);
-  visits(pool, 100, 1);
-  EXPECT_EQ(pool.wake_count(), before + 2) << "after the scopes they sleep";
 }
 
 #if defined(__linux__)
