@@ -61,8 +61,8 @@ class Case(unittest.TestCase):
     def setUp(self):
         self.folder = Path(tempfile.mkdtemp(prefix="souple-test-"))
         self.addCleanup(shutil.rmtree, self.folder)
-        self.environment = {k: v for k, v in os.environ.items()
-                            if k not in ("SOUPLE_SCENES", "SOUPLE_THREADS")}
+        self.environment = {**os.environ, "SOUPLE_THREADS": "1"}
+        self.environment.pop("SOUPLE_SCENES", None)
 
     def scene(self, description, name="small.json"):
         path = self.folder / name

@@ -62,17 +62,17 @@ TEST(Chain, HangsInACatenary) {
   Curves curves(name, "x [m]", "y [m]");
   for (int i = 0; i <= N; ++i) curves.add("theory: catenary", on_catenary(i).x, on_catenary(i).y);
   const Hanging fine = hang({.substeps = 50}, &curves, "50 substeps of 1 iteration");
-  validate_below(name, "50 x 1: farthest from the catenary / chain", fine.farthest, 0.01);
+  validate_below(name, "50 x 1: farthest from the catenary / length", fine.farthest, 0.01);
   const Hanging iterated =
       hang({.substeps = 20, .iterations = 10, .mode = Mode::xpbd}, &curves, "20 substeps of 10 iterations");
-  validate_below(name, "20 x 10: farthest from the catenary / chain", iterated.farthest, 0.01);
+  validate_below(name, "20 x 10: farthest from the catenary / length", iterated.farthest, 0.01);
 }
 
 // Gauss-Seidel; the default solver eliminates chains exactly. A sweep moves a chain of N links like springs of
-// stiffness m / h^2 per link. It hangs too long by N^2 g h^2 / chain times a factor that depends only on its shape.
+// stiffness m / h^2 per link. It hangs too long by N^2 g h^2 / length times a factor that depends only on its shape.
 TEST(Chain, StretchesByTheSquareOfTheStep) {
-  const std::string name = "hanging chain, error against N^2 g h^2 / chain";
-  Curves curves(name, "N^2 g h^2 / chain", "elongation");
+  const std::string name = "hanging chain, error against N^2 g h^2 / length";
+  Curves curves(name, "N^2 g h^2 / length", "elongation");
   double before = 0, coarsest = 0, number = 0;
   for (const int substeps : {10, 20, 40}) {
     SolverSettings sweeps;
@@ -82,7 +82,7 @@ TEST(Chain, StretchesByTheSquareOfTheStep) {
     number = N * N * 9.81 * h * h / chain;
     coarsest = std::max(coarsest, number);
     const std::string at = std::to_string(substeps) + " substeps";
-    state(name, at + ": elongation / (N^2 g h^2 / chain)", elongation / number);
+    state(name, at + ": elongation / (N^2 g h^2 / length)", elongation / number);
     curves.add("measured", number, elongation);
     if (before > 0)
       validate_relative(name, at + ": elongation at half as many substeps / elongation", before / elongation,
