@@ -36,7 +36,8 @@ void SweepRegions::find(std::span<Projector* const> projectors, const ParticleVi
   connected_.reset(objects_.size());
   for (const auto& [a, b] : joined_) connected_.join(a, b);
   for (Projector* const projector : projectors) {
-    if (projector->facets().contact == nullptr) continue;
+    const ContactFacet* const contact = projector->facets().contact;
+    if (contact == nullptr || contact->is_collider_contact()) continue;
     projector->visit(particles, [&](const ConstraintState& constraint) {
       std::uint32_t first = none;
       for (const std::uint32_t i : constraint.particles) {
@@ -81,19 +82,19 @@ void SweepRegions::sort_into_classes(std::span<Projector* const> projectors, con
   for (std::uint32_t o = 0; o < objects_.size(); ++o) classes_[class_of_[o]].particles.push_back(objects_[o]);
 }
 
-// Joins neighbors. `in_run`: whether the constraint of a particle takes part.
-template <class InRun>
-void SweepRegions::list(const Projector& projector, const ParticleView& particles, const InRun& in_run,
-                        std::vector<SweptRun>& runs) const {
-  runs.clear();
+// Appends each constraint to the runs that runs_of(its particle) returns; null: to none. Joins neighbors.
+template <class RunsOf>
+void SweepRegions::list(const Projector& projector, const ParticleView& particles,
+                        const RunsOf& runs_of) const {
   for (int color = 0; color < projector.color_count(); ++color)
     for (std::size_t k = 0; k < projector.color_size(color); ++k) {
       const std::uint32_t i = projector.particle_of(color, k, particles);
-      if (i == no_particle || !in_run(i)) continue;
-      if (!runs.empty() && runs.back().color == color && runs.back().end == k)
-        ++runs.back().end;
+      std::vector<SweptRun>* const runs = i != no_particle ? runs_of(i) : nullptr;
+      if (runs == nullptr) continue;
+      if (!runs->empty() && runs->back().color == color && runs->back().end == k)
+        ++runs->back().end;
       else
-        runs.push_back({color, k, k + 1});
+        runs->push_back({color, k, k + 1});
     }
 }
 
@@ -116,22 +117,24 @@ void SweepRegions::list_ranges(const Projector& projector, const LinearFacet& se
 // Those of sets remain while the objects of the class do.
 void SweepRegions::list_runs(std::span<Projector* const> projectors, const ParticleView& particles) {
   if (listed_.size() < classes_.size()) listed_.resize(classes_.size());
+  const std::span<SweepClass> classes = std::span(classes_).first(class_count_);
   for (std::size_t c = 0; c < class_count_; ++c) {
-    SweepClass& own = classes_[c];
-    const bool same = own.runs.size() == projectors.size() && same_ranges(listed_[c], own.particles);
-    own.runs.resize(projectors.size());
-    for (std::size_t p = 0; p < projectors.size(); ++p) {
-      const LinearFacet* const set = projectors[p]->facets().linear;
-      if (set == nullptr) {
-        list(
-            *projectors[p], particles, [&](std::uint32_t i) { return class_of_[object_of_[i]] == c; },
-            own.runs[p]);
-      } else if (!same) {
-        list_ranges(*projectors[p], *set, c, own.runs[p]);
-      }
-    }
-    listed_[c].assign(own.particles.begin(), own.particles.end());
+    if (classes[c].runs.size() != projectors.size()) listed_[c].clear();
+    classes[c].runs.resize(projectors.size());
   }
+  for (std::size_t p = 0; p < projectors.size(); ++p) {
+    const LinearFacet* const set = projectors[p]->facets().linear;
+    for (std::size_t c = 0; c < class_count_; ++c)
+      if (set == nullptr)
+        classes[c].runs[p].clear();
+      else if (!same_ranges(listed_[c], classes[c].particles))
+        list_ranges(*projectors[p], *set, c, classes[c].runs[p]);
+    if (set == nullptr)
+      list(*projectors[p], particles,
+           [&](std::uint32_t i) { return &classes[class_of_[object_of_[i]]].runs[p]; });
+  }
+  for (std::size_t c = 0; c < class_count_; ++c)
+    listed_[c].assign(classes[c].particles.begin(), classes[c].particles.end());
 }
 
 std::span<const SweepClass> SweepRegions::classes(std::span<Projector* const> projectors,
@@ -168,8 +171,8 @@ void SweepRegions::list_particles(std::uint32_t particle, std::vector<IndexRange
 
 void SweepRegions::list_chosen(const Projector& projector, const ParticleView& particles,
                                std::vector<SweptRun>& runs) {
-  list(
-      projector, particles, [&](std::uint32_t i) { return chosen_[root_of(i)] != 0; }, runs);
+  runs.clear();
+  list(projector, particles, [&](std::uint32_t i) { return chosen_[root_of(i)] != 0 ? &runs : nullptr; });
 }
 
 }  // namespace souple

@@ -47,9 +47,8 @@ class SweepRegions {
   void sort_into_classes(std::span<Projector* const> projectors, const Substep& substep);
   std::uint32_t class_with(std::span<const int> sweeps);
   void list_runs(std::span<Projector* const> projectors, const ParticleView& particles);
-  template <class InRun>
-  void list(const Projector& projector, const ParticleView& particles, const InRun& in_run,
-            std::vector<SweptRun>& runs) const;
+  template <class RunsOf>
+  void list(const Projector& projector, const ParticleView& particles, const RunsOf& runs_of) const;
   void list_ranges(const Projector& projector, const LinearFacet& set, std::size_t of_class,
                    std::vector<SweptRun>& runs);
 

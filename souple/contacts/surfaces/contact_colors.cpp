@@ -31,6 +31,11 @@ void ContactColors::extend(std::size_t first_new, const ElementPairs& pairs) {
   used_.assign(pairs.surfaces().particle_count(), 0);
 }
 
+void ContactColors::keep(std::span<const std::uint32_t> former) {
+  for (std::size_t k = 0; k < former.size(); ++k) color_[k] = color_[former[k]];
+  color_.resize(former.size());
+}
+
 void ContactColors::forget(std::span<const IndexRange> particles) {
   const std::size_t n = first_free_.size();
   for (const IndexRange& range : particles)

@@ -19,6 +19,8 @@ class ContactColors {
   void set_count(std::size_t particles);
   /// Pairs from `first_new` on are new and have no color; 0: all pairs are new.
   void extend(std::size_t first_new, const ElementPairs& pairs);
+  /// Call after ElementPairs::drop_replaced.
+  void keep(std::span<const std::uint32_t> former);
   /// All pairs of these particles are new.
   void forget(std::span<const IndexRange> particles);
   void clear_contacts() { begin_.assign(1, 0); }

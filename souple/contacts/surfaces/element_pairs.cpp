@@ -86,6 +86,17 @@ void ElementPairs::begin_substep(float h) {
   paths_.advance(h);
 }
 
+std::span<const std::uint32_t> ElementPairs::drop_replaced(Threads& threads) {
+  if (2 * size() <= 3 * lasting_) return {};
+  std::uint32_t replaced = 0;
+  while (replaced < size() && is_replaced(replaced)) ++replaced;
+  if (replaced == size()) return {};  // an index of 0 would mean that all pairs are new
+  pairs_.drop_replaced(kept_);
+  lasting_ = size();
+  threads.each(chunk_count(), 4, [&](std::size_t c) { bounds_.add_chunk(c, pairs_); });
+  return kept_;
+}
+
 std::span<const IndexRange> ElementPairs::take_searched_anew() {
   taken_anew_.swap(anew_);
   anew_.clear();
@@ -142,6 +153,7 @@ void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> ve
   }
   pairs_.clear(surfaces_.particle_count());
   add_found(particles, threads);
+  lasting_ = size();
 }
 
 // Searches for the pairs of the next substep, or within the surfaces' horizons. Returns false if there are more than `most`.

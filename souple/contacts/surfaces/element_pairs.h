@@ -63,6 +63,9 @@ class ElementPairs {
   /// Updates after `particles_moved` alone have moved since the last update.
   std::size_t update(const ParticleView& particles, float h, std::span<const std::uint32_t> particles_moved,
                      Threads& threads);
+  /// Drops pairs that later searches replaced, if they may be a third of all. Call between substeps: what is known of pairs by
+  /// their index changes. Returns the former indices of the others, ascending, or nothing if none were dropped.
+  std::span<const std::uint32_t> drop_replaced(Threads& threads);
   /// Particles of the surfaces all of whose pairs are new since the last call, if not all pairs are.
   std::span<const IndexRange> take_searched_anew();
   void clear() { pairs_.clear(); }
@@ -169,6 +172,8 @@ class ElementPairs {
   std::vector<Bounds> surface_bounds_;         // work space
   std::vector<std::uint8_t> overlaps_other_;   // per surface
   std::vector<std::uint32_t> moved_;           // particles whose pairs are searched again
+  std::size_t lasting_ = 0;                    // pairs after the last search of all, or drop_replaced
+  std::vector<std::uint32_t> kept_;            // work space of drop_replaced
   std::vector<IndexRange> anew_, taken_anew_;  // see take_searched_anew
   BoxSweep surface_sweep_;
   NearPairFinder self_finder_, inter_object_finder_;

@@ -24,6 +24,7 @@ void MotionBounds::add_chunk(std::size_t index, PairChunks& pairs) {
   auto& blocks = blocks_[index];
   std::array<std::uint32_t, 64> seen;  // cache of blocks that were added, by their last bits
   seen.fill(no_surface);
+  chunk.blocks = 0;
   const auto add = [&](std::uint32_t block) {
     if (seen[block % seen.size()] == block) return;
     seen[block % seen.size()] = block;

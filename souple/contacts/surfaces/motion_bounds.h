@@ -40,7 +40,7 @@ class MotionBounds {
   /// Whether a chunk may have such a pair.
   bool may_have_moved(std::size_t index, const Chunk& chunk) const;
 
-  /// Lists the blocks of chunk `index`, which is new, and sets its smallest bounds.
+  /// Lists the blocks of chunk `index`, whose pairs are new, and sets its smallest bounds.
   void add_chunk(std::size_t index, PairChunks& pairs);
   /// Makes room for the blocks of so many chunks.
   void resize(std::size_t chunks);

@@ -60,6 +60,27 @@ void PairChunks::append(std::span<Batch> batches, List Batch::*list, bool edges,
   }
 }
 
+void PairChunks::drop_replaced(std::vector<std::uint32_t>& kept) {
+  kept.clear();
+  std::size_t chunk_count = 0;
+  for (Chunk chunk : chunks_) {
+    const auto begin = static_cast<std::uint32_t>(kept.size());
+    for (std::uint32_t k = chunk.begin; k < chunk.end; ++k) {
+      if (is_replaced(k)) continue;
+      const std::size_t to = kept.size();
+      particle_[to] = particle_[k], is_edges_[to] = is_edges_[k];
+      thickness_[to] = thickness_[k], distance_bound_[to] = distance_bound_[k];
+      kept.push_back(k);
+    }
+    chunk.begin = begin, chunk.end = static_cast<std::uint32_t>(kept.size());
+    if (chunk.begin < chunk.end) chunks_[chunk_count++] = chunk;
+  }
+  chunks_.resize(chunk_count);
+  particle_.resize(kept.size()), is_edges_.resize(kept.size());
+  thickness_.resize(kept.size()), distance_bound_.resize(kept.size());
+  std::fill(valid_from_.begin(), valid_from_.end(), 0u);
+}
+
 kernels::ElementPairColumns PairChunks::columns() {
   return {particle_.empty() ? nullptr : &particle_[0].particle, thickness_.data(), distance_bound_.data()};
 }

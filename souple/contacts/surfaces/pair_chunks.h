@@ -10,8 +10,8 @@
 
 namespace souple {
 
-/// Candidate pairs as columns, divided into chunks that are tested or skipped together. Pairs are only appended
-/// until all are dropped; a later search of a particle's pairs replaces its earlier ones.
+/// Candidate pairs as columns, divided into chunks that are tested or skipped together. Pairs are appended; a later search
+/// of a particle's pairs replaces its earlier ones.
 class PairChunks {
  public:
   static constexpr std::size_t chunk_size = 512;  ///< greatest number of pairs in a chunk
@@ -47,6 +47,8 @@ class PairChunks {
   void replace_pairs_of(std::uint32_t particle) {
     valid_from_[particle] = static_cast<std::uint32_t>(size());
   }
+  /// Drops replaced pairs, and chunks that become empty. Sets `kept` to the former indices of the others, ascending.
+  void drop_replaced(std::vector<std::uint32_t>& kept);
 
   std::size_t size() const { return particle_.size(); }
   const NearPair& pair(std::size_t index) const { return particle_[index]; }

@@ -66,6 +66,7 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
   if (!pairs_.surfaces().any()) return;
   narrow_phase_->begin_substep(substep.h);
   pairs_.begin_substep(substep.h);
+  if (const auto former = pairs_.drop_replaced(threads); !former.empty()) colors_->keep(former);
   color_new(pairs_.update(particles, substep.h, threads));
   pairs_.measure(particles, threads);
   narrow_phase_->find_contacts(pairs_, particles, contact_pairs_, threads);
