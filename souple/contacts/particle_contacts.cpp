@@ -38,11 +38,12 @@ bool ParticleContacts::interact(std::uint32_t object_a, std::uint32_t object_b) 
   return a.are_balls && b.are_balls;
 }
 
-// Bounds of each object's motion within the step: its box, with margins for its fastest particle and for
+// Bounds of the motion within the step of each object of balls: its box, with margins for its fastest particle and for
 // being dragged along. A position or velocity that is not finite makes the box infinite.
 void ParticleContacts::find_boxes(const ParticleView& particles, std::span<const Vec4f> velocity) {
-  boxes_.bounds.clear(), boxes_.are_near.clear();
-  for (const ContactObject& object : objects_) {
+  boxes_.bounds.clear();
+  for (const std::uint32_t a : boxes_.object) {
+    const ContactObject& object = objects_[a];
     Vec3f lo{infinity, infinity, infinity}, hi = -lo, sum;
     float fastest = 0;
     for (std::uint32_t i = object.begin; i < object.end; ++i) {
@@ -59,21 +60,26 @@ void ParticleContacts::find_boxes(const ParticleView& particles, std::span<const
                          box_margin_part * max(size.x, max(size.y, size.z));
     const Vec3f margins{margin, margin, margin};
     boxes_.bounds.push_back({lo - margins, hi + margins});
-    boxes_.are_near.push_back(object.self_collision && object.moves ? 1 : 0);
   }
 }
 
 // Particles of objects that may collide with another object, or with themselves, within the step.
 void ParticleContacts::find_members(const ParticleView& particles, std::span<const Vec4f> velocity) {
-  members_.clear();
+  members_.clear(), boxes_.object.clear(), boxes_.are_near.clear();
   largest_diameter_ = 0;
-  if (objects_.size() == 1 && !objects_[0].self_collision) return;
-  for (const ContactObject& object : objects_)
+  for (std::uint32_t a = 0; a < objects_.size(); ++a) {
+    const ContactObject& object = objects_[a];
+    boxes_.are_near.push_back(object.self_collision && object.moves ? 1 : 0);
+    if (!object.are_balls && !object.self_collision) continue;
+    boxes_.object.push_back(a);
     for (std::uint32_t i = object.begin; i < object.end; ++i)
       largest_diameter_ = max(largest_diameter_, 2 * radius_[i]);
+  }
   find_boxes(particles, velocity);
-  for (const auto& [a, b] : boxes_.sweep.find(boxes_.bounds))
+  for (const auto& [k, l] : boxes_.sweep.find(boxes_.bounds)) {
+    const std::uint32_t a = boxes_.object[k], b = boxes_.object[l];
     if (interact(a, b)) boxes_.are_near[a] = boxes_.are_near[b] = 1;
+  }
   for (std::uint32_t a = 0; a < objects_.size(); ++a)
     for (std::uint32_t i = objects_[a].begin; boxes_.are_near[a] != 0 && i < objects_[a].end; ++i)
       members_.push_back({i, a});

@@ -89,10 +89,11 @@ class ParticleContacts final : public ContactProjector {
   struct Member {
     std::uint32_t particle, object;
   };
-  /// Bounds of each object's motion within the step.
+  /// Bounds of the motion of objects within the step.
   struct Boxes {
     std::vector<Bounds> bounds;
-    std::vector<std::uint8_t> are_near;  // those of an object that it interacts with overlap
+    std::vector<std::uint32_t> object;   // whose bounds these are: objects of balls
+    std::vector<std::uint8_t> are_near;  // per object: those of an object that it interacts with overlap
     BoxSweep sweep;
   };
   /// Members as balls.

@@ -108,6 +108,7 @@ struct Object {
   ObjectCollision collision;
   ObjectGas gas;
   ObjectSleep sleep;
+  bool still = false;  ///< an obstacle that did not move in the last step, and does not in this one
   Imbalance imbalance;      ///< of cloths, soft bodies and ropes
   PlacedMotion motion;      ///< of obstacles and kinematic rigid bodies
   float wind_exposure = 1;  ///< share of the wind's velocity

@@ -39,14 +39,14 @@ class LowestParticle {
   std::atomic<std::size_t> lowest_{none};
 };
 
-/// Calls f(begin, end) for the ranges of [first, last) that belong to awake objects.
+/// Calls f(begin, end) for the ranges of [first, last) that belong to objects that are awake and not still.
 template <class Function>
 void for_each_awake(const StageView& stage, std::size_t first, std::size_t last, const Function& f) {
-  if (!stage.settings.sleeping.enabled || first == last) return f(first, last);
+  if (first == last) return;
   const auto& objects = stage.objects.objects;
   std::size_t begin = first;
   for (std::size_t o = stage.objects.object_of[first]; o < objects.size() && objects[o]->begin < last; ++o) {
-    if (objects[o]->sleep.island == 0) continue;
+    if (objects[o]->sleep.island == 0 && !objects[o]->still) continue;
     if (objects[o]->begin > begin) f(begin, objects[o]->begin);
     begin = objects[o]->reserved_end();
   }

@@ -86,6 +86,13 @@ ContactGeometry contact_geometry(const WorldState& world, std::span<const NamedC
   return geometry;
 }
 
+/// Obstacles that move by no motion stay where they are, unless something changed since the last step.
+void find_still(WorldState& world) {
+  const bool unchanged = world.version == world.current.version_after;
+  for (const auto& object : world.objects)
+    object->still = unchanged && object->traits().driven && is_static(object->motion);
+}
+
 void append_event(const WorldState& world, const ContactPush& push, std::vector<ContactEvent>& events) {
   if (!std::isfinite(push.impulse)) return;  // pinned since
   const Object& object = *world.objects[world.object_of[push.particle]];
@@ -207,13 +214,15 @@ void find_candidates(WorldState& world, double dt) {
                          .turn = world.particles.turn};
   ContactTables& tables = world.contact->tables;
   Particles& particles = world.particles;
+  find_still(world);
   predict_obstacles(world.stage_view(), dt);
   world.rigid->aim(world.stage_view(), dt);
   wake_disturbed(world, dt);
   particles.start = particles.offset;
   const ParticleView view = world.view();
   for (std::size_t a = 0; a < tables.objects.size(); ++a)
-    tables.objects[a].moves = world.objects[a]->sleep.island == 0;
+    tables.objects[a].moves = world.objects[a]->sleep.island == 0,
+    tables.objects[a].still = world.objects[a]->still;
   const ContactInput input{
       view, particles.velocity, particles.radius, particles.element_radius, particles.contact_margin, tables,
       step};

@@ -96,6 +96,7 @@ struct CurrentStep {
   bool settles = false;                         ///< its next substep moves fluid away from solids first
   bool saved = false;                           ///< LastValid holds the particles before this step
   double start = 0, length = 1;                 ///< s
+  std::uint64_t version_after = 0;              ///< `version` when the last valid step ended; 0: none
   std::optional<std::size_t> first_non_finite;  ///< the lowest particle with a non-finite value
   LastValid last_valid;
 };

@@ -68,6 +68,7 @@ void end_step(WorldState& world, double dt, bool valid) {
   if (!valid) restore_last_valid(world);
   end_arrivals(world, valid);
   ++world.version;
+  world.current.version_after = valid ? world.version : 0;
   world.contact->valid = true;
   report_contacts(world);
   world.contact->tracker.end_step(world, valid);

@@ -18,6 +18,7 @@ constexpr std::size_t max_words = 16;  // of 64 colors each, per particle
 
 void ContactColors::set_count(std::size_t particles) {
   used_.reserve(3 * particles), first_free_.reserve(particles), next_.reserve(particles);
+  colored_.reserve(particles);
   begin_.reserve(512), next_slot_.reserve(512);
 }
 
@@ -26,9 +27,18 @@ void ContactColors::extend(std::size_t first_new, const ElementPairs& pairs) {
   resize_with_spare(color_, pairs.size());
   std::fill(color_.begin() + static_cast<std::ptrdiff_t>(old_size), color_.end(), no_color);
   if (first_new != 0) return;
-  for (auto* per_particle : {&first_free_, &next_})
-    per_particle->assign(pairs.surfaces().particle_count(), 0);
-  used_.assign(pairs.surfaces().particle_count(), 0);
+  const std::size_t n = pairs.surfaces().particle_count();
+  if (first_free_.size() == n) {
+    for (const std::uint32_t i : colored_) forget(i);
+  } else {
+    first_free_.assign(n, 0), next_.assign(n, 0), used_.assign(n, 0);
+  }
+  colored_.clear();
+}
+
+void ContactColors::forget(std::size_t particle) {
+  first_free_[particle] = next_[particle] = 0;
+  for (std::size_t at = particle; at < used_.size(); at += first_free_.size()) used_[at] = 0;
 }
 
 void ContactColors::keep(std::span<const std::uint32_t> former) {
@@ -37,12 +47,8 @@ void ContactColors::keep(std::span<const std::uint32_t> former) {
 }
 
 void ContactColors::forget(std::span<const IndexRange> particles) {
-  const std::size_t n = first_free_.size();
   for (const IndexRange& range : particles)
-    for (std::size_t i = range.begin; i < range.end; ++i) {
-      first_free_[i] = next_[i] = 0;
-      for (std::size_t at = i; at < used_.size(); at += n) used_[at] = 0;
-    }
+    for (std::size_t i = range.begin; i < range.end; ++i) forget(i);
 }
 
 // The lowest color that none of its movable particles has.
@@ -59,6 +65,7 @@ std::uint32_t ContactColors::color_of(const NearPair& pair, const ParticleView& 
     if (occupied == ~std::uint64_t{0}) continue;
     const int bit = std::countr_one(occupied);
     for (const std::uint32_t i : pair.particle) {
+      if (used[i] == 0) colored_.push_back(i);
       used[i] |= std::uint64_t{1} << bit;
       if (used[i] == ~std::uint64_t{0} && first_free_[i] == word) ++first_free_[i];
     }
@@ -71,7 +78,7 @@ std::uint32_t ContactColors::next_color_of(const NearPair& pair, const ParticleV
   std::uint32_t color = 64 * max_words;
   for (const std::uint32_t i : pair.particle)
     if (particles.inverse_mass(i) > 0) color = std::max(color, next_[i]);
-  for (const std::uint32_t i : pair.particle) next_[i] = color + 1;
+  for (const std::uint32_t i : pair.particle) next_[i] = color + 1, colored_.push_back(i);
   return color;
 }
 

@@ -36,6 +36,7 @@ class ContactColors {
   std::size_t bytes() const;
 
  private:
+  void forget(std::size_t particle);
   std::uint32_t color_of(const NearPair& pair, const ParticleView& particles, std::size_t particle_count);
   std::uint32_t next_color_of(const NearPair& pair, const ParticleView& particles);
   bool are_independent(const ElementPairs& pairs, const ParticleView& particles) const;
@@ -48,6 +49,7 @@ class ContactColors {
   std::vector<std::uint64_t> used_;
   std::vector<std::uint32_t> first_free_;  // per particle: its first word of `used_` that is not full
   std::vector<std::uint32_t> next_;        // per particle: one more than its highest color from 1024 on
+  std::vector<std::uint32_t> colored_;     // particles with a color, some more than once
   std::vector<std::uint32_t> pair_;
   std::vector<float> toi_;
   std::vector<std::size_t> begin_, next_slot_;

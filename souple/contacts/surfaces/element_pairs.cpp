@@ -70,9 +70,10 @@ ElementPairs::ElementPairs(std::vector<ContactSurface> surfaces, ParticlePairs j
 
 void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                               std::span<const float> radius, std::span<const float> contact_margin,
-                              const ContactStep& step, Threads& threads) {
-  paths_.begin_step(radius, contact_margin, step.gravity);
-  paths_.reset(surfaces_);
+                              std::span<const std::uint8_t> still, const ContactStep& step,
+                              Threads& threads) {
+  paths_.begin_step(surfaces_, radius, contact_margin, still, step.gravity);
+  bounds_.begin_step(surfaces_, still);
   step_ = step;
   remaining_ = step.dt;
   limit_.begin_step(surfaces_);
@@ -80,7 +81,8 @@ void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec
   find(particles, velocity, 0, threads);
 }
 
-void ElementPairs::begin_substep(float h) {
+void ElementPairs::begin_substep(float h, bool still_have_margins) {
+  still_have_margins_ = still_have_margins;
   remaining_ -= h;
   for (Search& search : searches_) search.covered -= h;
   paths_.advance(h);
@@ -163,8 +165,8 @@ bool ElementPairs::find_within(bool one_substep, std::size_t most, const Particl
   for (std::uint32_t a = 0; a < surfaces_.size(); ++a) {
     searches_[a].covered = one_substep ? h : horizon(a, particles, velocity);
     searches_[a].found = 0;
-    paths_.predict_surface(surfaces_, a, particles, velocity, ago, searches_[a].covered, threads);
-    find_bounds(a);
+    if (paths_.predict_surface(surfaces_, a, particles, velocity, ago, searches_[a].covered, threads))
+      find_bounds(a);
   }
   find_overlaps();
   select_inter_object_elements();

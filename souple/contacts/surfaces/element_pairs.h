@@ -50,12 +50,14 @@ class ElementPairs {
   void set_end(std::size_t surface, std::uint32_t end) { surfaces_.set_end(surface, end); }
 
   /// Finds pairs for a step of `dt`. radius[i]: half the thickness of particle i [m]. contact_margin[i]:
-  /// additional distance at which contacts of particle i begin [m]. All spans must live until the step ends.
+  /// additional distance at which contacts of particle i begin [m]. All spans must live until the step ends. still[a]: see
+  /// PredictedPaths.
   void begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                   std::span<const float> radius, std::span<const float> contact_margin,
-                  const ContactStep& step, Threads& threads);
-  /// Starts the next substep, of length `h` [s].
-  void begin_substep(float h);
+                  std::span<const std::uint8_t> still, const ContactStep& step, Threads& threads);
+  /// Starts the next substep, of length `h` [s]. `still_have_margins`: particles of surfaces that are still may have contact
+  /// margins.
+  void begin_substep(float h, bool still_have_margins);
   /// Searches again for the pairs of particles that have left their paths within the substep of length `h`. Shortens
   /// motions while there is a limit.
   /// Returns the index of the first new pair: size() if there is none, 0 if all pairs are new.
@@ -88,7 +90,7 @@ class ElementPairs {
   /// Measures the motion of all particles since the substep began. Call it before find_near, and again
   /// whenever particles were moved.
   void measure(const ParticleView& particles, Threads& threads) {
-    bounds_.measure(surfaces_, particles, paths_.contact_margin(), threads);
+    bounds_.measure(surfaces_, particles, paths_.contact_margin(), still_have_margins_, threads);
   }
   /// Measures `particles_moved` alone: the particles that were moved since the last call.
   void measure(const ParticleView& particles, std::span<const std::uint32_t> particles_moved) {
@@ -166,6 +168,7 @@ class ElementPairs {
   // that collapses in folds has 25.
   static constexpr std::size_t pairs_of_element = 32, pairs_of_any = 65536;
   float remaining_ = 0;  // time of the step after this substep [s]
+  bool still_have_margins_ = true;
   // Elements of the surfaces with self-collision, and of the surfaces that overlap others.
   SurfaceElements self_elements_, inter_object_elements_;
   std::vector<Search> searches_;               // per surface

@@ -46,11 +46,28 @@ void MotionBounds::add_chunk(std::size_t index, PairChunks& pairs) {
   }
 }
 
-void MotionBounds::measure(const ElementSurfaces& surfaces, const ParticleView& particles,
-                           std::span<const float> contact_margin, Threads& threads) {
+void MotionBounds::begin_step(const ElementSurfaces& surfaces, std::span<const std::uint8_t> still) {
   const std::size_t n = surfaces.particle_count(), blocks = (n + block_size - 1) / block_size;
   moved_.resize(n), block_motion_.resize(blocks), block_relative_motion_.resize(blocks);
-  block_contact_margin_.resize(blocks);
+  block_contact_margin_.resize(blocks), was_moved_.resize(n), block_was_moved_.resize(blocks);
+  block_was_still_.swap(block_is_still_);
+  block_was_still_.resize(blocks, 0);
+  block_is_still_.assign(blocks, 1);
+  for (std::size_t a = 0; a < surfaces.size(); ++a)
+    if (still[a] == 0 && surfaces[a].begin < surfaces[a].reserved_end)
+      std::fill(block_is_still_.begin() + surfaces[a].begin / block_size,
+                block_is_still_.begin() + (surfaces[a].reserved_end - 1) / block_size + 1, std::uint8_t{0});
+  for (std::size_t b = 0; b < blocks; ++b) {
+    if (block_is_still_[b] == 0 || block_was_still_[b] != 0) continue;
+    std::fill(moved_.begin() + static_cast<std::ptrdiff_t>(b * block_size),
+              moved_.begin() + static_cast<std::ptrdiff_t>(std::min(n, (b + 1) * block_size)), Vec4f{});
+    block_motion_[b] = block_relative_motion_[b] = block_contact_margin_[b] = 0;
+  }
+}
+
+void MotionBounds::measure(const ElementSurfaces& surfaces, const ParticleView& particles,
+                           std::span<const float> contact_margin, bool still_have_margins, Threads& threads) {
+  const std::size_t n = surfaces.particle_count(), blocks = (n + block_size - 1) / block_size;
   mean_motion_.assign(surfaces.size(), {});
   for (std::size_t a = 0; a < surfaces.size(); ++a) {
     Vec3d sum;
@@ -59,9 +76,13 @@ void MotionBounds::measure(const ElementSurfaces& surfaces, const ParticleView& 
     if (count > 0) mean_motion_[a] = Vec3f(sum / count);
   }
   threads.each(blocks, moved_grain / block_size, [&](std::size_t b) {
-    float farthest = 0, max_relative = 0, margin = 0;
-    for (std::size_t i = b * block_size; i < std::min(n, (b + 1) * block_size); ++i) {
-      margin = max(margin, contact_margin[i]);
+    if (block_is_still_[b] != 0 && !still_have_margins) return;
+    const std::size_t begin = b * block_size, end = std::min(n, (b + 1) * block_size);
+    block_contact_margin_[b] = *std::max_element(contact_margin.begin() + static_cast<std::ptrdiff_t>(begin),
+                                                 contact_margin.begin() + static_cast<std::ptrdiff_t>(end));
+    if (block_is_still_[b] != 0) return;
+    float farthest = 0, max_relative = 0;
+    for (std::size_t i = begin; i < end; ++i) {
       const Vec3f moved = particles.moved(i);
       moved_[i].set_xyz(moved);
       farthest = max(farthest, length_squared(moved));
@@ -70,9 +91,8 @@ void MotionBounds::measure(const ElementSurfaces& surfaces, const ParticleView& 
         max_relative = max(max_relative, length_squared(moved - mean_motion_[surface]));
     }
     block_motion_[b] = sqrt(farthest), block_relative_motion_[b] = sqrt(max_relative);
-    block_contact_margin_[b] = margin;
   });
-  was_moved_.assign(n, 0), block_was_moved_.assign(blocks, 0);
+  for (const std::uint32_t i : remeasured_) was_moved_[i] = block_was_moved_[i / block_size] = 0;
   remeasured_.clear();
   max_motion_ = max_relative_motion_ = max_contact_margin_ = 0;
   for (const float farthest : block_motion_) max_motion_ = max(max_motion_, farthest);

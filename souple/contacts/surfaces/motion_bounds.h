@@ -22,10 +22,13 @@ class MotionBounds {
   /// `particles`: how many particles are measured.
   explicit MotionBounds(std::size_t particles) { remeasured_.reserve(particles); }
 
+  /// still[a]: surface a does not move in this step.
+  void begin_step(const ElementSurfaces& surfaces, std::span<const std::uint8_t> still);
   /// Measures the motion of all particles since the substep began. contact_margin[i]: additional distance at which
   /// contacts of particle i begin [m].
+  /// `still_have_margins`: so may particles of surfaces that are still.
   void measure(const ElementSurfaces& surfaces, const ParticleView& particles,
-               std::span<const float> contact_margin, Threads& threads);
+               std::span<const float> contact_margin, bool still_have_margins, Threads& threads);
   /// Measures `particles_moved` alone: the particles that were moved since the last call.
   void measure(const ElementSurfaces& surfaces, const ParticleView& particles,
                std::span<const std::uint32_t> particles_moved);
@@ -64,7 +67,8 @@ class MotionBounds {
   std::vector<std::uint8_t> block_was_moved_;  // per block: whether one of its particles is
   std::vector<std::uint32_t> remeasured_;      // `particles_moved` of the last measure()
   float max_motion_ = 0, max_relative_motion_ = 0;
-  std::vector<float> block_contact_margin_;  // per block: largest contact margin [m]
+  std::vector<std::uint8_t> block_is_still_, block_was_still_;  // in this step, in the last one
+  std::vector<float> block_contact_margin_;                     // per block: largest contact margin [m]
   float max_contact_margin_ = 0;
 };
 

@@ -28,7 +28,13 @@ void PairChunks::clear() {
 
 void PairChunks::clear(std::size_t particles) {
   clear();
-  valid_from_.assign(particles, 0);
+  replace_none();
+  valid_from_.resize(particles, 0);
+}
+
+void PairChunks::replace_none() {
+  for (const std::uint32_t i : replaced_) valid_from_[i] = 0;
+  replaced_.clear();
 }
 
 void PairChunks::append(std::span<Batch> batches, List Batch::*list, bool edges, bool inter_object,
@@ -78,7 +84,7 @@ void PairChunks::drop_replaced(std::vector<std::uint32_t>& kept) {
   chunks_.resize(chunk_count);
   particle_.resize(kept.size()), is_edges_.resize(kept.size());
   thickness_.resize(kept.size()), distance_bound_.resize(kept.size());
-  std::fill(valid_from_.begin(), valid_from_.end(), 0u);
+  replace_none();
 }
 
 kernels::ElementPairColumns PairChunks::columns() {

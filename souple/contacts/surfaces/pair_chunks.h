@@ -45,6 +45,7 @@ class PairChunks {
   void append(std::span<Batch> batches, List Batch::*list, bool edges, bool inter_object, Threads& threads);
   /// Pairs of the particle so far are replaced by those that will be appended.
   void replace_pairs_of(std::uint32_t particle) {
+    replaced_.push_back(particle);
     valid_from_[particle] = static_cast<std::uint32_t>(size());
   }
   /// Drops replaced pairs, and chunks that become empty. Sets `kept` to the former indices of the others, ascending.
@@ -73,6 +74,8 @@ class PairChunks {
   std::vector<std::uint8_t> is_edges_;
   std::vector<Chunk> chunks_;
   std::vector<std::uint32_t> valid_from_;  // per particle: its pairs with a lower index are replaced
+  std::vector<std::uint32_t> replaced_;    // particles with such pairs, some more than once
+  void replace_none();
 };
 
 }  // namespace souple

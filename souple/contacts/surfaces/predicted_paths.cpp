@@ -6,6 +6,7 @@
 #include "souple/state/bytes.h"
 
 #include <algorithm>
+#include <atomic>
 
 namespace souple {
 namespace {
@@ -35,9 +36,28 @@ Vec3d mean_position(const ElementSurfaces& surfaces, std::size_t surface, const 
 
 }  // namespace
 
-void PredictedPaths::begin_step(std::span<const float> radius, std::span<const float> contact_margin,
+// Paths of the last step stay for what is still.
+void PredictedPaths::begin_step(const ElementSurfaces& surfaces, std::span<const float> radius,
+                                std::span<const float> contact_margin, std::span<const std::uint8_t> still,
                                 float gravity) {
   radius_ = radius, contact_margin_ = contact_margin, gravity_ = gravity;
+  still_.assign(still.begin(), still.end());
+  elapsed_ = 0;
+  const std::size_t n = surfaces.particle_count();
+  if (path_.size() != n) {
+    boxes_.assign(n, infinite_box), kept_.assign(surfaces.size(), {-1, 0});
+    relative_boxes_.resize(n), path_.resize(n), predicted_velocity_.resize(n), predicted_margin_.resize(n);
+  }
+  mean_velocity_.assign(surfaces.size(), {}), shift_.assign(surfaces.size(), {});
+  mean_position_.assign(surfaces.size(), {});
+  checked_.clear();
+  for (std::uint32_t a = 0; a < surfaces.size(); ++a) {
+    const ContactSurface& surface = surfaces[a];
+    std::fill(boxes_.begin() + surface.end, boxes_.begin() + max(surface.end, surface.reserved_end),
+              infinite_box);
+    for (std::size_t k = surface.begin; still_[a] == 0 && k < surface.end; k += path_chunk)
+      checked_.push_back({k, std::min<std::size_t>(surface.end, k + path_chunk)});
+  }
 }
 
 // Mean velocity and position of the particles that can move.
@@ -72,26 +92,26 @@ void PredictedPaths::find_shift(const ElementSurfaces& surfaces, const ParticleV
   for (std::size_t a = 0; a < surfaces.size(); ++a) find_shift(surfaces, a, particles);
 }
 
-void PredictedPaths::reset(const ElementSurfaces& surfaces) {
-  elapsed_ = 0;
-  const std::size_t n = surfaces.particle_count();
-  boxes_.assign(n, infinite_box);
-  relative_boxes_.resize(n), path_.resize(n), predicted_velocity_.resize(n);
-  mean_velocity_.assign(surfaces.size(), {});
-  shift_.assign(surfaces.size(), {});
-  mean_position_.assign(surfaces.size(), {});
+bool PredictedPaths::keeps_paths(std::uint32_t surface, float dt) const {
+  return still_[surface] != 0 && frame_ == Vec3f{} && kept_[surface] == std::array{dt, gravity_};
 }
 
-void PredictedPaths::predict_surface(const ElementSurfaces& surfaces, std::uint32_t surface,
+bool PredictedPaths::predict_surface(const ElementSurfaces& surfaces, std::uint32_t surface,
                                      const ParticleView& particles, std::span<const Vec4f> velocity,
                                      float ago, float dt, Threads& threads) {
-  const std::uint32_t begin = surfaces[surface].begin;
-  threads.each(surfaces[surface].end - begin, particle_grain, [&](std::size_t k) {
-    const std::uint32_t i = begin + static_cast<std::uint32_t>(k);
-    if (surfaces.of(i) == surface)
+  const bool keeps = keeps_paths(surface, dt);
+  std::atomic<bool> changed{!keeps};
+  const std::uint32_t first = surfaces[surface].begin;
+  threads.for_each(surfaces[surface].end - first, particle_grain, [&](std::size_t begin, std::size_t end) {
+    for (std::uint32_t i = first + static_cast<std::uint32_t>(begin); i < first + end; ++i) {
+      if (surfaces.of(i) != surface || (keeps && predicted_margin_[i] == contact_margin_[i])) continue;
+      if (keeps) changed.store(true, std::memory_order_relaxed);
       predict(i, surface, particles.relative(i, {}), {}, velocity[i].xyz(), elapsed_ - ago, dt,
               radius_margin_part * max(radius_[i], 0.0f));
+    }
   });
+  kept_[surface] = {still_[surface] != 0 && frame_ == Vec3f{} ? dt : -1, gravity_};
+  return changed;
 }
 
 // The path of a particle that is at x at the time `since` after the step began and moves with v for dt.
@@ -109,6 +129,7 @@ void PredictedPaths::predict(std::uint32_t i, std::uint32_t surface, const Vec3f
   relative_boxes_[i] =
       around(relative_x, relative_x + relative_v * dt, contact_distance + path.relative_margin);
   predicted_velocity_[i].set_xyz(v);
+  predicted_margin_[i] = contact_margin_[i];
 }
 
 bool PredictedPaths::is_on_path(std::uint32_t i, const ContactSurface& surface, std::uint32_t index,
@@ -127,12 +148,12 @@ void PredictedPaths::find_off_path(const ElementSurfaces& surfaces,
                                    std::span<const std::uint8_t> overlaps_other,
                                    const ParticleView& particles, Threads& threads) {
   find_shift(surfaces, particles);
-  const std::size_t n = surfaces.particle_count(), chunks = (n + path_chunk - 1) / path_chunk;
+  const std::size_t chunks = checked_.size();
   for (std::size_t c = off_path_of_chunk_.size(); c < chunks; ++c)
     off_path_of_chunk_.emplace_back().reserve(path_chunk);
   threads.each(chunks, 2, [&](std::size_t c) {
     off_path_of_chunk_[c].clear();
-    for (std::size_t k = c * path_chunk; k < std::min(n, (c + 1) * path_chunk); ++k) {
+    for (std::size_t k = checked_[c].begin; k < checked_[c].end; ++k) {
       const auto i = static_cast<std::uint32_t>(k);
       const std::uint32_t a = surfaces.of(i);
       if (a != no_surface &&
@@ -169,7 +190,7 @@ kernels::PredictionMargins PredictedPaths::margins(bool inter_object) const {
 }
 
 std::size_t PredictedPaths::bytes() const {
-  return bytes_of(boxes_, relative_boxes_, path_, predicted_velocity_);
+  return bytes_of(boxes_, relative_boxes_, path_, predicted_velocity_, predicted_margin_);
 }
 
 }  // namespace souple

@@ -6,6 +6,7 @@
 #include "souple/solver/projector.h"
 #include "souple/threads/threads.h"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -23,8 +24,10 @@ class PredictedPaths {
   /// `particles`: how many particles paths are predicted for.
   explicit PredictedPaths(std::size_t particles) { off_path_.reserve(particles); }
   /// radius[i]: half the thickness of particle i [m]. contact_margin[i]: additional distance at which contacts of
-  /// particle i begin [m]. Both must live until the step ends.
-  void begin_step(std::span<const float> radius, std::span<const float> contact_margin, float gravity);
+  /// particle i begin [m]. Both must live until the step ends. still[a]: surface a did not move in the last step, and does
+  /// not in this one.
+  void begin_step(const ElementSurfaces& surfaces, std::span<const float> radius,
+                  std::span<const float> contact_margin, std::span<const std::uint8_t> still, float gravity);
 
   /// Sets the mean motion of a surface, relative to which its next paths are predicted.
   void find_mean(const ElementSurfaces& surfaces, std::size_t surface, const ParticleView& particles,
@@ -40,10 +43,8 @@ class PredictedPaths {
   }
   /// Thickness of a particle in contacts [m].
   float thickness(std::uint32_t particle) const { return 2 * max(radius_[particle], min_thickness); }
-  /// Forgets the paths of the last step.
-  void reset(const ElementSurfaces& surfaces);
-  /// Predicts the paths of a surface for a time of `dt` [s], from a moment that was `ago` [s].
-  void predict_surface(const ElementSurfaces& surfaces, std::uint32_t surface, const ParticleView& particles,
+  /// Predicts the paths of a surface for a time of `dt` [s], from a moment that was `ago` [s]. Returns whether boxes changed.
+  bool predict_surface(const ElementSurfaces& surfaces, std::uint32_t surface, const ParticleView& particles,
                        std::span<const Vec4f> velocity, float ago, float dt, Threads& threads);
   /// Starts the next substep.
   void advance(float h) { elapsed_ += h; }
@@ -86,6 +87,7 @@ class PredictedPaths {
     float margin, relative_margin;
     float valid_until;  // end of the time that the search covers, since pairs were found [s]
   };
+  bool keeps_paths(std::uint32_t surface, float dt) const;
   void predict(std::uint32_t particle, std::uint32_t surface, const Vec3f& x, const Vec3f& shift,
                const Vec3f& v, float since, float dt, float margin);
   bool is_on_path(std::uint32_t particle, const ContactSurface& surface, std::uint32_t index,
@@ -95,8 +97,13 @@ class PredictedPaths {
   float gravity_ = 0;
   std::vector<Vec3f> mean_velocity_;  // per surface: when pairs were found [m/s]
   Vec3f frame_;                       // of boxes_ [m/s]
-  std::vector<Vec3d> mean_position_;  // per surface: mean of sampled particles, when pairs were found [m]
-  std::vector<Vec3f> shift_;          // per surface: motion of that mean since then [m]
+  // Per surface that is still: time and gravity that its paths were predicted for, in the frame at rest. Time -1: none.
+  std::vector<std::array<float, 2>> kept_;
+  std::vector<std::uint8_t> still_;
+  std::vector<float> predicted_margin_;  // per particle: its contact margin in its box [m]
+  std::vector<IndexRange> checked_;      // chunks of the particles of surfaces that are not still
+  std::vector<Vec3d> mean_position_;     // per surface: mean of sampled particles, when pairs were found [m]
+  std::vector<Vec3f> shift_;             // per surface: motion of that mean since then [m]
   std::vector<Bounds> boxes_, relative_boxes_;
   std::vector<Path> path_;
   std::vector<Vec4f> predicted_velocity_;  // v above

@@ -34,6 +34,7 @@ void SurfaceContacts::build(const ContactGeometry& geometry) {
   clear_contacts();
   pairs_ = ElementPairs(geometry.surfaces, geometry.joined, intersection_resolver_);
   if (!pairs_.surfaces().any()) return;
+  has_margin_.assign(pairs_.surfaces().size(), 1);
   narrow_phase_->build(pairs_.surfaces());
   colors_->set_count(pairs_.surfaces().particle_count());
   filter_->set_count();
@@ -49,7 +50,13 @@ void SurfaceContacts::begin_step(const ContactInput& input, Threads& threads) {
   contact_margin_ = input.contact_margin, radius_ = input.radius;
   round_->raise_margins(pairs_.surfaces(), contact_margin_);
   balls_roll_ = !input.step.turn.empty();
-  pairs_.begin_step(input.particles, input.velocity, input.radius, input.contact_margin, input.step, threads);
+  still_.assign(pairs_.surfaces().size(), 0);
+  for (std::size_t a = 0; a < std::min(still_.size(), input.tables.objects.size()); ++a)
+    still_[a] = input.tables.objects[a].still ? 1 : 0;
+  for (std::size_t a = 0; a < still_.size(); ++a)
+    if (still_[a] == 0) has_margin_[a] = 1;
+  pairs_.begin_step(input.particles, input.velocity, input.radius, input.contact_margin, still_, input.step,
+                    threads);
   colors_->extend(0, pairs_);
 }
 
@@ -65,7 +72,7 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
   clear_contacts();
   if (!pairs_.surfaces().any()) return;
   narrow_phase_->begin_substep(substep.h);
-  pairs_.begin_substep(substep.h);
+  pairs_.begin_substep(substep.h, still_have_margins());
   if (const auto former = pairs_.drop_replaced(threads); !former.empty()) colors_->keep(former);
   color_new(pairs_.update(particles, substep.h, threads));
   pairs_.measure(particles, threads);
@@ -77,6 +84,12 @@ void SurfaceContacts::refresh(const ParticleView& particles, const Substep& subs
   describe_contacts(particles, threads);
   for (std::size_t c = 0; narrow_phase_->is_discrete() && c < contacts_.size(); ++c)
     narrow_phase_->describe_crossing(pairs_, colors_->pair()[c], c, particles, columns_);
+}
+
+bool SurfaceContacts::still_have_margins() const {
+  for (std::size_t a = 0; a < still_.size(); ++a)
+    if (still_[a] != 0 && has_margin_[a] != 0) return true;
+  return false;
 }
 
 void SurfaceContacts::color_new(std::size_t first_new) {
@@ -141,11 +154,20 @@ void SurfaceContacts::update_contact_margins() {
     const float beyond = normal_sum - max(0.0f, approach);
     if (!(beyond > speculative_part * thickness)) return;
     SOUPLE_ASSERT(thickness >= 0, "no thickness is negative");
-    for (const std::uint32_t i : particles)
+    for (const std::uint32_t i : particles) {
       contact_margin_[i] = max(contact_margin_[i], min(beyond, max_part * thickness));
+      has_margin_[pairs_.surfaces().of(i)] = 1;
+    }
   };
-  for (float& contact_margin : contact_margin_)
-    contact_margin = contact_margin > negligible ? decay * contact_margin : 0;
+  for (std::size_t a = 0; a < has_margin_.size(); ++a) {
+    if (std::exchange(has_margin_[a], still_[a] == 0 ? 1 : 0) == 0) continue;
+    const ContactSurface& surface = pairs_.surfaces()[a];
+    for (std::uint32_t i = surface.begin; i < max(surface.end, surface.reserved_end); ++i) {
+      const float decayed = decay * contact_margin_[i];
+      contact_margin_[i] = contact_margin_[i] > negligible ? decayed : 0;
+      if (contact_margin_[i] > 0) has_margin_[a] = 1;
+    }
+  }
   for (std::size_t c = 0; c < contacts_.size(); ++c)
     widen(columns_.normal_sum[c], columns_.approach[c], columns_.thickness[c],
           anchor_of(columns_, c).particle);

@@ -95,6 +95,7 @@ class SurfaceContacts final : public ContactProjector {
   float normal_sum(std::size_t contact) const;
   ContactImpulse impulse(std::size_t contact) const;
   float gap(std::size_t contact, const ParticleView& particles) const;
+  bool still_have_margins() const;
   void color_new(std::size_t first_new);
   void describe_contacts(const ParticleView& particles, Threads& threads);
   void update_contact_margins();
@@ -108,10 +109,11 @@ class SurfaceContacts final : public ContactProjector {
   std::unique_ptr<RoundContacts> round_;
   std::span<const float> radius_;
   std::span<float> contact_margin_;
-  std::vector<PairToi> contact_pairs_;  // in order of pairs
-  SurfaceContactRows contacts_;         // in order of colors
-  kernels::ContactColumns columns_{};   // of contacts_
-  bool balls_roll_ = false;             // contacts have shares and moments
+  std::vector<std::uint8_t> still_, has_margin_;  // per surface; `has_margin_`: some particles may have one
+  std::vector<PairToi> contact_pairs_;            // in order of pairs
+  SurfaceContactRows contacts_;                   // in order of colors
+  kernels::ContactColumns columns_{};             // of contacts_
+  bool balls_roll_ = false;                       // contacts have shares and moments
   std::vector<std::uint32_t>
       of_bodies_;  // contacts that project_body_contacts projects, round ones after all others
 };
