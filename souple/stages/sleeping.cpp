@@ -108,11 +108,16 @@ void wake_near_movers(const SleepView& step, float dt) {
   const ObjectsView& view = step.stage.objects;
   const auto& objects = view.objects;
   ProximityQuery& proximity = step.sleep.proximity;
+  const auto may_move = [](const Object& object) {
+    return object.sleep.island == 0 && !object.still && (object.sleep.rest_time == 0 || is_obstacle(object));
+  };
+  if (std::none_of(objects.begin(), objects.end(), [&](const auto& object) { return may_move(*object); }))
+    return;
   proximity.reset(view);
   bool any = false;
   for (std::size_t a = 0; a < objects.size(); ++a) {
     const Object& object = *objects[a];
-    if (object.sleep.island != 0 || (object.sleep.rest_time > 0 && !is_obstacle(object))) continue;
+    if (!may_move(object)) continue;
     proximity.active[a] = mark_mover(step, object, dt) ? 1 : 0;
     any = any || proximity.active[a] != 0;
   }
@@ -164,7 +169,8 @@ void wake_near_collider(const SleepView& step, std::size_t collider, double dt) 
     if (object.sleep.island == 0 || !step.tables.against_colliders.collide(a, collider)) continue;
     for (std::uint32_t i = object.begin; i < object.end; ++i) {
       const auto radius = static_cast<double>(max(view.particles.radius[i], 0.0f));
-      const double margin = (1 + double(margin_ratio)) * radius + double(min_margin);
+      const double margin = (1 + double(margin_ratio)) * radius + double(min_margin) +
+                            static_cast<double>(view.particles.element_radius[i]);
       if (!moving.touches(view.particles.exact_position(i), margin, threshold)) continue;
       wake_island(view, object, step.sleep);
       break;

@@ -29,6 +29,7 @@ struct JoinedObjects {
 struct SleepScratch {
   bool woken = false;  ///< an object woke during a step: near pairs must be found again
   bool all = false;    ///< all movable objects are asleep, so there is nothing to solve
+  bool idle = false;   ///< while `all`: no obstacle moves either, so a substep changes nothing
   bool changed =
       true;  ///< an object woke or fell asleep, or constraints changed: `constraints` is out of date
   LeftOut constraints;  ///< of sleeping objects, which move nothing; see leave_out_asleep
@@ -39,6 +40,8 @@ struct SleepScratch {
   std::vector<std::uint8_t> cannot_sleep;
   /// Per chunk of an object's particles: max squared displacement in the step [m^2].
   std::vector<float> chunk_displacement_squared;
+
+  bool rests() const { return all && idle; }
 };
 
 /// State that sleeping and waking read and change.

@@ -201,9 +201,8 @@ void report_intersections(WorldState& world) {
     world.warnings.warn(Flag::intersecting, words + std::string(advice(Flag::intersecting)));
 }
 
-}  // namespace
-
-void find_candidates(WorldState& world, double dt) {
+/// The search of a step for contacts that may come.
+void begin_contacts(WorldState& world, double dt) {
   const ContactStep step{.time = world.time,
                          .dt = static_cast<float>(dt),
                          .gravity = length(world.settings.gravity),
@@ -214,10 +213,6 @@ void find_candidates(WorldState& world, double dt) {
                          .turn = world.particles.turn};
   ContactTables& tables = world.contact->tables;
   Particles& particles = world.particles;
-  find_still(world);
-  predict_obstacles(world.stage_view(), dt);
-  world.rigid->aim(world.stage_view(), dt);
-  wake_disturbed(world, dt);
   particles.start = particles.offset;
   const ParticleView view = world.view();
   for (std::size_t a = 0; a < tables.objects.size(); ++a)
@@ -232,6 +227,28 @@ void find_candidates(WorldState& world, double dt) {
     world.contact->check_intersections = false;
     world.contact->contacts.begin_step(input, search_intersections, *world.threads);
   });
+}
+
+/// Whether all objects are asleep, but for obstacles without a motion.
+bool all_rest(const WorldState& world) {
+  return std::all_of(world.objects.begin(), world.objects.end(), [](const auto& object) {
+    return object->sleep.island != 0 || (object->traits().driven && is_static(object->motion));
+  });
+}
+
+}  // namespace
+
+void find_candidates(WorldState& world, double dt) {
+  SleepScratch& sleep = *world.scratch->sleep;
+  const bool rested = sleep.rests() && world.version == world.current.version_after;
+  find_still(world);
+  if (!rested) {
+    predict_obstacles(world.stage_view(), dt);
+    world.rigid->aim(world.stage_view(), dt);
+  }
+  wake_disturbed(world, dt);
+  sleep.idle = all_rest(world);
+  if (!rested || !sleep.rests()) begin_contacts(world, dt);
   world.report.layer_violations = world.contact->contacts.layer_violations();
   report_intersections(world);
 }

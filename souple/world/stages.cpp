@@ -79,6 +79,7 @@ std::span<const IndexRange> find_without_levels(WorldState& world) {
 
 void integrate(WorldState& world, const Substep& substep) {
   if (world.scratch->sleep->woken) find_candidates(world, static_cast<double>(substep.h) * substep.count);
+  if (world.scratch->sleep->rests()) return;
   const StageView stage = world.stage_view();
   world.scratch->motion.integrate = integrate_by(world.settings.integrator);
   note(world, predict_motion(stage, world.callbacks->force_fields, substep, world.scratch->motion));
@@ -133,6 +134,7 @@ void solve(WorldState& world, const Substep& substep) {
 }
 
 bool finish(WorldState& world, const Substep& substep) {
+  if (world.scratch->sleep->rests()) return true;
   note(world, finish_motion(world.stage_view(), substep, world.scratch->motion));
   world.rigid->finish(world.stage_view(), substep, world.contact->contacts);
   world.scratch->angular_momentum.finish(world.stage_view(), *world.rigid);
@@ -141,6 +143,7 @@ bool finish(WorldState& world, const Substep& substep) {
 }
 
 bool update_velocities(WorldState& world, const Substep& substep) {
+  if (world.scratch->sleep->rests()) return true;
   apply_restitution(world, substep);
   const ObjectsView objects = world.objects_view();
   finish_spin(objects, substep, *world.threads);
