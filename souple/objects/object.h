@@ -61,6 +61,7 @@ struct ObjectGas {
 struct ObjectSleep {
   double rest_time = 0;      ///< time at rest so far [s]
   std::uint32_t island = 0;  ///< id of the sleeping island: that of one of its objects; 0: awake
+  bool still = false;        ///< an obstacle that did not move in the last step, and does not in this one
 };
 
 /// Motion of an obstacle or of a kinematic rigid body.
@@ -108,7 +109,6 @@ struct Object {
   ObjectCollision collision;
   ObjectGas gas;
   ObjectSleep sleep;
-  bool still = false;  ///< an obstacle that did not move in the last step, and does not in this one
   Imbalance imbalance;      ///< of cloths, soft bodies and ropes
   PlacedMotion motion;      ///< of obstacles and kinematic rigid bodies
   float wind_exposure = 1;  ///< share of the wind's velocity

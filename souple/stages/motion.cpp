@@ -46,7 +46,7 @@ void for_each_awake(const StageView& stage, std::size_t first, std::size_t last,
   const auto& objects = stage.objects.objects;
   std::size_t begin = first;
   for (std::size_t o = stage.objects.object_of[first]; o < objects.size() && objects[o]->begin < last; ++o) {
-    if (objects[o]->sleep.island == 0 && !objects[o]->still) continue;
+    if (objects[o]->sleep.island == 0 && !objects[o]->sleep.still) continue;
     if (objects[o]->begin > begin) f(begin, objects[o]->begin);
     begin = objects[o]->reserved_end();
   }

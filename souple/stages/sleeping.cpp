@@ -109,7 +109,8 @@ void wake_near_movers(const SleepView& step, float dt) {
   const auto& objects = view.objects;
   ProximityQuery& proximity = step.sleep.proximity;
   const auto may_move = [](const Object& object) {
-    return object.sleep.island == 0 && !object.still && (object.sleep.rest_time == 0 || is_obstacle(object));
+    return object.sleep.island == 0 && !object.sleep.still &&
+           (object.sleep.rest_time == 0 || is_obstacle(object));
   };
   if (std::none_of(objects.begin(), objects.end(), [&](const auto& object) { return may_move(*object); }))
     return;

@@ -14,8 +14,8 @@
 namespace souple {
 
 /// Threads that spin on one word for their next job. Fork and join of two threads costs a few hundred
-/// nanoseconds; waking a sleeping thread costs fifty microseconds. Between steps the threads sleep, and within a step where
-/// the next job is long in coming: a processor that only waits is one that others lack.
+/// nanoseconds; waking a sleeping thread costs fifty microseconds. Between steps the threads sleep. So they do within
+/// a step where the next job is long in coming: a processor that only waits is one that others lack.
 ///
 /// That word, the signal, holds the number of the job (upper 48 bits) and a command (lower 16). The command is the
 /// number of parts to work on, or sleep, or end. Part 0 belongs to the caller and part t to worker t, so that a thread

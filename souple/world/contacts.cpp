@@ -90,7 +90,7 @@ ContactGeometry contact_geometry(const WorldState& world, std::span<const NamedC
 void find_still(WorldState& world) {
   const bool unchanged = world.version == world.current.version_after;
   for (const auto& object : world.objects)
-    object->still = unchanged && object->traits().driven && is_static(object->motion);
+    object->sleep.still = unchanged && object->traits().driven && is_static(object->motion);
 }
 
 void append_event(const WorldState& world, const ContactPush& push, std::vector<ContactEvent>& events) {
@@ -217,7 +217,7 @@ void begin_contacts(WorldState& world, double dt) {
   const ParticleView view = world.view();
   for (std::size_t a = 0; a < tables.objects.size(); ++a)
     tables.objects[a].moves = world.objects[a]->sleep.island == 0,
-    tables.objects[a].still = world.objects[a]->still;
+    tables.objects[a].still = world.objects[a]->sleep.still;
   const ContactInput input{
       view, particles.velocity, particles.radius, particles.element_radius, particles.contact_margin, tables,
       step};

@@ -82,21 +82,16 @@ void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec
 }
 
 void ElementPairs::begin_substep(float h, bool still_have_margins) {
-  still_have_margins_ = still_have_margins;
+  bounds_.set_still_have_margins(still_have_margins);
   remaining_ -= h;
   for (Search& search : searches_) search.covered -= h;
   paths_.advance(h);
 }
 
 std::span<const std::uint32_t> ElementPairs::drop_replaced(Threads& threads) {
-  if (2 * size() <= 3 * lasting_) return {};
-  std::uint32_t replaced = 0;
-  while (replaced < size() && is_replaced(replaced)) ++replaced;
-  if (replaced == size()) return {};  // an index of 0 would mean that all pairs are new
-  pairs_.drop_replaced(kept_);
-  lasting_ = size();
-  threads.each(chunk_count(), 4, [&](std::size_t c) { bounds_.add_chunk(c, pairs_); });
-  return kept_;
+  const std::span<const std::uint32_t> kept = pairs_.drop_replaced();
+  if (!kept.empty()) threads.each(chunk_count(), 4, [&](std::size_t c) { bounds_.add_chunk(c, pairs_); });
+  return kept;
 }
 
 std::span<const IndexRange> ElementPairs::take_searched_anew() {
@@ -155,7 +150,7 @@ void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> ve
   }
   pairs_.clear(surfaces_.particle_count());
   add_found(particles, threads);
-  lasting_ = size();
+  pairs_.end_search();
 }
 
 // Searches for the pairs of the next substep, or within the surfaces' horizons. Returns false if there are more than `most`.

@@ -90,7 +90,7 @@ class ElementPairs {
   /// Measures the motion of all particles since the substep began. Call it before find_near, and again
   /// whenever particles were moved.
   void measure(const ParticleView& particles, Threads& threads) {
-    bounds_.measure(surfaces_, particles, paths_.contact_margin(), still_have_margins_, threads);
+    bounds_.measure(surfaces_, particles, paths_.contact_margin(), threads);
   }
   /// Measures `particles_moved` alone: the particles that were moved since the last call.
   void measure(const ParticleView& particles, std::span<const std::uint32_t> particles_moved) {
@@ -168,15 +168,12 @@ class ElementPairs {
   // that collapses in folds has 25.
   static constexpr std::size_t pairs_of_element = 32, pairs_of_any = 65536;
   float remaining_ = 0;  // time of the step after this substep [s]
-  bool still_have_margins_ = true;
   // Elements of the surfaces with self-collision, and of the surfaces that overlap others.
   SurfaceElements self_elements_, inter_object_elements_;
   std::vector<Search> searches_;               // per surface
   std::vector<Bounds> surface_bounds_;         // work space
   std::vector<std::uint8_t> overlaps_other_;   // per surface
   std::vector<std::uint32_t> moved_;           // particles whose pairs are searched again
-  std::size_t lasting_ = 0;                    // pairs after the last search of all, or drop_replaced
-  std::vector<std::uint32_t> kept_;            // work space of drop_replaced
   std::vector<IndexRange> anew_, taken_anew_;  // see take_searched_anew
   BoxSweep surface_sweep_;
   NearPairFinder self_finder_, inter_object_finder_;

@@ -66,7 +66,7 @@ void MotionBounds::begin_step(const ElementSurfaces& surfaces, std::span<const s
 }
 
 void MotionBounds::measure(const ElementSurfaces& surfaces, const ParticleView& particles,
-                           std::span<const float> contact_margin, bool still_have_margins, Threads& threads) {
+                           std::span<const float> contact_margin, Threads& threads) {
   const std::size_t n = surfaces.particle_count(), blocks = (n + block_size - 1) / block_size;
   mean_motion_.assign(surfaces.size(), {});
   for (std::size_t a = 0; a < surfaces.size(); ++a) {
@@ -76,7 +76,7 @@ void MotionBounds::measure(const ElementSurfaces& surfaces, const ParticleView& 
     if (count > 0) mean_motion_[a] = Vec3f(sum / count);
   }
   threads.each(blocks, moved_grain / block_size, [&](std::size_t b) {
-    if (block_is_still_[b] != 0 && !still_have_margins) return;
+    if (block_is_still_[b] != 0 && !still_have_margins_) return;
     const std::size_t begin = b * block_size, end = std::min(n, (b + 1) * block_size);
     block_contact_margin_[b] = *std::max_element(contact_margin.begin() + static_cast<std::ptrdiff_t>(begin),
                                                  contact_margin.begin() + static_cast<std::ptrdiff_t>(end));

@@ -24,11 +24,12 @@ class MotionBounds {
 
   /// still[a]: surface a does not move in this step.
   void begin_step(const ElementSurfaces& surfaces, std::span<const std::uint8_t> still);
+  /// Whether particles of surfaces that are still may have contact margins.
+  void set_still_have_margins(bool may) { still_have_margins_ = may; }
   /// Measures the motion of all particles since the substep began. contact_margin[i]: additional distance at which
   /// contacts of particle i begin [m].
-  /// `still_have_margins`: so may particles of surfaces that are still.
   void measure(const ElementSurfaces& surfaces, const ParticleView& particles,
-               std::span<const float> contact_margin, bool still_have_margins, Threads& threads);
+               std::span<const float> contact_margin, Threads& threads);
   /// Measures `particles_moved` alone: the particles that were moved since the last call.
   void measure(const ElementSurfaces& surfaces, const ParticleView& particles,
                std::span<const std::uint32_t> particles_moved);
@@ -70,6 +71,7 @@ class MotionBounds {
   std::vector<std::uint8_t> block_is_still_, block_was_still_;  // in this step, in the last one
   std::vector<float> block_contact_margin_;                     // per block: largest contact margin [m]
   float max_contact_margin_ = 0;
+  bool still_have_margins_ = true;
 };
 
 }  // namespace souple

@@ -66,25 +66,31 @@ void PairChunks::append(std::span<Batch> batches, List Batch::*list, bool edges,
   }
 }
 
-void PairChunks::drop_replaced(std::vector<std::uint32_t>& kept) {
-  kept.clear();
+std::span<const std::uint32_t> PairChunks::drop_replaced() {
+  if (2 * size() <= 3 * lasting_) return {};
+  std::size_t replaced = 0;
+  while (replaced < size() && is_replaced(replaced)) ++replaced;
+  if (replaced == size()) return {};  // an index of 0 would mean that all pairs are new
+  kept_.clear();
   std::size_t chunk_count = 0;
   for (Chunk chunk : chunks_) {
-    const auto begin = static_cast<std::uint32_t>(kept.size());
+    const auto begin = static_cast<std::uint32_t>(kept_.size());
     for (std::uint32_t k = chunk.begin; k < chunk.end; ++k) {
       if (is_replaced(k)) continue;
-      const std::size_t to = kept.size();
+      const std::size_t to = kept_.size();
       particle_[to] = particle_[k], is_edges_[to] = is_edges_[k];
       thickness_[to] = thickness_[k], distance_bound_[to] = distance_bound_[k];
-      kept.push_back(k);
+      kept_.push_back(k);
     }
-    chunk.begin = begin, chunk.end = static_cast<std::uint32_t>(kept.size());
+    chunk.begin = begin, chunk.end = static_cast<std::uint32_t>(kept_.size());
     if (chunk.begin < chunk.end) chunks_[chunk_count++] = chunk;
   }
   chunks_.resize(chunk_count);
-  particle_.resize(kept.size()), is_edges_.resize(kept.size());
-  thickness_.resize(kept.size()), distance_bound_.resize(kept.size());
+  particle_.resize(kept_.size()), is_edges_.resize(kept_.size());
+  thickness_.resize(kept_.size()), distance_bound_.resize(kept_.size());
   replace_none();
+  lasting_ = size();
+  return kept_;
 }
 
 kernels::ElementPairColumns PairChunks::columns() {

@@ -48,8 +48,11 @@ class PairChunks {
     replaced_.push_back(particle);
     valid_from_[particle] = static_cast<std::uint32_t>(size());
   }
-  /// Drops replaced pairs, and chunks that become empty. Sets `kept` to the former indices of the others, ascending.
-  void drop_replaced(std::vector<std::uint32_t>& kept);
+  /// Call when all pairs of a search are appended.
+  void end_search() { lasting_ = size(); }
+  /// Drops replaced pairs, and chunks that become empty, if they may be a third of all. Returns the former indices of the
+  /// others, ascending, or nothing if none were dropped.
+  std::span<const std::uint32_t> drop_replaced();
 
   std::size_t size() const { return particle_.size(); }
   const NearPair& pair(std::size_t index) const { return particle_[index]; }
@@ -69,13 +72,16 @@ class PairChunks {
   std::size_t bytes() const;
 
  private:
+  void replace_none();
+
   std::vector<NearPair> particle_;
   std::vector<float> thickness_, distance_bound_;
   std::vector<std::uint8_t> is_edges_;
   std::vector<Chunk> chunks_;
   std::vector<std::uint32_t> valid_from_;  // per particle: its pairs with a lower index are replaced
   std::vector<std::uint32_t> replaced_;    // particles with such pairs, some more than once
-  void replace_none();
+  std::size_t lasting_ = 0;                // pairs after the last search of all, or drop_replaced
+  std::vector<std::uint32_t> kept_;        // what drop_replaced returns
 };
 
 }  // namespace souple
