@@ -61,7 +61,8 @@ struct ObjectGas {
 struct ObjectSleep {
   double rest_time = 0;      ///< time at rest so far [s]
   std::uint32_t island = 0;  ///< id of the sleeping island: that of one of its objects; 0: awake
-  bool still = false;        ///< an obstacle that did not move in the last step, and does not in this one
+  /// It did not move in the last step, and does not in this one: it is asleep, or an obstacle without a motion.
+  bool still = false;
 };
 
 /// Motion of an obstacle or of a kinematic rigid body.

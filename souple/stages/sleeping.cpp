@@ -44,6 +44,7 @@ void set_awake(Particles& particles, Object& object, SleepScratch& sleep) {
   object.sleep.rest_time = 0;
   if (object.sleep.island == 0) return;
   object.sleep.island = 0;
+  object.sleep.still = false;
   set_inverse_masses(particles, object);
   sleep.all = false;
   sleep.woken = sleep.changed = true;

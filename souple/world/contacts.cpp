@@ -86,11 +86,12 @@ ContactGeometry contact_geometry(const WorldState& world, std::span<const NamedC
   return geometry;
 }
 
-/// Obstacles that move by no motion stay where they are, unless something changed since the last step.
+/// Objects that are asleep and obstacles without a motion stay where they are, unless something changed since the last step.
 void find_still(WorldState& world) {
   const bool unchanged = world.version == world.current.version_after;
   for (const auto& object : world.objects)
-    object->sleep.still = unchanged && object->traits().driven && is_static(object->motion);
+    object->sleep.still =
+        unchanged && (object->sleep.island != 0 || (object->traits().driven && is_static(object->motion)));
 }
 
 void append_event(const WorldState& world, const ContactPush& push, std::vector<ContactEvent>& events) {
