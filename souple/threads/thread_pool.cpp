@@ -154,7 +154,8 @@ void ThreadPool::send(std::uint64_t command) {
     const std::lock_guard lock(mutex_);
     job_.signal.store(signal, std::memory_order_seq_cst);
   }
-  if (wakes) wake_condition_.notify_all(), ++wake_count_;
+  if (wakes) wake_condition_.notify_all();
+  if (sleeping_) ++wake_count_;
   sleeping_ = command == command_sleep;
 }
 

@@ -40,7 +40,7 @@ class ThreadPool final : public Threads {
   void for_each(std::size_t n, std::size_t grain, RangeFunction f) override;
   void wake() override;
   void rest() override;
-  /// How often it has woken sleeping workers, which is what a step must not do again and again.
+  /// How often it has woken workers that rested since `rest`. Those that fell asleep within a step do not count.
   std::uint64_t wake_count() const { return wake_count_; }
 
  private:
