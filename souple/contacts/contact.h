@@ -19,8 +19,8 @@ namespace souple {
 /// Ranges are disjoint and ascending.
 struct ContactObject {
   std::uint32_t begin = 0, end = 0;  ///< particles [begin, end)
-  bool still = false;  ///< it did not move in the last step, and does not in this one
-  bool moves = true;   ///< pairs of objects that do not move are skipped; so is such an object with itself
+  bool still = false;                ///< it did not move in the last step, and does not in this one
+  bool moves = true;  ///< pairs of objects that do not move are skipped; so is such an object with itself
   bool collides_with_colliders = true;
   bool self_collision = false;  ///< between particles of this object
   bool are_balls = false;       ///< its particles collide with those of other objects of balls
