@@ -173,6 +173,7 @@ std::vector<JoinedLevels> LevelCache::build(std::span<const Link> links, std::sp
   for (const Place& place : blocks_)
     if (!place.block->levels.empty()) by_depth[place.block->levels.size()].push_back(&place);
   std::vector<JoinedLevels> result;
+  result.reserve(by_depth.size());
   for (const auto& [depth, blocks] : by_depth) result.push_back(join(blocks, links, masses));
   return result;
 }
