@@ -55,12 +55,11 @@ void MotionBounds::begin_step(const ElementSurfaces& surfaces, std::span<const s
   block_is_still_.assign(blocks, 1);
   for (std::size_t a = 0; a < surfaces.size(); ++a)
     if (still[a] == 0 && surfaces[a].begin < surfaces[a].reserved_end)
-      std::fill(block_is_still_.begin() + surfaces[a].begin / block_size,
-                block_is_still_.begin() + (surfaces[a].reserved_end - 1) / block_size + 1, std::uint8_t{0});
+      std::fill(block_is_still_.data() + surfaces[a].begin / block_size,
+                block_is_still_.data() + (surfaces[a].reserved_end - 1) / block_size + 1, std::uint8_t{0});
   for (std::size_t b = 0; b < blocks; ++b) {
     if (block_is_still_[b] == 0 || block_was_still_[b] != 0) continue;
-    std::fill(moved_.begin() + static_cast<std::ptrdiff_t>(b * block_size),
-              moved_.begin() + static_cast<std::ptrdiff_t>(std::min(n, (b + 1) * block_size)), Vec4f{});
+    std::fill(moved_.data() + b * block_size, moved_.data() + std::min(n, (b + 1) * block_size), Vec4f{});
     block_motion_[b] = block_relative_motion_[b] = block_contact_margin_[b] = 0;
   }
 }
@@ -78,8 +77,7 @@ void MotionBounds::measure(const ElementSurfaces& surfaces, const ParticleView& 
   threads.each(blocks, moved_grain / block_size, [&](std::size_t b) {
     if (block_is_still_[b] != 0 && !still_have_margins_) return;
     const std::size_t begin = b * block_size, end = std::min(n, (b + 1) * block_size);
-    block_contact_margin_[b] = *std::max_element(contact_margin.begin() + static_cast<std::ptrdiff_t>(begin),
-                                                 contact_margin.begin() + static_cast<std::ptrdiff_t>(end));
+    block_contact_margin_[b] = *std::max_element(contact_margin.data() + begin, contact_margin.data() + end);
     if (block_is_still_[b] != 0) return;
     float farthest = 0, max_relative = 0;
     for (std::size_t i = begin; i < end; ++i) {

@@ -53,7 +53,7 @@ void PredictedPaths::begin_step(const ElementSurfaces& surfaces, std::span<const
   checked_.clear();
   for (std::uint32_t a = 0; a < surfaces.size(); ++a) {
     const ContactSurface& surface = surfaces[a];
-    std::fill(boxes_.begin() + surface.end, boxes_.begin() + max(surface.end, surface.reserved_end),
+    std::fill(boxes_.data() + surface.end, boxes_.data() + max(surface.end, surface.reserved_end),
               infinite_box);
     for (std::size_t k = surface.begin; still_[a] == 0 && k < surface.end; k += path_chunk)
       checked_.push_back({k, std::min<std::size_t>(surface.end, k + path_chunk)});
