@@ -82,17 +82,24 @@ kernels::BoxColumns NearPairFinder::Boxes::columns() const {
   return {{lo[0].data(), lo[1].data(), lo[2].data()}, {hi[0].data(), hi[1].data(), hi[2].data()}, {}};
 }
 
-bool NearPairFinder::find(const SurfaceElements& elements, std::span<const Bounds> boxes,
-                          const ObjectFilter& compares, std::span<const Vec4f> position_w, NearPairs& out,
-                          Threads& threads, std::size_t most) {
+void NearPairFinder::begin(const SurfaceElements& elements, std::span<const Bounds> boxes,
+                           std::span<const Vec4f> position_w, Threads& threads) {
   require(boxes.size(), elements.particle_end(), "boxes");
   require(position_w.size(), elements.particle_end(), "position_w");
   elements_ = &elements;
   kernels_ = &kernels::find_patch_kernels(instruction_set());
-  const ActiveScope awake(threads);
-  auto start = Clock::now();
   make_boxes(boxes, position_w, threads);
   find_own_patches();
+  marks_.assign(elements.patches().size(), {});
+  is_moving_.assign(elements.particle_end(), 0);
+}
+
+bool NearPairFinder::find(const SurfaceElements& elements, std::span<const Bounds> boxes,
+                          const ObjectFilter& compares, std::span<const Vec4f> position_w, NearPairs& out,
+                          Threads& threads, std::size_t most) {
+  const ActiveScope awake(threads);
+  auto start = Clock::now();
+  begin(elements, boxes, position_w, threads);
   milliseconds_.boxes = milliseconds_since(start);
 
   start = Clock::now();
@@ -107,8 +114,6 @@ bool NearPairFinder::find(const SurfaceElements& elements, std::span<const Bound
         find_near(static_cast<std::uint32_t>(a), compares, position_w, part);
       });
   milliseconds_.pairs = milliseconds_since(start);
-  marks_.assign(patches, {});
-  is_moving_.assign(elements.particle_end(), 0);
   return complete;
 }
 

@@ -47,7 +47,11 @@ class NearPairFinder {
             std::size_t most = unlimited);
   static constexpr std::size_t unlimited = ~std::size_t{0};
 
-  /// Call after a find, when the boxes of `particles` have changed. Replaces `out` by all pairs that contain such a
+  /// Takes over elements and boxes for find_moved, as a find does, without a search.
+  void begin(const SurfaceElements& elements, std::span<const Bounds> boxes, std::span<const Vec4f> position_w,
+             Threads& threads);
+
+  /// Call after a find or `begin`, when the boxes of `particles` have changed. Replaces `out` by all pairs that contain such a
   /// particle, from the present boxes alone, including pairs that the find returned. Call
   /// SurfaceElements::index_particles before. Costs little for few particles. Elements, filter and masses must be those
   /// of the find. `most`: as in `find`.

@@ -9,7 +9,6 @@
 namespace souple {
 
 void ContactIslands::find(std::span<const ContactBlock> blocks, std::size_t bodies) {
-  constexpr std::uint32_t none = ~std::uint32_t{0};
   connected_.reset(bodies);
   for (const ContactBlock& block : blocks)
     if (block.moves_a && block.moves_b) connected_.join(block.a, block.b);

@@ -23,12 +23,15 @@ class ContactIslands {
     Range colors;                              ///< in colors(); empty in a small island
     std::uint32_t lowest = ~std::uint32_t{0};  ///< of its bodies that move: names the island in all substeps
   };
+  static constexpr std::uint32_t none = ~std::uint32_t{0};
   /// Islands with more contacts are large.
   static constexpr std::uint32_t small = 400;
 
   /// `bodies`: number of bodies.
   void find(std::span<const ContactBlock> blocks, std::size_t bodies);
   std::span<const Island> islands() const { return islands_; }
+  /// The island of a body that moves; none if it has no contact.
+  std::uint32_t of(std::uint32_t body) { return island_of_[connected_.root(body)]; }
   std::span<const std::uint32_t> contacts(const Range& range) const {
     return std::span(order_).subspan(range.begin, range.size());
   }

@@ -199,6 +199,7 @@ void ContactSolver::solve(std::span<RigidContact> contacts, RigidBodies& bodies,
   threads.each(islands.size(), 1, [&](std::size_t i) {
     if (islands[i].colors.size() == 0 && chosen_[islands[i].lowest] != 0) solve_island(i, substep, threads);
   });
+  energy_.limit(islands_, bodies, substep, before_, states_, blocks_);
   for (const ContactBlock& block : blocks_) keep_block(block, contacts[block.contact]);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     if (!(bodies.mass[i].inverse > 0) || chosen_[i] == 0) continue;
@@ -216,7 +217,7 @@ double ContactSolver::deepest(std::span<const RigidContact> contacts, const Rigi
 }
 
 std::size_t ContactSolver::bytes() const {
-  std::size_t result = impacts_.bytes() + islands_.bytes() +
+  std::size_t result = impacts_.bytes() + islands_.bytes() + energy_.bytes() +
                        bytes_of(states_, before_, blocks_, changes_, newton_, budgets_, chosen_, local_);
   for (const ContactNewton& newton : newton_) result += newton.bytes();
   return result;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/rigid/contact_energy.h"
 #include "souple/rigid/contact_islands.h"
 #include "souple/rigid/contact_newton.h"
 #include "souple/rigid/impacts.h"
@@ -52,6 +53,7 @@ class ContactSolver {
   std::vector<ContactBlock> blocks_;  // of contacts with points
   std::vector<double> changes_;       // per block: in the last sweep, in a large island [m]
   ContactIslands islands_;
+  ContactEnergy energy_;
   std::vector<ContactNewton> newton_;  // per island
   std::vector<double> budgets_;        // at the lowest body of an island: multiplications left in this step
   std::vector<std::uint8_t> chosen_;   // per body: in an island that is solved

@@ -126,10 +126,29 @@ void EnclosedVolume::begin_substep(const ParticleView& particles, const Substep&
     if (surface.pressure == 0) continue;
     const auto group = groups_[i];
     measure(surface, group, particles);
-    for (std::size_t k = 0; k < group.size(); ++k) {
-      const auto w = static_cast<double>(particles.inverse_mass(group[k]));
-      if (w > 0) particles.correct(group[k], Vec3f(surface.gradient[k] * (w * h * h * surface.pressure)));
-    }
+    const double factor = h * h * surface.pressure;
+    move(i, factor * limit_of(i, factor, particles), particles);
+  }
+}
+
+// By how much of `factor` particles may move along w grad C: no farther than a part of the surface's size at rest. One that was
+// crushed or torn apart does not explode.
+double EnclosedVolume::limit_of(std::size_t i, double factor, const ParticleView& particles) const {
+  const Surface& surface = surfaces_[i];
+  const auto group = groups_[i];
+  double farthest = 0;
+  for (std::size_t k = 0; k < group.size(); ++k)
+    farthest = std::fmax(farthest, static_cast<double>(particles.inverse_mass(group[k])) *
+                                       length(surface.gradient[k]) * std::fabs(factor));
+  const double most = 0.25 * elementary::cbrt(surface.target_volume * 3 / (4 * pi));
+  return most > 0 && farthest > most ? most / farthest : 1;
+}
+
+void EnclosedVolume::move(std::size_t i, double factor, const ParticleView& particles) const {
+  const auto group = groups_[i];
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    const auto w = static_cast<double>(particles.inverse_mass(group[k]));
+    if (w > 0) particles.correct(group[k], Vec3f(surfaces_[i].gradient[k] * (w * factor)));
   }
 }
 
@@ -139,25 +158,13 @@ void EnclosedVolume::project_one(std::size_t i, const ParticleView& particles, c
   const auto group = groups_[i];
   ScalarState state;
   state.C = measure(surface, group, particles) - surface.target_volume;
-  double max_gradient = 0;  // w |grad C|
-  for (std::size_t k = 0; k < group.size(); ++k) {
-    const auto w = static_cast<double>(particles.inverse_mass(group[k]));
-    const double square = length_squared(surface.gradient[k]);
-    state.weighted_square += w * square;
-    max_gradient = std::fmax(max_gradient, w * std::sqrt(square));
-  }
-  ScalarStep step = project_scalar(state, surface.settings, surface.multiplier, substep);
-  const double move_limit = 0.25 * elementary::cbrt(surface.target_volume * 3 / (4 * pi));
-  const double move = max_gradient * std::fabs(step.factor);
-  if (move_limit > 0 && move > move_limit) {
-    step.dlambda *= move_limit / move;
-    step.factor *= move_limit / move;
-  }
-  if (substep.stores_multipliers()) surface.multiplier += step.dlambda;
-  for (std::size_t k = 0; k < group.size(); ++k) {
-    const auto w = static_cast<double>(particles.inverse_mass(group[k]));
-    if (w > 0) particles.correct(group[k], Vec3f(surface.gradient[k] * (w * step.factor)));
-  }
+  for (std::size_t k = 0; k < group.size(); ++k)
+    state.weighted_square +=
+        static_cast<double>(particles.inverse_mass(group[k])) * length_squared(surface.gradient[k]);
+  const ScalarStep step = project_scalar(state, surface.settings, surface.multiplier, substep);
+  const double limit = limit_of(i, step.factor, particles);
+  if (substep.stores_multipliers()) surface.multiplier += step.dlambda * limit;
+  move(i, step.factor * limit, particles);
 }
 
 void EnclosedVolume::damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,

@@ -77,6 +77,8 @@ class EnclosedVolume final : public GroupProjector, public MemoryFacet {
 
   static double measure(Surface& surface, std::span<const std::uint32_t> group,
                         const ParticleView& particles);
+  double limit_of(std::size_t i, double factor, const ParticleView& particles) const;
+  void move(std::size_t i, double factor, const ParticleView& particles) const;
   void project_one(std::size_t i, const ParticleView& particles, const Substep& substep) override;
   void damp_one(std::size_t i, const ParticleView& particles, std::span<Vec4f> velocity,
                 const Substep& substep) override;

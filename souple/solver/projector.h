@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/math/elementary.h"
+#include "souple/math/index_range.h"
 #include "souple/solver/modes.h"
 #include "souple/state/particles.h"
 #include "souple/threads/threads.h"
@@ -19,11 +20,6 @@ class LeftOut;
 class SweepRegions;
 
 inline constexpr std::uint32_t no_particle = ~std::uint32_t{0}, unknown_particle = no_particle - 1;
-
-/// Indices [begin, end).
-struct IndexRange {
-  std::size_t begin = 0, end = 0;
-};
 
 /// Constraints [begin, end) of a color of a projector.
 struct SweptRun {

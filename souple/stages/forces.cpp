@@ -24,19 +24,20 @@ double hashed(std::uint64_t seed, std::uint64_t index) {
 // Minimum number of triangles per thread, and number of them whose forces are held at once.
 constexpr std::size_t force_grain = 512, force_block = 8192;
 
-Air air_of(const Wind& settings, const ClothMaterial& material, const Vec3f& wind, float h) {
-  return {{wind.x, wind.y, wind.z}, settings.air_density,   material.air_drag,
-          material.air_lift,        material.areal_density, h};
+Air air_of(const Wind& settings, const ClothMaterial& material, const Vec3f& wind) {
+  return {{wind.x, wind.y, wind.z}, settings.air_density, material.air_drag, material.air_lift};
 }
 
-// A third of the force on one triangle, with the same bits as air_forces of the kernels.
-Vec3f third_of_air_force(const Particles& particles, std::uint32_t a, std::uint32_t b, std::uint32_t c,
+// A third of the force on one triangle, and its speed, with the same bits as air_forces of the kernels.
+Vec4f third_of_air_force(const Particles& particles, std::uint32_t a, std::uint32_t b, std::uint32_t c,
                          const Air& air) {
-  const std::vector<Vec4f>&x = particles.position, &v = particles.velocity;
-  const Vec3f sum = v[a].xyz() + v[b].xyz() + v[c].xyz();
-  return kernels::air_force(x[b].xyz() - x[a].xyz(), x[c].xyz() - x[a].xyz(),
-                            sum * (1.0f / 3) - Vec3f{air.wind[0], air.wind[1], air.wind[2]}, air) *
-         (1.0f / 3);
+  const std::vector<Vec4f>& x = particles.position;
+  const auto v = [&](std::uint32_t i) { return particles.velocity[i].xyz(); };
+  const Vec3f through_air =
+      (v(a) + v(b) + v(c)) * (1.0f / 3) - Vec3f{air.wind[0], air.wind[1], air.wind[2]};
+  const float speed = sqrt(dot(through_air, through_air));
+  const Vec3f force = kernels::air_force(x[b].xyz() - x[a].xyz(), x[c].xyz() - x[a].xyz(), through_air, speed, air);
+  return {force.x * (1.0f / 3), force.y * (1.0f / 3), force.z * (1.0f / 3), speed};
 }
 
 // Fills `thirds` for triangles [begin, end) of an object.
@@ -52,13 +53,23 @@ void push_triangles(const StageView& stage, const Object& object, const Air& air
     for (; t < last; ++t) {
       const auto& [a, b, c] = triangles[t];
       const std::uint32_t first = object.begin;
-      thirds[t].set_xyz(third_of_air_force(particles, first + a, first + b, first + c, air));
+      thirds[t] = third_of_air_force(particles, first + a, first + b, first + c, air);
     }
   });
 }
 
+// The impulse is limited to that which stops a particle relative to the air, |F| h <= m V, where V is the speed of the
+// fastest triangle around it: light cloth, and one that is torn apart, stay stable in any wind.
+void limit_forces(const StageView& stage, std::span<Vec4f> force, std::uint32_t first, float h) {
+  stage.threads.each(force.size(), force_grain, [&](std::size_t k) {
+    const float impulse_over_mass = length(force[k].xyz()) * h * stage.objects.particles.position[first + k].w;
+    if (impulse_over_mass > force[k].w) force[k].set_xyz(force[k].xyz() * (force[k].w / impulse_over_mass));
+  });
+}
+
 // Blocks of triangles stay in the cache. One thread adds the forces, so the order of each sum is fixed.
-void push_object(const StageView& stage, const Object& object, const Air& air, std::span<Vec4f> thirds) {
+void push_object(const StageView& stage, const Object& object, const Air& air, float h,
+                 std::span<Vec4f> thirds) {
   Vec4f* const force = stage.objects.particles.start.data() + object.begin;
   std::fill(force, force + object.particle_count(), Vec4f{});
   for (std::size_t begin = 0; begin < object.surface.size(); begin += thirds.size()) {
@@ -66,8 +77,9 @@ void push_object(const StageView& stage, const Object& object, const Air& air, s
     push_triangles(stage, object, air, begin, end, thirds);
     for (std::size_t t = begin; t < end; ++t)
       for (const std::uint32_t i : object.surface[t])
-        force[i].set_xyz(force[i].xyz() + thirds[t - begin].xyz());
+        force[i].set_xyz(force[i].xyz() + thirds[t - begin].xyz()), force[i].w = max(force[i].w, thirds[t - begin].w);
   }
+  limit_forces(stage, {force, object.particle_count()}, object.begin, h);
 }
 
 }  // namespace
@@ -98,7 +110,7 @@ void find_air_forces(const StageView& stage, float h, std::vector<Vec4f>& thirds
     if (!feels_air(*object, settings)) continue;
     const auto& material = std::get<ClothMaterial>(object->material);
     thirds.resize(std::max(thirds.size(), std::min(force_block, object->surface.size())));
-    push_object(stage, *object, air_of(settings, material, wind * object->wind_exposure, h), thirds);
+    push_object(stage, *object, air_of(settings, material, wind * object->wind_exposure), h, thirds);
   }
 }
 

@@ -32,12 +32,9 @@ void RigidJoints::add(JointRecord record, joint::Joint joint) {
   }
 }
 
-void RigidJoints::remove(std::size_t index) {
-  const auto at = static_cast<std::ptrdiff_t>(index);
-  records_.erase(records_.begin() + at);
-  joints_.joint.erase(joints_.joint.begin() + at);
-  joints_.state.erase(joints_.state.begin() + at);
-  kept_.erase(kept_.begin() + at);
+void RigidJoints::remove(std::span<const IndexRange> joints) {
+  erase_ranges(records_, joints);
+  erase_ranges(joints_.joint, joints), erase_ranges(joints_.state, joints), erase_ranges(kept_, joints);
 }
 
 void RigidJoints::set_kind(std::size_t index, const joint::Kind& kind) {

@@ -32,7 +32,7 @@ class RigidJoints {
 
   /// `joint` is valid but for its bodies.
   void add(JointRecord record, joint::Joint joint);
-  void remove(std::size_t index);
+  void remove(std::span<const IndexRange> joints);
   /// The kind keeps its alternative.
   void set_kind(std::size_t index, const joint::Kind& kind);
 

@@ -110,8 +110,8 @@ void RigidStage::add(std::uint32_t object, RigidDefinition definition) {
   invalidate();
 }
 
-void RigidStage::remove(std::uint32_t object) {
-  std::erase_if(records_, [object](const Record& record) { return record.object == object; });
+void RigidStage::remove_if(const std::function<bool(std::uint32_t)>& is_removed) {
+  if (std::erase_if(records_, [&](const Record& record) { return is_removed(record.object); }) == 0) return;
   finder_.clear();
   invalidate();
 }

@@ -55,7 +55,7 @@ class RigidStage {
 
   bool empty() const { return records_.empty(); }
   void add(std::uint32_t object, RigidDefinition definition);
-  void remove(std::uint32_t object);
+  void remove_if(const std::function<bool(std::uint32_t object)>& is_removed);
   /// Objects, materials or joints have changed: call before the next step.
   void invalidate() { listed_ = false; }
   /// Handles of the colliders, as they stand in the tables.

@@ -178,8 +178,8 @@ void Ties::add(Tie tie, const TieState& state) {
   records_.push_back(std::move(record));
 }
 
-void Ties::remove(std::size_t index) {
-  records_.erase(records_.begin() + static_cast<std::ptrdiff_t>(index));
+void Ties::remove(std::span<const IndexRange> ties) {
+  erase_ranges(records_, ties);
   loads_.clear(), between_particles_.clear(), broken_.clear();
 }
 

@@ -91,7 +91,7 @@ class Ties final : public Projector, public MemoryFacet {
   const Tie& tie(std::size_t index) const { return records_[index].tie; }
   const TieState& state(std::size_t index) const { return records_[index].state; }
   void add(Tie tie, const TieState& state);
-  void remove(std::size_t index);
+  void remove(std::span<const IndexRange> ties);
 
   /// Calls number(end) for each side of an object, which returns a TieNumber. Returns whether the masses that particles
   /// show have changed; then the solver must be prepared again.

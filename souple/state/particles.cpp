@@ -27,11 +27,9 @@ void Particles::copy(std::size_t from, std::size_t to) {
   for_each_array(*this, [from, to](auto& array) { array[to] = array[from]; });
 }
 
-void Particles::erase(std::size_t begin, std::size_t end) {
-  SOUPLE_ASSERT(begin <= end && end <= size(), "a range of particles");
-  for_each_array(*this, [begin, end](auto& array) {
-    array.erase(array.begin() + static_cast<std::ptrdiff_t>(begin),
-                array.begin() + static_cast<std::ptrdiff_t>(end));
+void Particles::erase(std::span<const IndexRange> ranges) {
+  for_each_array(*this, [ranges](auto& array) {
+    if (!array.empty()) erase_ranges(array, ranges);
   });
 }
 

@@ -1,8 +1,10 @@
 #pragma once
 
+#include "souple/math/index_range.h"
 #include "souple/math/vec4.h"
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace souple {
@@ -46,8 +48,8 @@ struct Particles {
   void shrink_to_fit();
   /// Copies all data of particle `from` to particle `to`.
   void copy(std::size_t from, std::size_t to);
-  /// Removes particles [begin, end).
-  void erase(std::size_t begin, std::size_t end);
+  /// Removes the particles of ranges, ascending.
+  void erase(std::span<const IndexRange> ranges);
 };
 
 }  // namespace souple

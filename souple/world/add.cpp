@@ -80,8 +80,8 @@ void add_body(WorldState& world, const Object& object, RigidDefinition definitio
 /// Leaves nothing of an object that could not be added for lack of memory.
 void take_back(WorldState& world, const Object& object, bool had_spin) {
   world.registry->names.remove(object.name);
-  world.registry->objects.remove(object.id.value);
-  world.rigid->remove(object.id.value);
+  world.registry->objects.remove_last(object.id.value);
+  world.rigid->remove_if([&](std::uint32_t id) { return id == object.id.value; });
   world.particles.resize(object.begin);
   if (!had_spin) world.particles.spin = {}, world.particles.turn = {};
   world.object_of.resize(object.begin);
@@ -147,32 +147,24 @@ void require_movable(const Object& object, const char* what) {
                 " is an obstacle, which only its motion moves; use set_motion");
 }
 
-void erase_particles(WorldState& world, std::uint32_t begin, std::uint32_t end) {
-  world.particles.erase(begin, end);
-  world.object_of.erase(world.object_of.begin() + static_cast<std::ptrdiff_t>(begin),
-                        world.object_of.begin() + static_cast<std::ptrdiff_t>(end));
-  for (const auto& other : world.objects)
-    if (other->begin >= end) other->begin -= end - begin, other->end -= end - begin;
-  for (UserConstraint& user_constraint : world.constraints.users) user_constraint.erase_particles(begin, end);
-  world.contact->contacts.erase_particles(begin, end);
+void erase_particles(WorldState& world, std::span<const IndexRange> ranges) {
+  world.particles.erase(ranges);
+  erase_ranges(world.object_of, ranges);
+  std::uint32_t erased = 0;
+  std::size_t next = 0;
+  for (const auto& object : world.objects) {
+    for (; next < ranges.size() && ranges[next].end <= object->begin; ++next)
+      erased += static_cast<std::uint32_t>(ranges[next].end - ranges[next].begin);
+    object->begin -= erased, object->end -= erased;
+  }
+  for (std::size_t k = ranges.size(); k-- > 0;) {
+    const auto begin = static_cast<std::uint32_t>(ranges[k].begin), end = static_cast<std::uint32_t>(ranges[k].end);
+    for (UserConstraint& user : world.constraints.users) user.erase_particles(begin, end);
+    world.contact->contacts.erase_particles(begin, end);
+  }
   world.dirty.all();
   world.contact->invalidate();
   ++world.version;
-}
-
-void remove_object(WorldState& world, const Object& object) {
-  const std::size_t index = world.object_of[object.begin];
-  remove_ties_of(world, object.id);
-  erase_particles(world, object.begin, object.reserved_end());
-  for (std::uint32_t& i : world.object_of)
-    if (i > index) --i;
-  if (object.traits().rigid) remove_joints_of(world, object.id), world.rigid->remove(object.id.value);
-  world.caches->mirrors.erase(object.id.value);
-  std::erase_if(world.flow.emitters,
-                [&](const EmitterRecord& record) { return record.fluid == object.id.value; });
-  world.registry->names.remove(world.objects[index]->name);
-  world.registry->objects.remove(object.id.value);
-  world.objects.erase(world.objects.begin() + static_cast<std::ptrdiff_t>(index));
 }
 
 ObjectId World::add_cloth(const TriangleMesh& mesh, const ClothMaterial& material,

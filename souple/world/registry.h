@@ -19,14 +19,13 @@ class HandleIndex {
     const auto index = static_cast<std::uint32_t>(index_of_.size());
     index_of_.emplace(handle, index);
   }
-  /// Removes the record that was erased; records behind it have moved forward. O(n), like erasing.
-  void remove(std::uint32_t handle) {
-    const auto removed = index_of_.find(handle);
-    if (removed == index_of_.end()) return;
-    const std::uint32_t index = removed->second;
-    index_of_.erase(removed);
-    for (auto& [other, at] : index_of_)
-      if (at > index) --at;
+  /// Takes back the last record.
+  void remove_last(std::uint32_t handle) { index_of_.erase(handle); }
+  /// Call after records were erased: record k of those that remain has the handle handle_of(k). O(n), like erasing.
+  template <class HandleOf>
+  void reset(std::size_t count, const HandleOf& handle_of) {
+    index_of_.clear();
+    for (std::size_t k = 0; k < count; ++k) add(handle_of(k));
   }
   std::optional<std::size_t> find(std::uint32_t handle) const {
     const auto found = index_of_.find(handle);

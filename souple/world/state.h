@@ -36,6 +36,7 @@ struct Object;
 struct QueryView;
 class RigidStage;
 struct Registry;
+struct Removals;
 class Solver;
 struct StageView;
 struct StepScratch;
@@ -132,6 +133,7 @@ struct WorldState {
   CurrentStep current;
   std::unique_ptr<Calls> calls;
   std::unique_ptr<Caches> caches;
+  std::unique_ptr<Removals> removals;
 
   /// Null if the handle is stale.
   Object* find_object(ObjectId id) const;

@@ -109,7 +109,7 @@ void advance(World& self, WorldState& world, double dt) {
 
 const StepReport& World::step(double dt) {
   if (!impl_) return report_of_no_world();
-  WorldState& world = impl_->state;
+  WorldState& world = state();
   if (refuse_nested_step(world)) return report_of_nested_step();
   require_whole(*world.calls, "step");
   const StepScope scope(*world.calls);

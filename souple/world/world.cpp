@@ -25,6 +25,7 @@
 #include "souple/world/prepare.h"
 #include "souple/world/recover.h"
 #include "souple/world/registry.h"
+#include "souple/world/removal.h"
 #include "souple/world/rigid_bodies.h"
 #include "souple/world/sleeping.h"
 #include "souple/world/validate.h"
@@ -43,9 +44,15 @@ World::~World() = default;
 World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
-WorldState& World::state() const {
+WorldState& World::unfinished_state() const {
   if (!impl_) throw Error("the world was moved from: it can only be assigned to or destroyed");
   return impl_->state;
+}
+
+WorldState& World::state() const {
+  WorldState& world = unfinished_state();
+  if (world.removals->pending.load(std::memory_order_acquire)) finish_removals(world);
+  return world;
 }
 
 const StepReport& World::report() const {
@@ -117,13 +124,11 @@ void World::remove(CallbackId id) {
 // --- objects -------------------------------------------------------------------------------------
 
 void World::remove(ObjectId id) {
-  WorldState& world = state();
+  WorldState& world = unfinished_state();
   const CallScope call(*world.calls, "remove(ObjectId)");
-  const Object& object = world.object(id);
-  wake_all(world);
-  Edit edit(world);
-  remove_object(world, object);
-  edit.done();
+  Object& object = world.object(id);
+  if (object.removed) throw_stale("object", id.value);
+  remove_later(world, object);
 }
 
 std::vector<ObjectId> World::objects() const {
@@ -133,7 +138,8 @@ std::vector<ObjectId> World::objects() const {
 }
 
 bool World::contains(ObjectId id) const {
-  return state().find_object(id) != nullptr;
+  const Object* const object = unfinished_state().find_object(id);
+  return object != nullptr && !object->removed;
 }
 
 ObjectId World::find_object(std::string_view name) const {
@@ -510,11 +516,12 @@ void World::remove(ColliderId id) {
   WorldState& world = state();
   const CallScope call(*world.calls, "remove(ColliderId)");
   const ColliderRecord& record = world.collider(id);
-  remove_joints_of(world, id);
-  remove_ties_of(world, id);
+  remove_joints_if(world, [id](const JointSide& side) { return side.collider() && *side.collider() == id; });
+  remove_ties_if(world, [id](const TieEnd& end) { return end.collider && *end.collider == id; });
   world.registry->names.remove(record.options.name);
-  world.registry->colliders.remove(record.id.value);
   world.colliders.erase(world.colliders.begin() + (&record - world.colliders.data()));
+  world.registry->colliders.reset(world.colliders.size(),
+                                  [&](std::size_t k) { return world.colliders[k].id.value; });
   world.dirty.tables = true;
   wake_all(world);
   world.contact->invalidate();

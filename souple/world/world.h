@@ -486,6 +486,7 @@ class World {
   struct Impl;
   /// Throws Error if the world was moved from.
   WorldState& state() const;
+  WorldState& unfinished_state() const;  // objects that were removed may be there
   std::unique_ptr<Impl> impl_;
 };
 

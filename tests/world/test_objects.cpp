@@ -159,6 +159,43 @@ TEST(Objects, RemovingOneLeavesTheOthersAsIfItHadNeverBeen) {
   EXPECT_EQ(build(true), build(false));
 }
 
+// Many that are removed at once leave together. Ties, joints and constraints of what remains stay where they were.
+TEST(Objects, RemovingManyIsRemovingEach) {
+  const auto build = [](bool looks) {
+    World world({.threads = 1});
+    std::vector<ObjectId> objects;
+    for (int i = 0; i < 30; ++i) {
+      const ObjectOptions options{.transform = {.translation = {0.3 * i, 0, 0}}};
+      switch (i % 3) {
+        case 0:
+          objects.push_back(world.add_cloth(grid(4, 4, 0.2), {}, options));
+          world.pin(objects.back(), vertices({0}));
+          break;
+        case 1:
+          objects.push_back(world.add_rigid_body(Box{{}, {0.1f, 0.1f, 0.1f}}, {}, options));
+          world.add_joint(objects.back(), JointSide{}, joint::Ball{}, {.point = {0.3 * i + 0.1, 0, 0}});
+          break;
+        default:
+          objects.push_back(world.add_rope(std::vector<Vec3d>{{0, 0, 0}, {0.2, 0, 0}}, 5, {}, options));
+          world.attach(objects.back(), vertices({0}), {}, 1e-3f);
+          world.add_tie(SurfacePoint{objects.back(), {5}}, objects[objects.size() - 2],
+                        {.point = {0.3 * i - 0.1, 0, 0}});
+      }
+    }
+    world.step(1.0 / 60);
+    for (const std::size_t i : {1u, 29u, 3u, 4u, 5u, 17u, 12u, 20u, 2u}) {
+      world.remove(objects[i]);
+      EXPECT_FALSE(world.contains(objects[i]));
+      expect_error([&] { world.remove(objects[i]); }, {"handle", "removed"});
+      if (looks) world.positions(objects[0]);
+    }
+    EXPECT_EQ(world.objects().size(), 21u);
+    for (int frame = 0; frame < 10; ++frame) EXPECT_TRUE(world.step(1.0 / 60).ok());
+    return world.hash();
+  };
+  EXPECT_EQ(build(false), build(true));
+}
+
 TEST(Objects, AStaleHandleIsNamed) {
   World world;
   const ObjectId cloth = world.add_cloth(grid(3, 3, 1));

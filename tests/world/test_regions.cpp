@@ -168,12 +168,13 @@ std::vector<Companion> companions() {
   };
 }
 
-/// Positions after 0.75 s.
-std::vector<Vec3f> run_scene(const Scene& near, const std::function<void(World&)>& add_others) {
+/// Positions after 0.75 s, or so many frames.
+std::vector<Vec3f> run_scene(const Scene& near, const std::function<void(World&)>& add_others,
+                             int frames = 45) {
   World world({.threads = 1});
   const std::vector<ObjectId> objects = near.add(world);
   add_others(world);
-  for (int frame = 0; frame < 45; ++frame) {
+  for (int frame = 0; frame < frames; ++frame) {
     const StepReport& report = world.step(1.0 / 60);
     EXPECT_TRUE(report.ok()) << report.message;
   }
@@ -197,6 +198,41 @@ TEST(Regions, WhatIsFarAwayChangesNothing) {
     }
   };
   for (const Scene& near : near_scenes()) EXPECT_EQ(run_scene(near, add_all), run_alone(near)) << near.name;
+}
+
+ObjectOptions falling_sheet(const Vec3d& place, float speed) {
+  ObjectOptions options = at(place);
+  options.velocity = {0, -speed, 0};
+  options.self_collision = SelfCollision::surfaces;
+  return options;
+}
+
+// They meet so fast that a search finds more pairs than its budget.
+std::vector<ObjectId> add_fast_sheets(World& world, const Vec3d& place, int count) {
+  std::vector<ObjectId> sheets;
+  for (int i = 0; i < count; ++i)
+    sheets.push_back(
+        world.add_cloth(grid(20, 20, 1), {}, falling_sheet(place + Vec3d{0, 0.05 * i, 0}, 80)));
+  return sheets;
+}
+
+TEST(Regions, BudgetsOfSearchesAreOfThoseThatMeet) {
+  const Scene folded{"folded", [](World& world) {
+                       ObjectOptions options = falling_sheet({}, 0);
+                       options.transform.rotation = Quatd::from_euler_xyz({0.3, 0, 1.4});
+                       return std::vector{world.add_cloth(grid(17, 17, 0.5), {}, options)};
+                     }};
+  const Scene fast{"fast", [](World& world) { return add_fast_sheets(world, {}, 3); }};
+  for (const Scene& near : {folded, fast}) {
+    const auto run = [&](int others) {
+      const auto add_others = [&](World& world) {
+        world.add_collider(Plane{.offset = -0.3f});
+        add_fast_sheets(world, {far, 0.3, 0}, others);
+      };
+      return run_scene(near, add_others, 12);
+    };
+    EXPECT_EQ(run(5), run(0)) << near.name;
+  }
 }
 
 TEST(Regions, NoCompanionAloneChangesAnythingSlow) {

@@ -247,6 +247,29 @@ TEST(RigidImpacts, KeepMomentumThroughACloth) {
       }
 }
 
+// A brick that moves by a thousand times its size in a substep.
+TEST(RigidImpacts, AddNoEnergyHoweverFast) {
+  for (const float speed : {1e4f, 1e5f, 1e6f}) {
+    World world({.gravity = {}, .threads = 1});
+    for (int row = 0; row < 5; ++row)
+      for (int k = 0; k < 5; ++k)
+        world.add_rigid_body(Box{{}, {0.2f, 0.1f, 0.1f}}, {.density = 1800, .friction = 0.7f},
+                             at(0.404 * k + 0.2 * (row % 2), 0.2 * row, 0));
+    ObjectOptions options = at(0.1, 0.3, 1);
+    options.velocity = {0.05f * speed, 0.02f * speed, -speed};
+    const ObjectId brick = world.add_rigid_body(Box{{}, {0.2f, 0.1f, 0.1f}}, {.density = 1800}, options);
+    const double energy = world.kinetic_energy(brick);
+    const Vec3d before = total_momentum(world);
+    for (int frame = 0; frame < 5; ++frame) {
+      EXPECT_TRUE(world.step(1.0 / 60).ok()) << speed;
+      double now = 0;
+      for (const ObjectId id : world.objects()) now += world.kinetic_energy(id);
+      EXPECT_LT(now, 1.001 * energy) << speed << ", frame " << frame;
+      EXPECT_LT(length(total_momentum(world) - before), 1e-3 * length(before)) << speed;
+    }
+  }
+}
+
 TEST(RigidBodies, ASnapshotHoldsThem) {
   const auto build = [] {
     World world = on_the_ground();

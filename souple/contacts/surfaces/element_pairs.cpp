@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace souple {
 namespace {
@@ -25,9 +26,6 @@ constexpr float far_part = 0.4f;
 std::size_t batches_of(std::size_t n) {
   return (n + batch_size - 1) / batch_size;
 }
-
-// Compares elements of surfaces with self-collision.
-constexpr auto itself = [](std::uint32_t a, std::uint32_t b) { return a == b; };
 
 kernels::ParticleRecords records_of(const ParticleView& particles, std::span<const Vec4f> moved) {
   if (particles.moving.empty()) return {};
@@ -53,15 +51,8 @@ ElementPairs::ElementPairs(std::vector<ContactSurface> surfaces, ParticlePairs j
                            const IntersectionResolver* intersection_resolver)
     : surfaces_(std::move(surfaces), std::move(joined)), intersection_resolver_(intersection_resolver) {
   if (!surfaces_.any()) return;
-  searches_.resize(surfaces_.size()), overlaps_other_.assign(surfaces_.size(), 0);
-  for (std::uint32_t a = 0; a < surfaces_.size(); ++a) {
-    const ContactSurface& surface = surfaces_[a];
-    searches_[a].elements = surface.reserved_end - surface.begin + surface.edges.size();
-    if (!surface.self_collision) continue;
-    self_elements_.add_triangles(surface.triangles, surface.begin, a);
-    self_elements_.add_edges(surface.edges, surface.begin, a);
-  }
-  self_elements_.index_particles();
+  searches_.resize(surfaces_.size());
+  search_ = PairSearch(surfaces_);
   const std::size_t particles = surfaces_.particle_count();
   for (std::vector<Vec4f>* each : {&velocity_now_, &before_}) each->reserve(particles);
   paths_ = PredictedPaths(particles);
@@ -78,13 +69,20 @@ void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec
   remaining_ = step.dt;
   limit_.begin_step(surfaces_);
   anew_.clear();
-  find(particles, velocity, 0, threads);
+  pairs_.clear(surfaces_.particle_count());
+  const Motion motion{particles, velocity, 0, threads};
+  for (std::uint32_t a = 0; a < surfaces_.size(); ++a) predict(a, motion, false);
+  search_.groups().find(surfaces_);
+  search_.find_all(input(motion));
+  add_found(motion);
+  for (const std::uint32_t group : search_.over()) find_within_limit(group, motion);
+  pairs_.end_search();
 }
 
 void ElementPairs::begin_substep(float h, bool still_have_margins) {
   bounds_.set_still_have_margins(still_have_margins);
   remaining_ -= h;
-  for (Search& search : searches_) search.covered -= h;
+  for (Search& search : searches_) search.covered -= h, search.added = 0;
   paths_.advance(h);
 }
 
@@ -118,155 +116,157 @@ float ElementPairs::horizon(std::size_t surface, const ParticleView& particles,
       min(remaining, max(1.0, std::floor(motion_in_thicknesses * thickness / speeds / h)) * h));
 }
 
-std::size_t ElementPairs::budget() const {
-  std::size_t elements = 0;
-  for (std::uint32_t a = 0; a < searches_.size(); ++a)
-    if (is_searched(a)) elements += searches_[a].elements;
-  return pairs_of_any + pairs_of_element * elements;
+void ElementPairs::predict(std::uint32_t surface, const Motion& motion, bool one_substep) {
+  paths_.find_mean(surfaces_, surface, motion.particles, motion.velocity);
+  const float dt = one_substep ? substep_length() : horizon(surface, motion.particles, motion.velocity);
+  searches_[surface].covered = dt - motion.ago, searches_[surface].found = 0;
+  if (!paths_.predict_surface(surfaces_, surface, motion.particles, motion.velocity, motion.ago, dt,
+                              motion.threads))
+    return;
+  const Bounds bounds = paths_.bounds_of(surfaces_[surface], surface, motion.ago, dt);
+  const Vec3f size = bounds.hi - bounds.lo;
+  search_.groups().set_bounds(
+      surface, around(bounds.lo, bounds.hi, far_surface_margin_part * max(size.x, max(size.y, size.z))));
 }
 
-// `ago`: the particles are those of so many seconds before the substep's end.
-void ElementPairs::find(const ParticleView& particles, std::span<const Vec4f> velocity, float ago,
-                        Threads& threads) {
-  const float h = step_.h > 0 ? min(step_.h, remaining_) : remaining_;
-  const auto begin = [&](std::span<const Vec4f> v) {
-    paths_.find_means(surfaces_, particles, v);
-    paths_.set_frame(limit_.frame());
-  };
-  limit_.update_frame(surfaces_, overlaps_other_, particles, velocity);
-  std::span<const Vec4f> v = limit_.limited(surfaces_, particles, velocity, h);
-  begin(v);
-  bool one_substep = limit_.is_active();
-  bool found = find_within(one_substep, budget(), particles, v, ago, threads);
-  if (!found && !one_substep) found = find_within(one_substep = true, budget(), particles, v, ago, threads);
+// All of a group, which may have a limit.
+void ElementPairs::predict_group(MotionLimit::Group group, const Motion& motion, bool one_substep) {
+  Motion limited = motion;
+  limited.velocity =
+      limit_.limited(surfaces_, group, motion.particles, motion.velocity, substep_length());
+  for (const std::uint32_t a : group) {
+    if (group.size() > 1) paths_.set_frame(a, limit_.frame(a));
+    predict(a, limited, one_substep);
+  }
+}
+
+// Searches a group that has more pairs than its budget: for one substep, and then for shortened motions.
+void ElementPairs::find_within_limit(std::uint32_t group, const Motion& motion) {
+  const MotionLimit::Group members = search_.groups().members(group);
+  const std::size_t budget = search_.budget(surfaces_, group);
+  bool one_substep = limit_.is_active(members[0]), found = false;
+  limit_.begin_search(surfaces_, members, motion.particles, motion.velocity);
+  if (!one_substep) {
+    predict_group(members, motion, one_substep = true);
+    found = search_.find_group(input(motion), group, budget);
+  }
   while (!found) {
     // Pairs that are near although they hardly move have to be found.
-    const bool helps = limit_.shorten(surfaces_, overlaps_other_, particles, velocity, h);
-    v = limit_.limited(surfaces_, particles, velocity, h);
-    begin(v);
-    if (!helps && !limit_.is_active()) one_substep = false;
-    found =
-        find_within(one_substep, helps ? budget() : NearPairFinder::unlimited, particles, v, ago, threads);
+    const bool helps =
+        limit_.shorten(surfaces_, members, motion.particles, motion.velocity, substep_length());
+    if (!helps && !limit_.is_active(members[0])) one_substep = false;
+    predict_group(members, motion, one_substep);
+    found = search_.find_group(input(motion), group, helps ? budget : NearPairFinder::unlimited);
   }
-  pairs_.clear(surfaces_.particle_count());
-  add_found(particles, threads);
-  pairs_.end_search();
-}
-
-// Searches for the pairs of the next substep, or within the surfaces' horizons. Returns false if there are more than `most`.
-bool ElementPairs::find_within(bool one_substep, std::size_t most, const ParticleView& particles,
-                               std::span<const Vec4f> velocity, float ago, Threads& threads) {
-  const float h = step_.h > 0 ? min(step_.h, remaining_) : remaining_;
-  for (std::uint32_t a = 0; a < surfaces_.size(); ++a) {
-    searches_[a].covered = one_substep ? h : horizon(a, particles, velocity);
-    searches_[a].found = 0;
-    if (paths_.predict_surface(surfaces_, a, particles, velocity, ago, searches_[a].covered, threads))
-      find_bounds(a);
-  }
-  find_overlaps();
-  select_inter_object_elements();
-  const auto others = [this](std::uint32_t a, std::uint32_t b) {
-    return surfaces_.collides_with_other(a, b);
-  };
-  return self_finder_.find(self_elements_, paths_.relative_boxes(), itself, particles.position, self_pairs_,
-                           threads, most) &&
-         inter_object_finder_.find(inter_object_elements_, paths_.boxes(), others, particles.position,
-                                   inter_object_pairs_, threads, most);
-}
-
-void ElementPairs::find_bounds(std::uint32_t surface) {
-  Bounds bounds{{infinity, infinity, infinity}, {-infinity, -infinity, -infinity}};
-  for (std::uint32_t i = surfaces_[surface].begin; i < surfaces_[surface].end; ++i)
-    bounds = united(bounds, paths_.boxes()[i]);
-  const Vec3f size = bounds.hi - bounds.lo;
-  searches_[surface].bounds =
-      around(bounds.lo, bounds.hi, far_surface_margin_part * max(size.x, max(size.y, size.z)));
-}
-
-// Finds the surfaces whose bounds overlap those of a surface that they may collide with. Returns whether their elements
-// are at hand.
-bool ElementPairs::find_overlaps() {
-  surface_bounds_.clear();
-  for (Search& search : searches_) surface_bounds_.push_back(search.bounds), search.overlaps_other = false;
-  for (const auto& [a, b] : surface_sweep_.find(surface_bounds_))
-    if (surfaces_.collides_with_other(a, b)) searches_[a].overlaps_other = searches_[b].overlaps_other = true;
-  bool complete = true;
-  for (std::size_t a = 0; a < searches_.size(); ++a) {
-    overlaps_other_[a] = searches_[a].overlaps_other ? 1 : 0;
-    complete = complete && (!searches_[a].overlaps_other || searches_[a].in_elements);
-  }
-  return complete;
-}
-
-void ElementPairs::select_inter_object_elements() {
-  const auto is_current = [](const Search& search) { return search.in_elements == search.overlaps_other; };
-  if (std::all_of(searches_.begin(), searches_.end(), is_current)) return;
-  inter_object_elements_.clear();
-  for (std::uint32_t a = 0; a < surfaces_.size(); ++a) {
-    searches_[a].in_elements = searches_[a].overlaps_other;
-    if (!searches_[a].in_elements) continue;
-    const ContactSurface& surface = surfaces_[a];
-    inter_object_elements_.add_triangles(surface.triangles, surface.begin, a);
-    inter_object_elements_.add_edges(surface.edges, surface.begin, a);
-    if (surface.particles_only) inter_object_elements_.add_particles(surface.begin, surface.reserved_end, a);
-  }
-  inter_object_elements_.index_particles();
+  add_found(motion);
 }
 
 // --- searches within a step
 
 std::size_t ElementPairs::update(const ParticleView& particles, float h, Threads& threads) {
-  limit_.apply(surfaces_, particles, h, threads);
-  paths_.find_off_path(surfaces_, overlaps_other_, particles, threads);
+  shorten_motions(particles, h);
+  paths_.find_off_path(surfaces_, search_.groups().overlaps_other(), particles, threads);
   return refind(particles, h, true, threads);
 }
 
 std::size_t ElementPairs::update(const ParticleView& particles, float h,
                                  std::span<const std::uint32_t> particles_moved, Threads& threads) {
-  limit_.apply(surfaces_, particles, h, threads);
-  paths_.find_off_path(surfaces_, overlaps_other_, particles, particles_moved);
+  shorten_motions(particles, h);
+  paths_.find_off_path(surfaces_, search_.groups().overlaps_other(), particles, particles_moved);
   return refind(particles, h, false, threads);
 }
 
-// Chooses the surfaces all of whose pairs are searched again. Returns whether these are all that are searched at all.
-bool ElementPairs::choose_surfaces(float h, bool may_be_over) {
+void ElementPairs::shorten_motions(const ParticleView& particles, float h) {
+  const SurfaceGroups& groups = search_.groups();
+  for (std::size_t g = 0; g < groups.size(); ++g) limit_.apply(surfaces_, groups.members(g), particles, h);
+}
+
+// Chooses the surfaces all of whose pairs are searched again.
+void ElementPairs::choose_surfaces(float h, bool may_be_over) {
   // For a fifth of all particles, a search for their pairs alone takes as long as a search for all pairs.
   constexpr std::size_t refind_all_divisor = 5;
   // Pairs that were replaced stay until the next search of all. They may take as much as so many searches.
-  constexpr std::size_t kept_budgets = 2;
+  constexpr std::size_t kept_budgets = 2, added_budgets = 8;
   for (Search& search : searches_) search.off_path = 0;
   for (const std::uint32_t i : paths_.off_path()) ++searches_[surfaces_.of(i)].off_path;
-  bool all = true;
   for (std::uint32_t a = 0; a < searches_.size(); ++a) {
     Search& search = searches_[a];
     const std::size_t particles = surfaces_[a].end - surfaces_[a].begin;
-    search.again =
-        is_searched(a) && ((may_be_over && search.covered <= -0.5f * h) ||
-                           search.off_path > particles / refind_all_divisor + 8 ||
-                           (search.off_path > 0 && search.found > kept_budgets * budget_of(search)));
-    all = all && (search.again || !is_searched(a));
+    search.again = is_searched(a) && ((may_be_over && search.covered <= -0.5f * h) ||
+                                      search.off_path > particles / refind_all_divisor + 8 ||
+                                      (search.off_path > 0 && search.found > kept_budgets * search_.budget(a)));
   }
-  return all;
+  const SurfaceGroups& groups = search_.groups();
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    std::size_t added = 0, off_path = 0;
+    for (const std::uint32_t a : groups.members(g))
+      added += searches_[a].added, off_path += searches_[a].off_path;
+    if (off_path > 0 && added > added_budgets * search_.budget(surfaces_, g)) choose_all(groups.members(g));
+  }
+}
+
+bool ElementPairs::are_all_chosen(MotionLimit::Group group) const {
+  return std::all_of(group.begin(), group.end(),
+                     [this](std::uint32_t a) { return searches_[a].again || !is_searched(a); });
+}
+
+// Returns whether that was news.
+bool ElementPairs::choose_all(MotionLimit::Group group) {
+  if (are_all_chosen(group)) return false;
+  for (const std::uint32_t a : group) searches_[a].again = is_searched(a);
+  return true;
+}
+
+// After groups were found: what overlaps others only now is searched again, and groups that met while one of them has a
+// limit. Returns whether there is any.
+bool ElementPairs::choose_more() {
+  const SurfaceGroups& groups = search_.groups();
+  bool any = false;
+  for (std::uint32_t a = 0; a < searches_.size(); ++a)
+    if (search_.is_new(a) && !searches_[a].again) searches_[a].again = any = true;
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    if (limit_.differs(groups.members(g))) any = choose_all(groups.members(g)) || any;
+  return any;
+}
+
+// Groups that exceeded their budget are searched whole. Returns whether there is any that was not.
+bool ElementPairs::choose_over() {
+  bool any = false;
+  for (const std::uint32_t g : search_.over()) any = choose_all(search_.groups().members(g)) || any;
+  return any;
 }
 
 std::size_t ElementPairs::refind(const ParticleView& particles, float h, bool may_be_over, Threads& threads) {
-  // Storage of replaced pairs, in pairs of an ordinary search.
-  constexpr std::size_t stored_budgets = 8;
-  const bool all = choose_surfaces(h, may_be_over);
+  choose_surfaces(h, may_be_over);
   const auto is_chosen = [](const Search& search) { return search.again; };
-  const bool any = std::any_of(searches_.begin(), searches_.end(), is_chosen);
-  if (!any && paths_.off_path().empty()) return size();
+  if (paths_.off_path().empty() && std::none_of(searches_.begin(), searches_.end(), is_chosen)) return size();
   const ParticleView before = rewind(particles, h);
-  const std::size_t first = size();
-  if (!(all && any) && first <= stored_budgets * budget() && refind_some(before, h, threads)) {
-    for (std::uint32_t a = 0; a < searches_.size(); ++a)
-      if (searches_[a].again) paths_.find_shift(surfaces_, a, particles);
-    return first;
-  }
-  refind_all(before, h, threads);
-  limit_.apply(surfaces_, particles, h, threads);
-  paths_.find_shift(surfaces_, particles);
-  return 0;
+  const Motion motion{before, velocity_now_, h, threads};
+  const float remaining = std::exchange(remaining_, max(remaining_ + h, h));
+  bool all = false;
+  do {
+    do {
+      predict_chosen(motion);
+      search_.groups().find(surfaces_);
+    } while (choose_more());
+    all = true;
+    for (std::uint32_t a = 0; a < searches_.size(); ++a) all = all && (searches_[a].again || !is_searched(a));
+    if (all) {
+      search_.find_all(input(motion));
+    } else {
+      list_moved();
+      search_.find_moved(input(motion), moved_);
+    }
+  } while (choose_over());
+  const std::size_t first = replace(all);
+  add_found(motion);
+  for (const std::uint32_t group : search_.over()) find_within_limit(group, motion);
+  if (all) pairs_.end_search();
+  remaining_ = remaining;
+  shorten_motions(particles, h);
+  for (std::uint32_t a = 0; a < searches_.size(); ++a)
+    if (searches_[a].again) paths_.find_shift(surfaces_, a, particles);
+  return first;
 }
 
 // Returns the particles at the substep's start. Sets velocity_now_ to their mean velocities since then.
@@ -279,62 +279,58 @@ ParticleView ElementPairs::rewind(const ParticleView& particles, float h) {
   return before;
 }
 
-// Searches for all pairs, for the rest of the step.
-void ElementPairs::refind_all(const ParticleView& before, float h, Threads& threads) {
-  remaining_ = max(remaining_ + h, h);
-  find(before, velocity_now_, h, threads);
-  anew_.clear();
-  remaining_ -= h;
-  for (Search& search : searches_) search.covered -= h;
+// Predicts the paths of the chosen surfaces for the rest of the step, and of other particles that have left theirs.
+void ElementPairs::predict_chosen(const Motion& motion) {
+  const SurfaceGroups& groups = search_.groups();
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const MotionLimit::Group group = groups.members(g);
+    if (limit_.is_needed(group) && are_all_chosen(group)) {
+      limit_.begin_search(surfaces_, group, motion.particles, motion.velocity);
+      predict_group(group, motion, limit_.is_active(group[0]));
+      continue;
+    }
+    for (const std::uint32_t a : group)
+      if (searches_[a].again) predict(a, motion, limit_.is_active(a));
+  }
+  predict_off_path(motion);
 }
 
-// Predicts the paths of the chosen surfaces for the rest of the step, and of other particles that have left theirs.
-// Contacts moved the latter, so a prediction of their motion is valid for a short time only. Fills moved_.
-void ElementPairs::predict_some(const ParticleView& before, float h, Threads& threads) {
+// Contacts moved these particles, so a prediction of their motion is valid for a short time only.
+void ElementPairs::predict_off_path(const Motion& motion) {
   constexpr float covered_substeps = 3;
-  moved_.clear();
+  const float h = motion.ago;
   for (const std::uint32_t i : paths_.off_path()) {
     const std::uint32_t a = surfaces_.of(i);
     if (searches_[a].again) continue;
     const float dt = max(min(searches_[a].covered + h, covered_substeps * h), h);
-    paths_.predict_off_path(i, a, paths_.shift_of(surfaces_, a, before), before, velocity_now_[i].xyz(), h,
-                            dt);
-    moved_.push_back(i);
+    paths_.predict_off_path(i, a, paths_.shift_of(surfaces_, a, motion.particles), motion.particles,
+                            motion.velocity[i].xyz(), h, dt);
   }
-  const float remaining = remaining_;
-  remaining_ = max(remaining_ + h, h);
-  for (std::uint32_t a = 0; a < searches_.size(); ++a) {
-    if (!searches_[a].again) continue;
-    paths_.find_mean(surfaces_, a, before, velocity_now_);
-    const float dt = limit_.is_active() ? h : horizon(a, before, velocity_now_);
-    paths_.predict_surface(surfaces_, a, before, velocity_now_, h, dt, threads);
-    searches_[a].covered = dt - h, searches_[a].found = 0;
-    find_bounds(a);
-    for (std::uint32_t i = surfaces_[a].begin; i < surfaces_[a].end; ++i)
+}
+
+// Lists the particles whose pairs are searched again.
+void ElementPairs::list_moved() {
+  moved_.clear();
+  for (const std::uint32_t i : paths_.off_path())
+    if (!searches_[surfaces_.of(i)].again) moved_.push_back(i);
+  for (std::uint32_t a = 0; a < searches_.size(); ++a)
+    for (std::uint32_t i = surfaces_[a].begin; searches_[a].again && i < surfaces_[a].end; ++i)
       if (surfaces_.of(i) == a) moved_.push_back(i);
-  }
-  remaining_ = remaining;
   std::sort(moved_.begin(), moved_.end());
 }
 
-// Searches for the pairs of the particles that left their paths, and of the chosen surfaces. Returns false if all pairs
-// have to be searched.
-bool ElementPairs::refind_some(const ParticleView& before, float h, Threads& threads) {
-  predict_some(before, h, threads);
-  if (!find_overlaps()) return false;
-  const auto others = [this](std::uint32_t a, std::uint32_t b) {
-    return surfaces_.collides_with_other(a, b) && searches_[a].overlaps_other && searches_[b].overlaps_other;
-  };
-  if (!self_finder_.find_moved(moved_, paths_.relative_boxes(), itself, before.position, self_pairs_, threads,
-                               budget()) ||
-      !inter_object_finder_.find_moved(moved_, paths_.boxes(), others, before.position, inter_object_pairs_,
-                                       threads, budget()))
-    return false;
+// Drops the pairs that a search replaces. Returns the index of the first new one.
+std::size_t ElementPairs::replace(bool all) {
+  if (all) {
+    pairs_.clear(surfaces_.particle_count());
+    anew_.clear();
+    return 0;
+  }
+  const std::size_t first = size();
   for (const std::uint32_t i : moved_) pairs_.replace_pairs_of(i);
-  add_found(before, threads);
   for (std::uint32_t a = 0; a < searches_.size(); ++a)
     if (searches_[a].again) anew_.push_back({surfaces_[a].begin, surfaces_[a].reserved_end});
-  return true;
+  return first;
 }
 
 // --- pairs
@@ -347,7 +343,7 @@ void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
   for (const NearPair& pair : pairs)
     dt = max(dt, inter_object ? min(covered(pair.particle[0]), covered(pair.particle[3]))
                               : covered(pair.particle[0]));
-  dt += step_.h;  // `covered` may be that after the substep
+  dt += step_.h;  // `covered` is the time after the substep
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
   const std::size_t kind = edges ? 1 : 0;
   float distance[batch_size], thickness[batch_size], range[batch_size];
@@ -369,8 +365,7 @@ void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool
                                      list->thickness.data());
 }
 
-void ElementPairs::add(std::span<const NearPair> pairs, bool edges, bool inter_object,
-                       const ParticleView& particles, Threads& threads) {
+void ElementPairs::add(std::span<const NearPair> pairs, bool edges, bool inter_object, const Motion& motion) {
   const std::size_t count = batches_of(pairs.size());
   if (batches_.size() < count) {
     const std::size_t before = batches_.size();
@@ -378,29 +373,25 @@ void ElementPairs::add(std::span<const NearPair> pairs, bool edges, bool inter_o
     for (std::size_t b = before; b < batches_.size(); ++b)
       batches_[b].near.resize(batch_size), batches_[b].far.resize(batch_size);
   }
-  threads.each(count, 1, [&](std::size_t b) {
+  motion.threads.each(count, 1, [&](std::size_t b) {
     add_batch(batches_[b], pairs.subspan(b * batch_size, std::min(batch_size, pairs.size() - b * batch_size)),
-              edges, inter_object, particles);
+              edges, inter_object, motion.particles);
   });
   const std::span<Batch> batches = std::span(batches_).first(count);
-  pairs_.append(batches, &Batch::near, edges, inter_object, threads);
-  pairs_.append(batches, &Batch::far, edges, inter_object, threads);
+  pairs_.append(batches, &Batch::near, edges, inter_object, motion.threads);
+  pairs_.append(batches, &Batch::far, edges, inter_object, motion.threads);
 }
 
-void ElementPairs::count_found(const NearPairs& pairs) {
-  for (const std::vector<NearPair>* const list : {&pairs.vertex_triangle, &pairs.edge_edge})
-    for (const NearPair& pair : *list) ++searches_[surfaces_.of(pair.particle[0])].found;
-}
-
-void ElementPairs::add_found(const ParticleView& particles, Threads& threads) {
-  count_found(self_pairs_), count_found(inter_object_pairs_);
+void ElementPairs::add_found(const Motion& motion) {
+  for (std::uint32_t a = 0; a < searches_.size(); ++a)
+    searches_[a].found += search_.found(a), searches_[a].added += search_.found(a);
   const std::size_t first = chunk_count();
-  add(self_pairs_.vertex_triangle, false, false, particles, threads);
-  add(inter_object_pairs_.vertex_triangle, false, true, particles, threads);
-  add(self_pairs_.edge_edge, true, false, particles, threads);
-  add(inter_object_pairs_.edge_edge, true, true, particles, threads);
+  add(search_.within().vertex_triangle, false, false, motion);
+  add(search_.between().vertex_triangle, false, true, motion);
+  add(search_.within().edge_edge, true, false, motion);
+  add(search_.between().edge_edge, true, true, motion);
   bounds_.resize(chunk_count());
-  threads.each(chunk_count() - first, 4, [&](std::size_t c) { bounds_.add_chunk(first + c, pairs_); });
+  motion.threads.each(chunk_count() - first, 4, [&](std::size_t c) { bounds_.add_chunk(first + c, pairs_); });
 }
 
 // --- chunks that need no test
@@ -457,13 +448,10 @@ void ElementPairs::end_substep() {
 }
 
 std::size_t ElementPairs::bytes() const {
-  std::size_t sum =
-      bytes_of(self_pairs_.vertex_triangle, self_pairs_.edge_edge, inter_object_pairs_.vertex_triangle,
-               inter_object_pairs_.edge_edge, velocity_now_, before_);
+  std::size_t sum = bytes_of(velocity_now_, before_);
   for (const Batch& batch : batches_) sum += batch.near.bytes() + batch.far.bytes();
   return sum + surfaces_.bytes() + paths_.bytes() + limit_.bytes() + pairs_.bytes() + bounds_.bytes() +
-         self_elements_.bytes() + inter_object_elements_.bytes() + self_finder_.bytes() +
-         inter_object_finder_.bytes();
+         search_.bytes();
 }
 
 }  // namespace souple

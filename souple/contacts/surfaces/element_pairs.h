@@ -6,6 +6,7 @@
 #include "souple/contacts/surfaces/motion_bounds.h"
 #include "souple/contacts/surfaces/motion_limit.h"
 #include "souple/contacts/surfaces/pair_chunks.h"
+#include "souple/contacts/surfaces/pair_search.h"
 #include "souple/contacts/surfaces/predicted_paths.h"
 #include "souple/solver/projector.h"
 #include "souple/state/columns.h"
@@ -37,10 +38,11 @@ inline constexpr double contact_spare = SurfaceContactRows::spare;
 /// pairs follow the existing pairs and replace the earlier pairs of those particles. Chunks of pairs that cannot touch yet
 /// are skipped (motion_bounds.h).
 ///
-/// The order of a surface's pairs, and when they are searched, depend on no surface that it cannot touch.
+/// The order of a surface's pairs, and when they are searched, depend on no surface that it cannot touch
+/// (surface_groups.h).
 ///
-/// The number of pairs is bounded in proportion to the number of elements. A search that exceeds its budget is repeated
-/// for one substep alone, and then for shortened motions (motion_limit.h).
+/// The number of a group's pairs is bounded in proportion to the number of its elements. A search that exceeds its budget
+/// is repeated for one substep alone, and then for shortened motions (motion_limit.h).
 class ElementPairs {
  public:
   ElementPairs() = default;
@@ -120,40 +122,43 @@ class ElementPairs {
 
   /// State of a surface in a step.
   struct Search {
-    float covered = 0;            ///< time after this substep that its last search covers [s]
-    std::size_t elements = 0;     ///< vertices and edges that may touch themselves or others
-    std::size_t found = 0;        ///< pairs since the last search of all its pairs
-    std::size_t off_path = 0;     ///< particles that have left their paths
-    bool again = false;           ///< all its pairs are searched again
-    Bounds bounds{};              ///< around its particles' boxes, with a margin
-    bool overlaps_other = false;  ///< its bounds overlap those of a surface that it may collide with
-    bool in_elements = false;     ///< of inter_object_elements_
+    float covered = 0;         ///< time after this substep that its last search covers [s]
+    std::size_t found = 0;     ///< pairs since the last search of all its pairs
+    std::size_t added = 0;     ///< pairs since the substep began
+    std::size_t off_path = 0;  ///< particles that have left their paths
+    bool again = false;        ///< all its pairs are searched again
+  };
+  /// What paths are predicted from: the state so many seconds before the substep's end.
+  struct Motion {
+    const ParticleView& particles;
+    std::span<const Vec4f> velocity;
+    float ago;
+    Threads& threads;
   };
 
-  void find(const ParticleView& particles, std::span<const Vec4f> velocity, float ago, Threads& threads);
-  bool find_within(bool one_substep, std::size_t most, const ParticleView& particles,
-                   std::span<const Vec4f> velocity, float ago, Threads& threads);
-  static std::size_t budget_of(const Search& search) {
-    return pairs_of_any + pairs_of_element * search.elements;
+  bool is_searched(std::uint32_t surface) const { return search_.is_searched(surfaces_, surface); }
+  PairSearch::Input input(const Motion& motion) const {
+    return {surfaces_, paths_, motion.particles.position, motion.threads};
   }
-  std::size_t budget() const;
+  float substep_length() const { return step_.h > 0 ? min(step_.h, remaining_) : remaining_; }
   float horizon(std::size_t surface, const ParticleView& particles, std::span<const Vec4f> velocity) const;
-  void find_bounds(std::uint32_t surface);
-  bool find_overlaps();
-  void select_inter_object_elements();
-  bool is_searched(std::uint32_t surface) const {
-    return surfaces_[surface].self_collision || searches_[surface].overlaps_other;
-  }
   std::size_t refind(const ParticleView& particles, float h, bool may_be_over, Threads& threads);
-  bool choose_surfaces(float h, bool may_be_over);
+  void choose_surfaces(float h, bool may_be_over);
+  bool are_all_chosen(MotionLimit::Group group) const;
+  bool choose_all(MotionLimit::Group group);
+  bool choose_more();
+  bool choose_over();
   ParticleView rewind(const ParticleView& particles, float h);
-  void refind_all(const ParticleView& before, float h, Threads& threads);
-  bool refind_some(const ParticleView& before, float h, Threads& threads);
-  void predict_some(const ParticleView& before, float h, Threads& threads);
-  void count_found(const NearPairs& pairs);
-  void add_found(const ParticleView& particles, Threads& threads);
-  void add(std::span<const NearPair> pairs, bool edges, bool inter_object, const ParticleView& particles,
-           Threads& threads);
+  void predict(std::uint32_t surface, const Motion& motion, bool one_substep);
+  void predict_group(MotionLimit::Group group, const Motion& motion, bool one_substep);
+  void predict_chosen(const Motion& motion);
+  void predict_off_path(const Motion& motion);
+  void list_moved();
+  std::size_t replace(bool all);
+  void shorten_motions(const ParticleView& particles, float h);
+  void find_within_limit(std::uint32_t group, const Motion& motion);
+  void add_found(const Motion& motion);
+  void add(std::span<const NearPair> pairs, bool edges, bool inter_object, const Motion& motion);
   void add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool inter_object,
                  const ParticleView& particles) const;
 
@@ -164,20 +169,11 @@ class ElementPairs {
   MotionBounds bounds_;
   const IntersectionResolver* intersection_resolver_ = nullptr;
   ContactStep step_;
-  // Pairs that a search may find: for each element that may touch itself or another surface, and for any scene. A sheet
-  // that collapses in folds has 25.
-  static constexpr std::size_t pairs_of_element = 32, pairs_of_any = 65536;
   float remaining_ = 0;  // time of the step after this substep [s]
-  // Elements of the surfaces with self-collision, and of the surfaces that overlap others.
-  SurfaceElements self_elements_, inter_object_elements_;
-  std::vector<Search> searches_;               // per surface
-  std::vector<Bounds> surface_bounds_;         // work space
-  std::vector<std::uint8_t> overlaps_other_;   // per surface
+  std::vector<Search> searches_;  // per surface
+  PairSearch search_;
   std::vector<std::uint32_t> moved_;           // particles whose pairs are searched again
   std::vector<IndexRange> anew_, taken_anew_;  // see take_searched_anew
-  BoxSweep surface_sweep_;
-  NearPairFinder self_finder_, inter_object_finder_;
-  NearPairs self_pairs_, inter_object_pairs_;
   std::vector<Batch> batches_;
   // Per particle, for a search within a step: mean velocity in the substep [m/s], state at its start.
   std::vector<Vec4f> velocity_now_, before_;

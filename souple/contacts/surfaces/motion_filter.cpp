@@ -46,12 +46,8 @@ std::size_t MotionFilter::refind_violations(ElementPairs& candidates, SurfaceNar
   corrected_particles_.erase(std::unique(corrected_particles_.begin(), corrected_particles_.end()),
                              corrected_particles_.end());
   const std::size_t first_new = candidates.update(particles, substep.h, corrected_particles_, threads);
-  if (first_new == 0) {
-    find_violations(candidates, narrow_phase, particles, threads);
-  } else {
-    candidates.measure(particles, corrected_particles_);
-    narrow_phase.find_violations(candidates, particles, false, violations_, threads);
-  }
+  candidates.measure(particles, corrected_particles_);
+  narrow_phase.find_violations(candidates, particles, false, violations_, threads);
   return first_new;
 }
 
@@ -81,10 +77,10 @@ void MotionFilter::append_corrections(ElementPairs& candidates, const SurfaceNar
 }
 
 // The group of a pair's surfaces that give way; that of its first surface if none does.
-std::uint32_t MotionFilter::group_of(const ElementPairs& candidates, const NearPair& pair,
+std::uint32_t MotionFilter::group_of(const ElementPairs& candidates, std::span<const std::uint32_t, 4> pair,
                                      const ParticleView& particles) {
-  const std::uint32_t i = particles.first_movable(pair.particle);
-  return groups_.root(candidates.surfaces().of(i == no_particle ? pair.particle[0] : i));
+  const std::uint32_t i = particles.first_movable(pair);
+  return groups_.root(candidates.surfaces().of(i == no_particle ? pair[0] : i));
 }
 
 // Surfaces that give way in a violation or in a correction contact are of one group.
@@ -107,14 +103,12 @@ void MotionFilter::find_groups(const ElementPairs& candidates, const ParticleVie
 void MotionFilter::solve_corrections(ElementPairs& candidates, const ParticleView& particles) {
   acts_.assign(candidates.surfaces().size(), 0);
   for (const PairToi& violation : corrected_)
-    acts_[group_of(candidates, candidates.pair(violation.pair), particles)] = 1;
+    acts_[group_of(candidates, candidates.pair(violation.pair).particle, particles)] = 1;
   const kernels::ContactColumns columns = corrections_.columns();
   const kernels::ElementPairKernels& scalar_kernels =
       kernels::find_element_pair_kernels(InstructionSet::scalar);
   const auto acts = [&](std::size_t c) {
-    NearPair pair;
-    std::copy_n(anchor_of(columns, c).particle.begin(), 4, pair.particle);
-    return acts_[group_of(candidates, pair, particles)] != 0;
+    return acts_[group_of(candidates, anchor_of(columns, c).particle, particles)] != 0;
   };
   constexpr int sweeps = 4;
   for (int sweep = 0; sweep < sweeps; ++sweep)
@@ -164,6 +158,20 @@ bool MotionFilter::hold_driven(const ElementPairs& candidates, const ParticleVie
   return !held_particles_.empty();
 }
 
+// A pile of sheets that is flattened in one substep has more violations than passes can correct: it is stopped.
+void MotionFilter::stop_crowded_groups(const ElementPairs& candidates, const ParticleView& particles) {
+  constexpr int corrections_per_particle = 2;
+  const ElementSurfaces& surfaces = candidates.surfaces();
+  room_.assign(surfaces.size(), 0);
+  for (std::uint32_t a = 0; a < surfaces.size(); ++a)
+    room_[groups_.root(a)] += corrections_per_particle * static_cast<int>(surfaces[a].end - surfaces[a].begin);
+  const auto take = [&](const auto& pair) { --room_[group_of(candidates, pair, particles)]; };
+  for (const PairToi& violation : violations_) take(candidates.pair(violation.pair).particle);
+  for (std::size_t c = 0; c < correction_pair_.size(); ++c) take(anchor_of(corrections_.columns(), c).particle);
+  for (std::uint32_t a = 0; a < surfaces.size(); ++a)
+    if (room_[groups_.root(a)] < 0) ahead_[a] = correction_passes + clamping_passes;
+}
+
 // Groups whose violations are all with rigid bodies, which are driven here, leave out further corrections. Particles
 // between such a body and another one, or between two surfaces, can only go back and forth.
 void MotionFilter::advance_groups_with_bodies(const ElementPairs& candidates, const ParticleView& particles) {
@@ -173,7 +181,7 @@ void MotionFilter::advance_groups_with_bodies(const ElementPairs& candidates, co
     const NearPair& pair = candidates.pair(violation.pair);
     const auto is_rigid = [&](std::uint32_t i) { return surfaces[surfaces.of(i)].rigid; };
     if (std::none_of(std::begin(pair.particle), std::end(pair.particle), is_rigid))
-      acts_[group_of(candidates, pair, particles)] = 0;
+      acts_[group_of(candidates, pair.particle, particles)] = 0;
   }
   for (std::uint32_t a = 0; a < surfaces.size(); ++a)
     if (acts_[groups_.root(a)] != 0) ahead_[a] = correction_passes - passes_with_bodies;
@@ -185,6 +193,7 @@ void MotionFilter::divide_violations(const ElementPairs& candidates, const Parti
   corrected_.clear(), clamped_.clear(), stopped_pairs_.clear();
   find_groups(candidates, particles);
   if (pass == passes_with_bodies) advance_groups_with_bodies(candidates, particles);
+  stop_crowded_groups(candidates, particles);
   const ElementSurfaces& surfaces = candidates.surfaces();
   for (const PairToi& violation : violations_) {
     int own = pass;
@@ -281,9 +290,6 @@ void MotionFilter::merge_pushes() {
 MotionFilter::Result MotionFilter::apply(ElementPairs& candidates, SurfaceNarrowPhase& narrow_phase,
                                          const ParticleView& particles, const Substep& substep,
                                          Threads& threads) {
-  // A pile of sheets that is flattened in one substep has more violations than passes can correct: it is stopped.
-  constexpr std::size_t corrections_per_particle = 2;
-  const std::size_t particle_count = candidates.surfaces().particle_count();
   correction_pair_.clear(), correction_toi_.clear(), grips_.clear();
   ahead_.assign(candidates.surfaces().size(), 0);
   clear_pushes();
@@ -293,8 +299,6 @@ MotionFilter::Result MotionFilter::apply(ElementPairs& candidates, SurfaceNarrow
   find_violations(candidates, narrow_phase, particles, threads);
   constexpr int passes = correction_passes + clamping_passes + stopping_passes;
   for (int pass = 0; pass < passes && !violations_.empty(); ++pass) {
-    if (correction_pair_.size() + violations_.size() > corrections_per_particle * particle_count)
-      pass = std::max(pass, correction_passes + clamping_passes);
     divide_violations(candidates, particles, pass);
     if (!corrected_.empty()) {
       append_corrections(candidates, narrow_phase, particles);

@@ -41,11 +41,13 @@ class MotionFilter {
   void append_corrections(ElementPairs& candidates, const SurfaceNarrowPhase& narrow_phase,
                           const ParticleView& particles);
   void find_groups(const ElementPairs& candidates, const ParticleView& particles);
-  std::uint32_t group_of(const ElementPairs& candidates, const NearPair& pair, const ParticleView& particles);
+  std::uint32_t group_of(const ElementPairs& candidates, std::span<const std::uint32_t, 4> pair,
+                         const ParticleView& particles);
   void divide_violations(const ElementPairs& candidates, const ParticleView& particles, int pass);
   void solve_corrections(ElementPairs& candidates, const ParticleView& particles);
   void clamp_to_toi(const ElementPairs& candidates, const ParticleView& particles);
   bool stop(const ElementPairs& candidates, const ParticleView& particles) const;
+  void stop_crowded_groups(const ElementPairs& candidates, const ParticleView& particles);
   void advance_groups_with_bodies(const ElementPairs& candidates, const ParticleView& particles);
   bool hold_driven(const ElementPairs& candidates, const ParticleView& particles);
   void begin_pushes(const ElementPairs& candidates, const ParticleView& particles);
@@ -59,6 +61,7 @@ class MotionFilter {
   std::vector<PairToi> corrected_, clamped_, stopped_pairs_;
   DisjointSets groups_;             // surfaces that violations and corrections connect
   std::vector<int> ahead_;          // per surface: passes that its group has left out
+  std::vector<int> room_;           // per group: corrections until it is stopped
   std::vector<std::uint8_t> acts_;  // per group, at its root: it has violations to correct; to advance
   std::vector<std::uint32_t> correction_pair_;
   std::vector<float> correction_toi_;

@@ -49,6 +49,7 @@ void PredictedPaths::begin_step(const ElementSurfaces& surfaces, std::span<const
     relative_boxes_.resize(n), path_.resize(n), predicted_velocity_.resize(n), predicted_margin_.resize(n);
   }
   mean_velocity_.assign(surfaces.size(), {}), shift_.assign(surfaces.size(), {});
+  frame_.assign(surfaces.size(), {});
   mean_position_.assign(surfaces.size(), {});
   checked_.clear();
   for (std::uint32_t a = 0; a < surfaces.size(); ++a) {
@@ -76,24 +77,23 @@ void PredictedPaths::find_mean(const ElementSurfaces& surfaces, std::size_t surf
   mean_position_[surface] = mean_position(surfaces, surface, particles);
 }
 
-void PredictedPaths::find_means(const ElementSurfaces& surfaces, const ParticleView& particles,
-                                std::span<const Vec4f> velocity) {
-  frame_ = {};
-  for (std::size_t a = 0; a < surfaces.size(); ++a) find_mean(surfaces, a, particles, velocity);
-}
-
 Vec3f PredictedPaths::shift_of(const ElementSurfaces& surfaces, std::size_t surface,
                                const ParticleView& particles) const {
   if (!surfaces[surface].self_collision) return {};
   return Vec3f(mean_position(surfaces, surface, particles) - mean_position_[surface]);
 }
 
-void PredictedPaths::find_shift(const ElementSurfaces& surfaces, const ParticleView& particles) {
-  for (std::size_t a = 0; a < surfaces.size(); ++a) find_shift(surfaces, a, particles);
+// In the world, a box moves with its frame.
+Bounds PredictedPaths::bounds_of(const ContactSurface& surface, std::uint32_t index, float ago,
+                                 float dt) const {
+  Bounds bounds = empty_bounds;
+  for (std::uint32_t i = surface.begin; i < surface.end; ++i) bounds = united(bounds, boxes_[i]);
+  const Vec3f from = frame_[index] * (elapsed_ - ago), to = from + frame_[index] * dt;
+  return united({bounds.lo + from, bounds.hi + from}, {bounds.lo + to, bounds.hi + to});
 }
 
 bool PredictedPaths::keeps_paths(std::uint32_t surface, float dt) const {
-  return still_[surface] != 0 && frame_ == Vec3f{} && kept_[surface] == std::array{dt, gravity_};
+  return still_[surface] != 0 && frame_[surface] == Vec3f{} && kept_[surface] == std::array{dt, gravity_};
 }
 
 bool PredictedPaths::predict_surface(const ElementSurfaces& surfaces, std::uint32_t surface,
@@ -110,7 +110,7 @@ bool PredictedPaths::predict_surface(const ElementSurfaces& surfaces, std::uint3
               radius_margin_part * max(radius_[i], 0.0f));
     }
   });
-  kept_[surface] = {still_[surface] != 0 && frame_ == Vec3f{} ? dt : -1, gravity_};
+  kept_[surface] = {still_[surface] != 0 && frame_[surface] == Vec3f{} ? dt : -1, gravity_};
   return changed;
 }
 
@@ -122,10 +122,10 @@ void PredictedPaths::predict(std::uint32_t i, std::uint32_t surface, const Vec3f
   const float fall = 0.5f * gravity_ * dt * dt, relative_length = dt * length(relative_v);
   Path& path = path_[i];
   path = {x - v * since, relative_x - relative_v * since,
-          margin + 2 * fall + motion_margin_part * dt * length(v - frame_),
+          margin + 2 * fall + motion_margin_part * dt * length(v - frame_[surface]),
           margin + min(fall, relative_length) + motion_margin_part * relative_length, since + 1.01f * dt};
-  const Vec3f in_frame = x - frame_ * since;
-  boxes_[i] = around(in_frame, in_frame + (v - frame_) * dt, contact_distance + path.margin);
+  const Vec3f in_frame = x - frame_[surface] * since;
+  boxes_[i] = around(in_frame, in_frame + (v - frame_[surface]) * dt, contact_distance + path.margin);
   relative_boxes_[i] =
       around(relative_x, relative_x + relative_v * dt, contact_distance + path.relative_margin);
   predicted_velocity_[i].set_xyz(v);
@@ -147,7 +147,7 @@ bool PredictedPaths::is_on_path(std::uint32_t i, const ContactSurface& surface, 
 void PredictedPaths::find_off_path(const ElementSurfaces& surfaces,
                                    std::span<const std::uint8_t> overlaps_other,
                                    const ParticleView& particles, Threads& threads) {
-  find_shift(surfaces, particles);
+  for (std::size_t a = 0; a < surfaces.size(); ++a) find_shift(surfaces, a, particles);
   const std::size_t chunks = checked_.size();
   for (std::size_t c = off_path_of_chunk_.size(); c < chunks; ++c)
     off_path_of_chunk_.emplace_back().reserve(path_chunk);

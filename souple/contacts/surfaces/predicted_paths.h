@@ -32,11 +32,8 @@ class PredictedPaths {
   /// Sets the mean motion of a surface, relative to which its next paths are predicted.
   void find_mean(const ElementSurfaces& surfaces, std::size_t surface, const ParticleView& particles,
                  std::span<const Vec4f> velocity);
-  /// Sets those of all, and the frame's velocity to 0.
-  void find_means(const ElementSurfaces& surfaces, const ParticleView& particles,
-                  std::span<const Vec4f> velocity);
-  /// Sets the velocity of the frame in which the next boxes() are swept [m/s].
-  void set_frame(const Vec3f& velocity) { frame_ = velocity; }
+  /// Sets the velocity of the frame in which the next boxes() of a surface are swept [m/s]. It is 0 in a new step.
+  void set_frame(std::uint32_t surface, const Vec3f& velocity) { frame_[surface] = velocity; }
   /// Velocity of a particle relative to its surface's mean [m/s].
   Vec3f relative_velocity(const Vec3f& velocity, std::size_t surface) const {
     return velocity - mean_velocity_[surface];
@@ -61,15 +58,16 @@ class PredictedPaths {
   /// mean then [m].
   void predict_off_path(std::uint32_t particle, std::uint32_t surface, const Vec3f& shift,
                         const ParticleView& before, const Vec3f& velocity, float h, float dt);
+  /// Around what a surface passes from `ago` until `dt` after that [s], if its paths were predicted so.
+  Bounds bounds_of(const ContactSurface& surface, std::uint32_t index, float ago, float dt) const;
   /// The motion of a surface's mean since its pairs were found [m].
   Vec3f shift_of(const ElementSurfaces& surfaces, std::size_t surface, const ParticleView& particles) const;
-  /// Sets the motion of a surface's mean since its pairs were found; of all.
+  /// Sets the motion of a surface's mean since its pairs were found.
   void find_shift(const ElementSurfaces& surfaces, std::size_t surface, const ParticleView& particles) {
     shift_[surface] = shift_of(surfaces, surface, particles);
   }
-  void find_shift(const ElementSurfaces& surfaces, const ParticleView& particles);
 
-  /// Per particle: around its path, in the frame and relative to its surface's mean motion.
+  /// Per particle: around its path, in its surface's frame and relative to its surface's mean motion.
   std::span<const Bounds> boxes() const { return boxes_; }
   std::span<const Bounds> relative_boxes() const { return relative_boxes_; }
   /// Per particle: predicted velocity [m/s].
@@ -96,7 +94,7 @@ class PredictedPaths {
   std::span<const float> radius_, contact_margin_;
   float gravity_ = 0;
   std::vector<Vec3f> mean_velocity_;  // per surface: when pairs were found [m/s]
-  Vec3f frame_;                       // of boxes_ [m/s]
+  std::vector<Vec3f> frame_;          // per surface: of its boxes_ [m/s]
   // Per surface that is still: time and gravity that its paths were predicted for, in the frame at rest. Time -1: none.
   std::vector<std::array<float, 2>> kept_;
   std::vector<std::uint8_t> still_;

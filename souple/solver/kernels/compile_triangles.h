@@ -40,8 +40,8 @@ inline Vec3<simd::Pack<Isa>> side(const TriangleArrays& a, const TriangleRecords
 
 template <class Isa>
 inline void store(const TriangleArrays& a, const TriangleRecords<Isa>& records, std::size_t i,
-                  const Vec3<simd::Pack<Isa>>& v) {
-  typename Isa::Vector r[4] = {v.x.v, v.y.v, v.z.v, typename Isa::Vector{}};
+                  const Vec3<simd::Pack<Isa>>& v, const simd::Pack<Isa>& w = simd::Pack<Isa>(0)) {
+  typename Isa::Vector r[4] = {v.x.v, v.y.v, v.z.v, w.v};
   simd::transpose<Isa>(r);
   for (int j = 0; j < 4; ++j) Isa::store_records(a.result + 4 * i, records.result + j, r[j]);
 }
@@ -58,9 +58,10 @@ template <class Isa>
              Isa::load_records(a.velocity, records.corner[1] + j) +
              Isa::load_records(a.velocity, records.corner[2] + j);
     });
-    const Vec3<T> force =
-        air_force(side<Isa>(a, records, 1), side<Isa>(a, records, 2), sum * T(1.0f / 3) - wind, air);
-    store(a, records, i, force * T(1.0f / 3));
+    const Vec3<T> v = sum * T(1.0f / 3) - wind;
+    const T speed = sqrt(dot(v, v));
+    const Vec3<T> force = air_force(side<Isa>(a, records, 1), side<Isa>(a, records, 2), v, speed, air);
+    store(a, records, i, force * T(1.0f / 3), speed);
   }
   return i;
 }

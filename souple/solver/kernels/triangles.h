@@ -24,7 +24,7 @@ using AirForces = std::size_t (*)(const TriangleArrays&, const Air&, std::size_t
 using AreaNormals = std::size_t (*)(const TriangleArrays&, std::size_t begin, std::size_t end);
 
 struct TriangleKernels {
-  AirForces air_forces;      ///< a third of air_force [N]
+  AirForces air_forces;      ///< a third of air_force [N]; w: speed in the air [m/s]
   AreaNormals area_normals;  ///< (x_b - x_a) x (x_c - x_a) of positions [m^2]
 };
 

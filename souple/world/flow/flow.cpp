@@ -143,7 +143,7 @@ void remove_grains(WorldState& world, Object& grains, const std::vector<std::uin
   const std::uint32_t begin = grains.begin + kept, end = grains.reserved_end();
   grains.end = begin, grains.capacity = kept;
   world.caches->mirrors.erase(grains.id.value);
-  erase_particles(world, begin, end);
+  erase_particles(world, std::array{IndexRange{begin, end}});
 }
 
 /// The points of a fluid or of grains, without those that another object or a collider covers.

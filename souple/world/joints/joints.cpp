@@ -81,20 +81,25 @@ void wake_sides(WorldState& world, const JointRecord& record) {
     if (side->object()) wake_island(world, world.object(*side->object()));
 }
 
-void remove_joint(WorldState& world, std::size_t index) {
+void remove_joints(WorldState& world, std::span<const IndexRange> ranges) {
   RigidJoints& joints = world.rigid->joints();
-  world.registry->joint_names.remove(joints.joints().joint[index].name);
-  world.registry->joints.remove(joints.records()[index].id.value);
-  joints.remove(index);
+  if (ranges.empty()) return;
+  for (const IndexRange& range : ranges)
+    for (std::size_t k = range.begin; k < range.end; ++k)
+      world.registry->joint_names.remove(joints.joints().joint[k].name);
+  joints.remove(ranges);
+  const std::span<const JointRecord> records = joints.records();
+  world.registry->joints.reset(records.size(), [&](std::size_t k) { return records[k].id.value; });
   world.rigid->invalidate();
 }
 
 }  // namespace
 
-void remove_joints_of(WorldState& world, const JointSide& side) {
+void remove_joints_if(WorldState& world, const std::function<bool(const JointSide&)>& holds) {
   const std::span<const JointRecord> records = world.rigid->joints().records();
-  for (std::size_t j = records.size(); j-- > 0;)
-    if (records[j].a == side || records[j].b == side) remove_joint(world, j);
+  remove_joints(world, ranges_where(records.size(), [&](std::size_t k) {
+                  return holds(records[k].a) || holds(records[k].b);
+                }));
 }
 
 void report_joints(WorldState& world) {
@@ -130,7 +135,7 @@ JointId World::add_joint(const JointSide& a, const JointSide& b, const joint::Ki
     world.registry->joints.add(record.id.value);
     world.rigid->joints().add(record, std::move(joint));
   } catch (...) {
-    world.registry->joints.remove(record.id.value);
+    world.registry->joints.remove_last(record.id.value);
     names.remove(name);
     throw;
   }
@@ -149,7 +154,7 @@ void World::remove(JointId id) {
   const CallScope call(*world.calls, "remove(JointId)");
   const std::size_t index = index_of(world, id);
   wake_sides(world, world.rigid->joints().records()[index]);
-  remove_joint(world, index);
+  remove_joints(world, std::array{IndexRange{index, index + 1}});
 }
 
 void World::set_joint(JointId id, const joint::Kind& kind) {

@@ -3,10 +3,12 @@
 #include "souple/objects/joint_options.h"
 #include "souple/world/state.h"
 
+#include <functional>
+
 namespace souple {
 
-/// Removes all joints of an object or collider.
-void remove_joints_of(WorldState& world, const JointSide& side);
+/// Removes the joints with a side of which `holds` is true.
+void remove_joints_if(WorldState& world, const std::function<bool(const JointSide&)>& holds);
 /// After a step: counts joints that broke, and logs them.
 void report_joints(WorldState& world);
 

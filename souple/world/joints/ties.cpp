@@ -270,7 +270,7 @@ TieId add(WorldState& world, Tie tie, const TieState& state) {
   try {
     ties.add(std::move(tie), state);
   } catch (...) {
-    world.registry->ties.remove(id.value);
+    world.registry->ties.remove_last(id.value);
     throw;
   }
   ++world.registry->next_id;
@@ -278,19 +278,14 @@ TieId add(WorldState& world, Tie tie, const TieState& state) {
   return id;
 }
 
-void remove_tie(WorldState& world, std::size_t index) {
+void remove_ties(WorldState& world, std::span<const IndexRange> ranges) {
   Ties& ties = *world.constraints.ties;
-  wake_ends(world, ties.tie(index));
-  world.registry->ties.remove(ties.tie(index).id.value);
-  ties.remove(index);
+  if (ranges.empty()) return;
+  for (const IndexRange& range : ranges)
+    for (std::size_t k = range.begin; k < range.end; ++k) wake_ends(world, ties.tie(k));
+  ties.remove(ranges);
+  world.registry->ties.reset(ties.count(), [&](std::size_t k) { return ties.tie(k).id.value; });
   world.dirty.solver = world.dirty.masses = world.dirty.tables = true;
-}
-
-template <class Holds>
-void remove_if(WorldState& world, const Holds& holds) {
-  const Ties& ties = *world.constraints.ties;
-  for (std::size_t k = ties.count(); k-- > 0;)
-    if (holds(ties.tie(k).a) || holds(ties.tie(k).b)) remove_tie(world, k);
 }
 
 // --- the closest point
@@ -373,7 +368,8 @@ std::vector<TieId> World::stitch(ObjectId a, const Selector& selector, ObjectId 
 void World::remove(TieId id) {
   WorldState& world = state();
   const CallScope call(*world.calls, "remove(TieId)");
-  remove_tie(world, index_of(world, id));
+  const std::size_t index = index_of(world, id);
+  remove_ties(world, std::array{IndexRange{index, index + 1}});
 }
 
 TieReport World::tie_report(TieId id) const {
@@ -451,12 +447,11 @@ void list_tied(const WorldState& world, JoinedObjects& joined) {
   }
 }
 
-void remove_ties_of(WorldState& world, ObjectId object) {
-  remove_if(world, [object](const TieEnd& end) { return end.object && *end.object == object; });
-}
-
-void remove_ties_of(WorldState& world, ColliderId collider) {
-  remove_if(world, [collider](const TieEnd& end) { return end.collider && *end.collider == collider; });
+void remove_ties_if(WorldState& world, const std::function<bool(const TieEnd&)>& holds) {
+  const Ties& ties = *world.constraints.ties;
+  remove_ties(world, ranges_where(ties.count(), [&](std::size_t k) {
+                return holds(ties.tie(k).a) || holds(ties.tie(k).b);
+              }));
 }
 
 void report_ties(WorldState& world) {

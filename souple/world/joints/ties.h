@@ -2,11 +2,14 @@
 
 #include "souple/world/state.h"
 
+#include <functional>
+
 // Ties of any two objects. stages/ties.h solves them.
 
 namespace souple {
 
 struct JoinedObjects;
+struct TieEnd;
 
 /// Brings the indices of tied bodies and particles up to date.
 void list_ties(WorldState& world);
@@ -14,9 +17,8 @@ void list_ties(WorldState& world);
 void drive_ties(WorldState& world, double t);
 /// Adds the objects that ties hold together.
 void list_tied(const WorldState& world, JoinedObjects& joined);
-/// Removes all ties of an object or collider.
-void remove_ties_of(WorldState& world, ObjectId object);
-void remove_ties_of(WorldState& world, ColliderId collider);
+/// Removes the ties with an end of which `holds` is true.
+void remove_ties_if(WorldState& world, const std::function<bool(const TieEnd&)>& holds);
 /// After a step: counts ties that broke, and logs them.
 void report_ties(WorldState& world);
 
