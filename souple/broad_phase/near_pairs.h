@@ -1,5 +1,6 @@
 #pragma once
 
+#include "souple/broad_phase/near_pair.h"
 #include "souple/broad_phase/object_pairs.h"
 #include "souple/broad_phase/spatial_hash.h"
 #include "souple/broad_phase/surface_elements.h"
@@ -13,12 +14,6 @@
 #include <vector>
 
 namespace souple {
-
-/// A vertex near a triangle (particles v; a, b, c), or an edge near an edge (a, b; c, d). A grain near an
-/// edge of a rope is stored as an edge from its particle to itself (v, v; a, b).
-struct NearPair {
-  std::uint32_t particle[4];
-};
 
 struct NearPairs {
   std::vector<NearPair> vertex_triangle, edge_edge;
@@ -48,8 +43,8 @@ class NearPairFinder {
   static constexpr std::size_t unlimited = ~std::size_t{0};
 
   /// Takes over elements and boxes for find_moved, as a find does, without a search.
-  void begin(const SurfaceElements& elements, std::span<const Bounds> boxes, std::span<const Vec4f> position_w,
-             Threads& threads);
+  void begin(const SurfaceElements& elements, std::span<const Bounds> boxes,
+             std::span<const Vec4f> position_w, Threads& threads);
 
   /// Call after a find or `begin`, when the boxes of `particles` have changed. Replaces `out` by all pairs that contain such a
   /// particle, from the present boxes alone, including pairs that the find returned. Call

@@ -19,6 +19,7 @@ namespace souple {
 struct GrabState {
   World* world = nullptr;
   ProjectorId id{};
+  ObjectId object{};
   bool in_world = false;    ///< the projector exists
   bool holds = false;       ///< the projector has particles to move
   Vec3d target{};           ///< target of the particles' mean [m]
@@ -307,7 +308,7 @@ Grab::Grab(World& world, const ObjectId& object, std::uint32_t vertex, const Vec
   require_finite(point, "grab");
   require_usable(options);
   GrabState& state = *state_;
-  state.world = &world;
+  state.world = &world, state.object = object;
   state.target = state.mean = Vec3d(point);
   const std::vector<Carrier> own = world.carriers(object, vertex);
   if (std::all_of(own.begin(), own.end(), is_pinned)) return;
@@ -355,7 +356,7 @@ void Grab::release() noexcept {
 }
 
 bool Grab::holds() const {
-  return state_ && state_->holds;
+  return state_ && state_->in_world && state_->holds && state_->world->contains(state_->object);
 }
 
 Vec3f Grab::target() const {

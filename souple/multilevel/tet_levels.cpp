@@ -8,6 +8,7 @@
 #include "souple/solver/coloring.h"
 #include "souple/solver/kernels/cells.h"
 #include "souple/solver/kernels/find_kernels.h"
+#include "souple/solver/solver.h"
 #include "souple/solver/sweep_regions.h"
 
 #include <algorithm>

@@ -2,7 +2,6 @@
 
 #include "souple/multilevel/tet_lattice.h"
 #include "souple/solver/set_projector.h"
-#include "souple/solver/solver.h"
 
 #include <utility>
 #include <vector>

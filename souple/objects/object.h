@@ -114,7 +114,6 @@ struct Object {
   PlacedMotion motion;      ///< of obstacles and kinematic rigid bodies
   float wind_exposure = 1;  ///< share of the wind's velocity
   std::uint64_t user_data = 0;
-  bool removed = false;  ///< by World::remove; it goes before anything else happens
 
   BuiltConstraints built;
 

@@ -35,7 +35,8 @@ void ContactEnergy::limit(ContactIslands& islands, const RigidBodies& bodies, co
     energy.a += (m * length_squared(moved) + dot(turned, L)) / 2;
     energy.b += m * dot(moved, dx) + dot(dtheta, L);
     energy.c +=
-        (m * length_squared(dx) + dot(dtheta, momentum_of(bodies.mass[i], bodies.pose[i].rotation, dtheta))) / 2;
+        (m * length_squared(dx) + dot(dtheta, momentum_of(bodies.mass[i], bodies.pose[i].rotation, dtheta))) /
+        2;
     energy.allowed += m * free_move * free_move;
   }
   for (std::uint32_t k = 0; k < islands.islands().size(); ++k) {
@@ -43,9 +44,10 @@ void ContactEnergy::limit(ContactIslands& islands, const RigidBodies& bodies, co
     if (!(energy.b + energy.c > most_gain * energy.a + energy.allowed)) continue;
     for (const std::uint32_t c : islands.contacts(islands.islands()[k].contacts))
       for (const std::uint32_t side : {blocks[c].a, blocks[c].b})
-        energy.is_driven = energy.is_driven ||
-                           (side < bodies.size() && !(bodies.mass[side].inverse > 0) &&
-                            (bodies.velocity[side].linear != Vec3d{} || bodies.velocity[side].angular != Vec3d{}));
+        energy.is_driven =
+            energy.is_driven ||
+            (side < bodies.size() && !(bodies.mass[side].inverse > 0) &&
+             (bodies.velocity[side].linear != Vec3d{} || bodies.velocity[side].angular != Vec3d{}));
     if (energy.is_driven) continue;
     energy.scale = min(1.0, max(0.0, -energy.b / (2 * energy.c)));
     for (const std::uint32_t c : islands.contacts(islands.islands()[k].contacts))

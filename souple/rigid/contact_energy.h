@@ -10,8 +10,8 @@
 
 namespace souple {
 
-/// Keeps contacts from creating energy. Where bodies move many times their size in a substep, or turn by more than a radian,
-/// linear rows are wrong, and their impulses may double the energy of an island. They are then scaled by
+/// Keeps contacts from creating energy. Bodies may move by many times their size in a substep, or turn by more than a radian.
+/// Linear rows are wrong there, and their impulses may double the energy of an island. They are then scaled by
 ///
 ///   s = -b / (2 c),   E(s) = a + b s + c s^2,
 ///
@@ -22,7 +22,8 @@ class ContactEnergy {
   /// `before`: states when the solution began; `states`: after it, changed where an island gained energy. Rows of such islands
   /// are scaled as well.
   void limit(ContactIslands& islands, const RigidBodies& bodies, const RigidSubstep& substep,
-             std::span<const ContactBody> before, std::span<ContactBody> states, std::span<ContactBlock> blocks);
+             std::span<const ContactBody> before, std::span<ContactBody> states,
+             std::span<ContactBlock> blocks);
   std::size_t bytes() const;
 
  private:

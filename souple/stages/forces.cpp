@@ -33,10 +33,10 @@ Vec4f third_of_air_force(const Particles& particles, std::uint32_t a, std::uint3
                          const Air& air) {
   const std::vector<Vec4f>& x = particles.position;
   const auto v = [&](std::uint32_t i) { return particles.velocity[i].xyz(); };
-  const Vec3f through_air =
-      (v(a) + v(b) + v(c)) * (1.0f / 3) - Vec3f{air.wind[0], air.wind[1], air.wind[2]};
+  const Vec3f through_air = (v(a) + v(b) + v(c)) * (1.0f / 3) - Vec3f{air.wind[0], air.wind[1], air.wind[2]};
   const float speed = sqrt(dot(through_air, through_air));
-  const Vec3f force = kernels::air_force(x[b].xyz() - x[a].xyz(), x[c].xyz() - x[a].xyz(), through_air, speed, air);
+  const Vec3f force =
+      kernels::air_force(x[b].xyz() - x[a].xyz(), x[c].xyz() - x[a].xyz(), through_air, speed, air);
   return {force.x * (1.0f / 3), force.y * (1.0f / 3), force.z * (1.0f / 3), speed};
 }
 
@@ -58,11 +58,12 @@ void push_triangles(const StageView& stage, const Object& object, const Air& air
   });
 }
 
-// The impulse is limited to that which stops a particle relative to the air, |F| h <= m V, where V is the speed of the
-// fastest triangle around it: light cloth, and one that is torn apart, stay stable in any wind.
+// An impulse at most stops a particle relative to the air, |F| h <= m V; V is the speed of the fastest triangle around it. So
+// light cloth stays stable in any wind, and so does cloth that is torn apart.
 void limit_forces(const StageView& stage, std::span<Vec4f> force, std::uint32_t first, float h) {
   stage.threads.each(force.size(), force_grain, [&](std::size_t k) {
-    const float impulse_over_mass = length(force[k].xyz()) * h * stage.objects.particles.position[first + k].w;
+    const float impulse_over_mass =
+        length(force[k].xyz()) * h * stage.objects.particles.position[first + k].w;
     if (impulse_over_mass > force[k].w) force[k].set_xyz(force[k].xyz() * (force[k].w / impulse_over_mass));
   });
 }
@@ -77,7 +78,8 @@ void push_object(const StageView& stage, const Object& object, const Air& air, f
     push_triangles(stage, object, air, begin, end, thirds);
     for (std::size_t t = begin; t < end; ++t)
       for (const std::uint32_t i : object.surface[t])
-        force[i].set_xyz(force[i].xyz() + thirds[t - begin].xyz()), force[i].w = max(force[i].w, thirds[t - begin].w);
+        force[i].set_xyz(force[i].xyz() + thirds[t - begin].xyz()),
+            force[i].w = max(force[i].w, thirds[t - begin].w);
   }
   limit_forces(stage, {force, object.particle_count()}, object.begin, h);
 }

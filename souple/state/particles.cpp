@@ -1,6 +1,7 @@
 #include "souple/state/particles.h"
 
 #include "souple/assert.h"
+#include "souple/math/index_range.h"
 
 namespace souple {
 namespace {

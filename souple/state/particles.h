@@ -1,6 +1,5 @@
 #pragma once
 
-#include "souple/math/index_range.h"
 #include "souple/math/vec4.h"
 
 #include <cstdint>
@@ -8,6 +7,8 @@
 #include <vector>
 
 namespace souple {
+
+struct IndexRange;
 
 /// The position of a record plus its displacement, without rounding to float [m].
 inline Vec3d exact_sum(const Vec4f& position, const Vec4f& displacement) {

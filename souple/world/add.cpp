@@ -158,7 +158,8 @@ void erase_particles(WorldState& world, std::span<const IndexRange> ranges) {
     object->begin -= erased, object->end -= erased;
   }
   for (std::size_t k = ranges.size(); k-- > 0;) {
-    const auto begin = static_cast<std::uint32_t>(ranges[k].begin), end = static_cast<std::uint32_t>(ranges[k].end);
+    const auto begin = static_cast<std::uint32_t>(ranges[k].begin),
+               end = static_cast<std::uint32_t>(ranges[k].end);
     for (UserConstraint& user : world.constraints.users) user.erase_particles(begin, end);
     world.contact->contacts.erase_particles(begin, end);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "souple/world/name_registry.h"
+#include "souple/world/removal.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -36,12 +37,13 @@ class HandleIndex {
   std::unordered_map<std::uint32_t, std::uint32_t> index_of_;
 };
 
-/// Handles and names of a world.
+/// Handles and names of a world, also of objects whose removal is pending.
 struct Registry {
   HandleIndex objects, colliders, joints, ties;
   NameRegistry names;        ///< of objects and colliders
   NameRegistry joint_names;  ///< a joint may have the name of an object
   std::uint32_t next_id = 1;
+  Removals removals;
 };
 
 /// Throws Error: there is no `what`, such as a joint, with the handle.

@@ -12,15 +12,17 @@
 #include "souple/world/sleeping.h"
 
 #include <algorithm>
+#include <memory>
 
 namespace souple {
 namespace {
 
-/// Particles of the removed objects, ascending; neighbors are joined.
-std::vector<IndexRange> removed_particles(const WorldState& world) {
+/// Particles of objects, ascending; neighbors are joined.
+template <class IsRemoved>
+std::vector<IndexRange> particles_of(const WorldState& world, const IsRemoved& is_removed) {
   std::vector<IndexRange> ranges;
   for (const auto& object : world.objects) {
-    if (!object->removed) continue;
+    if (!is_removed(object->id.value)) continue;
     if (!ranges.empty() && ranges.back().end == object->begin)
       ranges.back().end = object->reserved_end();
     else
@@ -30,20 +32,20 @@ std::vector<IndexRange> removed_particles(const WorldState& world) {
 }
 
 void remove_objects(WorldState& world) {
-  const auto is_removed = [&](std::uint32_t id) { return world.object({id}).removed; };
+  const auto is_removed = [&](std::uint32_t id) { return world.registry->removals.objects.contains(id); };
   wake_all(world);
   remove_ties_if(world, [&](const TieEnd& end) { return end.object && is_removed(end.object->value); });
-  remove_joints_if(world, [&](const JointSide& side) { return side.object() && is_removed(side.object()->value); });
+  remove_joints_if(world,
+                   [&](const JointSide& side) { return side.object() && is_removed(side.object()->value); });
   world.rigid->remove_if(is_removed);
-  std::erase_if(world.flow.emitters,
-                [&](const EmitterRecord& record) { return is_removed(record.fluid); });
-  erase_particles(world, removed_particles(world));
+  std::erase_if(world.flow.emitters, [&](const EmitterRecord& record) { return is_removed(record.fluid); });
+  erase_particles(world, particles_of(world, is_removed));
   for (const auto& object : world.objects) {
-    if (!object->removed) continue;
+    if (!is_removed(object->id.value)) continue;
     world.caches->mirrors.erase(object->id.value);
     world.registry->names.remove(object->name);
   }
-  std::erase_if(world.objects, [](const auto& object) { return object->removed; });
+  std::erase_if(world.objects, [&](const auto& object) { return is_removed(object->id.value); });
   world.registry->objects.reset(world.objects.size(),
                                 [&](std::size_t o) { return world.objects[o]->id.value; });
   for (std::uint32_t o = 0; o < world.objects.size(); ++o)
@@ -53,18 +55,28 @@ void remove_objects(WorldState& world) {
 
 }  // namespace
 
-void remove_later(WorldState& world, Object& object) {
-  object.removed = true;
-  world.removals->pending.store(true, std::memory_order_release);
+bool contains_object(const WorldState& world, ObjectId id) {
+  Removals& removals = world.registry->removals;
+  const std::lock_guard lock(removals.mutex);
+  return world.find_object(id) != nullptr && !removals.objects.contains(id.value);
+}
+
+void remove_later(WorldState& world, ObjectId id) {
+  world.registry->removals.objects.insert(id.value);
+  world.registry->removals.pending.store(true, std::memory_order_release);
 }
 
 void finish_removals(WorldState& world) {
-  const std::lock_guard lock(world.removals->mutex);
-  if (!world.removals->pending.load(std::memory_order_relaxed)) return;
+  Removals& removals = world.registry->removals;
+  const std::lock_guard lock(removals.mutex);
+  if (!removals.pending.load(std::memory_order_relaxed)) return;
   Edit edit(world);
   // After an exception the world refuses what needs it whole.
-  const auto end = [](Removals* removals) { removals->pending.store(false, std::memory_order_release); };
-  const std::unique_ptr<Removals, decltype(end)> at_end(world.removals.get(), end);
+  const auto end = [](Removals* ended) {
+    ended->objects.clear();
+    ended->pending.store(false, std::memory_order_release);
+  };
+  const std::unique_ptr<Removals, decltype(end)> at_end(&removals, end);
   remove_objects(world);
   edit.done();
 }

@@ -18,7 +18,6 @@
 #include "souple/world/callbacks.h"
 #include "souple/world/contact_state.h"
 #include "souple/world/registry.h"
-#include "souple/world/removal.h"
 #include "souple/world/step_scratch.h"
 
 #include <fmt/core.h>
@@ -43,8 +42,7 @@ WorldState::WorldState()
       scratch(std::make_unique<StepScratch>()),
       callbacks(std::make_unique<Callbacks>()),
       calls(std::make_unique<Calls>()),
-      caches(std::make_unique<Caches>()),
-      removals(std::make_unique<Removals>()) {}
+      caches(std::make_unique<Caches>()) {}
 WorldState::~WorldState() = default;
 
 Object* WorldState::find_object(ObjectId id) const {

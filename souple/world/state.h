@@ -36,7 +36,6 @@ struct Object;
 struct QueryView;
 class RigidStage;
 struct Registry;
-struct Removals;
 class Solver;
 struct StageView;
 struct StepScratch;
@@ -133,7 +132,6 @@ struct WorldState {
   CurrentStep current;
   std::unique_ptr<Calls> calls;
   std::unique_ptr<Caches> caches;
-  std::unique_ptr<Removals> removals;
 
   /// Null if the handle is stale.
   Object* find_object(ObjectId id) const;

@@ -51,7 +51,7 @@ WorldState& World::unfinished_state() const {
 
 WorldState& World::state() const {
   WorldState& world = unfinished_state();
-  if (world.removals->pending.load(std::memory_order_acquire)) finish_removals(world);
+  if (world.registry->removals.pending.load(std::memory_order_acquire)) finish_removals(world);
   return world;
 }
 
@@ -126,9 +126,8 @@ void World::remove(CallbackId id) {
 void World::remove(ObjectId id) {
   WorldState& world = unfinished_state();
   const CallScope call(*world.calls, "remove(ObjectId)");
-  Object& object = world.object(id);
-  if (object.removed) throw_stale("object", id.value);
-  remove_later(world, object);
+  if (!contains_object(world, id)) throw_stale("object", id.value);
+  remove_later(world, id);
 }
 
 std::vector<ObjectId> World::objects() const {
@@ -138,8 +137,7 @@ std::vector<ObjectId> World::objects() const {
 }
 
 bool World::contains(ObjectId id) const {
-  const Object* const object = unfinished_state().find_object(id);
-  return object != nullptr && !object->removed;
+  return contains_object(unfinished_state(), id);
 }
 
 ObjectId World::find_object(std::string_view name) const {

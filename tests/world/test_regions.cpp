@@ -211,8 +211,7 @@ ObjectOptions falling_sheet(const Vec3d& place, float speed) {
 std::vector<ObjectId> add_fast_sheets(World& world, const Vec3d& place, int count) {
   std::vector<ObjectId> sheets;
   for (int i = 0; i < count; ++i)
-    sheets.push_back(
-        world.add_cloth(grid(20, 20, 1), {}, falling_sheet(place + Vec3d{0, 0.05 * i, 0}, 80)));
+    sheets.push_back(world.add_cloth(grid(20, 20, 1), {}, falling_sheet(place + Vec3d{0, 0.05 * i, 0}, 80)));
   return sheets;
 }
 

@@ -155,6 +155,23 @@ TEST(Step, AirResistsClothAndNothingElse) {
   }
 }
 
+// Air and pressure stay finite, and push nothing away, where a substep moves a surface by a hundred times its size.
+TEST(Step, ABalloonOfAnySpeedIsStoppedByTheAir) {
+  for (const float speed : {1e4f, 1e5f, 1e6f}) {
+    World world({.substeps = 30, .gravity = {}, .threads = 1});
+    ObjectOptions options;
+    options.velocity = {speed, 0.1f * speed, 0};
+    const ObjectId balloon =
+        world.add_cloth(sphere(2, 0.3), {.areal_density = 0.25f, .membrane_stiffness = 600}, options);
+    world.set_pressure(balloon, 40);
+    const double energy = world.kinetic_energy(balloon);
+    for (int frame = 0; frame < 10; ++frame) {
+      EXPECT_TRUE(world.step(1.0 / 60).ok()) << speed << " m/s, frame " << frame;
+      EXPECT_LT(world.kinetic_energy(balloon), energy) << speed << " m/s, frame " << frame;
+    }
+  }
+}
+
 TEST(Step, GustsComeFromTheSeed) {
   const auto blow = [](std::uint64_t seed) {
     World world({.wind = {.velocity = {5, 0, 0}, .gust = 0.8f}, .seed = seed});

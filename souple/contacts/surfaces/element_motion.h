@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/broad_phase/near_pairs.h"
+#include "souple/broad_phase/near_pair.h"
 #include "souple/math/vec3.h"
 #include "souple/solver/projector.h"
 

@@ -3,6 +3,7 @@
 #include "souple/assert.h"
 #include "souple/contacts/contact_law.h"
 #include "souple/contacts/kernels/find_kernels.h"
+#include "souple/contacts/surfaces/pair_search.h"
 #include "souple/intersections/intersection_resolver.h"
 #include "souple/math/sentinels.h"
 #include "souple/state/bytes.h"
@@ -52,12 +53,17 @@ ElementPairs::ElementPairs(std::vector<ContactSurface> surfaces, ParticlePairs j
     : surfaces_(std::move(surfaces), std::move(joined)), intersection_resolver_(intersection_resolver) {
   if (!surfaces_.any()) return;
   searches_.resize(surfaces_.size());
-  search_ = PairSearch(surfaces_);
+  search_ = std::make_unique<PairSearch>(surfaces_);
   const std::size_t particles = surfaces_.particle_count();
   for (std::vector<Vec4f>* each : {&velocity_now_, &before_}) each->reserve(particles);
   paths_ = PredictedPaths(particles);
   bounds_ = MotionBounds(particles);
 }
+
+ElementPairs::ElementPairs() = default;
+ElementPairs::ElementPairs(ElementPairs&&) noexcept = default;
+ElementPairs& ElementPairs::operator=(ElementPairs&&) noexcept = default;
+ElementPairs::~ElementPairs() = default;
 
 void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec4f> velocity,
                               std::span<const float> radius, std::span<const float> contact_margin,
@@ -72,11 +78,19 @@ void ElementPairs::begin_step(const ParticleView& particles, std::span<const Vec
   pairs_.clear(surfaces_.particle_count());
   const Motion motion{particles, velocity, 0, threads};
   for (std::uint32_t a = 0; a < surfaces_.size(); ++a) predict(a, motion, false);
-  search_.groups().find(surfaces_);
-  search_.find_all(input(motion));
+  search_->groups().find(surfaces_);
+  search_->find_all(input(motion));
   add_found(motion);
-  for (const std::uint32_t group : search_.over()) find_within_limit(group, motion);
+  for (const std::uint32_t group : search_->over()) find_within_limit(group, motion);
   pairs_.end_search();
+}
+
+bool ElementPairs::is_searched(std::uint32_t surface) const {
+  return search_->is_searched(surfaces_, surface);
+}
+
+PairSearchInput ElementPairs::input(const Motion& motion) const {
+  return {surfaces_, paths_, motion.particles.position, motion.threads};
 }
 
 void ElementPairs::begin_substep(float h, bool still_have_margins) {
@@ -125,15 +139,14 @@ void ElementPairs::predict(std::uint32_t surface, const Motion& motion, bool one
     return;
   const Bounds bounds = paths_.bounds_of(surfaces_[surface], surface, motion.ago, dt);
   const Vec3f size = bounds.hi - bounds.lo;
-  search_.groups().set_bounds(
+  search_->groups().set_bounds(
       surface, around(bounds.lo, bounds.hi, far_surface_margin_part * max(size.x, max(size.y, size.z))));
 }
 
 // All of a group, which may have a limit.
 void ElementPairs::predict_group(MotionLimit::Group group, const Motion& motion, bool one_substep) {
   Motion limited = motion;
-  limited.velocity =
-      limit_.limited(surfaces_, group, motion.particles, motion.velocity, substep_length());
+  limited.velocity = limit_.limited(surfaces_, group, motion.particles, motion.velocity, substep_length());
   for (const std::uint32_t a : group) {
     if (group.size() > 1) paths_.set_frame(a, limit_.frame(a));
     predict(a, limited, one_substep);
@@ -142,13 +155,13 @@ void ElementPairs::predict_group(MotionLimit::Group group, const Motion& motion,
 
 // Searches a group that has more pairs than its budget: for one substep, and then for shortened motions.
 void ElementPairs::find_within_limit(std::uint32_t group, const Motion& motion) {
-  const MotionLimit::Group members = search_.groups().members(group);
-  const std::size_t budget = search_.budget(surfaces_, group);
+  const MotionLimit::Group members = search_->groups().members(group);
+  const std::size_t budget = search_->budget(surfaces_, group);
   bool one_substep = limit_.is_active(members[0]), found = false;
   limit_.begin_search(surfaces_, members, motion.particles, motion.velocity);
   if (!one_substep) {
     predict_group(members, motion, one_substep = true);
-    found = search_.find_group(input(motion), group, budget);
+    found = search_->find_group(input(motion), group, budget);
   }
   while (!found) {
     // Pairs that are near although they hardly move have to be found.
@@ -156,7 +169,7 @@ void ElementPairs::find_within_limit(std::uint32_t group, const Motion& motion) 
         limit_.shorten(surfaces_, members, motion.particles, motion.velocity, substep_length());
     if (!helps && !limit_.is_active(members[0])) one_substep = false;
     predict_group(members, motion, one_substep);
-    found = search_.find_group(input(motion), group, helps ? budget : NearPairFinder::unlimited);
+    found = search_->find_group(input(motion), group, helps ? budget : NearPairFinder::unlimited);
   }
   add_found(motion);
 }
@@ -165,19 +178,19 @@ void ElementPairs::find_within_limit(std::uint32_t group, const Motion& motion) 
 
 std::size_t ElementPairs::update(const ParticleView& particles, float h, Threads& threads) {
   shorten_motions(particles, h);
-  paths_.find_off_path(surfaces_, search_.groups().overlaps_other(), particles, threads);
+  paths_.find_off_path(surfaces_, search_->groups().overlaps_other(), particles, threads);
   return refind(particles, h, true, threads);
 }
 
 std::size_t ElementPairs::update(const ParticleView& particles, float h,
                                  std::span<const std::uint32_t> particles_moved, Threads& threads) {
   shorten_motions(particles, h);
-  paths_.find_off_path(surfaces_, search_.groups().overlaps_other(), particles, particles_moved);
+  paths_.find_off_path(surfaces_, search_->groups().overlaps_other(), particles, particles_moved);
   return refind(particles, h, false, threads);
 }
 
 void ElementPairs::shorten_motions(const ParticleView& particles, float h) {
-  const SurfaceGroups& groups = search_.groups();
+  const SurfaceGroups& groups = search_->groups();
   for (std::size_t g = 0; g < groups.size(); ++g) limit_.apply(surfaces_, groups.members(g), particles, h);
 }
 
@@ -192,16 +205,17 @@ void ElementPairs::choose_surfaces(float h, bool may_be_over) {
   for (std::uint32_t a = 0; a < searches_.size(); ++a) {
     Search& search = searches_[a];
     const std::size_t particles = surfaces_[a].end - surfaces_[a].begin;
-    search.again = is_searched(a) && ((may_be_over && search.covered <= -0.5f * h) ||
-                                      search.off_path > particles / refind_all_divisor + 8 ||
-                                      (search.off_path > 0 && search.found > kept_budgets * search_.budget(a)));
+    search.again =
+        is_searched(a) && ((may_be_over && search.covered <= -0.5f * h) ||
+                           search.off_path > particles / refind_all_divisor + 8 ||
+                           (search.off_path > 0 && search.found > kept_budgets * search_->budget(a)));
   }
-  const SurfaceGroups& groups = search_.groups();
+  const SurfaceGroups& groups = search_->groups();
   for (std::size_t g = 0; g < groups.size(); ++g) {
     std::size_t added = 0, off_path = 0;
     for (const std::uint32_t a : groups.members(g))
       added += searches_[a].added, off_path += searches_[a].off_path;
-    if (off_path > 0 && added > added_budgets * search_.budget(surfaces_, g)) choose_all(groups.members(g));
+    if (off_path > 0 && added > added_budgets * search_->budget(surfaces_, g)) choose_all(groups.members(g));
   }
 }
 
@@ -220,10 +234,10 @@ bool ElementPairs::choose_all(MotionLimit::Group group) {
 // After groups were found: what overlaps others only now is searched again, and groups that met while one of them has a
 // limit. Returns whether there is any.
 bool ElementPairs::choose_more() {
-  const SurfaceGroups& groups = search_.groups();
+  const SurfaceGroups& groups = search_->groups();
   bool any = false;
   for (std::uint32_t a = 0; a < searches_.size(); ++a)
-    if (search_.is_new(a) && !searches_[a].again) searches_[a].again = any = true;
+    if (search_->is_new(a) && !searches_[a].again) searches_[a].again = any = true;
   for (std::size_t g = 0; g < groups.size(); ++g)
     if (limit_.differs(groups.members(g))) any = choose_all(groups.members(g)) || any;
   return any;
@@ -232,7 +246,7 @@ bool ElementPairs::choose_more() {
 // Groups that exceeded their budget are searched whole. Returns whether there is any that was not.
 bool ElementPairs::choose_over() {
   bool any = false;
-  for (const std::uint32_t g : search_.over()) any = choose_all(search_.groups().members(g)) || any;
+  for (const std::uint32_t g : search_->over()) any = choose_all(search_->groups().members(g)) || any;
   return any;
 }
 
@@ -247,20 +261,20 @@ std::size_t ElementPairs::refind(const ParticleView& particles, float h, bool ma
   do {
     do {
       predict_chosen(motion);
-      search_.groups().find(surfaces_);
+      search_->groups().find(surfaces_);
     } while (choose_more());
     all = true;
     for (std::uint32_t a = 0; a < searches_.size(); ++a) all = all && (searches_[a].again || !is_searched(a));
     if (all) {
-      search_.find_all(input(motion));
+      search_->find_all(input(motion));
     } else {
       list_moved();
-      search_.find_moved(input(motion), moved_);
+      search_->find_moved(input(motion), moved_);
     }
   } while (choose_over());
   const std::size_t first = replace(all);
   add_found(motion);
-  for (const std::uint32_t group : search_.over()) find_within_limit(group, motion);
+  for (const std::uint32_t group : search_->over()) find_within_limit(group, motion);
   if (all) pairs_.end_search();
   remaining_ = remaining;
   shorten_motions(particles, h);
@@ -281,7 +295,7 @@ ParticleView ElementPairs::rewind(const ParticleView& particles, float h) {
 
 // Predicts the paths of the chosen surfaces for the rest of the step, and of other particles that have left theirs.
 void ElementPairs::predict_chosen(const Motion& motion) {
-  const SurfaceGroups& groups = search_.groups();
+  const SurfaceGroups& groups = search_->groups();
   for (std::size_t g = 0; g < groups.size(); ++g) {
     const MotionLimit::Group group = groups.members(g);
     if (limit_.is_needed(group) && are_all_chosen(group)) {
@@ -384,12 +398,12 @@ void ElementPairs::add(std::span<const NearPair> pairs, bool edges, bool inter_o
 
 void ElementPairs::add_found(const Motion& motion) {
   for (std::uint32_t a = 0; a < searches_.size(); ++a)
-    searches_[a].found += search_.found(a), searches_[a].added += search_.found(a);
+    searches_[a].found += search_->found(a), searches_[a].added += search_->found(a);
   const std::size_t first = chunk_count();
-  add(search_.within().vertex_triangle, false, false, motion);
-  add(search_.between().vertex_triangle, false, true, motion);
-  add(search_.within().edge_edge, true, false, motion);
-  add(search_.between().edge_edge, true, true, motion);
+  add(search_->within().vertex_triangle, false, false, motion);
+  add(search_->between().vertex_triangle, false, true, motion);
+  add(search_->within().edge_edge, true, false, motion);
+  add(search_->between().edge_edge, true, true, motion);
   bounds_.resize(chunk_count());
   motion.threads.each(chunk_count() - first, 4, [&](std::size_t c) { bounds_.add_chunk(first + c, pairs_); });
 }
@@ -451,7 +465,7 @@ std::size_t ElementPairs::bytes() const {
   std::size_t sum = bytes_of(velocity_now_, before_);
   for (const Batch& batch : batches_) sum += batch.near.bytes() + batch.far.bytes();
   return sum + surfaces_.bytes() + paths_.bytes() + limit_.bytes() + pairs_.bytes() + bounds_.bytes() +
-         search_.bytes();
+         search_->bytes();
 }
 
 }  // namespace souple

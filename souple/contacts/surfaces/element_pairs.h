@@ -1,23 +1,25 @@
 #pragma once
 
-#include "souple/broad_phase/near_pairs.h"
+#include "souple/broad_phase/near_pair.h"
 #include "souple/contacts/contact.h"
 #include "souple/contacts/surfaces/element_surfaces.h"
 #include "souple/contacts/surfaces/motion_bounds.h"
 #include "souple/contacts/surfaces/motion_limit.h"
 #include "souple/contacts/surfaces/pair_chunks.h"
-#include "souple/contacts/surfaces/pair_search.h"
 #include "souple/contacts/surfaces/predicted_paths.h"
 #include "souple/solver/projector.h"
 #include "souple/state/columns.h"
 #include "souple/threads/threads.h"
 
+#include <memory>
 #include <span>
 #include <vector>
 
 namespace souple {
 
 class IntersectionResolver;
+class PairSearch;
+struct PairSearchInput;
 
 /// A contact or a TOI violation: the index of a candidate pair, and the part of the motion at which its nearest
 /// points count. This is its time of impact, or 1 without impact.
@@ -45,10 +47,13 @@ inline constexpr double contact_spare = SurfaceContactRows::spare;
 /// is repeated for one substep alone, and then for shortened motions (motion_limit.h).
 class ElementPairs {
  public:
-  ElementPairs() = default;
+  ElementPairs();
   /// Skips the pairs that the resolver exempts; null: none. It must outlive this object.
   ElementPairs(std::vector<ContactSurface> surfaces, ParticlePairs joined,
                const IntersectionResolver* intersection_resolver);
+  ElementPairs(ElementPairs&&) noexcept;
+  ElementPairs& operator=(ElementPairs&&) noexcept;
+  ~ElementPairs();
   void set_end(std::size_t surface, std::uint32_t end) { surfaces_.set_end(surface, end); }
 
   /// Finds pairs for a step of `dt`. radius[i]: half the thickness of particle i [m]. contact_margin[i]:
@@ -128,7 +133,7 @@ class ElementPairs {
     std::size_t off_path = 0;  ///< particles that have left their paths
     bool again = false;        ///< all its pairs are searched again
   };
-  /// What paths are predicted from: the state so many seconds before the substep's end.
+  /// Paths are predicted from this state, so many seconds before the substep's end.
   struct Motion {
     const ParticleView& particles;
     std::span<const Vec4f> velocity;
@@ -136,10 +141,8 @@ class ElementPairs {
     Threads& threads;
   };
 
-  bool is_searched(std::uint32_t surface) const { return search_.is_searched(surfaces_, surface); }
-  PairSearch::Input input(const Motion& motion) const {
-    return {surfaces_, paths_, motion.particles.position, motion.threads};
-  }
+  bool is_searched(std::uint32_t surface) const;
+  PairSearchInput input(const Motion& motion) const;
   float substep_length() const { return step_.h > 0 ? min(step_.h, remaining_) : remaining_; }
   float horizon(std::size_t surface, const ParticleView& particles, std::span<const Vec4f> velocity) const;
   std::size_t refind(const ParticleView& particles, float h, bool may_be_over, Threads& threads);
@@ -169,9 +172,9 @@ class ElementPairs {
   MotionBounds bounds_;
   const IntersectionResolver* intersection_resolver_ = nullptr;
   ContactStep step_;
-  float remaining_ = 0;  // time of the step after this substep [s]
+  float remaining_ = 0;           // time of the step after this substep [s]
   std::vector<Search> searches_;  // per surface
-  PairSearch search_;
+  std::unique_ptr<PairSearch> search_;
   std::vector<std::uint32_t> moved_;           // particles whose pairs are searched again
   std::vector<IndexRange> anew_, taken_anew_;  // see take_searched_anew
   std::vector<Batch> batches_;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "souple/broad_phase/contact_surface.h"
-#include "souple/broad_phase/near_pairs.h"
+#include "souple/broad_phase/near_pair.h"
 #include "souple/math/vec4.h"
 
 #include <cstdint>

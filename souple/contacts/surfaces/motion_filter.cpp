@@ -164,10 +164,12 @@ void MotionFilter::stop_crowded_groups(const ElementPairs& candidates, const Par
   const ElementSurfaces& surfaces = candidates.surfaces();
   room_.assign(surfaces.size(), 0);
   for (std::uint32_t a = 0; a < surfaces.size(); ++a)
-    room_[groups_.root(a)] += corrections_per_particle * static_cast<int>(surfaces[a].end - surfaces[a].begin);
+    room_[groups_.root(a)] +=
+        corrections_per_particle * static_cast<int>(surfaces[a].end - surfaces[a].begin);
   const auto take = [&](const auto& pair) { --room_[group_of(candidates, pair, particles)]; };
   for (const PairToi& violation : violations_) take(candidates.pair(violation.pair).particle);
-  for (std::size_t c = 0; c < correction_pair_.size(); ++c) take(anchor_of(corrections_.columns(), c).particle);
+  for (std::size_t c = 0; c < correction_pair_.size(); ++c)
+    take(anchor_of(corrections_.columns(), c).particle);
   for (std::uint32_t a = 0; a < surfaces.size(); ++a)
     if (room_[groups_.root(a)] < 0) ahead_[a] = correction_passes + clamping_passes;
 }

@@ -152,8 +152,8 @@ void MotionLimit::apply(const ElementSurfaces& surfaces, Group group, const Part
     float fastest = 0;
     for_each_particle(surfaces, a, [&](std::uint32_t i) {
       const Vec3f motion = moved(i);
-      const Vec3f kept = shorten_by(motion, frame,
-                                    particles.inverse_mass(i) == 0 ? driven : factor_of(motion - frame, limit));
+      const Vec3f kept = shorten_by(
+          motion, frame, particles.inverse_mass(i) == 0 ? driven : factor_of(motion - frame, limit));
       if (kept == motion) return;
       particles.moving[i].set_xyz(particles.start[i].xyz() + kept);
       fastest = max(fastest, length_squared(motion));

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "souple/broad_phase/near_pairs.h"
+#include "souple/broad_phase/near_pair.h"
 #include "souple/contacts/kernels/element_pairs.h"
 #include "souple/threads/threads.h"
 

@@ -161,8 +161,8 @@ void PairSearch::drop_over(const Input& input, NearPairs& pairs) const {
 }
 
 std::size_t PairSearch::bytes() const {
-  return bytes_of(elements_, has_elements_, within_.vertex_triangle, within_.edge_edge, between_.vertex_triangle,
-                  between_.edge_edge, found_, over_, moved_in_) +
+  return bytes_of(elements_, has_elements_, within_.vertex_triangle, within_.edge_edge,
+                  between_.vertex_triangle, between_.edge_edge, found_, over_, moved_in_) +
          groups_.bytes() + within_elements_.bytes() + between_elements_.bytes() + within_finder_.bytes() +
          between_finder_.bytes();
 }

@@ -13,16 +13,18 @@
 
 namespace souple {
 
+struct PairSearchInput {
+  const ElementSurfaces& surfaces;
+  const PredictedPaths& paths;
+  std::span<const Vec4f> position;  ///< per particle; w: inverse mass [1/kg]
+  Threads& threads;
+};
+
 /// Searches for near pairs of elements within surfaces and between them. A group of surfaces has a budget in proportion to
 /// its elements. The pairs of a group that exceeds it are left out.
 class PairSearch {
  public:
-  struct Input {
-    const ElementSurfaces& surfaces;
-    const PredictedPaths& paths;
-    std::span<const Vec4f> position;  ///< per particle; w: inverse mass [1/kg]
-    Threads& threads;
-  };
+  using Input = PairSearchInput;
   PairSearch() = default;
   explicit PairSearch(const ElementSurfaces& surfaces);
 
@@ -73,16 +75,16 @@ class PairSearch {
   void drop_over(const Input& input, NearPairs& pairs) const;
 
   SurfaceGroups groups_;
-  std::vector<std::size_t> elements_;        // per surface: vertices and edges
-  std::vector<std::uint8_t> has_elements_;   // per surface: of between_elements_
-  SurfaceElements within_elements_;          // of surfaces with self-collision
-  SurfaceElements between_elements_;         // of surfaces that overlap others
+  std::vector<std::size_t> elements_;       // per surface: vertices and edges
+  std::vector<std::uint8_t> has_elements_;  // per surface: of between_elements_
+  SurfaceElements within_elements_;         // of surfaces with self-collision
+  SurfaceElements between_elements_;        // of surfaces that overlap others
   NearPairFinder within_finder_, between_finder_;
   NearPairs within_, between_;
   std::vector<std::array<std::size_t, 2>> found_;  // per surface: within, between
   std::vector<std::uint32_t> over_;
-  std::vector<std::uint8_t> is_over_, chosen_;       // per group
-  std::vector<std::uint32_t> moved_in_;              // work space
+  std::vector<std::uint8_t> is_over_, chosen_;  // per group
+  std::vector<std::uint32_t> moved_in_;         // work space
 };
 
 }  // namespace souple

@@ -17,7 +17,8 @@ struct Air {
 ///   drag = -rho/2 c_d A |v.n| v                                = -rho/4 c_d |v.N| v
 ///   lift = -rho/2 c_l A (v.n) |v| (n - (n.v) v / |v|^2)        = -rho/4 c_l cos (|v|^2 N - (v.N) v)
 template <class T>
-inline Vec3<T> air_force(const Vec3<T>& e, const Vec3<T>& f, const Vec3<T>& v, const T& speed, const Air& air) {
+inline Vec3<T> air_force(const Vec3<T>& e, const Vec3<T>& f, const Vec3<T>& v, const T& speed,
+                         const Air& air) {
   const Vec3<T> N = cross(e, f);
   const T vN = dot(v, N), product = speed * length(N);
   const auto blown = product > T(0);
