@@ -62,9 +62,8 @@ void push_triangles(const StageView& stage, const Object& object, const Air& air
 // light cloth stays stable in any wind, and so does cloth that is torn apart.
 void limit_forces(const StageView& stage, std::span<Vec4f> force, std::uint32_t first, float h) {
   stage.threads.each(force.size(), force_grain, [&](std::size_t k) {
-    const float impulse_over_mass =
-        length(force[k].xyz()) * h * stage.objects.particles.position[first + k].w;
-    if (impulse_over_mass > force[k].w) force[k].set_xyz(force[k].xyz() * (force[k].w / impulse_over_mass));
+    const Vec3f dv = force[k].xyz() * (h * stage.objects.particles.position[first + k].w);
+    if (dot(dv, dv) > force[k].w * force[k].w) force[k].set_xyz(force[k].xyz() * (force[k].w / length(dv)));
   });
 }
 

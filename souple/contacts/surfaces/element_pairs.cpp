@@ -465,7 +465,7 @@ std::size_t ElementPairs::bytes() const {
   std::size_t sum = bytes_of(velocity_now_, before_);
   for (const Batch& batch : batches_) sum += batch.near.bytes() + batch.far.bytes();
   return sum + surfaces_.bytes() + paths_.bytes() + limit_.bytes() + pairs_.bytes() + bounds_.bytes() +
-         search_->bytes();
+         (search_ ? search_->bytes() : 0);
 }
 
 }  // namespace souple
