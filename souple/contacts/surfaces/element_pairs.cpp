@@ -335,6 +335,11 @@ void ElementPairs::list_moved() {
 
 // Drops the pairs that a search replaces. Returns the index of the first new one.
 std::size_t ElementPairs::replace(bool all) {
+  const SurfaceGroups& groups = search_->groups();
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    if (!are_all_chosen(groups.members(g))) continue;
+    for (const std::uint32_t a : groups.members(g)) searches_[a].added = 0;
+  }
   if (all) {
     pairs_.clear(surfaces_.particle_count());
     anew_.clear();
@@ -353,18 +358,23 @@ std::size_t ElementPairs::replace(bool all) {
 void ElementPairs::add_batch(Batch& batch, std::span<const NearPair> pairs, bool edges, bool inter_object,
                              const ParticleView& particles) const {
   const auto covered = [&](std::uint32_t i) { return searches_[surfaces_.of(i)].covered; };
-  float dt = 0;  // until the first of a pair's surfaces is searched again
-  for (const NearPair& pair : pairs)
-    dt = max(dt, inter_object ? min(covered(pair.particle[0]), covered(pair.particle[3]))
-                              : covered(pair.particle[0]));
-  dt += step_.h;  // `covered` is the time after the substep
+  // Until the first of a pair's surfaces is searched again; `covered` is the time after the substep.
+  const auto time_of = [&](const NearPair& pair) {
+    const float time =
+        inter_object ? min(covered(pair.particle[0]), covered(pair.particle[3])) : covered(pair.particle[0]);
+    return time + step_.h;
+  };
   const kernels::ElementPairKernels& kernels = kernels::find_element_pair_kernels(instruction_set());
   const std::size_t kind = edges ? 1 : 0;
   float distance[batch_size], thickness[batch_size], range[batch_size];
   kernels::ParticleRecords records = records_of(particles, paths_.velocity());
   records.contact_margin = paths_.contact_margin().data();
-  kernels.ranges[kind](records, paths_.margins(inter_object), dt, &pairs[0].particle, 0, pairs.size(),
-                       thickness, range);
+  for (std::size_t begin = 0, end = 0; begin < pairs.size(); begin = end) {
+    const float dt = time_of(pairs[begin]);
+    while (end < pairs.size() && time_of(pairs[end]) == dt) ++end;
+    kernels.ranges[kind](records, paths_.margins(inter_object), dt, &pairs[0].particle, begin, end, thickness,
+                         range);
+  }
   kernels.distances[kind](records, &pairs[0].particle, 0, pairs.size(), distance);
   batch.near.count = batch.far.count = 0;
   for (std::size_t k = 0; k < pairs.size(); ++k) {
