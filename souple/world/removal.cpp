@@ -49,8 +49,8 @@ void remove_objects(WorldState& world) {
   world.registry->objects.reset(world.objects.size(),
                                 [&](std::size_t o) { return world.objects[o]->id.value; });
   for (std::uint32_t o = 0; o < world.objects.size(); ++o)
-    std::fill(world.object_of.begin() + world.objects[o]->begin,
-              world.object_of.begin() + world.objects[o]->reserved_end(), o);
+    std::fill(world.object_of.data() + world.objects[o]->begin,
+              world.object_of.data() + world.objects[o]->reserved_end(), o);
 }
 
 }  // namespace
